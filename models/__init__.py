@@ -1,0 +1,1 @@
+"""The models of the world. No files, no tracking, no command line."""

@@ -1,0 +1,100 @@
+"""From the catalogue to compiled functions: one function a quantity, all effects inside.
+
+Every effect takes part in every call, absent ones at their neutral value, so that any combination
+of effects runs on one compilation. Numba stores what it compiled in a folder named after the
+content of everything that goes into it, so a changed equation can never meet a stale binary.
+"""
+
+import hashlib
+import inspect
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+import platformdirs
+from numba.core import config
+
+from models.ball.catalogue import catalogue
+from models.ball.effect import Effect
+from models.ball.quantities import QUANTITIES, Quantity
+
+
+@cache
+def parameter_columns() -> dict[tuple[str, str], int]:
+    """Return the place of every (effect, parameter) in the vector that compiled functions take."""
+    names = [(e.name, p.name) for e in catalogue().values() for p in e.parameters]
+    return {name: column for column, name in enumerate(names)}
+
+
+@cache
+def composed() -> dict[str, Any]:
+    """Return a compiled ``function(context, parameters)`` for each quantity but the sensor's."""
+    namespace: dict[str, Any] = {"njit": numba.njit(error_model="numpy")}
+    for effect in catalogue().values():
+        for number, change in enumerate(effect.changes):
+            namespace[f"{effect.name}_{number}"] = numba.njit(error_model="numpy")(change.function)
+    compiled_quantities = [quantity for quantity in QUANTITIES if quantity.acts != "sensor"]
+    for quantity in compiled_quantities:
+        exec(_source(quantity), namespace)
+    return {quantity.name: namespace[quantity.name] for quantity in compiled_quantities}
+
+
+def _source(quantity: Quantity) -> str:
+    """Write the function of one quantity: its start, plus all that adds, times all that scales."""
+    arguments = "p" if quantity.context is None else "context, p"
+    lines = ["@njit", f"def {quantity.name}({arguments}):"]
+    lines += [f"    q{i} = {quantity.start}" for i in range(quantity.size)]
+    for how, operator in (("adds", "+="), ("scales", "*=")):
+        for effect in catalogue().values():
+            for number, change in enumerate(effect.changes):
+                if change.quantity == quantity.name and change.how == how:
+                    lines += _apply(quantity, f"{effect.name}_{number}", effect, operator)
+    values = [f"q{i}" for i in range(quantity.size)]
+    lines.append(f"    return {values[0] if quantity.size == 1 else '(' + ', '.join(values) + ')'}")
+    return "\n".join(lines)
+
+
+def _apply(quantity: Quantity, hook: str, effect: Effect, operator: str) -> list[str]:
+    columns = [parameter_columns()[effect.name, p.name] for p in effect.parameters]
+    arguments = [] if quantity.context is None else ["context"]
+    arguments += [f"p[{column}]" for column in columns]
+    call = f"{hook}({', '.join(arguments)})"
+    if quantity.size == 1:
+        return [f"    q0 {operator} {call}"]
+    pieces = [f"    q{i} {operator} change[{i}]" for i in range(quantity.size)]
+    return [f"    change = {call}", *pieces]
+
+
+def compiled(function: Callable[..., Any]) -> Any:
+    """Decorate a function of the ball to be compiled by numba, once, and kept on disk."""
+    options: Any = config  # numba fills this module at run time
+    previous = options.CACHE_DIR
+    options.CACHE_DIR = str(_cache_folder())
+    try:
+        return numba.njit(cache=True, error_model="numpy")(function)
+    finally:
+        options.CACHE_DIR = previous
+
+
+@cache
+def _cache_folder() -> Path:
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(path.read_bytes())
+    for effect in catalogue().values():
+        digest.update(repr((effect.name, [p.name for p in effect.parameters])).encode())
+        for change in effect.changes:
+            module = inspect.getsourcefile(change.function)
+            digest.update(f"{change.quantity} {change.how}".encode())
+            digest.update(Path(module).read_bytes() if module else b"")
+    return _writable_cache() / digest.hexdigest()[:16]
+
+
+def _writable_cache() -> Path:
+    try:
+        return Path(platformdirs.user_cache_dir("rallygap", ensure_exists=True))
+    except OSError:  # a home that cannot be written to
+        return Path(tempfile.gettempdir()) / "rallygap"

@@ -1,0 +1,1 @@
+"""The catalogue: one file an effect. A file put here is found by itself."""

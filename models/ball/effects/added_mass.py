@@ -1,0 +1,27 @@
+"""Added mass: the ball accelerates some air with it."""
+
+from models.ball.effect import Effect, Parameter
+from models.ball.quantities import Air
+from models.ball.state import MAGNUS_FACTOR
+
+effect = Effect(
+    name="added_mass",
+    title="the ball accelerates some air with it",
+    equation="a / (1 + c rho V / 2m)",
+    acts="flight",
+    parameters=(
+        Parameter(
+            "c",
+            unit="1",
+            neutral=0.0,
+            bounds=(-5.0, 5.0),
+            seen="physically 1, that is 0.74 percent of every acceleration",
+            source="potential flow about a sphere",
+        ),
+    ),
+)
+
+
+@effect.adds("inertia")
+def inertia(air: Air, c: float) -> float:
+    return c * MAGNUS_FACTOR / 2.0

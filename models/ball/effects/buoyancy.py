@@ -1,0 +1,26 @@
+"""Buoyancy: the displaced air carries part of the ball."""
+
+from models.ball.effect import Effect, Parameter
+from models.ball.state import MAGNUS_FACTOR
+
+effect = Effect(
+    name="buoyancy",
+    title="the displaced air carries the ball",
+    equation="g (1 - b rho V / m)",
+    acts="flight",
+    parameters=(
+        Parameter(
+            "b",
+            unit="1",
+            neutral=0.0,
+            bounds=(-5.0, 5.0),
+            seen="physically 1, that is 1.5 percent of g",
+            source="Archimedes",
+        ),
+    ),
+)
+
+
+@effect.scales("gravity")
+def gravity(b: float) -> float:
+    return 1.0 - b * MAGNUS_FACTOR

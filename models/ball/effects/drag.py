@@ -1,0 +1,26 @@
+"""Drag: the air slows the ball."""
+
+from models.ball.effect import Effect, Parameter
+from models.ball.quantities import Air
+
+effect = Effect(
+    name="drag",
+    title="the air slows the ball",
+    equation="a = -rho A C_D / 2m |u| u",
+    acts="flight",
+    parameters=(
+        Parameter(
+            "cd",
+            unit="1",
+            neutral=0.0,
+            bounds=(0.0, 1.5),
+            seen="0.40-0.56",
+            source="Nakashima 2010: 0.54",
+        ),
+    ),
+)
+
+
+@effect.adds("drag_coefficient")
+def drag_coefficient(air: Air, cd: float) -> float:
+    return cd

@@ -1,0 +1,35 @@
+"""The frame is not level: gravity does not point along -z."""
+
+import math
+
+from models.ball.effect import Effect, Parameter
+
+effect = Effect(
+    name="frame_tilt",
+    title="the frame is not level",
+    equation="gravity along (sin tx, sin ty, -cos)",
+    acts="flight",
+    parameters=(
+        Parameter(
+            "x",
+            unit="rad",
+            neutral=0.0,
+            bounds=(-0.2, 0.2),
+            seen="0.1-1 degree",
+            source="definition",
+        ),
+        Parameter(
+            "y",
+            unit="rad",
+            neutral=0.0,
+            bounds=(-0.2, 0.2),
+            seen="0.1-1 degree",
+            source="definition",
+        ),
+    ),
+)
+
+
+@effect.adds("gravity_tilt")
+def gravity_tilt(x: float, y: float) -> tuple[float, float]:
+    return (math.sin(x), math.sin(y))

@@ -1,0 +1,28 @@
+"""Lift saturates: more spin bends the path less than in proportion."""
+
+from models.ball.effect import Effect, Parameter
+from models.ball.quantities import Air
+
+effect = Effect(
+    name="lift_saturation",
+    title="lift saturates at high spin",
+    equation="C_M / (1 + kappa S)",
+    acts="flight",
+    parameters=(
+        Parameter(
+            "kappa",
+            unit="1",
+            neutral=0.0,
+            bounds=(0.0, 50.0),
+            seen="C_L about 0.35 S / (0.20 + S), so kappa about 5",
+            source="fits of cannon shots over S 0.15-1.2",
+        ),
+    ),
+)
+
+
+@effect.scales("magnus_coefficient")
+def magnus_coefficient(air: Air, kappa: float) -> float:
+    if kappa == 0.0:  # a division saved in the hot path
+        return 1.0
+    return 1.0 / (1.0 + kappa * air.spin_ratio)

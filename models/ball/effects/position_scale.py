@@ -1,0 +1,26 @@
+"""The cameras' scale is off."""
+
+from models.ball.effect import Effect, Parameter
+from models.ball.quantities import View
+
+effect = Effect(
+    name="position_scale",
+    title="the cameras' scale is off",
+    equation="x_measured = (1 + s) x",
+    acts="sensor",
+    parameters=(
+        Parameter(
+            "s",
+            unit="1",
+            neutral=0.0,
+            bounds=(-0.1, 0.1),
+            seen="0.1-1 percent",
+            source="definition",
+        ),
+    ),
+)
+
+
+@effect.scales("position_gain")
+def position_gain(view: View, s: float) -> float:
+    return 1.0 + s

@@ -1,0 +1,34 @@
+"""A steady side force, as on a knuckle ball."""
+
+import math
+
+from models.ball.effect import Effect, Parameter
+from models.ball.quantities import Air, Vector
+from models.ball.state import DRAG_FACTOR
+
+effect = Effect(
+    name="side_force",
+    title="a steady side force",
+    equation="a = rho A C_Y / 2m |u|^2, horizontal, to the right of the path",
+    acts="flight",
+    parameters=(
+        Parameter(
+            "cy",
+            unit="1",
+            neutral=0.0,
+            bounds=(-0.5, 0.5),
+            seen="to 0.05 on a knuckle ball",
+            source="definition",
+        ),
+    ),
+)
+
+
+@effect.adds("specific_force")
+def specific_force(air: Air, cy: float) -> Vector:
+    ux, uy, _ = air.velocity
+    along = math.sqrt(ux * ux + uy * uy)
+    if cy == 0.0 or along == 0.0:  # absent, or straight up or down: no right hand side
+        return (0.0, 0.0, 0.0)
+    push = DRAG_FACTOR * cy * air.speed * air.speed / along
+    return (push * uy, -push * ux, 0.0)

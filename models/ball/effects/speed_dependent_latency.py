@@ -1,0 +1,26 @@
+"""Measurements lag more the faster the ball flies."""
+
+from models.ball.effect import Effect, Parameter
+from models.ball.quantities import View
+
+effect = Effect(
+    name="speed_dependent_latency",
+    title="measurements lag with speed",
+    equation="x_measured(t) = x(t - tau |v|)",
+    acts="sensor",
+    parameters=(
+        Parameter(
+            "tau",
+            unit="s^2/m",
+            neutral=0.0,
+            bounds=(-0.002, 0.002),
+            seen="1-5 ms per 10 m/s",
+            source="definition",
+        ),
+    ),
+)
+
+
+@effect.adds("delay")
+def delay(view: View, tau: float) -> float:
+    return tau * view.speed

@@ -1,0 +1,26 @@
+"""Restitution falls with the speed of the impact."""
+
+from models.ball.effect import Effect, Parameter
+from models.ball.quantities import Impact
+
+effect = Effect(
+    name="speed_dependent_restitution",
+    title="restitution falls with impact speed",
+    equation="e - c v_n",
+    acts="contact",
+    parameters=(
+        Parameter(
+            "c",
+            unit="s/m",
+            neutral=0.0,
+            bounds=(-0.1, 0.1),
+            seen="0.02 at high speed, none below 4 m/s",
+            source="drop and cannon tests",
+        ),
+    ),
+)
+
+
+@effect.adds("table_restitution")
+def table_restitution(impact: Impact, c: float) -> float:
+    return -c * impact.normal_speed

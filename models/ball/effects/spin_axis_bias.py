@@ -1,0 +1,42 @@
+"""Spin labels are turned."""
+
+from models.ball.effect import Effect, Parameter
+from models.ball.quantities import Vector, View
+
+effect = Effect(
+    name="spin_axis_bias",
+    title="spin labels are turned",
+    equation="w_measured = R(rotation vector) w",
+    acts="sensor",
+    parameters=(
+        Parameter(
+            "x",
+            unit="rad",
+            neutral=0.0,
+            bounds=(-0.8, 0.8),
+            seen="1-3 degrees",
+            source="definition",
+        ),
+        Parameter(
+            "y",
+            unit="rad",
+            neutral=0.0,
+            bounds=(-0.8, 0.8),
+            seen="1-3 degrees",
+            source="definition",
+        ),
+        Parameter(
+            "z",
+            unit="rad",
+            neutral=0.0,
+            bounds=(-0.8, 0.8),
+            seen="1-3 degrees",
+            source="definition",
+        ),
+    ),
+)
+
+
+@effect.adds("spin_label_rotation")
+def spin_label_rotation(view: View, x: float, y: float, z: float) -> Vector:
+    return (x, y, z)

@@ -1,0 +1,26 @@
+"""The drag coefficient grows with the spin ratio."""
+
+from models.ball.effect import Effect, Parameter
+from models.ball.quantities import Air
+
+effect = Effect(
+    name="spin_dependent_drag",
+    title="the drag coefficient grows with spin",
+    equation="C_D + c S",
+    acts="flight",
+    parameters=(
+        Parameter(
+            "c",
+            unit="1",
+            neutral=0.0,
+            bounds=(-0.5, 0.5),
+            seen="0.05-0.1",
+            source="wind-tunnel data on spinning spheres",
+        ),
+    ),
+)
+
+
+@effect.adds("drag_coefficient")
+def drag_coefficient(air: Air, c: float) -> float:
+    return c * air.spin_ratio

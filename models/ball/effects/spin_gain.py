@@ -1,0 +1,26 @@
+"""Spin labels are too large or too small."""
+
+from models.ball.effect import Effect, Parameter
+from models.ball.quantities import View
+
+effect = Effect(
+    name="spin_gain",
+    title="spin labels are scaled",
+    equation="w_measured = (1 + s) w",
+    acts="sensor",
+    parameters=(
+        Parameter(
+            "s",
+            unit="1",
+            neutral=0.0,
+            bounds=(-0.5, 0.5),
+            seen="5 percent",
+            source="definition",
+        ),
+    ),
+)
+
+
+@effect.scales("spin_label_gain")
+def spin_label_gain(view: View, s: float) -> float:
+    return 1.0 + s

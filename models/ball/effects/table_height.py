@@ -1,0 +1,25 @@
+"""The table's surface is not where the frame says."""
+
+from models.ball.effect import Effect, Parameter
+
+effect = Effect(
+    name="table_height",
+    title="the surface lies higher or lower",
+    equation="surface at z = h",
+    acts="contact",
+    parameters=(
+        Parameter(
+            "h",
+            unit="m",
+            neutral=0.0,
+            bounds=(-0.2, 0.2),
+            seen="1-3 mm; one public set 22 mm",
+            source="definition",
+        ),
+    ),
+)
+
+
+@effect.adds("table_height")
+def table_height(h: float) -> float:
+    return h

@@ -1,0 +1,35 @@
+"""The table is not level in the frame."""
+
+import math
+
+from models.ball.effect import Effect, Parameter
+
+effect = Effect(
+    name="table_tilt",
+    title="the table is not level",
+    equation="surface normal along (sin tx, sin ty, 1)",
+    acts="contact",
+    parameters=(
+        Parameter(
+            "x",
+            unit="rad",
+            neutral=0.0,
+            bounds=(-0.1, 0.1),
+            seen="0.05-0.3 degrees",
+            source="definition",
+        ),
+        Parameter(
+            "y",
+            unit="rad",
+            neutral=0.0,
+            bounds=(-0.1, 0.1),
+            seen="0.05-0.3 degrees",
+            source="definition",
+        ),
+    ),
+)
+
+
+@effect.adds("table_tilt")
+def table_tilt(x: float, y: float) -> tuple[float, float]:
+    return (math.sin(x), math.sin(y))

@@ -1,0 +1,26 @@
+"""Every measurement is late by the same time; the ball alone cannot show it."""
+
+from models.ball.effect import Effect, Parameter
+from models.ball.quantities import View
+
+effect = Effect(
+    name="time_offset",
+    title="measurements are late",
+    equation="x_measured(t) = x(t - tau)",
+    acts="sensor",
+    parameters=(
+        Parameter(
+            "tau",
+            unit="s",
+            neutral=0.0,
+            bounds=(-0.1, 0.1),
+            seen="cannot be seen from the ball alone",
+            source="definition",
+        ),
+    ),
+)
+
+
+@effect.adds("delay")
+def delay(view: View, tau: float) -> float:
+    return tau

@@ -1,0 +1,42 @@
+"""Wind: the air moves over the table."""
+
+from models.ball.effect import Effect, Parameter
+from models.ball.quantities import Vector
+
+effect = Effect(
+    name="wind",
+    title="the air moves",
+    equation="u = v - wind",
+    acts="flight",
+    parameters=(
+        Parameter(
+            "x",
+            unit="m/s",
+            neutral=0.0,
+            bounds=(-10.0, 10.0),
+            seen="0.1-0.5 from air conditioning",
+            source="definition",
+        ),
+        Parameter(
+            "y",
+            unit="m/s",
+            neutral=0.0,
+            bounds=(-10.0, 10.0),
+            seen="0.1-0.5 from air conditioning",
+            source="definition",
+        ),
+        Parameter(
+            "z",
+            unit="m/s",
+            neutral=0.0,
+            bounds=(-10.0, 10.0),
+            seen="0.1-0.5 from air conditioning",
+            source="definition",
+        ),
+    ),
+)
+
+
+@effect.adds("wind")
+def wind(x: float, y: float, z: float) -> Vector:
+    return (x, y, z)

@@ -1,0 +1,92 @@
+"""Flight: the equations of motion and one Runge-Kutta step of them.
+
+A state is a tuple of nine floats here ``(p, v, w)``: tuples stay in registers.
+"""
+
+import math
+
+from models.ball.compose import compiled, composed
+from models.ball.quantities import Air
+from models.ball.state import BALL_RADIUS, DRAG_FACTOR, MAGNUS_FACTOR
+
+_wind = composed()["wind"]
+_gravity = composed()["gravity"]
+_gravity_tilt = composed()["gravity_tilt"]
+_drag_coefficient = composed()["drag_coefficient"]
+_magnus_coefficient = composed()["magnus_coefficient"]
+_specific_force = composed()["specific_force"]
+_inertia = composed()["inertia"]
+_spin_damping = composed()["spin_damping"]
+
+
+@compiled
+def hall(p):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Return what is the same everywhere in flight: wind (3) and the pull of gravity (3)."""
+    tilt_x, tilt_y = _gravity_tilt(p)
+    g = _gravity(p)
+    down = math.sqrt(1.0 - tilt_x * tilt_x - tilt_y * tilt_y)
+    return _wind(p), (g * tilt_x, g * tilt_y, -g * down)
+
+
+@compiled
+def derivative(state, p, hall):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Return the time derivative of a state.
+
+    ``dv/dt = [g - kD |u| u + kM (w x u) + f] / inertia`` and ``dw/dt = -c |u| w`` with ``u`` the
+    velocity relative to the air (Nakashima 2010, extended by the quantities of the catalogue).
+
+    Args:
+        state: nine floats.
+        p: parameter vector of the simulator.
+        hall: what ``hall(p)`` returns.
+    """
+    _, _, _, vx, vy, vz, wx, wy, wz = state
+    (wind_x, wind_y, wind_z), (gx, gy, gz) = hall
+    ux, uy, uz = vx - wind_x, vy - wind_y, vz - wind_z
+    speed = math.sqrt(ux * ux + uy * uy + uz * uz)
+    surface_speed = BALL_RADIUS * math.sqrt(wx * wx + wy * wy + wz * wz)
+    ratio = surface_speed / speed if speed > 0.0 else 0.0
+    air = Air((ux, uy, uz), (wx, wy, wz), speed, ratio)
+
+    fx, fy, fz = _specific_force(air, p)
+    drag = DRAG_FACTOR * _drag_coefficient(air, p) * speed
+    lift = MAGNUS_FACTOR * _magnus_coefficient(air, p)
+    share = 1.0 / _inertia(air, p)
+    damping = _spin_damping(air, p) * speed
+    return (
+        vx,
+        vy,
+        vz,
+        share * (gx - drag * ux + lift * (wy * uz - wz * uy) + fx),
+        share * (gy - drag * uy + lift * (wz * ux - wx * uz) + fy),
+        share * (gz - drag * uz + lift * (wx * uy - wy * ux) + fz),
+        -damping * wx,
+        -damping * wy,
+        -damping * wz,
+    )
+
+
+@compiled
+def _moved(state, slope, h):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    return (
+        state[0] + h * slope[0],
+        state[1] + h * slope[1],
+        state[2] + h * slope[2],
+        state[3] + h * slope[3],
+        state[4] + h * slope[4],
+        state[5] + h * slope[5],
+        state[6] + h * slope[6],
+        state[7] + h * slope[7],
+        state[8] + h * slope[8],
+    )
+
+
+@compiled
+def step(state, h, p, hall):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Return the state after ``h`` seconds of free flight: one classical Runge-Kutta step."""
+    k1 = derivative(state, p, hall)
+    k2 = derivative(_moved(state, k1, h / 2), p, hall)
+    k3 = derivative(_moved(state, k2, h / 2), p, hall)
+    k4 = derivative(_moved(state, k3, h), p, hall)
+    half = _moved(_moved(state, k1, h / 6), k2, h / 3)
+    return _moved(_moved(half, k3, h / 3), k4, h / 6)

@@ -1,0 +1,95 @@
+"""The quantities that effects change, and the contexts that their hooks see.
+
+Every quantity starts from a value at which it does nothing; a surface with a restitution of -1
+lets the ball through unchanged, so that is where restitutions start.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+Vector = tuple[float, float, float]
+
+
+class Air(NamedTuple):
+    """The ball relative to the air around it.
+
+    Attributes:
+        velocity: relative to the air, m/s.
+        spin: rad/s.
+        speed: length of ``velocity``, m/s.
+        spin_ratio: surface speed over speed, ``r|w| / |u|``; 0 where the ball stands still.
+    """
+
+    velocity: Vector
+    spin: Vector
+    speed: float
+    spin_ratio: float
+
+
+class Impact(NamedTuple):
+    """A contact with the table, the net or the racket, in the surface's frame.
+
+    Attributes:
+        normal_speed: speed at which the ball comes in along the normal, m/s, positive.
+        slip: speed of the ball's contact point along the surface, m/s.
+        tangential_spin: surface speed ``r|w_t|`` of the spin in the surface's plane, m/s.
+    """
+
+    normal_speed: float
+    slip: float
+    tangential_spin: float
+
+
+class View(NamedTuple):
+    """The true ball where a camera sees it: its speed, m/s (arrays of any shape)."""
+
+    speed: Any
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One quantity of the model.
+
+    Attributes:
+        name: how equations and hooks call it.
+        acts: where it acts.
+        context: what its hooks see as their first argument; None for a property of the hall, whose
+            hooks take their parameters alone and are evaluated once a roll-out.
+        start: its value without any effect, in every component.
+        size: number of components.
+        meaning: with unit.
+    """
+
+    name: str
+    acts: Literal["flight", "contact", "sensor"]
+    context: type | None
+    meaning: str
+    start: float = 0.0
+    size: int = 1
+
+
+QUANTITIES = (
+    Quantity("wind", "flight", None, "velocity of the air, m/s", size=3),
+    Quantity("gravity", "flight", None, "acceleration of free fall, m/s^2"),
+    Quantity("gravity_tilt", "flight", None, "horizontal part of gravity's direction", size=2),
+    Quantity("drag_coefficient", "flight", Air, "C_D"),
+    Quantity("magnus_coefficient", "flight", Air, "C_M"),
+    Quantity("specific_force", "flight", Air, "any other force over mass, m/s^2", size=3),
+    Quantity("inertia", "flight", Air, "accelerated mass over the ball's mass", start=1.0),
+    Quantity("spin_damping", "flight", Air, "relative loss of spin per metre, 1/m"),
+    Quantity("table_restitution", "contact", Impact, "e of the table", start=-1.0),
+    Quantity("table_friction", "contact", Impact, "mu of the table"),
+    Quantity("table_elasticity", "contact", Impact, "e_t, tangential restitution of the table"),
+    Quantity("table_height", "contact", None, "height of the surface over z = 0, m"),
+    Quantity("table_tilt", "contact", None, "slope (x, y) of the surface's normal", size=2),
+    Quantity("net_restitution", "contact", Impact, "e of the net", start=-1.0),
+    Quantity("net_friction", "contact", Impact, "mu of the net"),
+    Quantity("racket_restitution", "contact", Impact, "e of the racket", start=-1.0),
+    Quantity("racket_grip", "contact", Impact, "share alpha of the slip that the rubber takes"),
+    Quantity("position_gain", "sensor", View, "measured over true position", start=1.0),
+    Quantity("clock_gain", "sensor", View, "measured over true time", start=1.0),
+    Quantity("delay", "sensor", View, "age of a measured position, s"),
+    Quantity("spin_label_gain", "sensor", View, "measured over true spin", start=1.0),
+    Quantity("spin_label_rotation", "sensor", View, "rotation vector of spin labels, rad", size=3),
+    Quantity("spin_flip_share", "sensor", View, "share of shots with a negated spin label"),
+)

@@ -1,0 +1,166 @@
+"""The simulator: a value, an ordered list of named effects with their parameters."""
+
+import difflib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.ball.catalogue import catalogue
+from models.ball.compose import parameter_columns
+from models.ball.effect import Effect, Parameter
+from models.ball.state import STATE_SIZE
+
+Floats = NDArray[np.float64]
+
+
+class SimulatorError(ValueError):
+    """A simulator that cannot be: an unknown effect or parameter, or an impossible value."""
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """What the balls of a roll-out touched, at most ``K`` contacts a ball.
+
+    Attributes:
+        count: (B,) contacts of each ball; those beyond K happened but are not recorded.
+        time: (B, K) s, NaN beyond the last contact.
+        surface: (B, K) ``contact.TABLE``, ``contact.NET`` or ``contact.NONE``.
+        before: (B, K, 9) states just before.
+        after: (B, K, 9) states just after.
+    """
+
+    count: NDArray[np.int64]
+    time: Floats
+    surface: NDArray[np.int64]
+    before: Floats
+    after: Floats
+
+
+@dataclass(frozen=True)
+class Flight:
+    """The roll-out of B balls at T times: ``states`` (B, T, 9) and their ``contacts``."""
+
+    states: Floats
+    contacts: Contacts
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """A ball simulator: effect name -> parameter name -> value, complete and checked."""
+
+    effects: Mapping[str, Mapping[str, float]]
+
+    @classmethod
+    def from_dict(cls, description: Mapping[str, Any]) -> "Simulator":
+        """Build a simulator from what its YAML says.
+
+        A parameter that is left out takes its neutral value, where it has one.
+
+        Raises:
+            SimulatorError: naming the effect, the parameter and what is allowed.
+        """
+        if not isinstance(description, Mapping):
+            raise SimulatorError("a simulator is a list of effects, each with its parameters")
+        return cls({name: _checked(name, values) for name, values in description.items()})
+
+    def to_dict(self) -> dict[str, dict[str, float]]:
+        """Return what ``from_dict`` takes, every parameter spelled out."""
+        return {name: dict(values) for name, values in self.effects.items()}
+
+    def amended(self, effect: str, **parameters: float) -> "Simulator":
+        """Return this simulator with an effect appended, or with some of its values changed."""
+        current = {**self.effects.get(effect, {}), **parameters}
+        return Simulator.from_dict({**self.effects, effect: current})
+
+    @cached_property
+    def vector(self) -> Floats:
+        """Parameters of all effects of the catalogue, neutral where an effect is not listed."""
+        vector = np.empty(len(parameter_columns()))
+        for (effect, parameter), column in parameter_columns().items():
+            neutral = _parameter(catalogue()[effect], parameter).neutral
+            vector[column] = self.effects.get(effect, {}).get(parameter, neutral)
+        return vector
+
+    def fly(self, states: ArrayLike, times: ArrayLike) -> Flight:
+        """Roll out balls, through every contact with table and net.
+
+        Args:
+            states: (B, 9) or (9,) states at time zero.
+            times: (T,) or (B, T) s after that, not falling. Times before zero are allowed; there
+                the ball flies freely.
+
+        Returns:
+            The flight, always with the batch dimension.
+
+        Raises:
+            ValueError: shapes that do not fit, or times that fall.
+        """
+        from models.ball import rollout
+
+        first = np.ascontiguousarray(np.atleast_2d(states), dtype=np.float64)
+        moments = np.atleast_2d(np.asarray(times, dtype=np.float64))
+        if first.ndim != 2 or first.shape[1] != STATE_SIZE:
+            raise ValueError(f"states have shape {first.shape}, not (B, {STATE_SIZE})")
+        if moments.shape[0] not in (1, len(first)):
+            raise ValueError(f"{moments.shape[0]} rows of times for {len(first)} balls")
+        if (np.diff(moments, axis=1) < 0).any():
+            raise ValueError("times must not fall")
+        moments = np.ascontiguousarray(np.broadcast_to(moments, (len(first), moments.shape[1])))
+        reached, count, time, surface, before, after = rollout.fly(first, moments, self.vector)
+        return Flight(reached, Contacts(count, time, surface, before, after))
+
+    def strike(self, states: ArrayLike, normals: ArrayLike, velocities: ArrayLike) -> Floats:
+        """Return the (B, 9) states just after rackets met the balls.
+
+        Args:
+            states: (B, 9) just before the contact.
+            normals: (B, 3) unit normals of the rackets, pointing to the ball.
+            velocities: (B, 3) of the rackets at the contact point, m/s.
+        """
+        from models.ball import rollout
+
+        parts = [
+            np.atleast_2d(np.asarray(a, dtype=np.float64)) for a in (states, normals, velocities)
+        ]
+        struck: Floats = rollout.strike(
+            *(np.ascontiguousarray(part) for part in parts), self.vector
+        )
+        return struck
+
+
+def _parameter(effect: Effect, name: str) -> Parameter:
+    return next(parameter for parameter in effect.parameters if parameter.name == name)
+
+
+def _checked(name: str, values: Any) -> dict[str, float]:
+    if name not in catalogue():
+        near = difflib.get_close_matches(str(name), catalogue(), n=1)
+        hint = f"; did you mean {near[0]}?" if near else f"; known: {', '.join(catalogue())}"
+        raise SimulatorError(f"there is no effect called {name!r}{hint}")
+    effect = catalogue()[name]
+    values = {} if values is None else values
+    if not isinstance(values, Mapping):
+        raise SimulatorError(f"{name}: give its parameters by name, not {values!r}")
+    known = [parameter.name for parameter in effect.parameters]
+    for unknown in [key for key in values if key not in known]:
+        raise SimulatorError(f"{name} has no parameter {unknown!r}; it has: {', '.join(known)}")
+    return {parameter.name: _value(name, parameter, values) for parameter in effect.parameters}
+
+
+def _value(effect: str, parameter: Parameter, values: Mapping[str, Any]) -> float:
+    low, high = parameter.bounds
+    allowed = f"a number from {low:g} to {high:g} ({parameter.unit})"
+    if parameter.name not in values:
+        if parameter.required:
+            raise SimulatorError(f"{effect}.{parameter.name} is missing; give {allowed}")
+        return parameter.neutral
+    value = values[parameter.name]
+    number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    if not number or not math.isfinite(value) or not low <= value <= high:
+        raise SimulatorError(f"{effect}.{parameter.name} is {value!r}; give {allowed}")
+    return float(value)

@@ -1,0 +1,1 @@
+"""What every stage shares: parameters, data contracts, sources, artefacts, tracking, figures."""

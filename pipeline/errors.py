@@ -1,0 +1,25 @@
+"""The one error that a user's input may raise: where it is, what is wrong, what to do."""
+
+from pathlib import Path
+
+
+class InputError(Exception):
+    """Input that cannot be used. The command line prints it as one line, without a traceback.
+
+    Args:
+        where: the file, folder or parameter at fault.
+        problem: what is wrong with it and what to do, as the end of a sentence.
+        row: 1-based line or row in the file, where known.
+        field: column, key or data set in the file, where known.
+    """
+
+    def __init__(
+        self, where: Path | str, problem: str, *, row: int | None = None, field: str | None = None
+    ) -> None:
+        self.where, self.problem, self.row, self.field = str(where), problem, row, field
+        place = self.where
+        if row is not None:
+            place += f", row {row}"
+        if field is not None:
+            place += f", {field}"
+        super().__init__(f"{place}: {problem}")

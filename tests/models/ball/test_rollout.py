@@ -1,0 +1,162 @@
+"""Whole shots: contact times, an independent integrator, symmetries."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.ball.state import BALL_RADIUS, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from tests.models.ball.balls import NOMINAL, energy, served_balls, simulator
+from tests.models.ball.reference import Physics
+
+TIMES = np.arange(1, 121) * 0.005
+
+
+def over_the_table(states):
+    """Number of leading states whose ball is clear of the table's edges."""
+    x, y = np.abs(states[:, 0]), np.abs(states[:, 1])
+    out = (x > TABLE_HALF_WIDTH - 0.05) | (y > TABLE_HALF_LENGTH - 0.05)
+    return int(np.argmax(out)) if out.any() else len(states)
+
+
+def drawn_balls(count, fastest, most_spin):
+    generator = np.random.default_rng(7)
+    for _ in range(count):
+        pitch = generator.uniform(-0.5, 0.3)
+        spin = generator.normal(size=3)
+        spin *= generator.uniform(0, most_spin) / np.linalg.norm(spin)
+        direction = [generator.uniform(-0.1, 0.1), -np.cos(pitch), np.sin(pitch)]
+        velocity = generator.uniform(4, fastest) * np.array(direction) / np.linalg.norm(direction)
+        position = [generator.uniform(-0.3, 0.3), 1.3, generator.uniform(0.1, 0.5)]
+        yield np.concatenate([position, velocity, spin])
+
+
+@pytest.mark.parametrize(("fastest", "spin", "bound"), [(20, 600, 1e-8), (35, 1000, 1e-7)])
+def test_agrees_with_an_independent_integrator(fastest, spin, bound):
+    effects = {"wind": {"x": 0.3, "y": -0.2, "z": 0.1}, "spin_decay": {"c": 0.004}}
+    sim = simulator(**NOMINAL.to_dict(), **effects, lift_saturation={"kappa": 5.0})
+    reference = Physics(wind=(0.3, -0.2, 0.1), spin_decay=0.004, lift_saturation=5.0)
+    bounces = 0
+    for ball in drawn_balls(40, fastest, spin):
+        expected, times = reference.fly(ball, TIMES)
+        flight = sim.fly(ball, TIMES)
+        seen = over_the_table(expected)
+        assert np.abs(flight.states[0, :seen, :3] - expected[:seen, :3]).max(initial=0) < bound
+        for k, time in enumerate(t for t in times if seen and t < TIMES[seen - 1]):
+            assert flight.contacts.time[0, k] == pytest.approx(time, abs=1e-9)
+            bounces += 1
+    assert bounces > 20
+
+
+def test_bounces_in_a_vacuum_come_when_they_must():
+    g, e, drop = 9.81, 0.9, 0.3
+    sim = simulator(gravity={"g": g}, table_bounce={"restitution": e, "friction": 0.2})
+    contacts = sim.fly([0, 0.5, BALL_RADIUS + drop, 0, 0, 0, 0, 0, 0], np.arange(1, 61) * 0.05)
+    first = np.sqrt(2 * drop / g)
+    expected = first + 2 * first * np.cumsum(np.concatenate([[0], e ** np.arange(1, 6)]))
+    np.testing.assert_allclose(contacts.contacts.time[0, :6], expected, atol=1e-12)
+
+
+def test_a_dead_ball_comes_to_rest_on_the_table():
+    sim = simulator(gravity={"g": 9.81}, table_bounce={"restitution": 0.3, "friction": 0.2})
+    states = sim.fly([0, 0.5, 0.2, 0.1, 0, 0, 0, 0, 0], np.arange(1, 61) * 0.05).states[0]
+    np.testing.assert_allclose(states[-20:, 2], BALL_RADIUS, atol=1e-6)
+    assert states[-1, 0] > states[-20, 0]
+
+
+def test_a_resting_ball_that_rolls_over_the_edge_falls():
+    sim = simulator(gravity={"g": 9.81}, table_bounce={"restitution": 0.0, "friction": 0.0})
+    ball = [0, TABLE_HALF_LENGTH - 0.1, BALL_RADIUS, 0, 1.0, 0, 0, 0, 0]
+    states = sim.fly(ball, np.arange(1, 101) * 0.01).states[0]
+    assert states[5, 2] == pytest.approx(BALL_RADIUS, abs=1e-6)
+    assert states[-1, 2] < -1.0
+
+
+def test_a_ball_measured_inside_the_table_bounces_at_once():
+    ball = np.array([0, 0.5, BALL_RADIUS - 0.008, 0, -5.0, -2.0, 0, 0, 0])
+    state = NOMINAL.fly(ball, [0.005]).states[0, 0]
+    assert state[5] > 0
+    assert state[2] > ball[2]
+
+
+@given(served_balls(35.0, 1000.0))
+@settings(max_examples=150, deadline=None)
+def test_no_ball_sinks_through_the_table(ball):
+    states = NOMINAL.fly(ball, np.arange(1, 801) * 0.001).states[0]
+    on_table = (np.abs(states[:, 0]) < TABLE_HALF_WIDTH) & (
+        np.abs(states[:, 1]) < TABLE_HALF_LENGTH
+    )
+    first_out = np.argmin(on_table) if not on_table.all() else len(states)
+    assert (states[:first_out, 2] >= BALL_RADIUS - 1e-9).all()
+
+
+@given(served_balls())
+@settings(max_examples=100, deadline=None)
+def test_energy_never_grows_in_still_air(ball):
+    states = NOMINAL.fly(ball, TIMES).states[0]
+    total = energy(np.vstack([ball, states]), g=9.81)
+    assert (np.diff(total) <= 1e-9 * total[0]).all()
+
+
+def mirrored(state):
+    """Left and right exchanged; spin is an axial vector."""
+    return np.asarray(state) * np.array([-1, 1, 1, -1, 1, 1, 1, -1, -1])
+
+
+def turned(state):
+    """Seen from the other end of the table."""
+    return np.asarray(state) * np.array([-1, -1, 1] * 3)
+
+
+@given(served_balls(35.0, 1000.0))
+@settings(max_examples=100, deadline=None)
+def test_a_mirrored_shot_flies_the_mirrored_path(ball):
+    flown, image = NOMINAL.fly(ball, TIMES).states, NOMINAL.fly(mirrored(ball), TIMES).states
+    np.testing.assert_allclose(image, mirrored(flown), atol=1e-9)
+
+
+@given(served_balls(35.0, 1000.0))
+@settings(max_examples=100, deadline=None)
+def test_a_shot_from_the_other_end_flies_the_turned_path(ball):
+    flown, image = NOMINAL.fly(ball, TIMES).states, NOMINAL.fly(turned(ball), TIMES).states
+    np.testing.assert_allclose(image, turned(flown), atol=1e-9)
+
+
+@given(served_balls(), st.floats(-np.pi, np.pi))
+@settings(max_examples=100, deadline=None)
+def test_flight_does_not_depend_on_the_heading_of_the_frame(ball, angle):
+    free = simulator(**{k: v for k, v in NOMINAL.to_dict().items() if k != "table_bounce"})
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.kron(np.eye(3), [[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    flown, image = free.fly(ball, TIMES).states, free.fly(turn @ ball, TIMES).states
+    np.testing.assert_allclose(image, flown @ turn.T, atol=1e-8)
+
+
+@given(served_balls(), st.lists(st.floats(0.001, 0.6), min_size=1, max_size=8))
+@settings(max_examples=100, deadline=None)
+def test_states_hardly_depend_on_the_times_asked_for(ball, times):
+    asked = np.sort(np.array([*times, 0.6]))
+    np.testing.assert_allclose(
+        NOMINAL.fly(ball, asked).states[0, -1, :3], NOMINAL.fly(ball, TIMES).states[0, -1, :3],
+        atol=2e-6,
+    )  # fmt: skip
+
+
+def test_a_batch_flies_as_its_balls_alone():
+    balls = np.array(list(drawn_balls(20, 20, 600)))
+    together = NOMINAL.fly(balls, TIMES).states
+    alone = np.concatenate([NOMINAL.fly(ball, TIMES).states for ball in balls])
+    np.testing.assert_array_equal(together, alone)
+
+
+@pytest.mark.parametrize(
+    ("states", "times"),
+    [
+        (np.zeros((2, 8)), [0.1]),
+        (np.zeros((2, 9)), [0.2, 0.1]),
+        (np.zeros((2, 9)), np.zeros((3, 1))),
+    ],
+)
+def test_shapes_and_times_that_do_not_fit_are_refused(states, times):
+    with pytest.raises(ValueError, match=r"shape|fall|rows of times"):
+        NOMINAL.fly(states, times)
