@@ -5,7 +5,10 @@ lets the ball through unchanged, so that is where restitutions start.
 """
 
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 Vector = tuple[float, float, float]
 
@@ -43,7 +46,7 @@ class Impact(NamedTuple):
 class View(NamedTuple):
     """The true ball where a camera sees it: its speed, m/s (arrays of any shape)."""
 
-    speed: Any
+    speed: float | NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,8 @@
 """Measurements lag more the faster the ball flies."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from models.ball.effect import Effect, Parameter
 from models.ball.quantities import View
 
@@ -22,5 +25,5 @@ effect = Effect(
 
 
 @effect.adds("delay")
-def delay(view: View, tau: float) -> float:
+def delay(view: View, tau: float) -> float | NDArray[np.float64]:
     return tau * view.speed

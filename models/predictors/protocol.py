@@ -1,0 +1,62 @@
+"""What every predictor takes and gives: the last 12 measured ball states in, the next 60 out."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+HISTORY = 12  # measured states a predictor sees
+FUTURE = 60  # states it forecasts
+TICK = 0.005  # s between two of them
+
+FUTURE_TIMES = TICK * np.arange(1, FUTURE + 1)  # s after the last measured state
+HISTORY_TIMES = TICK * np.arange(1 - HISTORY, 1)  # s, the last measured state at zero
+
+
+@dataclass(frozen=True)
+class History:
+    """Measured balls up to now, 5 ms apart.
+
+    Attributes:
+        states: (B, 12, 6) position (m) and spin (rad/s); zero where not measured.
+        mask: (B, 12, 6) True where measured.
+    """
+
+    states: Floats
+    mask: Bools
+
+    def __post_init__(self) -> None:
+        shape = (len(self.states), HISTORY, 6)
+        if self.states.shape != shape or self.mask.shape != shape:
+            raise ValueError(f"a history is {shape}, not {self.states.shape}, {self.mask.shape}")
+        if not np.isfinite(self.states).all() or self.states[~self.mask].any():
+            raise ValueError("a history is finite, and zero where nothing was measured")
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What a predictor expects.
+
+    Attributes:
+        states: (B, 60, 9) position (m), velocity (m/s), spin (rad/s), 5 to 300 ms ahead.
+        spin_measured: (B,) whether a spin label was in the history; where not, the spin is what
+            the predictor could tell from the path, or its guess.
+    """
+
+    states: Floats
+    spin_measured: Bools
+
+
+class Predictor(Protocol):
+    """A predictor. The policy and the evaluation know no more of it than this."""
+
+    def predict(self, history: History) -> Forecast:
+        """Forecast each ball of a batch, independently of the others in the batch."""
+        ...

@@ -1,0 +1,143 @@
+"""Windows: what a predictor sees at one instant of an episode, and what came after.
+
+Recordings have their own time stamps; predictors see a 5 ms grid that ends at a measured sample.
+Values between samples are interpolated, never snapped to the nearest sample: 2.5 ms are 20 mm.
+The history uses nothing that was measured after its last state, and outliers stay in it, for a
+robot does not know them either; the future it is judged by leaves them out.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.predictors.protocol import (
+    FUTURE_TIMES,
+    HISTORY_TIMES,
+    TICK,
+    Bools,
+    Floats,
+    History,
+)
+
+LONGEST_GAP = 0.0151  # s between two samples that may still be interpolated: two lost of 200 Hz
+SHORTEST_FUTURE = 0.100  # s; a window with less measured future is no use
+
+
+@dataclass(frozen=True)
+class Episode:
+    """The measured samples of one episode.
+
+    Attributes:
+        times: (T,) s.
+        positions: (T, 3) m.
+        velocities: (T, 3) m/s, estimated from the positions; NaN where unknown.
+        spins: (T, 3) rad/s; NaN where not labelled.
+        outlier: (T,) True where the position is an outlier.
+        arc: (T,) number of the unbroken arc that a sample lies on.
+        bounces: (C,) s, the times of table contacts.
+    """
+
+    times: Floats
+    positions: Floats
+    velocities: Floats
+    spins: Floats
+    outlier: Bools
+    arc: np.ndarray
+    bounces: Floats
+
+
+@dataclass(frozen=True)
+class Windows:
+    """The windows of one or more episodes.
+
+    Attributes:
+        history: B histories.
+        anchors: (B,) s, the instants of the last measured states.
+        future: (B, 60, 9) measured position, velocity and spin; zero where not measured.
+        measured: (B, 60, 9) True where measured.
+        bounced: (B, 60) whether the ball met the table between the anchor and that instant.
+    """
+
+    history: History
+    anchors: Floats
+    future: Floats
+    measured: Bools
+    bounced: Bools
+
+    def __len__(self) -> int:
+        return len(self.anchors)
+
+
+def windows(episode: Episode, every: float) -> Windows:
+    """Cut an episode into windows: after its first 12 ticks, then every ``every`` seconds."""
+    anchors = _anchors(episode, every)
+    histories = [_history(episode, anchor) for anchor in anchors]
+    futures = [_future(episode, anchor) for anchor in anchors]
+    shape = (len(anchors), len(HISTORY_TIMES), 6)
+    states = np.array([states for states, _ in histories]).reshape(shape)
+    mask = np.array([mask for _, mask in histories], dtype=bool).reshape(shape)
+    wide = (len(anchors), len(FUTURE_TIMES), 9)
+    future = np.array([future for future, _ in futures]).reshape(wide)
+    measured = np.array([measured for _, measured in futures], dtype=bool).reshape(wide)
+    ahead = anchors[:, None] + FUTURE_TIMES
+    met = [(anchors[:, None] < bounce) & (bounce <= ahead) for bounce in episode.bounces]
+    bounced = np.any(met, axis=0) if met else np.zeros(ahead.shape, dtype=bool)
+    return Windows(History(states, mask), anchors, future, measured, bounced)
+
+
+def joined(parts: list[Windows]) -> Windows:
+    """Return the windows of several episodes as one batch."""
+    history = History(
+        np.concatenate([part.history.states for part in parts]),
+        np.concatenate([part.history.mask for part in parts]),
+    )
+    fields = ("anchors", "future", "measured", "bounced")
+    rest = [np.concatenate([getattr(part, field) for part in parts]) for field in fields]
+    return Windows(history, *rest)
+
+
+def _anchors(episode: Episode, every: float) -> Floats:
+    first = episode.times[0] - HISTORY_TIMES[0] - TICK / 2
+    last = episode.times[-1] - SHORTEST_FUTURE
+    sample = np.searchsorted(episode.times, np.arange(first, last, every))
+    anchors: Floats = np.unique(episode.times[sample])
+    within: Floats = anchors[anchors <= last]
+    return within
+
+
+def _history(episode: Episode, anchor: np.float64) -> tuple[Floats, Bools]:
+    known = episode.times <= anchor
+    times = anchor + HISTORY_TIMES
+    values = np.hstack([episode.positions, episode.spins])[known]
+    return _interpolated(episode.times[known], values, times)
+
+
+def _future(episode: Episode, anchor: np.float64) -> tuple[Floats, Bools]:
+    good = ~episode.outlier
+    values = np.hstack([episode.positions, episode.velocities, episode.spins])
+    times = anchor + FUTURE_TIMES
+    return _interpolated(episode.times[good], values[good], times, episode.arc[good])
+
+
+def _interpolated(
+    known: Floats, values: Floats, times: Floats, arc: np.ndarray | None = None
+) -> tuple[Floats, Bools]:
+    """Return values at ``times`` between neighbouring samples, and where that is allowed.
+
+    Neighbours must be near in time and, where ``arc`` is given, on one unbroken arc.
+    """
+    right = np.clip(np.searchsorted(known, times - 1e-9), 1, max(len(known) - 1, 1))
+    if len(known) < 2:
+        return np.zeros((len(times), values.shape[1])), np.zeros(
+            (len(times), values.shape[1]), bool
+        )
+    left = right - 1
+    gap = known[right] - known[left]
+    share = ((times - known[left]) / gap)[:, None]
+    value = (1 - share) * values[left] + share * values[right]
+    between = (gap <= LONGEST_GAP) & (share[:, 0] > -1e-6) & (share[:, 0] < 1 + 1e-6)
+    if arc is not None:
+        between &= arc[left] == arc[right]
+    on_sample = np.abs(share[:, 0] - 1) < 1e-6
+    mask = (between | on_sample)[:, None] & np.isfinite(value)
+    return np.where(mask, value, 0.0), mask

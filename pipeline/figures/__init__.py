@@ -1,0 +1,1 @@
+"""Drawing: figures, tables and the report page."""

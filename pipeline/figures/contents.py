@@ -1,0 +1,111 @@
+"""What a stage's report holds: its contents.json, and figures and tables as the page shows them."""
+
+import base64
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import pandas as pd
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from pipeline.artifacts import read_json
+from pipeline.errors import InputError
+
+SHOWN_DIGITS = 4  # of the largest number of a column; the file has them all
+
+
+class Item(BaseModel):
+    """A figure (png) or table (csv); ``file`` is relative to the stage's report folder."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    kind: Literal["figure", "table"]
+    file: str
+    title: str
+    caption: str
+
+
+class Contents(BaseModel):
+    """A stage's report and the run that made it."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    stage: str
+    command: str
+    fingerprint: str
+    items: list[Item]
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table as text, one cell a row."""
+
+    name: str
+    is_number: bool
+    cells: list[str]
+
+
+def read_contents(reports: Path, stage: str) -> Contents:
+    """Read the contents of a stage's report.
+
+    Raises:
+        InputError: if they are missing, naming the stage to run, or are not such contents.
+    """
+    path = reports / stage / "contents.json"
+    if not path.is_file():
+        raise InputError(path, f"there is no such file; run `dvc repro {stage}` first")
+    try:
+        return Contents.model_validate(read_json(path))
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        problem = f"{first['msg']}; run `dvc repro -f {stage}` to write it anew"
+        raise InputError(path, problem, field=place) from None
+
+
+def read_figure(path: Path) -> str:
+    """Return a PNG file as a data URI.
+
+    Raises:
+        InputError: if the file is missing or is no PNG.
+    """
+    content = _read(path)
+    if not content.startswith(b"\x89PNG\r\n\x1a\n"):
+        raise InputError(path, "is not a PNG; run its stage again")
+    return f"data:image/png;base64,{base64.b64encode(content).decode()}"
+
+
+def read_columns(path: Path) -> list[Column]:
+    """Return the columns of a CSV file, numbers rounded to the digits worth reading.
+
+    Raises:
+        InputError: if the file is missing or is no CSV table.
+    """
+    _read(path)
+    try:
+        table = pd.read_csv(
+            path, dtype_backend="numpy_nullable", keep_default_na=False, na_values=[""]
+        )
+    except ValueError as error:
+        raise InputError(path, f"is not a CSV table: {error}; run its stage again") from None
+    return [
+        Column(str(name), str(values.dtype) in ("Int64", "Float64"), _cells(values))
+        for name, values in table.items()
+    ]
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError:
+        raise InputError(path, "cannot be read; run its stage again") from None
+
+
+def _cells(values: pd.Series) -> list[str]:
+    if not pd.api.types.is_float_dtype(values):
+        return ["–" if pd.isna(value) else str(value) for value in values]
+    largest = values.abs().max()
+    magnitude = 0 if pd.isna(largest) or largest == 0 else math.floor(math.log10(largest))
+    decimals = min(max(SHOWN_DIGITS - 1 - magnitude, 0), 8)
+    return ["–" if pd.isna(value) else f"{value:.{decimals}f}" for value in values]

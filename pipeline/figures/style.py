@@ -1,0 +1,66 @@
+"""How every figure looks: one matplotlib style, one fixed colour a predictor and a contact."""
+
+import zlib
+
+import matplotlib.style
+
+FIGURE_WIDTH = 8.0  # inch; every figure is this wide, so that text has one size on the page
+INK = "#20262d"
+MUTED = "#66707a"
+
+STYLE = {
+    "figure.dpi": 160,
+    "figure.constrained_layout.use": True,
+    "font.family": "DejaVu Sans",  # shipped with matplotlib: the same on every machine
+    "font.size": 9,
+    "text.color": INK,
+    "axes.titlesize": 10,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 8,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": MUTED,
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e3e7ea",
+    "grid.linewidth": 0.7,
+    "lines.linewidth": 1.8,
+    "lines.solid_capstyle": "round",
+    "legend.frameon": False,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.major.size": 3,
+    "ytick.major.size": 3,
+}
+
+# Hues that people with any common colour blindness tell apart (Okabe and Ito 2008, Tol 2021), at
+# least 3:1 against the page's light and dark backgrounds.
+CONTACT_COLOURS = {"racket": "#d55e00", "table": "#009988", "unknown": "#7d8791"}
+_PREDICTOR_COLOURS = {
+    "physics_c": "#0f7fc4",
+    "physics_literature": "#d55e00",
+    "transformer": "#009988",
+    "tae": "#b85fa0",
+    "gru_tae": "#a08000",
+    "oracle": "#7d8791",
+}
+_OTHER_COLOURS = ["#5b7f2b", "#8a6fd1", "#c94f6d", "#9c6b3f"]
+
+
+def apply_style() -> None:
+    """Make matplotlib draw every figure of this process in the project's style.
+
+    Ticks take their style when they are first drawn, so a style for the time of one plotting
+    function would not reach them.
+    """
+    matplotlib.style.use(STYLE)
+
+
+def predictor_colour(name: str) -> str:
+    """Return the colour ``#rrggbb`` of a predictor, the same in every figure it appears in."""
+    other = _OTHER_COLOURS[zlib.crc32(name.encode()) % len(_OTHER_COLOURS)]
+    return _PREDICTOR_COLOURS.get(name, other)

@@ -1,0 +1,109 @@
+"""Windows: nothing from the future in the history, nothing unmeasured in the future."""
+
+import numpy as np
+import pytest
+
+from models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES
+from models.predictors.windows import Episode, joined, windows
+
+
+def path(times):
+    """A smooth path with exact velocities."""
+    t = np.asarray(times)[:, None]
+    return np.hstack([0.3 * t, 1.2 - 6 * t, 0.3 + t - 4.9 * t**2]), np.hstack(
+        [0.3 + 0 * t, -6 + 0 * t, 1 - 9.8 * t]
+    )
+
+
+def episode(times, bounce=None, outlier=()):
+    times = np.asarray(times, dtype=float)
+    positions, velocities = path(times)
+    spins = np.tile([10.0, -20.0, 30.0], (len(times), 1))
+    arc = np.zeros(len(times), dtype=int) if bounce is None else (times > bounce).astype(int)
+    marked = np.isin(np.arange(len(times)), outlier)
+    bounces = np.array([] if bounce is None else [bounce])
+    return Episode(times, positions, velocities, spins, marked, arc, bounces)
+
+
+GRID = 0.005 * np.arange(121)
+
+
+@pytest.mark.parametrize("times", [GRID, 7.0 + GRID, np.cumsum(np.full(90, 0.007))])
+def test_the_first_window_ends_with_the_twelfth_tick_and_the_rest_follow(times):
+    cut = windows(episode(times), every=0.05)
+    assert cut.anchors[0] - times[0] == pytest.approx(0.055, abs=0.0071)
+    np.testing.assert_allclose(np.diff(cut.anchors), 0.05, atol=0.0071)
+    assert cut.anchors[-1] <= times[-1] - 0.1
+    assert np.isin(cut.anchors, times).all()
+
+
+@pytest.mark.parametrize("interval", [0.005, 0.0056, 0.007])
+def test_values_between_samples_are_interpolated(interval):
+    times = np.arange(0, 0.6, interval)
+    cut = windows(episode(times), every=0.05)
+    true, _ = path((cut.anchors[:, None] + HISTORY_TIMES).ravel())
+    seen = cut.history.mask[..., :3].reshape(-1, 3)
+    error = np.abs(cut.history.states[..., :3].reshape(-1, 3) - true)[seen]
+    assert error.max() < 9.8 * interval**2 / 8 + 1e-12
+    assert seen.mean() > 0.95
+
+
+def test_the_history_knows_nothing_of_the_future():
+    times = np.arange(0, 0.6, 0.007)
+    whole, cut_short = episode(times), windows(episode(times), every=0.05)
+    for k, anchor in enumerate(cut_short.anchors):
+        past = times <= anchor
+        later = Episode(
+            times, np.where(past[:, None], whole.positions, 99.0), whole.velocities, whole.spins,
+            whole.outlier, whole.arc, whole.bounces,
+        )  # fmt: skip
+        np.testing.assert_array_equal(
+            windows(later, every=0.05).history.states[k], cut_short.history.states[k]
+        )
+
+
+def test_the_future_is_not_interpolated_across_a_bounce():
+    cut = windows(episode(GRID, bounce=0.2025), every=0.05)
+    ahead = cut.anchors[:, None] + FUTURE_TIMES
+    straddling = np.abs(ahead - 0.2025) < 0.0024
+    assert not cut.measured[straddling].any()
+    assert (cut.bounced == ((ahead >= 0.2025) & (cut.anchors[:, None] < 0.2025))).all()
+
+
+def test_outliers_are_no_measure_of_a_forecast_but_stay_in_the_history():
+    clean, spoilt = episode(GRID), episode(GRID, outlier=[20])
+    spoilt.positions[20] += 0.5
+    cut = windows(spoilt, every=0.05)
+    np.testing.assert_allclose(
+        cut.future[0][cut.measured[0]], windows(clean, 0.05).future[0][cut.measured[0]], atol=1e-3
+    )
+    assert (np.abs(cut.history.states[..., 0]) > 0.5).any()
+
+
+def test_a_long_gap_is_left_open():
+    times = np.concatenate([GRID[:30], GRID[36:]])
+    cut = windows(episode(times), every=0.05)
+    inside = (cut.anchors[0] + FUTURE_TIMES > 0.146) & (cut.anchors[0] + FUTURE_TIMES < 0.179)
+    assert not cut.measured[0][inside].any()
+    assert cut.measured[0][~inside].all()
+
+
+def test_unlabelled_spin_is_masked_and_zero():
+    plain = episode(GRID)
+    plain.spins[:] = np.nan
+    cut = windows(plain, every=0.05)
+    assert not cut.history.mask[..., 3:].any()
+    assert not cut.measured[..., 6:].any()
+    assert not cut.future[..., 6:].any()
+
+
+@pytest.mark.parametrize("count", [1, 2, 12, 30])
+def test_an_episode_too_short_for_a_window_has_none(count):
+    assert len(windows(episode(GRID[:count]), every=0.05)) == 0
+
+
+def test_joined_windows_keep_their_order():
+    first, second = windows(episode(GRID), 0.05), windows(episode(3 + GRID), 0.05)
+    both = joined([first, second])
+    np.testing.assert_array_equal(both.anchors, [*first.anchors, *second.anchors])
+    assert len(both.history) == len(both)

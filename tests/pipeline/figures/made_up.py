@@ -1,0 +1,109 @@
+"""Made-up forecasts, shots and report folders, as the stages would leave them."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pipeline.artifacts import write_json
+from pipeline.figures.contents import read_contents
+from pipeline.figures.forecast_error import forecast_error_figure
+from pipeline.figures.page import render_page
+from pipeline.figures.shots import Forecast, Shot, read_shots, write_shots
+
+HORIZONS = range(100, 301, 5)
+WINDOWS = {"all": (1.0, 412), "with": (1.5, 168), "without": (0.6, 244)}
+OFFSETS = {"physics_c": (0.03, 0.04, 0.0), "physics_literature": (0.0, 0.0, 0.08)}  # m
+
+
+def forecast_errors(
+    quantities=("position", "velocity", "spin"), windows=("all", "with", "without")
+) -> pd.DataFrame:
+    """Errors that grow with the horizon, one row a predictor, quantity, window and horizon."""
+    rows = []
+    for factor, predictor in enumerate(OFFSETS, start=1):
+        for quantity in quantities:
+            for window in windows:
+                size, count = WINDOWS[window]
+                for horizon in HORIZONS:
+                    mean = factor * size * (horizon / 100) ** 2
+                    key = ("spindoe", predictor, quantity, horizon, window)
+                    rows.append((*key, mean, 0.6 * mean, count, 0.9 * mean, 1.1 * mean))
+    columns = "set predictor quantity horizon_ms bounce mean std n ci_low ci_high"
+    return pd.DataFrame(rows, columns=columns.split())
+
+
+def bouncing_ball(times: np.ndarray) -> np.ndarray:
+    """Positions (T, 3) of a ball in vacuum that meets the table elastically at 0.02 m."""
+    fall = 0.30 + 1.0 * times - 9.81 / 2 * times**2
+    landing = (1.0 + np.sqrt(1 + 2 * 9.81 * 0.28)) / 9.81
+    after = times - landing
+    rise = 0.02 + (9.81 * landing - 1.0) * after - 9.81 / 2 * after**2
+    height = np.where(times < landing, fall, rise)
+    return np.column_stack([0.3 - 0.5 * times, 1.5 - 4.5 * times, height])
+
+
+def made_up_shots(names=("spindoe/000/00", "spindoe/001/00")) -> list[Shot]:
+    """Shots whose forecasts are off by a fixed distance: 50 mm and 80 mm."""
+    times = np.arange(0.0, 0.6, 0.005)
+    after = times[12:72]
+    forecasts = {
+        name: Forecast(t=after.tolist(), position=(bouncing_ball(after) + offset).tolist())
+        for name, offset in OFFSETS.items()
+    }
+    measured = {"t": times.tolist(), "measured": bouncing_ball(times).tolist()}
+    return [
+        Shot(episode_id=name, source="spindoe", anchor=times[11], forecasts=forecasts, **measured)
+        for name in names
+    ]
+
+
+def write_stage(root: Path, stage: str, items: list[dict[str, str]]) -> None:
+    """Write a stage's contents.json."""
+    command = f"python -m stages.{stage}"
+    content = {"stage": stage, "command": command, "fingerprint": "3fa9c1d20b77", "items": items}
+    write_json(root / "reports" / stage / "contents.json", content)
+
+
+def make_reports(root: Path, title: str = "Contacts", shot: str = "spindoe/000/00") -> None:
+    """Fill ``root`` with the reports and artefacts that the page is made of."""
+    reports = root / "reports"
+    (reports / "ingest").mkdir(parents=True)
+    (reports / "segment").mkdir()
+    (reports / "evaluate_predictor" / "figures").mkdir(parents=True)
+    _write_sources(reports / "ingest" / "sources.csv")
+    contacts = pd.DataFrame({"recording": [title, "tt3d/003"], "speed_change": [12.3456, 0.5]})
+    contacts.to_csv(reports / "segment" / "contacts.csv", index=False)
+    figure = forecast_error_figure(forecast_errors(["position"], ["all"]))
+    figure.savefig(reports / "evaluate_predictor" / "figures" / "spindoe.png")
+    _write_all_contents(root, title)
+    write_shots(
+        root / "artifacts" / "evaluate_predictor" / "shots.json",
+        made_up_shots((shot, "spindoe/001/00")),
+    )
+
+
+def made_up_page(root: Path) -> str:
+    """The page of a folder that ``make_reports`` filled."""
+    stages = ["ingest", "segment", "evaluate_predictor"]
+    contents = [read_contents(root / "reports", stage) for stage in stages]
+    shots = read_shots(root / "artifacts" / "evaluate_predictor" / "shots.json")
+    return render_page(root / "reports", contents, shots)
+
+
+def _write_sources(path: Path) -> None:
+    wide = {f"a_rather_long_column_{number}": np.arange(40) * number for number in range(12)}
+    pd.DataFrame({"source": ["spindoe"] * 40, **wide}).to_csv(path, index=False)
+
+
+def _write_all_contents(root: Path, title: str) -> None:
+    sources = {"file": "sources.csv", "title": "Sources", "caption": "Rows read and refused."}
+    contacts = {"file": "contacts.csv", "title": title, "caption": f"Contacts of {title}."}
+    errors = {
+        "file": "figures/spindoe.png",
+        "title": "Forecast error on spindoe",
+        "caption": "Mean error and its interval from 100 to 300 ms, with and without a bounce.",
+    }
+    write_stage(root, "ingest", [{"kind": "table", **sources}])
+    write_stage(root, "segment", [{"kind": "table", **contacts}])
+    write_stage(root, "evaluate_predictor", [{"kind": "figure", **errors}])

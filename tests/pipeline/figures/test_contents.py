@@ -1,0 +1,58 @@
+"""What a stage reports, read for the page."""
+
+import pytest
+
+from pipeline.errors import InputError
+from pipeline.figures.contents import read_columns, read_contents, read_figure
+from tests.pipeline.figures.made_up import write_stage
+
+
+def cells(path, text):
+    path.write_text(text)
+    return {column.name: column.cells for column in read_columns(path)}
+
+
+def test_float_columns_keep_four_digits_of_their_largest_number(tmp_path):
+    shown = cells(tmp_path / "a.csv", "large,small\n12345.678,0.00012345\n0.5,0.00001\n")
+
+    assert shown == {"large": ["12346", "0"], "small": ["0.0001234", "0.0000100"]}
+
+
+def test_whole_numbers_and_text_are_shown_as_they_are(tmp_path):
+    shown = cells(tmp_path / "a.csv", "n,name,flag\n123456,NA,True\n,tt3d/003,False\n")
+
+    assert shown == {"n": ["123456", "–"], "name": ["NA", "tt3d/003"], "flag": ["True", "False"]}
+
+
+def test_numbers_are_told_from_text(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("x,name,flag\n0.5,a,True\n")
+
+    assert [column.is_number for column in read_columns(path)] == [True, False, False]
+
+
+def test_missing_contents_say_which_stage_to_run(tmp_path):
+    with pytest.raises(InputError, match=r"segment/contents\.json.*run `dvc repro segment` first"):
+        read_contents(tmp_path, "segment")
+
+
+def test_broken_contents_name_the_field(tmp_path):
+    items = [{"kind": "film", "file": "a.mp4", "title": "A", "caption": "B"}]
+    write_stage(tmp_path, "segment", items)
+
+    with pytest.raises(InputError, match=r"items\.0\.kind: Input should be 'figure' or 'table'"):
+        read_contents(tmp_path / "reports", "segment")
+
+
+def test_empty_table_is_refused(tmp_path):
+    (tmp_path / "a.csv").write_text("")
+
+    with pytest.raises(InputError, match="is not a CSV table"):
+        read_columns(tmp_path / "a.csv")
+
+
+def test_figure_that_is_no_png_is_refused(tmp_path):
+    (tmp_path / "a.png").write_bytes(b"<svg/>")
+
+    with pytest.raises(InputError, match="is not a PNG"):
+        read_figure(tmp_path / "a.png")

@@ -1,0 +1,137 @@
+"""The report page as text: complete, escaped, accessible and the same every time."""
+
+import re
+from html.parser import HTMLParser
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from pipeline.errors import InputError
+from pipeline.figures.contents import read_contents
+from pipeline.figures.page import render_page
+from pipeline.figures.style import CONTACT_COLOURS, predictor_colour
+from tests.pipeline.figures.made_up import OFFSETS, made_up_page, make_reports
+
+STYLES = Path(__file__).parents[3] / "pipeline" / "figures" / "templates" / "page.css"
+HOSTILE = "</script><img src=x onerror=alert(1)>\"'&"
+
+
+class Tags(HTMLParser):
+    """The tags of a page in order, each with the names and values of its attributes."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.found = []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attributes):
+        self.found.append((tag, dict(attributes)))
+
+    def named(self, name):
+        return [attributes for tag, attributes in self.found if tag == name]
+
+
+def palettes():
+    """The page's colours by name, light and dark."""
+    light, dark = STYLES.read_text().split("@media screen", maxsplit=1)
+    pattern = r"--([a-z]+): (#[0-9a-f]{6})"
+    light = dict(re.findall(pattern, light))
+    return [light, {**light, **dict(re.findall(pattern, dark))}]
+
+
+def contrast(first, second):
+    """The contrast ratio of two colours as the Web Content Accessibility Guidelines define it."""
+    brighter, darker = sorted(map(luminance, (first, second)), reverse=True)
+    return (brighter + 0.05) / (darker + 0.05)
+
+
+def luminance(colour):
+    channels = [int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+    return sum(c * weight for c, weight in zip(linear, (0.2126, 0.7152, 0.0722), strict=True))
+
+
+def test_same_inputs_give_the_same_page(root, tmp_path):
+    make_reports(tmp_path)
+
+    assert made_up_page(tmp_path) == made_up_page(root)
+
+
+def test_every_item_names_the_run_that_made_it(root):
+    page = made_up_page(root)
+
+    for stage in ("ingest", "segment", "evaluate_predictor"):
+        assert f"<code>python -m stages.{stage}</code>" in page
+    assert page.count("<code>3fa9c1d20b77</code>") == 4  # three items and the 3-D view
+
+
+def test_names_from_the_data_cannot_become_markup(root, tmp_path):
+    make_reports(tmp_path, title=HOSTILE, shot=HOSTILE)
+
+    hostile = Tags(made_up_page(tmp_path))
+
+    assert [tag for tag, _ in hostile.found] == [tag for tag, _ in Tags(made_up_page(root)).found]
+    assert all("onerror" not in attributes for _, attributes in hostile.found)
+
+
+def test_page_refers_to_nothing_outside_itself(root):
+    tags = Tags(made_up_page(root)).found
+
+    links = [value for _, a in tags for key, value in a.items() if key in ("src", "href")]
+    assert links
+    assert all(link.startswith(("#", "data:")) for link in links)
+
+
+def test_headings_descend_one_level_at_a_time(root):
+    tags = Tags(made_up_page(root)).found
+    levels = [int(tag[1]) for tag, _ in tags if re.fullmatch("h[1-6]", tag)]
+
+    assert levels[0] == 1 and levels.count(1) == 1
+    assert all(after - before <= 1 for before, after in pairwise(levels))
+
+
+def test_figures_have_their_caption_as_alternative_text(root):
+    images = Tags(made_up_page(root)).named("img")
+
+    assert [image["alt"][:10] for image in images] == ["Mean error"]
+
+
+def test_contents_link_to_every_item(root):
+    tags = Tags(made_up_page(root))
+    ids = [attributes["id"] for _, attributes in tags.found if "id" in attributes]
+
+    assert len(ids) == len(set(ids))
+    assert all(link["href"][1:] in ids for link in tags.named("a"))
+    assert len(tags.named("a")) == 7
+
+
+def test_numbers_are_rounded_by_column(root):
+    page = made_up_page(root)
+
+    assert '<td class="number">12.35</td>' in page
+    assert '<td class="number">0.50</td>' in page
+
+
+def test_page_without_shots_has_no_view(root):
+    contents = [read_contents(root / "reports", "evaluate_predictor")]
+
+    assert "<canvas" not in render_page(root / "reports", contents, [])
+
+
+@pytest.mark.parametrize("name", ["segment/contacts.csv", "evaluate_predictor/figures/spindoe.png"])
+def test_missing_file_is_named(tmp_path, name):
+    make_reports(tmp_path)
+    (tmp_path / "reports" / name).unlink()
+
+    with pytest.raises(InputError, match=f"{name}: cannot be read; run its stage again"):
+        made_up_page(tmp_path)
+
+
+@pytest.mark.parametrize("palette", palettes(), ids=["light", "dark"])
+def test_text_and_lines_stand_out_from_their_background(palette):
+    lines = [*map(predictor_colour, OFFSETS), *CONTACT_COLOURS.values()]
+    for background in (palette["page"], palette["card"]):
+        texts = [palette[name] for name in ("ink", "muted", "accent")]
+        assert min(contrast(text, background) for text in texts) >= 4.5
+        assert min(contrast(line, background) for line in lines) >= 3.0

@@ -1,0 +1,183 @@
+"""The report page in headless Chromium: quiet, offline, readable, and its 3-D view alive."""
+
+import json
+import time
+
+import pytest
+from selenium.webdriver import ActionChains
+from selenium.webdriver.common.actions.action_builder import ActionBuilder
+from selenium.webdriver.common.actions.interaction import POINTER_TOUCH
+from selenium.webdriver.common.actions.pointer_input import PointerInput
+from selenium.webdriver.support.select import Select
+from selenium.webdriver.support.wait import WebDriverWait
+
+from pipeline.figures.style import predictor_colour
+from tests.pipeline.figures.made_up import OFFSETS
+
+pytestmark = pytest.mark.browser
+
+DESKTOP, PHONE = (1280, 900), (390, 844)
+COLOURS_DRAWN = """
+const canvas = document.getElementById("shot-view");
+const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+const drawn = new Set();
+for (let i = 0; i < pixels.length; i += 4) {
+  const hex = [0, 1, 2].map((k) => pixels[i + k].toString(16).padStart(2, "0")).join("");
+  if (pixels[i + 3] === 255) drawn.add("#" + hex);
+}
+return [...drawn];
+"""
+
+
+def open_page(browser, page_file, size, theme="light"):
+    """Open the page at a size (CSS pixels) and forget what the browser logged before."""
+    screen = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE}
+    scheme = {"name": "prefers-color-scheme", "value": theme}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})
+    browser.get("about:blank")
+    browser.get_log("browser")
+    browser.get_log("performance")
+    browser.get(page_file.as_uri())
+
+
+@pytest.fixture
+def page(browser, page_file):
+    """The page on a desktop, in light colours."""
+    open_page(browser, page_file, DESKTOP)
+    return browser
+
+
+def element(page, identifier):
+    return page.find_element("id", identifier)
+
+
+def picture(page):
+    return page.execute_script("return document.getElementById('shot-view').toDataURL()")
+
+
+def requests(page):
+    """The addresses that the page has asked for, data URIs apart."""
+    messages = [json.loads(entry["message"])["message"] for entry in page.get_log("performance")]
+    sent = [m["params"] for m in messages if m["method"] == "Network.requestWillBeSent"]
+    return [s["request"]["url"] for s in sent if not s["request"]["url"].startswith("data:")]
+
+
+def readouts(page):
+    return {o.get_attribute("name"): o.text for o in page.find_elements("tag name", "output")[:2]}
+
+
+@pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
+def test_no_console_message_and_no_request_leaves_the_page(browser, page_file, size):
+    open_page(browser, page_file, size)
+    element(browser, "shot-play").click()
+    time.sleep(0.3)
+
+    assert browser.get_log("browser") == []
+    assert requests(browser) == [page_file.as_uri()]
+
+
+def test_every_image_decodes(page):
+    widths = page.execute_script("return [...document.images].map((image) => image.naturalWidth)")
+
+    assert widths == [1280]
+
+
+@pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
+def test_only_the_boxes_of_tables_and_figures_scroll_sideways(browser, page_file, size):
+    open_page(browser, page_file, size)
+    script = "return [document.documentElement.scrollWidth, window.innerWidth]"
+    page_width, window_width = browser.execute_script(script)
+    box = browser.find_element("css selector", "#ingest .box")
+
+    assert page_width <= window_width == size[0]
+    assert int(box.get_property("scrollWidth")) > int(box.get_property("clientWidth"))
+
+
+def test_controls_of_the_phone_fit_their_box(browser, page_file):
+    open_page(browser, page_file, PHONE)
+    box = browser.find_element("css selector", ".viewer")
+
+    assert box.get_property("scrollWidth") == box.get_property("clientWidth")
+
+
+def test_dark_theme_is_dark(browser, page_file):
+    script = "return getComputedStyle(document.body).backgroundColor"
+    backgrounds = {}
+    for theme in ("light", "dark"):
+        open_page(browser, page_file, DESKTOP, theme)
+        backgrounds[theme] = browser.execute_script(script)
+
+    assert backgrounds == {"light": "rgb(251, 251, 250)", "dark": "rgb(21, 25, 29)"}
+
+
+def test_view_draws_table_and_every_forecast(page):
+    drawn = page.execute_script(COLOURS_DRAWN)
+
+    assert {"#dbe6ee", *map(predictor_colour, OFFSETS)} <= set(drawn)
+
+
+def test_unticked_predictor_is_not_drawn(page):
+    page.find_elements("css selector", "#shot-legend input")[0].click()
+    drawn = page.execute_script(COLOURS_DRAWN)
+
+    assert predictor_colour("physics_c") not in drawn
+    assert predictor_colour("physics_literature") in drawn
+
+
+def test_readout_is_the_distance_from_the_measured_ball(page):
+    assert element(page, "shot-clock").text == "+300 ms"
+    assert readouts(page) == {"physics_c": "50 mm", "physics_literature": "80 mm"}
+
+
+def test_there_is_no_distance_before_the_forecast(page):
+    script = "arguments[0].value = -20; arguments[0].dispatchEvent(new Event('input'))"
+    page.execute_script(script, element(page, "shot-time"))
+
+    assert element(page, "shot-clock").text == "−20 ms"
+    assert readouts(page) == {"physics_c": "–", "physics_literature": "–"}
+
+
+def test_play_moves_time_on_and_pause_stops_it(page):
+    slider, button = element(page, "shot-time"), element(page, "shot-play")
+    start, before = int(slider.get_property("value")), picture(page)
+
+    button.click()
+    WebDriverWait(page, 10).until(lambda _: int(slider.get_property("value")) >= start + 20)
+    button.click()
+    stopped = slider.get_property("value")
+    time.sleep(0.2)
+
+    assert slider.get_property("value") == stopped
+    assert button.text == "Play"
+    assert picture(page) != before
+
+
+def test_mouse_drag_turns_the_view_and_double_click_returns(page):
+    view, before = element(page, "shot-view"), picture(page)
+
+    ActionChains(page).drag_and_drop_by_offset(view, 120, 30).perform()
+    turned = picture(page)
+    ActionChains(page).double_click(view).perform()
+
+    assert turned != before
+    assert picture(page) == before
+
+
+def test_finger_turns_the_view(browser, page_file):
+    open_page(browser, page_file, PHONE)
+    view, before = element(browser, "shot-view"), picture(browser)
+
+    actions = ActionBuilder(browser, mouse=PointerInput(POINTER_TOUCH, "finger"))
+    actions.pointer_action.move_to(view).pointer_down().move_to(view, 80, 40).pointer_up()
+    actions.perform()
+
+    assert picture(browser) != before
+
+
+def test_another_shot_can_be_chosen(page):
+    element(page, "shot-play").click()
+    Select(element(page, "shot-picker")).select_by_visible_text("spindoe/001/00")
+
+    assert element(page, "shot-play").text == "Play"
+    assert element(page, "shot-clock").text == "+300 ms"
