@@ -1,7 +1,6 @@
 """Artefacts in and out: written whole or not at all, and byte-identical for identical content."""
 
 import json
-import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -36,8 +35,8 @@ def replacing_folder(path: Path) -> Iterator[Path]:
         temporary.mkdir()
         yield temporary
         if path.exists():
-            shutil.rmtree(path)
-        temporary.replace(path)
+            path.rename(Path(folder) / "former")
+        temporary.rename(path)
 
 
 def write_text(path: Path, text: str) -> None:
@@ -63,7 +62,9 @@ def read_json(path: Path) -> Any:
         return json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise InputError(path, "there is no such file; run the stage that writes it") from None
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+    except OSError as error:
+        raise InputError(path, f"cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError) as error:
         raise InputError(path, f"is not JSON: {error}") from None
 
 
@@ -76,7 +77,8 @@ def write_table(path: Path, table: pd.DataFrame) -> None:
 def read_table(path: Path) -> pd.DataFrame:
     """Read a parquet table; a missing or broken one is an ``InputError``."""
     try:
-        return pd.read_parquet(path)
+        with path.open("rb") as content:
+            return pd.read_parquet(content)
     except FileNotFoundError:
         raise InputError(path, "there is no such table; run the stage that writes it") from None
     except (OSError, ValueError) as error:

@@ -8,10 +8,11 @@ can; the forecast says that the spin was not measured.
 
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
+from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
-from models.predictors.protocol import FUTURE_TIMES, TICK, Floats, Forecast, History
+from models.predictors.protocol import FUTURE_TIMES, TICK, Bools, Floats, Forecast, History
 
 # Measurement: the cameras of the paper see 3 mm and 5 % of the spin; real sets up to 4.4 mm.
 POSITION_NOISE = 0.004  # m
@@ -30,6 +31,7 @@ SPIN_DRIFT = 1.0  # rad/s
 # A position whose squared Mahalanobis distance exceeds this is an outlier (3 degrees of freedom,
 # one in 10^5).
 OUTLIER_DISTANCE = 25.9
+LOST = 3  # outliers in a row that mean that the filter is wrong, not the cameras
 
 # Steps of the numerical Jacobian: m, m/s, rad/s.
 _STEPS = np.repeat([1e-5, 1e-3, 1e-1], 3)
@@ -56,16 +58,24 @@ class _BallFilter(ExtendedKalmanFilter):
         self.F = ((above - below) / (2 * _STEPS[:, None])).T
         self.x = reached[0]
 
-    def see(self, z: Floats, part: slice, R: Floats) -> None:
-        """Take in a measured position or spin (``part``) with covariance ``R``."""
+    def place(self, position: Floats) -> bool:
+        """Take in a measured position, unless it is an outlier; return whether it was taken."""
+        R = POSITION_NOISE**2 * np.eye(3)
+        y = position - self.x[POSITION]
+        S = self.P[POSITION, POSITION] + R
+        expected = bool(y @ np.linalg.solve(S, y) < OUTLIER_DISTANCE)
+        if expected:
+            self._see(position, POSITION, R)
+        return expected
+
+    def label(self, spin: Floats) -> None:
+        """Take in a spin label."""
+        noise = SPIN_NOISE_SHARE * float(np.linalg.norm(spin)) + SPIN_NOISE_FLOOR
+        self._see(spin, SPIN, noise**2 * np.eye(3))
+
+    def _see(self, z: Floats, part: slice, R: Floats) -> None:
         H = np.eye(STATE_SIZE)[part]
         self.update(z, lambda _: H, lambda x: x[part], R=R)
-
-    def expects(self, z: Floats, R: Floats) -> bool:
-        """Whether a measured position lies where it may, by its Mahalanobis distance."""
-        y = z - self.x[POSITION]
-        S = self.P[POSITION, POSITION] + R
-        return bool(y @ np.linalg.solve(S, y) < OUTLIER_DISTANCE)
 
 
 class PhysicsPredictor:
@@ -82,25 +92,43 @@ class PhysicsPredictor:
         labelled = history.mask[:, :, 3:].all(axis=2)
         return Forecast(flown, np.any(labelled, axis=1))
 
-    def _filtered(self, states: Floats, mask: np.ndarray) -> Floats:
+    def _filtered(self, states: Floats, mask: Bools) -> Floats:
         """Return the (9,) state at the last of (12, 6) measurements."""
         placed = np.flatnonzero(mask[:, :3].all(axis=1))
         if not len(placed):
             return np.zeros(STATE_SIZE)
-        ball = _BallFilter(self.simulator, *_first_guess(states, mask, placed))
-        for k in range(placed[0], len(states)):
-            if k > placed[0]:
+        start = placed[0]
+        while True:
+            now, lost = self._tracked(states[start:], mask[start:])
+            if lost is None:
+                return now
+            start += lost
+
+    def _tracked(self, states: Floats, mask: Bools) -> tuple[Floats, int | None]:
+        """Filter from the first measurement on; return the state, or where the ball was lost.
+
+        An outlier among the first measurements can lead the filter so far astray that it takes the
+        ball itself for a row of outliers. It then starts anew at the first of that row.
+        """
+        ball = _BallFilter(self.simulator, *_first_guess(states, mask))
+        strange: list[int] = []
+        for k, (state, known) in enumerate(zip(states, mask, strict=True)):
+            if k > 0:
                 ball.predict()
-            _take_in(ball, states[k], mask[k])
-        x: Floats = ball.x
-        return x
+            if known[:3].all():
+                strange = [] if ball.place(state[:3]) else [*strange, k]
+            if known[3:].all():
+                ball.label(state[3:])
+            if len(strange) == LOST:
+                return ball.x, strange[0]
+        return ball.x, None
 
 
-def _first_guess(states: Floats, mask: np.ndarray, placed: np.ndarray) -> tuple[Floats, Floats]:
-    """Return mean and covariance at the first measured position."""
-    first = placed[:FIRST_SAMPLES]
+def _first_guess(states: Floats, mask: Bools) -> tuple[Floats, Floats]:
+    """Return mean and covariance at the first measurement, whose position is known."""
+    first = np.flatnonzero(mask[:, :3].all(axis=1))[:FIRST_SAMPLES]
     x = np.zeros(STATE_SIZE)
-    x[POSITION] = states[placed[0], :3]
+    x[POSITION] = states[0, :3]
     x[VELOCITY] = _median_slope(first * TICK, states[first, :3])
     labelled = np.flatnonzero(mask[:, 3:].all(axis=1))
     spread = np.repeat([10 * POSITION_NOISE, VELOCITY_PRIOR, SPIN_PRIOR], 3)
@@ -110,19 +138,10 @@ def _first_guess(states: Floats, mask: np.ndarray, placed: np.ndarray) -> tuple[
     return x, np.diag(spread**2)
 
 
-def _median_slope(times: Floats, positions: Floats) -> Floats:
+def _median_slope(times: NDArray[np.floating], positions: Floats) -> Floats:
     """Return the median of all pairs' slopes, which one outlier cannot bend; zero for one point."""
     left, right = np.triu_indices(len(times), k=1)
     if not len(left):
         return np.zeros(3)
     slopes = (positions[right] - positions[left]) / (times[right] - times[left])[:, None]
     return np.median(slopes, axis=0)
-
-
-def _take_in(ball: _BallFilter, state: Floats, mask: np.ndarray) -> None:
-    place_noise = POSITION_NOISE**2 * np.eye(3)
-    if mask[:3].all() and ball.expects(state[:3], place_noise):
-        ball.see(state[:3], POSITION, place_noise)
-    if mask[3:].all():
-        noise = SPIN_NOISE_SHARE * float(np.linalg.norm(state[3:])) + SPIN_NOISE_FLOOR
-        ball.see(state[3:], SPIN, noise**2 * np.eye(3))

@@ -12,6 +12,7 @@ import numpy as np
 
 from models.predictors.protocol import (
     FUTURE_TIMES,
+    HISTORY,
     HISTORY_TIMES,
     TICK,
     Bools,
@@ -21,6 +22,7 @@ from models.predictors.protocol import (
 
 LONGEST_GAP = 0.0151  # s between two samples that may still be interpolated: two lost of 200 Hz
 SHORTEST_FUTURE = 0.100  # s; a window with less measured future is no use
+FEWEST_SEEN = HISTORY // 2  # measured positions; a window with fewer is no use either
 
 
 @dataclass(frozen=True)
@@ -70,8 +72,11 @@ class Windows:
 
 def windows(episode: Episode, every: float) -> Windows:
     """Cut an episode into windows: after its first 12 ticks, then every ``every`` seconds."""
-    anchors = _anchors(episode, every)
-    histories = [_history(episode, anchor) for anchor in anchors]
+    tried = _anchors(episode, every)
+    seen = [(anchor, _history(episode, anchor)) for anchor in tried]
+    kept = [(anchor, history) for anchor, history in seen if _enough(history)]
+    anchors = np.array([anchor for anchor, _ in kept])
+    histories = [history for _, history in kept]
     futures = [_future(episode, anchor) for anchor in anchors]
     shape = (len(anchors), len(HISTORY_TIMES), 6)
     states = np.array([states for states, _ in histories]).reshape(shape)
@@ -110,6 +115,11 @@ def _history(episode: Episode, anchor: np.float64) -> tuple[Floats, Bools]:
     times = anchor + HISTORY_TIMES
     values = np.hstack([episode.positions, episode.spins])[known]
     return _interpolated(episode.times[known], values, times)
+
+
+def _enough(history: tuple[Floats, Bools]) -> bool:
+    _, mask = history
+    return int(mask[:, :3].all(axis=1).sum()) >= FEWEST_SEEN
 
 
 def _future(episode: Episode, anchor: np.float64) -> tuple[Floats, Bools]:

@@ -27,7 +27,7 @@ LIMITS = [(-1.3, 1.3), (-2.4, 2.4), (-0.9, 1.7)]  # m
 
 
 def measured_balls_figure(sources: dict[str, pd.DataFrame]) -> Figure:
-    """Draw every measured position of every source, with table and net.
+    """Draw the measured positions of every source, with table and net.
 
     Args:
         sources: name -> positions (columns px, py, pz; m, table frame). Where velocities (vx, vy,

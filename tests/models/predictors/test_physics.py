@@ -53,14 +53,15 @@ def test_the_path_of_an_unlabelled_ball_hints_at_its_spin():
     assert not forecast.spin_measured.any()
 
 
-def test_an_outlier_does_not_bend_the_forecast():
+@pytest.mark.parametrize("where", [0, 1, 2, 7, 11])
+def test_an_outlier_does_not_bend_the_forecast(where):
     history, future = observed(noise=0.001)
     states = history.states.copy()
-    states[:, 7, :3] += [0.1, 0.05, -0.08]
+    states[:, where, :3] += [0.1, 0.05, -0.08]
     spoilt = History(states, history.mask)
     clean = position_error(TRUE_PHYSICS.predict(history), future, -1)
     spoilt_error = position_error(TRUE_PHYSICS.predict(spoilt), future, -1)
-    assert (spoilt_error < clean + 0.01).all()
+    assert (spoilt_error < clean + 0.03).all()
 
 
 @pytest.mark.parametrize("lost", [[3], [0, 1], [4, 5, 6, 7]])

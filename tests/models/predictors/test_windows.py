@@ -102,6 +102,13 @@ def test_an_episode_too_short_for_a_window_has_none(count):
     assert len(windows(episode(GRID[:count]), every=0.05)) == 0
 
 
+def test_a_window_of_which_too_little_was_seen_is_left_out():
+    hidden = (GRID > 0.15) & (GRID < 0.25)
+    cut = windows(episode(GRID[~hidden]), every=0.05)
+    assert (cut.history.mask[..., 0].sum(axis=1) >= 6).all()
+    assert len(cut) < len(windows(episode(GRID), every=0.05))
+
+
 def test_joined_windows_keep_their_order():
     first, second = windows(episode(GRID), 0.05), windows(episode(3 + GRID), 0.05)
     both = joined([first, second])

@@ -1,0 +1,1 @@
+"""The arena: what stands around the table, simulated."""

@@ -1,0 +1,1 @@
+"""Measured balls: one adapter a data set, all ending in the same tables."""

@@ -1,0 +1,1 @@
+"""The shipped sources, one file each; the registry finds them here by themselves."""

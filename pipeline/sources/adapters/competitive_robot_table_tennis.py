@@ -1,0 +1,77 @@
+"""Competitive robot table tennis: ball states just after strokes of people and a robot."""
+
+import json
+from typing import Any
+
+import pandas as pd
+
+from pipeline.errors import InputError
+from pipeline.sources.files import SourceFile, source_file
+from pipeline.sources.sieve import LAUNCH_COLUMNS
+from pipeline.sources.source import Description, RawTable, Refusal, SourceContext, SourceData
+
+FILES = ("rallies.json", "serves.json")
+KEYS = [
+    "id",
+    *("pos_x", "pos_y", "pos_z"),
+    *("vel_x", "vel_y", "vel_z"),
+    *("w_vel_x", "w_vel_y", "w_vel_z"),
+]
+LARGEST = 1e300  # JSON has integers that no float can hold
+
+DESCRIPTION = Description(
+    name="competitive_robot_table_tennis",
+    kind="launches",
+    spin="per_recording",
+    licence="CC-BY 4.0",
+    citation="D'Ambrosio et al.: Achieving Human Level Competitive Robot Table Tennis, ICRA 2025, "
+    "arXiv 2408.03906",
+    note="The set's axes are those of the table frame. States only, no paths; strokes of both "
+    "sides of the table, so balls fly towards +y too.",
+)
+
+
+class CompetitiveRobotTableTennis:
+    """The initial ball states that the paper's policies were trained on."""
+
+    name = DESCRIPTION.name
+
+    def read(self, context: SourceContext) -> SourceData:
+        """Read the states of rallies and of serves."""
+        folder = context.folder(self.name)
+        return SourceData(DESCRIPTION, [_table(source_file(folder, name)) for name in FILES])
+
+
+def _table(file: SourceFile) -> RawTable:
+    states = [_state(entry) for entry in _entries(file)]
+    rows = pd.DataFrame(
+        [(row, *state) for row, state in enumerate(states, start=1) if state is not None],
+        columns=["row", *LAUNCH_COLUMNS],
+    )
+    faulty = [row for row, state in enumerate(states, start=1) if state is None]
+    refusals = [Refusal(str(file), row, "not a ball state") for row in faulty]
+    return RawTable(file.stem, rows, file, refusals=refusals)
+
+
+def _entries(file: SourceFile) -> list[Any]:
+    try:
+        entries = json.loads(file.text())
+    except (ValueError, RecursionError) as error:
+        raise InputError(file.path, f"is not JSON: {error}") from None
+    if not isinstance(entries, list):
+        raise InputError(file.path, "must be a JSON list of ball states")
+    return entries
+
+
+def _state(entry: Any) -> list[float] | None:
+    """Return the numbers of one ball state, or ``None`` if it is not one."""
+    values: list[Any] = [entry.get(key) for key in KEYS] if isinstance(entry, dict) else []
+    numbers = [value for value in values if type(value) in (int, float)]
+    if len(numbers) < len(KEYS) or type(numbers[0]) is not int:
+        return None
+    if any(abs(number) > LARGEST for number in numbers):
+        return None
+    return [numbers[0], *map(float, numbers[1:])]
+
+
+source = CompetitiveRobotTableTennis()

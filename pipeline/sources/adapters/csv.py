@@ -1,0 +1,83 @@
+"""Your own recordings: a folder of csv files, one a recording, with an optional source.yaml."""
+
+import json
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS
+from pipeline.errors import InputError
+from pipeline.params import read_yaml
+from pipeline.sources.files import SourceFile, source_files
+from pipeline.sources.frame import Frame
+from pipeline.sources.separated import check_header, read_separated
+from pipeline.sources.settings import SourceName
+from pipeline.sources.source import Description, RawTable, SourceContext, SourceData
+
+HEADER = "t,x,y,z"
+HEADER_WITH_SPIN = "t,x,y,z,wx,wy,wz"
+SETTINGS_FILE = "source.yaml"
+
+
+class CSVSettings(BaseModel):
+    """What source.yaml may say about a folder of csv files."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    name: SourceName = "csv"
+    kind: Literal["cannon", "rally"] = "rally"
+    licence: str = "not stated"
+    rate: Annotated[float, Field(gt=0)] | None = None
+    frame: Frame = Frame()
+
+
+class CSV:
+    """A folder that anyone can fill."""
+
+    name = "csv"
+
+    def read(self, context: SourceContext) -> SourceData:
+        """Read every csv file as one recording, with spin or without."""
+        folder = context.folder(self.name)
+        settings = _read_settings(folder / SETTINGS_FILE)
+        tables = [_table(file) for file in source_files(folder, "*.csv")]
+        has_spin = any(SPIN_COLUMNS[0] in table.rows for table in tables)
+        description = Description(
+            name=settings.name,
+            kind=settings.kind,
+            spin="per_sample" if has_spin else "none",
+            licence=settings.licence,
+            frame=settings.frame,
+            stated_rate_hz=settings.rate,
+            note=f"Read from csv files as {SETTINGS_FILE} describes them.",
+        )
+        side_files = [SourceFile(path) for path in [folder / SETTINGS_FILE] if path.is_file()]
+        return SourceData(description, tables, side_files)
+
+
+def _table(file: SourceFile) -> RawTable:
+    header = check_header(file, HEADER, HEADER_WITH_SPIN)
+    columns = ["t", *POSITION_COLUMNS, *SPIN_COLUMNS][: header.count(",") + 1]
+    rows, refusals = read_separated(file, columns, separator=",", first_line=2)
+    return RawTable(file.stem, rows, file, refusals=refusals)
+
+
+def _read_settings(path: Path) -> CSVSettings:
+    if not path.is_file():
+        return CSVSettings()
+    try:
+        content = json.dumps(read_yaml(path) or {}, default=str)
+    except (ValueError, RecursionError) as error:  # such as a date in a month 99
+        raise InputError(path, f"is not YAML: {error}") from None
+    try:
+        # Strict JSON: the text "200" is no number, and a YAML list is a tuple.
+        return CSVSettings.model_validate_json(content, strict=True)
+    except ValidationError as error:
+        first = error.errors()[0]
+        field = ".".join(str(part) for part in first["loc"]) or None
+        allowed = ", ".join(CSVSettings.model_fields)
+        raise InputError(path, f"{first['msg']} (keys: {allowed})", field=field) from None
+
+
+source = CSV()

@@ -1,0 +1,79 @@
+"""ball_prediction of the Intelligent Soft Robots lab: launched balls, many shots an HDF5 file."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import h5py
+import numpy as np
+import pandas as pd
+
+from models.ball.state import TABLE_HALF_LENGTH
+from pipeline.contracts import POSITION_COLUMNS
+from pipeline.errors import InputError
+from pipeline.sources.files import SourceFile, source_files
+from pipeline.sources.frame import Frame
+from pipeline.sources.source import Description, RawTable, SourceContext, SourceData
+
+GROUP = "originals"
+SURFACE_HEIGHT = 0.74  # m above the set's origin
+
+DESCRIPTION = Description(
+    name="isr_ball_prediction",
+    kind="cannon",
+    spin="none",
+    licence="BSD 3-Clause (of the repository; none is stated for the data alone)",
+    citation="github.com/intelligent-soft-robots/ball_prediction",
+    frame=Frame(
+        rotation=((0, 1, 0), (-1, 0, 0), (0, 0, 1)), offset=(0, TABLE_HALF_LENGTH, -SURFACE_HEIGHT)
+    ),
+    note="The set's origin is at the launcher, which shoots along +x, with z up from the floor. "
+    "Where the table lies horizontally is not recorded: by convention the launcher stands over "
+    "the middle of the far end line and shoots towards -y.",
+)
+
+
+class ISRBallPrediction:
+    """The lab's ``mn5008_*`` and ``no_spin_*`` files; their velocities are not used."""
+
+    name = DESCRIPTION.name
+
+    def read(self, context: SourceContext) -> SourceData:
+        """Read every shot of every hdf5 file as one recording."""
+        files = source_files(context.folder(self.name), "*.hdf5")
+        return SourceData(DESCRIPTION, [table for file in files for table in _read_shots(file)])
+
+
+def _read_shots(file: SourceFile) -> list[RawTable]:
+    try:
+        with h5py.File(file.path) as content:
+            shots = list(_shots(content))
+    except InputError:
+        raise
+    except Exception as error:
+        # h5py passes on whatever libhdf5 stumbles over in a damaged file, as any kind of error.
+        reason = " ".join(str(error).split())[:200]
+        raise InputError(file.path, f"is no whole HDF5 file with {GROUP}: {reason}") from None
+    return [_table(file, *shot) for shot in shots]
+
+
+def _shots(content: Any) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+    """Yield the key, times (T,) and positions (T, 3) of every shot, in the order of their keys."""
+    group = content[GROUP]
+    for key in sorted(group, key=lambda key: key.zfill(9)):
+        times = np.asarray(group[key]["time_stamps"][()], dtype=float)
+        positions = np.asarray(group[key]["positions"][()], dtype=float)
+        if positions.shape != (*times.shape, 3):
+            raise ValueError(f"shot {key} has {times.shape} times, {positions.shape} positions")
+        if not len(times):
+            raise ValueError(f"shot {key} has no samples")
+        yield key, times, positions
+
+
+def _table(file: SourceFile, key: str, times: np.ndarray, positions: np.ndarray) -> RawTable:
+    rows = pd.DataFrame(positions, columns=POSITION_COLUMNS)
+    rows.insert(0, "t", times)
+    rows.insert(0, "row", np.arange(1, len(rows) + 1))
+    return RawTable(f"{file.stem}_{key.zfill(3)}", rows, file, f"/{GROUP}/{key}")
+
+
+source = ISRBallPrediction()

@@ -1,0 +1,76 @@
+"""SpinDOE: shots of a ball cannon, one csv file each, with one spin label a shot in index.csv."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS
+from pipeline.sources.files import SourceFile, source_file, source_files
+from pipeline.sources.separated import check_header, read_separated
+from pipeline.sources.source import (
+    NOT_STATED,
+    Description,
+    RawTable,
+    Refusal,
+    SourceContext,
+    SourceData,
+)
+
+INDEX = "index.csv"
+INDEX_HEADER = "traj_file,x_spin,y_spin,z_spin"
+
+DESCRIPTION = Description(
+    name="spindoe",
+    kind="cannon",
+    spin="per_recording",
+    licence=NOT_STATED,
+    citation="Gossard, Tebbe, Ziegler, Zell: SpinDOE: A ball spin estimation method for table "
+    "tennis robot, IROS 2023, arXiv 2303.03879",
+    note="The set's axes are those of the table frame. Time stamps are rounded to 1 ms. Heights "
+    "and spin labels are left as they are, doubtful ones too.",
+)
+
+
+class SpinDOE:
+    """SpinDOE's trajectory data set (its ``trajectories.zip``, unpacked)."""
+
+    name = DESCRIPTION.name
+
+    def read(self, context: SourceContext) -> SourceData:
+        """Read every csv file but the index as one shot; every sample carries the shot's spin."""
+        folder = context.folder(self.name)
+        index = source_file(folder, INDEX)
+        labels, refusals = _read_labels(index)
+        tables = []
+        for file in source_files(folder, "[0-9]*.csv"):
+            columns = ["t", *POSITION_COLUMNS]
+            rows, refused = read_separated(file, columns, separator=";")
+            if file.stem in labels.index:
+                rows[SPIN_COLUMNS] = labels.loc[file.stem, SPIN_COLUMNS].to_numpy(dtype=float)
+            tables.append(RawTable(file.stem, rows, file, refusals=refused))
+        return SourceData(DESCRIPTION, tables, [index], [*refusals, *_without_file(labels, folder)])
+
+
+def _read_labels(index: SourceFile) -> tuple[pd.DataFrame, list[Refusal]]:
+    """Return the usable labels, named after their files, and the refusals of the others."""
+    check_header(index, INDEX_HEADER)
+    columns = ["number", *SPIN_COLUMNS]
+    rows, unreadable = read_separated(index, columns, separator=",", first_line=2)
+    refusals = [refusal._replace(what="label") for refusal in unreadable]
+    whole = rows["number"].between(0, 1e9) & (rows["number"] % 1 == 0)
+    repeated = rows["number"].duplicated()
+    for reason, at_fault in {
+        "no number of a file": ~whole,
+        "label repeated": whole & repeated,
+    }.items():
+        refusals += [Refusal(INDEX, row, reason, "label") for row in rows["row"][at_fault]]
+    usable = rows[whole & ~repeated]
+    return usable.set_index(usable["number"].map("{:03.0f}".format)), refusals
+
+
+def _without_file(labels: pd.DataFrame, folder: Path) -> list[Refusal]:
+    missing = [not (folder / f"{stem}.csv").is_file() for stem in labels.index]
+    return [Refusal(INDEX, row, "label without a file", "label") for row in labels["row"][missing]]
+
+
+source = SpinDOE()

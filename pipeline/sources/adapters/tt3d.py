@@ -1,0 +1,42 @@
+"""TT3D: rallies of two amateurs, seen by several cameras, one csv file a recording."""
+
+from pipeline.contracts import POSITION_COLUMNS
+from pipeline.sources.files import source_files
+from pipeline.sources.separated import check_header, read_separated
+from pipeline.sources.source import (
+    NOT_STATED,
+    Description,
+    RawTable,
+    SourceContext,
+    SourceData,
+)
+
+HEADER = "Timestamp,X,Y,Z"
+
+DESCRIPTION = Description(
+    name="tt3d",
+    kind="rally",
+    spin="none",
+    licence=NOT_STATED,
+    citation="Gossard, Ziegler, Zell: TT3D: Table Tennis 3D Reconstruction, CVPR Workshops 2025",
+    note="The set's axes are those of the table frame. Time stamps are of one running clock.",
+)
+
+
+class TT3D:
+    """The ground truth of TT3D's benchmark (its folder ``3D_gt``)."""
+
+    name = DESCRIPTION.name
+
+    def read(self, context: SourceContext) -> SourceData:
+        """Read every csv file as one recording."""
+        tables = []
+        for file in source_files(context.folder(self.name), "*.csv"):
+            check_header(file, HEADER)
+            columns = ["t", *POSITION_COLUMNS]
+            rows, refusals = read_separated(file, columns, separator=",", first_line=2)
+            tables.append(RawTable(file.stem, rows, file, refusals=refusals))
+        return SourceData(DESCRIPTION, tables)
+
+
+source = TT3D()

@@ -1,0 +1,91 @@
+"""The manifest: what was read from each source, what was refused and why."""
+
+from collections import defaultdict
+from collections.abc import Iterable
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from pipeline.artifacts import read_json
+from pipeline.errors import InputError
+from pipeline.sources.source import Description, Refusal
+
+
+class Refused(BaseModel):
+    """What was refused for one reason: how often, and which rows of which place."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    count: int
+    rows: dict[str, list[int]]
+
+
+class FileRecord(BaseModel):
+    """A file that was read; its name is relative to the source's folder."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    file: str
+    sha256: str
+
+
+class SourceRecord(Description):
+    """What was read from one source.
+
+    Attributes:
+        rate_hz: median samples a second, ``None`` for launches.
+        recordings: how many were kept.
+        launches: how many were kept.
+        rows_read: rows of samples or launches in the files.
+        rows_kept: those in the table.
+        rows_refused: by reason; ``rows_read - rows_kept`` in all.
+        labels_refused: spin labels, by reason; their samples are kept without spin.
+        files: every file, in the order of reading.
+    """
+
+    rate_hz: float | None
+    recordings: int
+    launches: int
+    rows_read: int
+    rows_kept: int
+    rows_refused: dict[str, Refused]
+    labels_refused: dict[str, Refused]
+    files: list[FileRecord]
+
+
+class Manifest(BaseModel):
+    """All sources that ingest read, by name."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    sources: dict[str, SourceRecord]
+
+
+def read_manifest(path: Path) -> Manifest:
+    """Read the manifest that ingest left.
+
+    Raises:
+        InputError: it is missing or is no such manifest.
+    """
+    try:
+        return Manifest.model_validate(read_json(path))
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        problem = f"{first['msg']}; run `dvc repro -f ingest` to write it anew"
+        raise InputError(path, problem, field=place) from None
+
+
+def by_reason(refusals: Iterable[Refusal]) -> dict[str, Refused]:
+    """Return refusals counted by reason, with their rows by place, in a fixed order."""
+    groups: dict[str, list[Refusal]] = defaultdict(list)
+    for refusal in refusals:
+        groups[refusal.reason].append(refusal)
+    return {reason: _refused(groups[reason]) for reason in sorted(groups)}
+
+
+def _refused(refusals: list[Refusal]) -> Refused:
+    rows: dict[str, list[int]] = defaultdict(list)
+    for refusal in sorted(refusals):
+        rows[refusal.place].append(refusal.row)
+    return Refused(count=len(refusals), rows=dict(rows))

@@ -1,0 +1,54 @@
+"""The known sources: every file of ``adapters/``, then what other packages offer.
+
+A package adds its own by the entry point group ``rallygap.sources``; each entry point is a module
+with a ``source``, like the modules of ``adapters``.
+"""
+
+import importlib
+import pkgutil
+from functools import cache
+from importlib.metadata import entry_points
+
+from pipeline.errors import InputError
+from pipeline.sources import adapters
+from pipeline.sources.source import Source
+
+ENTRY_POINT_GROUP = "rallygap.sources"
+
+
+@cache
+def registry() -> dict[str, Source]:
+    """Return every known source by name.
+
+    Raises:
+        ValueError: two sources share a name.
+    """
+    found: dict[str, Source] = {}
+    for source in [*_shipped_sources(), *_offered_sources()]:
+        if source.name in found:
+            raise ValueError(f"two sources are called {source.name}")
+        found[source.name] = source
+    return found
+
+
+def find_source(name: str) -> Source:
+    """Return the source called ``name``.
+
+    Raises:
+        InputError: there is none of that name.
+    """
+    if name not in registry():
+        known = ", ".join(sorted(registry()))
+        problem = f"there is no source {name!r}; known: {known}"
+        raise InputError("params.yaml", problem, field="ingest.sources")
+    return registry()[name]
+
+
+def _shipped_sources() -> list[Source]:
+    names = sorted(module.name for module in pkgutil.iter_modules(adapters.__path__))
+    return [importlib.import_module(f"{adapters.__name__}.{name}").source for name in names]
+
+
+def _offered_sources() -> list[Source]:
+    offers = sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda offer: offer.name)
+    return [offer.load().source for offer in offers]

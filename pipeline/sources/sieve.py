@@ -1,0 +1,98 @@
+"""Rows that no measured ball can have made are refused, each with its reason."""
+
+import numpy as np
+import pandas as pd
+
+from pipeline.contracts import (
+    FARTHEST_POSITION,
+    FASTEST_BALL,
+    FASTEST_SPIN,
+    POSITION_COLUMNS,
+    SPIN_COLUMNS,
+    VELOCITY_COLUMNS,
+)
+from pipeline.sources.frame import Frame
+from pipeline.sources.source import RawTable, Refusal
+
+SAMPLE_COLUMNS = ["t", *POSITION_COLUMNS, *SPIN_COLUMNS]
+LAUNCH_COLUMNS = ["id", *POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
+SHORTEST_STEP = 1e-6  # s; no camera takes two pictures within it
+ONLY_SAMPLE = "the only sample of its recording"  # which makes no path
+
+
+class Sieve:
+    """Holds back rows and labels that cannot be; what passes is in ``rows``."""
+
+    def __init__(self, table: RawTable, columns: list[str]) -> None:
+        self.place = table.place
+        self.rows = table.rows.reindex(columns=["row", *columns]).reset_index(drop=True)
+        self.refusals = list(table.refusals)
+
+    def refuse(self, reason: str, at_fault: "pd.Series[bool]") -> None:
+        """Leave out the rows at fault."""
+        rows = self.rows["row"][at_fault]
+        self.refusals += [Refusal(self.place, int(row), reason) for row in rows]
+        self.rows = self.rows[~at_fault]
+
+    def unlabel(self, reason: str, at_fault: "pd.Series[bool]") -> None:
+        """Keep the rows at fault, without their spin."""
+        rows = self.rows["row"][at_fault]
+        self.refusals += [Refusal(self.place, int(row), reason, "label") for row in rows]
+        self.rows.loc[at_fault, SPIN_COLUMNS] = np.nan
+
+
+def sift_samples(table: RawTable, frame: Frame) -> Sieve:
+    """Move a recording into the table frame and hold back what is impossible."""
+    sieve = Sieve(table, SAMPLE_COLUMNS)
+    _sift_numbers(sieve, ["t", *POSITION_COLUMNS])
+    _sift_labels(sieve)
+    _sift_positions(sieve, frame)
+    _sift_times(sieve)
+    if len(sieve.rows) == 1:
+        sieve.refuse(ONLY_SAMPLE, sieve.rows["t"].notna())
+    return sieve
+
+
+def sift_launches(table: RawTable, frame: Frame) -> Sieve:
+    """Move launches into the table frame and hold back what is impossible."""
+    sieve = Sieve(table, LAUNCH_COLUMNS)
+    _sift_numbers(sieve, [*POSITION_COLUMNS, *VELOCITY_COLUMNS])
+    _sift_labels(sieve)
+    _sift_positions(sieve, frame)
+    sieve.refuse(
+        f"faster than {FASTEST_BALL:g} m/s", _longer(sieve, VELOCITY_COLUMNS, FASTEST_BALL)
+    )
+    sieve.refuse("id repeated", sieve.rows["id"].duplicated())
+    return sieve
+
+
+def _sift_numbers(sieve: Sieve, columns: list[str]) -> None:
+    finite = np.isfinite(sieve.rows[columns].to_numpy(dtype=float)).all(axis=1)
+    sieve.refuse("not a number", pd.Series(~finite, index=sieve.rows.index))
+
+
+def _sift_labels(sieve: Sieve) -> None:
+    known = sieve.rows[SPIN_COLUMNS].notna()
+    sieve.unlabel("spin incomplete", known.any(axis=1) & ~known.all(axis=1))
+    too_fast = _longer(sieve, SPIN_COLUMNS, FASTEST_SPIN)
+    sieve.unlabel(f"spin above {FASTEST_SPIN:g} rad/s", too_fast)
+
+
+def _sift_positions(sieve: Sieve, frame: Frame) -> None:
+    sieve.rows = frame.to_table(sieve.rows)
+    far = (sieve.rows[POSITION_COLUMNS].abs() > FARTHEST_POSITION).any(axis=1)
+    sieve.refuse(f"farther than {FARTHEST_POSITION:g} m", far)
+
+
+def _sift_times(sieve: Sieve) -> None:
+    """Refuse samples that are not later than every sample before them."""
+    step = sieve.rows["t"] - sieve.rows["t"].cummax().shift()
+    sieve.refuse("time backwards", step < 0)
+    sieve.refuse("time repeated", step[sieve.rows.index] < SHORTEST_STEP)
+
+
+def _longer(sieve: Sieve, columns: list[str], limit: float) -> "pd.Series[bool]":
+    """Return where the vector in ``columns`` is longer than ``limit``."""
+    with np.errstate(over="ignore"):  # too long for a float is too long
+        length = np.linalg.norm(sieve.rows[columns].to_numpy(dtype=float), axis=1)
+    return pd.Series(length > limit, index=sieve.rows.index)

@@ -1,0 +1,104 @@
+"""Own recordings in csv files."""
+
+import numpy as np
+import pytest
+
+from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS
+from pipeline.errors import InputError
+from tests.pipeline.sources.made_up import PATH, SPIN, TIMES, lines, read, write_csv
+
+
+def test_a_file_is_a_recording(tmp_path):
+    write_csv(tmp_path, "monday.csv")
+    write_csv(tmp_path, "tuesday.csv")
+
+    recordings = read(tmp_path, "csv").recordings
+
+    assert recordings["recording_id"].unique().tolist() == ["csv/monday", "csv/tuesday"]
+    assert np.array_equal(recordings[["t", *POSITION_COLUMNS]][:4], np.column_stack([TIMES, PATH]))
+    assert np.array_equal(recordings[SPIN_COLUMNS], np.tile(SPIN, (8, 1)))
+
+
+@pytest.mark.parametrize("header", ["t,x,y,z", "t, x, y, z", "\ufefft,x,y,z"])
+def test_spin_may_be_left_out(tmp_path, header):
+    write_csv(tmp_path, rows=[header, *lines(",", TIMES, PATH)])
+
+    gathered = read(tmp_path, "csv")
+
+    assert gathered.recordings[SPIN_COLUMNS].isna().all(axis=None)
+    assert gathered.manifest.sources["csv"].spin == "none"
+
+
+def test_an_empty_spin_is_no_label(tmp_path):
+    rows = ["t,x,y,z,wx,wy,wz", "0,0,1,0.3,,,", "0.01,0,1,0.3,1,2,3", "0.02,0,1,0.3,nan,NaN,"]
+    write_csv(tmp_path, rows=rows)
+
+    gathered = read(tmp_path, "csv")
+
+    assert gathered.recordings["wx"].isna().tolist() == [True, False, True]
+    assert gathered.manifest.sources["csv"].labels_refused == {}
+    assert gathered.manifest.sources["csv"].spin == "per_sample"
+
+
+def test_half_a_spin_is_refused_and_its_sample_kept(tmp_path):
+    write_csv(tmp_path, rows=["t,x,y,z,wx,wy,wz", "0,0,1,0.3,1,,3", "0.01,0,1,0.3,1,2,3"])
+
+    gathered = read(tmp_path, "csv")
+
+    record = gathered.manifest.sources["csv"]
+    assert record.labels_refused["spin incomplete"].rows == {"session.csv": [2]}
+    assert gathered.recordings["wx"].isna().tolist() == [True, False]
+
+
+def test_source_yaml_moves_positions_and_turns_spins(tmp_path):
+    # Table x is the source's y, table y is its -x: the ball flies along the source's +x.
+    turned = "frame: {rotation: [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], offset: [0, 2, -0.76]}"
+    rows = ["t,x,y,z,wx,wy,wz", "0,0.5,0.1,1.06,1,2,3", "0.01,0.6,0.1,1.06,1,2,3"]
+    write_csv(tmp_path, rows=rows, settings=turned)
+
+    first = read(tmp_path, "csv").recordings.iloc[0]
+
+    assert first[POSITION_COLUMNS].to_numpy(float) == pytest.approx([0.1, 1.5, 0.3])
+    assert first[SPIN_COLUMNS].tolist() == [2, -1, 3]
+
+
+def test_source_yaml_names_and_describes_the_source(tmp_path):
+    write_csv(tmp_path, settings="{name: hall_b, kind: cannon, rate: 143, licence: CC0}")
+
+    gathered = read(tmp_path, "csv")
+
+    record = gathered.manifest.sources["hall_b"]
+    assert (record.kind, record.licence, record.stated_rate_hz) == ("cannon", "CC0", 143)
+    assert gathered.recordings["recording_id"].iloc[0] == "hall_b/session"
+    assert [entry.file for entry in record.files] == ["source.yaml", "session.csv"]
+
+
+@pytest.mark.parametrize(
+    ("text", "field"),
+    [
+        ("colour: red", "colour"),
+        ("rate: fast", "rate"),
+        ("rate: -1", "rate"),
+        ("rate: .inf", "rate"),
+        ("name: Hall B", "name"),
+        ("kind: launches", "kind"),
+        ("frame: {rotation: [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}", "frame"),
+        ("frame: {rotation: [[2, 0, 0], [0, 2, 0], [0, 0, 2]]}", "frame"),
+        ("frame: {offset: [0, 0]}", "frame.offset"),
+        ("[1, 2]", ""),
+        ("rate: [", ""),
+        ("rate: 2001-99-99", ""),
+    ],
+)
+def test_a_source_yaml_that_says_nonsense_is_one_error(tmp_path, text, field):
+    write_csv(tmp_path, settings=text)
+
+    with pytest.raises(InputError, match=rf"source\.yaml.*{field}"):
+        read(tmp_path, "csv")
+
+
+def test_an_own_source_cannot_take_the_name_of_another(tmp_path):
+    write_csv(tmp_path, settings="name: synthetic_cannon")
+
+    with pytest.raises(InputError, match="two sources are called synthetic_cannon"):
+        read(tmp_path, "synthetic_cannon", "csv")

@@ -1,0 +1,99 @@
+"""ball_prediction: the turn into the table frame, the order of shots, and the real set."""
+
+import h5py
+import numpy as np
+import pytest
+
+from pipeline.contracts import POSITION_COLUMNS
+from pipeline.errors import InputError
+from tests.pipeline.sources.made_up import PATH, TIMES, read, write_isr
+
+
+def change(path, name, value):
+    with h5py.File(path, "r+") as file:
+        del file[name]
+        if value is not None:
+            file[name] = value
+
+
+def test_balls_are_turned_towards_the_robot_and_heights_counted_from_the_table(tmp_path):
+    write_isr(tmp_path)
+
+    recordings = read(tmp_path, "isr_ball_prediction").recordings
+
+    shot = recordings[recordings["recording_id"] == "isr_ball_prediction/no_spin_000"]
+    assert np.allclose(shot[POSITION_COLUMNS], PATH, atol=1e-12)
+    assert np.array_equal(shot["t"], TIMES)
+
+
+def test_shots_keep_their_order(tmp_path):
+    write_isr(tmp_path)
+
+    recordings = read(tmp_path, "isr_ball_prediction").recordings
+
+    names = recordings["recording_id"].unique()
+    assert [name[-3:] for name in names] == ["000", "002", "010"]
+
+
+def test_a_refused_sample_is_named_with_its_shot(tmp_path):
+    times = [*TIMES[:2], np.nan, TIMES[3]]
+    change(write_isr(tmp_path), "originals/2/time_stamps", times)
+
+    record = read(tmp_path, "isr_ball_prediction").manifest.sources["isr_ball_prediction"]
+
+    assert record.rows_refused["not a number"].rows == {"no_spin.hdf5/originals/2": [3]}
+
+
+def test_a_shot_without_samples_is_one_error(tmp_path):
+    path = write_isr(tmp_path)
+    change(path, "originals/2/time_stamps", np.zeros(0))
+    change(path, "originals/2/positions", np.zeros((0, 3)))
+
+    with pytest.raises(InputError, match="shot 2 has no samples"):
+        read(tmp_path, "isr_ball_prediction")
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("originals", None),
+        ("originals", 1.0),
+        ("originals/0/positions", None),
+        ("originals/0/positions", np.zeros((4, 2))),
+        ("originals/0/positions", np.zeros((5, 3))),
+        ("originals/0/time_stamps", np.array([b"a", b"b", b"c", b"d"])),
+        ("originals/0/time_stamps", 0.0),
+    ],
+)
+def test_another_hdf5_file_is_one_error(tmp_path, name, value):
+    change(write_isr(tmp_path), name, value)
+
+    with pytest.raises(InputError, match=r"no_spin\.hdf5: is no whole HDF5 file"):
+        read(tmp_path, "isr_ball_prediction")
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+def test_a_truncated_file_is_one_error(tmp_path, share):
+    path = write_isr(tmp_path)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(share * len(content))])
+
+    with pytest.raises(InputError, match="is no whole HDF5 file"):
+        read(tmp_path, "isr_ball_prediction")
+
+
+@pytest.mark.real
+def test_the_real_shots_bounce_on_the_table(real_data):
+    gathered = read(real_data, "isr_ball_prediction")
+
+    record, recordings = gathered.manifest.sources["isr_ball_prediction"], gathered.recordings
+    assert record.recordings == 73
+    assert record.rows_kept == record.rows_read
+    assert record.rate_hz == pytest.approx(179, abs=1)
+    lowest = recordings.loc[recordings.groupby("recording_id")["pz"].idxmin()]
+    # Between two pictures, 5.6 ms apart, the ball is up to 10 mm above its lowest point.
+    assert lowest["pz"].between(0.018, 0.035).mean() > 0.7
+    assert lowest["pz"].min() > 0.018
+    assert lowest["py"].between(-1.37, 0.0).all()
+    ways = recordings.groupby("recording_id")["py"].agg(lambda y: y.iloc[-1] - y.iloc[0])
+    assert (ways < -2.0).all()

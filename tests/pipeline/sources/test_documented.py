@@ -1,0 +1,32 @@
+"""What docs/data.md promises about sources."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from pipeline.contracts import POSITION_COLUMNS
+from pipeline.sources import gather as gather_module
+from pipeline.sources.registry import registry
+from tests.pipeline.sources.made_up import read, write_lines
+
+PAGE = (Path(__file__).parents[3] / "docs" / "data.md").read_text(encoding="utf-8")
+
+
+def test_the_example_of_a_new_source_works(tmp_path, monkeypatch):
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    module = {}
+    exec(code, module)
+    monkeypatch.setattr(gather_module, "find_source", lambda name: module["source"])
+    write_lines(tmp_path / "my_lab" / "one.txt", ["0\t100\t1000\t1060", "0.01\t100\t950\t1060"])
+
+    recordings = read(tmp_path, "my_lab").recordings
+
+    assert recordings["recording_id"].tolist() == ["my_lab/one"] * 2
+    assert recordings[POSITION_COLUMNS].iloc[0].tolist() == pytest.approx([0.1, 1.0, 0.3])
+
+
+def test_every_source_is_described():
+    described = re.findall(r"^\| `(\w+)` \|", PAGE, flags=re.MULTILINE)
+
+    assert set(described) == set(registry())

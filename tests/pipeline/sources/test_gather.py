@@ -1,0 +1,204 @@
+"""Gathering: what is refused, what stops it, and the manifest that says so."""
+
+import hashlib
+
+import numpy as np
+import pytest
+
+from pipeline.artifacts import write_json
+from pipeline.contracts import LAUNCHES, RECORDINGS, checked
+from pipeline.errors import InputError
+from pipeline.sources.manifest import read_manifest
+from tests.pipeline.sources.made_up import WRITERS, lines, read, write_csv, write_lines
+
+HEADER = "t,x,y,z"
+GOOD = ["0.00,0,1,0.3", "0.01,0,1,0.3", "0.02,0,1,0.3"]
+PNG = b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR\xff\xfe"
+
+
+def read_rows(tmp_path, *rows):
+    write_csv(tmp_path, rows=[HEADER, *rows])
+    return read(tmp_path, "csv")
+
+
+@pytest.mark.parametrize(
+    ("row", "reason"),
+    [
+        ("0.015,0,one,0.3", "not a number"),
+        ("0.015,0,,0.3", "not a number"),
+        ("0.015,0,nan,0.3", "not a number"),
+        ("0.015,0,inf,0.3", "not a number"),
+        ("0.015,0,1e999,0.3", "not a number"),
+        ("late,0,1,0.3", "not a number"),
+        ("0.015,0,1", "wrong number of fields"),
+        ("0.015,0,1,0.3,7", "wrong number of fields"),
+        ("0.015,1000000,1,0.3", "farther than 20 m"),
+        ("0.015,0,-20.001,0.3", "farther than 20 m"),
+        ("0.01,0,1,0.3", "time repeated"),
+        ("0.0100001,0,1,0.3", "time repeated"),
+        ("0.005,0,1,0.3", "time backwards"),
+    ],
+)
+def test_an_impossible_row_is_refused_and_the_rest_kept(tmp_path, row, reason):
+    gathered = read_rows(tmp_path, GOOD[0], GOOD[1], row, GOOD[2])
+
+    record = gathered.manifest.sources["csv"]
+    assert record.rows_refused[reason].model_dump() == {"count": 1, "rows": {"session.csv": [4]}}
+    assert list(record.rows_refused) == [reason]
+    assert (record.rows_read, record.rows_kept) == (4, 3)
+    assert gathered.recordings["t"].tolist() == [0.0, 0.01, 0.02]
+
+
+def test_after_a_step_back_only_later_samples_count(tmp_path):
+    times = [0.0, 0.1, 0.2, 0.1, 0.15, 0.2, 0.3]
+
+    gathered = read_rows(tmp_path, *(f"{time},0,1,0.3" for time in times))
+
+    refused = gathered.manifest.sources["csv"].rows_refused
+    assert gathered.recordings["t"].tolist() == [0.0, 0.1, 0.2, 0.3]
+    assert refused["time backwards"].rows == {"session.csv": [5, 6]}
+    assert refused["time repeated"].rows == {"session.csv": [7]}
+
+
+def test_blank_lines_are_no_rows(tmp_path):
+    record = read_rows(tmp_path, GOOD[0], "", "  ", GOOD[1]).manifest.sources["csv"]
+
+    assert (record.rows_read, record.rows_kept) == (2, 2)
+
+
+def test_one_sample_is_no_recording(tmp_path):
+    write_csv(tmp_path, "broken_off.csv", rows=[HEADER, GOOD[0]])
+
+    gathered = read_rows(tmp_path, *GOOD)
+
+    record = gathered.manifest.sources["csv"]
+    assert record.recordings == 1
+    assert record.rows_refused["the only sample of its recording"].rows == {"broken_off.csv": [2]}
+
+
+@pytest.mark.parametrize(
+    ("rows", "problem"),
+    [
+        ([], "is empty"),
+        ([HEADER], "holds no rows"),
+        (["time,x,y,z", *GOOD], "row 1: the first line must be t,x,y,z"),
+        ([HEADER, *(row.replace(",", ";") for row in GOOD)], "wrong number of fields"),
+        ([HEADER, "0,1000,1,300", "0.1,1000,1,300"], "nothing in it can be used: farther"),
+    ],
+)
+def test_a_file_without_a_usable_row_is_one_error(tmp_path, rows, problem):
+    path = write_csv(tmp_path, rows=rows)
+    path.write_text("\n".join(rows))
+
+    with pytest.raises(InputError, match=rf"session\.csv.*{problem}"):
+        read(tmp_path, "csv")
+
+
+def test_a_source_of_single_samples_is_one_error(tmp_path):
+    with pytest.raises(InputError, match="csv: no recording has more than one sample"):
+        read_rows(tmp_path, GOOD[0])
+
+
+@pytest.mark.parametrize("source", WRITERS)
+@pytest.mark.parametrize("content", [b"", PNG, b"\xff\xfe\x00", b"hello\n", b'{"a": 1}\n'])
+def test_a_file_that_is_not_what_its_name_says_is_one_error(tmp_path, source, content):
+    path = WRITERS[source](tmp_path)
+    path.write_bytes(content)
+
+    with pytest.raises(InputError, match=path.name):
+        read(tmp_path, source)
+
+
+@pytest.mark.parametrize("source", WRITERS)
+def test_a_folder_without_files_is_one_error(tmp_path, source):
+    (tmp_path / source).mkdir()
+
+    with pytest.raises(InputError, match=source):
+        read(tmp_path, source)
+
+
+def test_a_missing_folder_names_the_setting(tmp_path):
+    with pytest.raises(InputError, match=r"tt3d: there is no such folder; ingest\.folder"):
+        read(tmp_path, "tt3d")
+
+
+def test_a_folder_that_is_not_set_names_the_setting(monkeypatch):
+    monkeypatch.delenv("RALLYGAP_DATA", raising=False)
+
+    with pytest.raises(InputError, match=r"ingest\.folder: is not set, nor is RALLYGAP_DATA"):
+        read(None, "tt3d")
+
+
+def test_the_environment_says_where_if_the_setting_does_not(tmp_path, monkeypatch):
+    WRITERS["tt3d"](tmp_path)
+    monkeypatch.setenv("RALLYGAP_DATA", str(tmp_path))
+
+    assert read(None, "tt3d").manifest.sources["tt3d"].recordings == 1
+
+
+def test_hidden_files_and_folders_are_no_recordings(tmp_path):
+    write_csv(tmp_path, "._session.csv", rows=["\x00\x05"])
+    (tmp_path / "csv" / "old.csv").mkdir()
+
+    assert read_rows(tmp_path, *GOOD).manifest.sources["csv"].recordings == 1
+
+
+def test_all_sources_end_in_the_two_tables(tmp_path):
+    for write in WRITERS.values():
+        write(tmp_path)
+
+    gathered = read(tmp_path, *WRITERS)
+
+    checked(gathered.recordings, RECORDINGS)
+    checked(gathered.launches, LAUNCHES)
+    sources = gathered.recordings["recording_id"].str.split("/").str[0].unique()
+    assert sources.tolist() == ["spindoe", "tt3d", "isr_ball_prediction", "csv"]
+    assert len(gathered.launches) == 3
+
+
+def test_the_manifest_can_be_read_again(tmp_path):
+    for write in WRITERS.values():
+        write(tmp_path)
+    manifest = read(tmp_path, *WRITERS).manifest
+
+    write_json(tmp_path / "manifest.json", manifest.model_dump(mode="json"))
+
+    assert read_manifest(tmp_path / "manifest.json") == manifest
+    assert str(tmp_path) not in (tmp_path / "manifest.json").read_text()
+
+
+def test_a_manifest_of_another_form_is_one_error(tmp_path):
+    write_json(tmp_path / "manifest.json", {"sources": {"tt3d": {"kind": "match"}}})
+
+    with pytest.raises(InputError, match=r"manifest\.json, sources\.tt3d.*dvc repro -f ingest"):
+        read_manifest(tmp_path / "manifest.json")
+
+
+def test_files_are_recorded_with_their_checksum(tmp_path):
+    path = WRITERS["tt3d"](tmp_path)
+
+    (entry,) = read(tmp_path, "tt3d").manifest.sources["tt3d"].files
+
+    assert entry.file == "003.csv"
+    assert entry.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def test_the_rate_is_the_median_over_all_recordings(tmp_path):
+    for name, step in {"a": 0.005, "b": 0.005, "c": 0.02}.items():
+        times = step * np.arange(20)
+        rows = lines(",", times, np.tile([0.0, 1.0, 0.3], (20, 1)))
+        write_lines(tmp_path / "csv" / f"{name}.csv", [HEADER, *rows])
+
+    assert read(tmp_path, "csv").manifest.sources["csv"].rate_hz == 200.0
+
+
+def test_order_of_files_on_disk_does_not_matter(tmp_path):
+    for name in ("b", "a", "c"):
+        write_csv(tmp_path / "one", f"{name}.csv")
+    for name in ("c", "b", "a"):
+        write_csv(tmp_path / "two", f"{name}.csv")
+
+    first, second = read(tmp_path / "one", "csv"), read(tmp_path / "two", "csv")
+
+    assert first.recordings.equals(second.recordings)
+    assert first.manifest == second.manifest

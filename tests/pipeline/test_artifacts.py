@@ -1,0 +1,117 @@
+"""Artefacts: whole or not at all, same content same bytes, one error for what cannot be read."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pipeline.artifacts import (
+    read_json,
+    read_table,
+    replacing,
+    replacing_folder,
+    write_json,
+    write_table,
+    write_text,
+)
+from pipeline.errors import InputError
+
+TABLE = pd.DataFrame({"name": ["a", "b"], "value": [0.1, np.nan], "count": [1, 2]})
+
+
+def break_off(manager, path):
+    """Fail while the content is being written."""
+    with pytest.raises(RuntimeError), manager(path) as temporary:
+        target = temporary / "part" if temporary.is_dir() else temporary
+        target.write_text("half")
+        raise RuntimeError
+
+
+def test_a_file_that_breaks_off_leaves_the_former_one_and_nothing_else(tmp_path):
+    path = tmp_path / "file.txt"
+    path.write_text("former")
+
+    break_off(replacing, path)
+
+    assert path.read_text() == "former"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_folder_that_breaks_off_leaves_the_former_one_and_nothing_else(tmp_path):
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (folder / "former").touch()
+
+    break_off(replacing_folder, folder)
+
+    assert [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")] == [
+        "folder",
+        "folder/former",
+    ]
+
+
+def test_a_folder_takes_the_place_of_the_former_one(tmp_path):
+    for content in ("first", "second"):
+        with replacing_folder(tmp_path / "deep" / "folder") as folder:
+            (folder / content).touch()
+
+    assert [path.name for path in (tmp_path / "deep").rglob("*")] == ["folder", "second"]
+
+
+def test_json_comes_back_and_keeps_its_order(tmp_path):
+    content = {"z": np.int64(3), "a": [np.float64(0.1), None, "ü"], "flag": np.bool_(True)}
+
+    write_json(tmp_path / "new" / "content.json", content)
+
+    assert list(read_json(tmp_path / "new" / "content.json").items()) == list(content.items())
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), object()])
+def test_what_json_cannot_say_is_not_written(tmp_path, value):
+    with pytest.raises((ValueError, TypeError)):
+        write_json(tmp_path / "content.json", {"value": value})
+
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_text_has_unix_line_ends(tmp_path):
+    write_text(tmp_path / "text", "ä\nb\n")
+
+    assert (tmp_path / "text").read_bytes() == "ä\nb\n".encode()
+
+
+def test_tables_come_back_and_the_same_table_gives_the_same_bytes(tmp_path):
+    write_table(tmp_path / "one.parquet", TABLE)
+    write_table(tmp_path / "two.parquet", TABLE.copy())
+
+    pd.testing.assert_frame_equal(read_table(tmp_path / "one.parquet"), TABLE)
+    assert (tmp_path / "one.parquet").read_bytes() == (tmp_path / "two.parquet").read_bytes()
+
+
+@pytest.mark.parametrize("reader", [read_json, read_table])
+def test_a_missing_file_says_what_to_run(tmp_path, reader):
+    with pytest.raises(InputError, match="run the stage that writes it"):
+        reader(tmp_path / "missing")
+
+
+@pytest.mark.parametrize("reader", [read_json, read_table])
+@pytest.mark.parametrize("content", [b"", b"{", b"\xff\xfe\x00", b"PAR1 and no more", b"[" * 9**5])
+def test_a_broken_file_is_one_error(tmp_path, reader, content):
+    (tmp_path / "broken").write_bytes(content)
+
+    with pytest.raises(InputError, match="broken: is not"):
+        reader(tmp_path / "broken")
+
+
+def test_a_truncated_table_is_one_error(tmp_path):
+    path = tmp_path / "table.parquet"
+    write_table(path, TABLE)
+    path.write_bytes(path.read_bytes()[:-10])
+
+    with pytest.raises(InputError, match=r"table\.parquet: is not a parquet table"):
+        read_table(path)
+
+
+@pytest.mark.parametrize("reader", [read_json, read_table])
+def test_a_folder_is_no_file(tmp_path, reader):
+    with pytest.raises(InputError):
+        reader(tmp_path)

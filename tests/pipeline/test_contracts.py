@@ -1,0 +1,127 @@
+"""Contracts: good tables pass as they are, broken ones are named with row and column."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pipeline.artifacts import read_table, write_table
+from pipeline.contracts import (
+    CONTACTS,
+    EPISODES,
+    LAUNCHES,
+    POSITION_COLUMNS,
+    RECORDINGS,
+    SAMPLES,
+    SPIN_COLUMNS,
+    VELOCITY_COLUMNS,
+    checked,
+)
+from pipeline.errors import InputError
+
+
+def zeros(*columns):
+    return {column: np.zeros(3) for column in columns}
+
+
+def recordings(**changes):
+    """Three samples of one recording, without spin."""
+    spins = {column: np.full(3, np.nan) for column in SPIN_COLUMNS}
+    head = {"recording_id": ["hall/1"] * 3, "t": [0.0, 0.1, 0.2]}
+    return pd.DataFrame({**head, **zeros(*POSITION_COLUMNS), **spins, **changes})
+
+
+def launches():
+    names = {"launch_id": ["a", "b", "c"]}
+    return pd.DataFrame({**names, **zeros(*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS)})
+
+
+def samples():
+    head = {"recording_id": ["hall/1"] * 3, "episode_id": ["hall/1/00"] * 3, "arc": [0, 0, 1]}
+    values = zeros(*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS)
+    return pd.DataFrame({**head, "t": [0.0, 0.1, 0.2], **values, "outlier": [False] * 3})
+
+
+def contacts():
+    head = {"recording_id": ["hall/1"] * 3, "episode_id": ["hall/1/00"] * 3, "kind": ["table"] * 3}
+    return pd.DataFrame({**head, **zeros("t", *POSITION_COLUMNS, "speed_change")})
+
+
+def episodes():
+    head = {"episode_id": ["a", "b", "c"], "recording_id": ["hall/1"] * 3, "source": ["hall"] * 3}
+    ends = {"starts_with": ["launch"] * 3, "ends_with": ["gap"] * 3}
+    counts = {"samples": [5] * 3, "outliers": [0] * 3, "bounces": [1] * 3}
+    values = {**head, **zeros("start", "end"), **ends, **counts, **zeros("residual")}
+    return pd.DataFrame({**values, "unbroken": [True] * 3})
+
+
+TABLES = [
+    (recordings, RECORDINGS),
+    (launches, LAUNCHES),
+    (samples, SAMPLES),
+    (contacts, CONTACTS),
+    (episodes, EPISODES),
+]
+
+
+@pytest.mark.parametrize(("table", "contract"), TABLES)
+def test_a_good_table_passes_unchanged_and_through_a_file(tmp_path, table, contract):
+    write_table(tmp_path / "table.parquet", table())
+
+    read = checked(read_table(tmp_path / "table.parquet"), contract)
+
+    pd.testing.assert_frame_equal(read, checked(table(), contract))
+    pd.testing.assert_frame_equal(read, table())
+
+
+@pytest.mark.parametrize(("table", "contract"), TABLES)
+def test_a_missing_unknown_or_displaced_column_is_named(table, contract):
+    good = table()
+    last = good.columns[-1]
+
+    for broken, problem in [
+        (good.drop(columns=last), f"{last}: is missing"),
+        (good.assign(extra=1.0), "extra: is no column of this table"),
+        (good[good.columns[::-1]], "is out of order"),
+    ]:
+        with pytest.raises(InputError, match=f"table of {contract.name}, .*{problem}"):
+            checked(broken, contract)
+
+
+@pytest.mark.parametrize(
+    ("changes", "place"),
+    [
+        ({"px": [0.0, 20.1, 0.0]}, "row 2, px: breaks in_range"),
+        ({"px": [0.0, 0.0, np.nan]}, "row 3, px: breaks not_nullable"),
+        ({"px": [0.0, -np.inf, 0.0]}, "row 2, px: breaks in_range"),
+        ({"px": ["0", "0", "0"]}, "px: breaks dtype"),
+        ({"wx": [3000.1, 0.0, 0.0]}, "row 1, wx: breaks in_range"),
+        ({"t": [0.0, 0.1, np.inf]}, "row 3, t: breaks must be finite"),
+        ({"t": [0.0, 0.1, 0.1]}, ": time must grow within every recording"),
+        ({"recording_id": [1, 2, 3]}, "recording_id: breaks dtype"),
+        ({"recording_id": ["a", None, "a"]}, "row 2, recording_id: breaks not_nullable"),
+    ],
+)
+def test_a_value_that_cannot_be_is_named_with_its_place(changes, place):
+    with pytest.raises(InputError, match=f"table of recordings.*{place}"):
+        checked(recordings(**changes), RECORDINGS)
+
+
+def test_time_may_start_again_in_another_recording():
+    table = recordings(recording_id=["a", "a", "b"], t=[0.0, 0.1, 0.0])
+
+    assert checked(table, RECORDINGS)["t"].tolist() == [0.0, 0.1, 0.0]
+
+
+def test_an_empty_table_keeps_its_contract():
+    assert checked(recordings().iloc[:0], RECORDINGS).empty
+
+
+@pytest.mark.parametrize(
+    ("table", "contract", "column"),
+    [(launches, LAUNCHES, "launch_id"), (episodes, EPISODES, "episode_id")],
+)
+def test_an_id_is_unique(table, contract, column):
+    repeated = table().assign(**{column: ["a", "b", "a"]})
+
+    with pytest.raises(InputError, match=rf"row [13], {column}"):
+        checked(repeated, contract)

@@ -1,0 +1,105 @@
+"""The ingest stage, from files to artefacts and report."""
+
+import json
+from types import SimpleNamespace
+
+import pandas as pd
+import pytest
+
+from pipeline.artifacts import read_json, read_table
+from pipeline.contracts import LAUNCHES, RECORDINGS, checked
+from pipeline.errors import InputError
+from pipeline.run import StageRun
+from pipeline.sources.manifest import read_manifest
+from pipeline.sources.settings import IngestSettings
+from stages.ingest import ingest
+from tests.pipeline.sources.made_up import CANNON, WRITERS, write_tt3d
+
+
+def run_ingest(root, folder, *sources):
+    settings = IngestSettings(folder=folder, sources=list(sources), synthetic_cannon=CANNON)
+    run = StageRun("ingest", root, SimpleNamespace(ingest=settings, seed=0))
+    ingest(run)
+    return run
+
+
+def files(root):
+    return {path.relative_to(root): path for path in sorted(root.rglob("*")) if path.is_file()}
+
+
+@pytest.fixture
+def everything(tmp_path):
+    """A folder with every source."""
+    for write in WRITERS.values():
+        write(tmp_path / "data")
+    return tmp_path / "data"
+
+
+def test_tables_and_manifest_are_left_for_the_next_stages(tmp_path, everything):
+    run = run_ingest(tmp_path / "run", everything, *WRITERS)
+
+    recordings = checked(read_table(run.artifact("recordings.parquet")), RECORDINGS)
+    launches = checked(read_table(run.artifact("launches.parquet")), LAUNCHES)
+    manifest = read_manifest(run.artifact("manifest.json"))
+    assert len(recordings) + len(launches) == sum(s.rows_kept for s in manifest.sources.values())
+    assert list(manifest.sources) == list(WRITERS)
+
+
+def test_metrics_say_what_was_read_and_refused(tmp_path, everything):
+    with (everything / "tt3d" / "003.csv").open("a") as file:
+        file.write("15.021,0,0,0.3\n15.030,0,0,zero\n")
+
+    run = run_ingest(tmp_path / "run", everything, "tt3d", "competitive_robot_table_tennis")
+
+    metrics = read_json(run.report("metrics.json"))
+    assert metrics["tt3d"] == {
+        "recordings": 1,
+        "launches": 0,
+        "rows_read": 6,
+        "rows_kept": 4,
+        "rows_refused": {"not a number": 1, "time repeated": 1},
+        "labels_refused": {},
+        "rate_hz": 142.86,
+    }
+    assert "rate_hz" not in metrics["competitive_robot_table_tennis"]
+
+
+def test_the_report_shows_every_source(tmp_path, everything):
+    run = run_ingest(tmp_path / "run", everything, *WRITERS)
+
+    table = pd.read_csv(run.report("sources.csv")).set_index("source")
+    assert list(table.index) == list(WRITERS)
+    assert table.loc["tt3d", "licence"] == "not stated upstream"
+    assert run.report("figures/measured_balls.png").read_bytes().startswith(b"\x89PNG")
+    assert [item.title for item in run.items] == ["Measured balls", "Sources"]
+
+
+def test_running_twice_writes_the_same_bytes(tmp_path, everything):
+    for name in ("one", "two"):
+        run_ingest(tmp_path / name, everything, "synthetic_cannon", *WRITERS)
+
+    one, two = files(tmp_path / "one"), files(tmp_path / "two")
+    assert {name: path.read_bytes() for name, path in one.items()} == {
+        name: path.read_bytes() for name, path in two.items()
+    }
+    assert len(one) == 6
+
+
+def test_nothing_tells_where_the_data_lay(tmp_path, everything):
+    run_ingest(tmp_path / "run", everything, *WRITERS)
+
+    assert not [
+        name
+        for name, path in files(tmp_path / "run").items()
+        if str(tmp_path).encode() in path.read_bytes()
+    ]
+
+
+def test_a_bad_file_among_good_ones_stops_it_before_anything_is_written(tmp_path):
+    write_tt3d(tmp_path)
+    (tmp_path / "tt3d" / "004.csv").write_text(json.dumps(["not", "a", "rally"]))
+
+    with pytest.raises(InputError, match=r"004\.csv"):
+        run_ingest(tmp_path / "run", tmp_path, "tt3d")
+
+    assert not (tmp_path / "run").exists()
