@@ -1,1 +1,1 @@
-"""One short script a stage; its name is also the stage in dvc.yaml, the key in params.yaml and the reports folder."""
+"""One short script a stage, by the name that it has in dvc.yaml, params.yaml and reports/."""

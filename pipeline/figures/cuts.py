@@ -12,7 +12,6 @@ from pipeline.figures.style import CONTACT_COLOURS, FIGURE_WIDTH, INK
 COLUMNS = 4
 CELL_HEIGHT = 2.3  # inch, of one recording: height above, length below
 HEADROOM = 0.5  # inch, for the legend
-KIND_COLOURS = {**CONTACT_COLOURS, "floor": "#8a6fd1"}
 OUTLIER_COLOUR = "#c94f6d"
 PALE = "#c2c9ce"
 DRAWN = {"pz": "z (m)", "py": "y (m)"}
@@ -42,7 +41,7 @@ def cuts_figure(
             for table in (recordings, samples, contacts)
         ]
         _draw_recording(cell, *tables)
-        cell[0].set_title(recording_id.split("/", 1)[1])
+        cell[0].set_title(recording_id.split("/", 1)[1], fontsize="small")
     for axes in grid[:, 0]:
         axes.yaxis.label.set_visible(True)
     figure.supxlabel("time since the recording began (s)", fontsize="medium")
@@ -58,7 +57,7 @@ def _draw_recording(
     for axes, (column, label) in zip(cell, DRAWN.items(), strict=True):
         axes.set_axis_on()
         for kind, time in zip(contacts["kind"], contacts["t"], strict=True):
-            axes.axvline(time - begin, color=KIND_COLOURS[kind], lw=1.2)
+            axes.axvline(time - begin, color=CONTACT_COLOURS[kind], lw=1.2)
         axes.plot(recording["t"] - begin, recording[column], ".", color=PALE, ms=2.5, mew=0)
         axes.plot(samples["t"] - begin, samples[column], ".", color=INK, ms=2.5, mew=0)
         axes.plot(outliers["t"] - begin, outliers[column], "x", ms=4, color=OUTLIER_COLOUR)
@@ -68,7 +67,7 @@ def _draw_recording(
 
 
 def _legend() -> list[Line2D]:
-    lines = [Line2D([], [], color=colour, label=kind) for kind, colour in KIND_COLOURS.items()]
+    lines = [Line2D([], [], color=colour, label=kind) for kind, colour in CONTACT_COLOURS.items()]
     cross = Line2D([], [], color=OUTLIER_COLOUR, marker="x", ls="", label="outlier")
     pale = Line2D([], [], color=PALE, marker=".", ls="", label="in no episode")
     return [*lines, cross, pale]

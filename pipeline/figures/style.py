@@ -39,7 +39,12 @@ STYLE = {
 
 # Hues that people with any common colour blindness tell apart (Okabe and Ito 2008, Tol 2021), at
 # least 3:1 against the page's light and dark backgrounds.
-CONTACT_COLOURS = {"racket": "#d55e00", "table": "#009988", "unknown": "#7d8791"}
+CONTACT_COLOURS = {
+    "racket": "#d55e00",
+    "table": "#009988",
+    "floor": "#8a6fd1",
+    "unknown": "#7d8791",
+}
 _PREDICTOR_COLOURS = {
     "physics_c": "#0f7fc4",
     "physics_literature": "#d55e00",

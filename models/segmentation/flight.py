@@ -1,0 +1,108 @@
+"""A ball between two contacts, as a Kalman filter.
+
+The state of each axis is position, velocity and the acceleration that gravity and nominal drag
+leave unexplained (Magnus force, a wrong drag coefficient), which wanders as white jerk. Drag enters
+as a known input at the filter's own velocity; its slope is left out of the covariance, so that one
+3 x 3 covariance serves all three axes.
+
+Arrays are ``mean (3, 3)`` with rows position (m), velocity (m/s), acceleration (m/s^2) and one
+column an axis, and ``covariance (3, 3)`` over the rows of any one axis. All functions work in
+place: the partition calls them millions of times.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from models.ball.state import DRAG_FACTOR
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.81  # m/s^2
+DRAG = DRAG_FACTOR * 0.54  # 1/m, the literature's drag coefficient
+# What is known of a ball before it is seen: strokes reach 35 m/s, most stay under 15.
+SPEED_SPREAD = 15.0  # m/s
+# The Magnus force of 300 rad/s at 10 m/s gives 3 to 10 m/s^2.
+ACCELERATION_SPREAD = 8.0  # m/s^2
+# Lets the unexplained acceleration wander by 3 m/s^2 within half a second.
+JERK_DENSITY = 18.0  # (m/s^2)^2/s
+
+
+@njit(cache=True)
+def start(mean: Array, covariance: Array, position: Array, noise: float) -> None:
+    """Set ``mean`` and ``covariance`` to what an arc's first sample tells.
+
+    Args:
+        mean: overwritten.
+        covariance: overwritten.
+        position: the sample (3,), m.
+        noise: standard deviation of a sample in each axis, m.
+    """
+    mean[:] = 0.0
+    mean[0] = position
+    mean[2, 2] = -GRAVITY
+    covariance[:] = 0.0
+    covariance[0, 0] = noise**2
+    covariance[1, 1] = SPEED_SPREAD**2
+    covariance[2, 2] = ACCELERATION_SPREAD**2
+
+
+@njit(cache=True)
+def drift(mean: Array, dt: float) -> None:
+    """Move the mean ``dt`` seconds on, or back where ``dt`` is negative."""
+    brake = DRAG * math.sqrt(mean[1, 0] ** 2 + mean[1, 1] ** 2 + mean[1, 2] ** 2)
+    for axis in range(3):
+        acceleration = mean[2, axis] - brake * mean[1, axis]
+        mean[0, axis] += dt * mean[1, axis] + 0.5 * dt * dt * acceleration
+        mean[1, axis] += dt * acceleration
+
+
+@njit(cache=True)
+def transition(dt: float) -> Array:
+    """Return the matrix that carries one axis ``dt`` seconds on."""
+    return np.array([[1.0, dt, 0.5 * dt * dt], [0.0, 1.0, dt], [0.0, 0.0, 1.0]])
+
+
+@njit(cache=True)
+def spread(covariance: Array, dt: float) -> None:
+    """Let the covariance grow for ``dt`` seconds of flight with white jerk."""
+    # F P F^T with F = [[1, dt, dt^2/2], [0, 1, dt], [0, 0, 1]]: rows first, then columns.
+    for k in range(3):
+        covariance[0, k] += dt * covariance[1, k] + 0.5 * dt * dt * covariance[2, k]
+        covariance[1, k] += dt * covariance[2, k]
+    for k in range(3):
+        covariance[k, 0] += dt * covariance[k, 1] + 0.5 * dt * dt * covariance[k, 2]
+        covariance[k, 1] += dt * covariance[k, 2]
+    covariance[0, 0] += JERK_DENSITY * dt**5 / 20
+    covariance[1, 1] += JERK_DENSITY * dt**3 / 3
+    covariance[2, 2] += JERK_DENSITY * dt
+    for row, column, growth in ((0, 1, dt**4 / 8), (0, 2, dt**3 / 6), (1, 2, dt**2 / 2)):
+        covariance[row, column] += JERK_DENSITY * growth
+        covariance[column, row] = covariance[row, column]
+
+
+@njit(cache=True)
+def surprise(mean: Array, covariance: Array, position: Array, noise: float) -> float:
+    """Return a sample's negative log-likelihood, less that of a perfectly predicted one (nats)."""
+    variance = covariance[0, 0] + noise**2
+    squared = 0.0
+    for axis in range(3):
+        squared += (position[axis] - mean[0, axis]) ** 2
+    return float(0.5 * squared / variance + 1.5 * math.log(variance / noise**2))
+
+
+@njit(cache=True)
+def update(mean: Array, covariance: Array, position: Array, noise: float) -> None:
+    """Take a sample into ``mean`` and ``covariance``."""
+    p, pv, pa = covariance[0]
+    variance = p + noise**2
+    # Last row first: every row needs the error of the position as it was predicted.
+    for row in range(2, -1, -1):
+        gain = covariance[row, 0] / variance
+        for axis in range(3):
+            mean[row, axis] += gain * (position[axis] - mean[0, axis])
+        covariance[row, 0] -= gain * p
+        covariance[row, 1] -= gain * pv
+        covariance[row, 2] -= gain * pa

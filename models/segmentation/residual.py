@@ -1,0 +1,34 @@
+"""How far a flight's samples lie from the smoothest path that a ball can take."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
+
+from models.segmentation.flight import DRAG
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+def flight_errors(t: Array, x: Array, velocity: Array, used: Mask) -> Array:
+    """Return each sample's distance from a path with nominal drag and one constant acceleration.
+
+    The constant stands for gravity, lift and a wrong drag coefficient. It cannot follow a contact,
+    which the flight filter with its white jerk can.
+
+    Args:
+        t: times (n,), s.
+        x: positions (n, 3), m.
+        velocity: (n, 3), m/s, for the drag.
+        used: (n,) which samples the path shall follow.
+
+    Returns:
+        Distances (n,), m.
+    """
+    drag = -DRAG * np.linalg.norm(velocity, axis=1, keepdims=True) * velocity
+    slowed = cumulative_trapezoid(drag, t, axis=0, initial=0)
+    displaced = cumulative_trapezoid(slowed, t, axis=0, initial=0)
+    parabola = np.vander(t - t[0], 3)
+    coefficients = np.linalg.lstsq(parabola[used], (x - displaced)[used])[0]
+    errors: Array = np.linalg.norm(x - displaced - parabola @ coefficients, axis=1)
+    return errors

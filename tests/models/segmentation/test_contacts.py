@@ -1,0 +1,58 @@
+"""Where paths meet, and what the ball met."""
+
+import numpy as np
+import pytest
+
+from models.segmentation.contacts import Contact, meet, moved
+
+
+def contact(before, after, position=(0.0, 0.8, 0.02)):
+    return Contact(0.0, np.array(position), np.array(before), np.array(after), 0.0)
+
+
+@pytest.mark.parametrize("time", [-0.004, 0.0, 0.0037])
+def test_paths_meet_where_they_were_made_to_part(time):
+    down = np.array([[0.1, 0.8, 0.02], [0.5, 4.0, -3.0], [0.0, 0.0, -9.81]])
+    up = np.array([[0.1, 0.8, 0.02], [0.4, 3.5, 2.8], [0.0, 0.0, -9.81]])
+    ends = (moved(down, -0.010), time - 0.010), (moved(up, 0.012), time + 0.012)
+    met = meet(*ends, time - 0.010, time + 0.012)
+    assert met.time == pytest.approx(time, abs=1e-5)
+    np.testing.assert_allclose(met.position, down[0], atol=1e-4)
+    assert met.miss < 1e-4
+    assert met.speed_change == pytest.approx(np.linalg.norm(up[1] - down[1]), rel=1e-2)
+
+
+def test_meeting_stays_inside_its_bounds():
+    path = np.array([[0.0, 0.0, 0.3], [0.0, 4.0, 0.0], [0.0, 0.0, -9.81]])
+    other = np.add(path, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+    assert meet((path, 0.0), (other, 0.1), 0.0, 0.1).time == 0.0
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "height", "kind"),
+    [
+        ([0.5, 5.0, -3.0], [0.4, 4.2, 2.8], 0.02, "table"),
+        ([0.5, 5.0, -3.0], [0.4, 4.2, 2.8], -0.01, "table"),  # heights may be off by 3 cm
+        ([0.5, 5.0, -3.0], [0.4, 4.2, 2.8], 0.05, "table"),
+        ([0.5, 2.0, -5.0], [0.4, 1.2, 4.0], -0.74, "floor"),
+        ([0.5, 5.0, -3.0], [0.4, 4.2, 2.8], 0.40, "unknown"),
+        ([0.5, 5.0, -3.0], [0.2, -7.0, 2.0], 0.30, "racket"),
+        ([0.5, 5.0, -3.0], [0.2, -7.0, 2.0], 0.02, "racket"),  # low, but no table turns a ball
+        ([0.0, 0.0, -2.0], [0.0, 6.0, -1.0], 0.30, "racket"),  # a serve
+        ([0.5, 8.0, -1.0], [0.4, 0.3, -0.5], 0.30, "unknown"),  # something soft
+    ],
+)
+def test_kind_follows_from_what_a_surface_can_do(before, after, height, kind):
+    assert contact(before, after, (0.0, 0.8, height)).kind == kind
+
+
+def test_ball_that_falls_back_from_the_net_was_not_struck():
+    assert contact([0.0, 8.0, 0.0], [0.3, -1.5, 0.0], (0.0, 0.02, 0.1)).kind == "unknown"
+
+
+@pytest.mark.parametrize("mirror", [[-1, 1, 1], [1, -1, 1]])
+def test_kind_is_the_same_in_a_mirror(mirror):
+    for after in ([0.4, 4.2, 2.8], [0.2, -7.0, 2.0]):
+        one = contact(np.array([0.5, 5.0, -3.0]), np.array(after))
+        other = contact(one.before * mirror, one.after * mirror, one.position * mirror)
+        assert one.kind == other.kind

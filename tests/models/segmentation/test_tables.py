@@ -1,0 +1,93 @@
+"""The tables that recordings become."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from models.segmentation.settings import SegmentSettings
+from models.segmentation.tables import POSITION, SPIN, VELOCITY, segment_recordings
+from pipeline.contracts import CONTACTS, EPISODES, SAMPLES, checked
+from tests.models.segmentation.rallies import simulated_rally
+
+SETTINGS = SegmentSettings()
+
+
+def recording(name, t, x):
+    table = pd.DataFrame({"recording_id": pd.Series([name] * len(t), dtype="str"), "t": t})
+    table[POSITION] = x
+    table[SPIN] = np.nan
+    return table
+
+
+@pytest.fixture(scope="module")
+def recordings():
+    rallies = {f"hall/{seed}": simulated_rally(np.random.default_rng(seed)) for seed in range(3)}
+    t = 0.005 * np.arange(40)
+    shot = np.stack([0 * t, 1 - 5 * t, 0.4 - 4.905 * t**2], axis=1)
+    tables = [recording(name, rally.t, rally.x) for name, rally in rallies.items()]
+    lone = recording("hall/lone", t[:2], shot[:2])
+    return pd.concat([*tables, lone, recording("gun/1", t, shot)], ignore_index=True)
+
+
+@pytest.fixture(scope="module")
+def found(recordings):
+    return segment_recordings(recordings, {"gun"}, SETTINGS)
+
+
+def test_tables_keep_their_contracts(found):
+    checked(found.samples, SAMPLES)
+    checked(found.contacts, CONTACTS)
+    checked(found.episodes, EPISODES)
+
+
+def test_contracts_hold_where_nothing_is_found(recordings):
+    lone = recordings[recordings["recording_id"] == "hall/lone"]
+    nothing = segment_recordings(lone, {"gun"}, SETTINGS)
+    for table, contract in [
+        (nothing.samples, SAMPLES),
+        (nothing.contacts, CONTACTS),
+        (nothing.episodes, EPISODES),
+    ]:
+        assert checked(table, contract).empty
+
+
+def test_samples_are_the_measured_ones(found, recordings):
+    columns = ["recording_id", "t", *POSITION]
+    played = recordings[recordings["recording_id"] != "hall/lone"]
+    pd.testing.assert_frame_equal(found.samples[columns], played[columns].reset_index(drop=True))
+
+
+def test_episodes_are_numbered_and_agree_with_their_samples_and_contacts(found):
+    for row in found.episodes.to_dict("records"):
+        samples = found.samples[found.samples["episode_id"] == row["episode_id"]]
+        contacts = found.contacts[found.contacts["episode_id"] == row["episode_id"]]
+        assert samples["t"].between(row["start"], row["end"]).all()
+        assert contacts["t"].between(row["start"], row["end"]).all()
+        assert (row["samples"], row["outliers"]) == (len(samples), samples["outlier"].sum())
+        assert row["bounces"] == (contacts["kind"] == "table").sum()
+    first = found.episodes[found.episodes["recording_id"] == "hall/0"]["episode_id"]
+    assert first.tolist() == [f"hall/0/{number:02d}" for number in range(len(first))]
+
+
+def test_arc_counts_the_contacts_inside_an_episode(found):
+    for episode_id, samples in found.samples.groupby("episode_id"):
+        contacts = found.contacts[found.contacts["episode_id"] == episode_id]
+        inside = contacts[contacts["kind"] != "racket"]["t"].to_numpy()
+        np.testing.assert_array_equal(samples["arc"], np.searchsorted(inside, samples["t"]))
+
+
+def test_launched_ball_begins_with_its_launch(found):
+    shot = found.episodes[found.episodes["source"] == "gun"]
+    assert shot["starts_with"].tolist() == ["launch"]
+    assert shot["residual"].item() < 1e-3
+    assert shot["unbroken"].item()
+    samples = found.samples[found.samples["recording_id"] == "gun/1"]
+    np.testing.assert_allclose(samples[VELOCITY].iloc[0], [0, -5, 0], atol=0.15)
+
+
+def test_rows_may_come_in_any_order_of_recordings(found, recordings):
+    shuffled = pd.concat([recordings.iloc[::2], recordings.iloc[1::2]], ignore_index=True)
+    again = segment_recordings(shuffled.sort_values("t", kind="stable"), {"gun"}, SETTINGS)
+    columns = ["residual", "samples", "bounces"]
+    one, other = (table.episodes.set_index("episode_id")[columns] for table in (found, again))
+    pd.testing.assert_frame_equal(one, other.loc[one.index])
