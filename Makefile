@@ -1,0 +1,55 @@
+# rallygap: `make help` lists what there is.
+SHELL := /bin/bash
+PYTHON ?= python3.11
+# An index with CPU builds of torch, for example https://download.pytorch.org/whl/cpu. Empty: pip's
+# own default, which on Linux brings several gigabytes of CUDA libraries.
+TORCH_INDEX ?=
+# The folder with the measured sets (spindoe, tt3d, ...), for `make real` and the tests marked `real`.
+DATA ?= $(RALLYGAP_DATA)
+
+export PATH := $(CURDIR)/.venv/bin:$(PATH)
+export RALLYGAP_DATA := $(DATA)
+export MLFLOW_DISABLE_TELEMETRY := true
+export DO_NOT_TRACK := true
+
+PIP := .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+
+.DEFAULT_GOAL := help
+.PHONY: help reproduce real test test-all lint bench ui
+
+help: ## list the targets
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 14
+
+# Written last: an environment without it was left half-made, and is made anew.
+.venv/ready: pyproject.toml constraints.txt
+	@test -e $@ || $(PYTHON) -m venv --clear .venv
+	@rm -f $@
+	$(PIP) pip
+	$(PIP) $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) torch
+	$(PIP) --build-constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+reproduce: .venv/ready ## run the whole pipeline on the embedded data
+	@rallygap check
+	@dvc repro
+
+real: .venv/ready ## run the pipeline on the measured sets in DATA and keep the results in reports/real
+	@rallygap real
+
+test: .venv/ready ## the quick tests
+	@pytest
+
+test-all: .venv/ready ## every test, the slow ones too
+	@pytest -m ''
+
+lint: .venv/ready ## style, types, import arrows
+	ruff check .
+	ruff format --check .
+	mypy
+	lint-imports
+
+bench: .venv/ready ## the ball simulator beside its peers, in one run
+	@python -m tests.bench
+
+ui: .venv/ready ## the MLflow pages of this repository's runs, on this machine only
+	@rallygap ui

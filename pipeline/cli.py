@@ -1,0 +1,93 @@
+"""The ``rallygap`` command: what DVC and MLflow leave to us, in a few verbs."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.console import refuse
+from pipeline.errors import InputError
+from pipeline.provenance import repository_root
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="Find where a table-tennis simulation and measured balls disagree.",
+)
+
+
+def main() -> None:
+    """Run the command line; a user's input error is one line and status 2."""
+    try:
+        app()
+    except InputError as error:
+        refuse(error)
+
+
+@app.command()
+def check() -> None:
+    """Check params.yaml."""
+    from pipeline.params import load_params
+
+    load_params(repository_root() / "params.yaml")
+
+
+@app.command()
+def profile(name: Annotated[str, typer.Argument(help="a file of the folder profiles")]) -> None:
+    """Print a profile as flags, for `dvc exp run $(rallygap profile smoke)`."""
+    from pipeline.profiles import profile_flags
+
+    typer.echo(" ".join(profile_flags(repository_root(), name)))
+
+
+@app.command()
+def real(
+    folder: Annotated[Path, typer.Argument(envvar="RALLYGAP_DATA", help="spindoe, tt3d, ...")],
+) -> None:
+    """Run the pipeline on the measured sets in FOLDER and keep the results as `real`."""
+    from pipeline.keep import keep_experiment
+    from pipeline.profiles import profile_flags
+
+    if not folder.is_dir():
+        raise InputError(folder, "is not a folder; give the one that holds the measured sets")
+    root = repository_root()
+    # DVC does not watch the folder, so nothing may be taken for up to date.
+    command = ["dvc", "exp", "run", "--temp", "--force", "--name", "real"]
+    environment = {**os.environ, "RALLYGAP_DATA": str(folder.resolve())}
+    command = [sys.executable, "-m", *command, *profile_flags(root, "real")]
+    finished = subprocess.run(command, cwd=root, env=environment, check=False)
+    if finished.returncode != 0:
+        raise typer.Exit(finished.returncode)
+    keep_experiment(root, "real")
+
+
+@app.command()
+def keep(name: Annotated[str, typer.Argument(help="as `dvc exp list` shows it")]) -> None:
+    """Copy the results of a DVC experiment into reports/NAME, to be committed."""
+    from pipeline.keep import keep_experiment
+
+    keep_experiment(repository_root(), name)
+
+
+@app.command()
+def effects() -> None:
+    """Print the catalogue of effects as Markdown: `rallygap effects > docs/effects.md`."""
+    from pipeline.figures.catalogue import catalogue_page
+
+    typer.echo(catalogue_page())
+
+
+@app.command()
+def ui(port: Annotated[int, typer.Option(help="on this machine only")] = 5000) -> None:
+    """Serve the MLflow pages of this repository's runs, until interrupted."""
+    from pipeline.tracking import store_uri
+
+    os.environ.update({"MLFLOW_DISABLE_TELEMETRY": "true", "DO_NOT_TRACK": "true"})
+    command = ["mlflow", "server", "--host", "127.0.0.1", "--port", str(port), "--workers", "1"]
+    store = ["--backend-store-uri", store_uri(repository_root())]
+    # MLflow takes the place of this process, so that what stops it stops the server.
+    os.execv(sys.executable, [sys.executable, "-m", *command, *store])

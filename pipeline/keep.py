@@ -1,0 +1,83 @@
+"""Keep the results of a DVC experiment in the repository, with all it takes to make them again."""
+
+import shlex
+import subprocess
+from pathlib import Path
+from typing import Any
+
+from pipeline.artifacts import read_json, replacing_folder, write_json
+from pipeline.errors import InputError
+from pipeline.params import parse_yaml
+from pipeline.profiles import flags
+
+
+def keep_experiment(root: Path, name: str) -> None:
+    """Copy the reports of the newest experiment of a name into ``reports/<name>``.
+
+    ``run.json`` beside them names the commit, the command, the parameters and each stage's
+    fingerprint. Nothing in it comes from this machine: the folder of the measured sets is a setting
+    of the environment.
+
+    Raises:
+        InputError: there is no such experiment, or its parameters name a folder of this machine.
+    """
+    revision, baseline = find_experiment(root, name)
+    params = _params_at(root, revision)
+    if Path(params.get("ingest", {}).get("folder") or "").is_absolute():
+        problem = "names a folder of this machine; run it anew with RALLYGAP_DATA in its place"
+        raise InputError(f"experiment {name}", problem, field="ingest.folder")
+    with replacing_folder(root / "reports" / name) as folder:
+        stages = _copy_reports(root, revision, folder)
+        command = ["dvc", "exp", "run", *flags(_params_at(root, baseline), params)]
+        record = {
+            "experiment": name,
+            "commit": baseline,
+            "command": shlex.join(command),
+            "fingerprints": {
+                stage: read_json(folder / stage / "contents.json")["fingerprint"]
+                for stage in stages
+            },
+            "params": params,
+        }
+        write_json(folder / "run.json", record)
+
+
+def find_experiment(root: Path, name: str) -> tuple[str, str]:
+    """The commit of the newest experiment of a name, and the commit it started from.
+
+    Raises:
+        InputError: there is none.
+    """
+    # refs/exps/<2 digits>/<38 digits of the commit it started from>/<name>
+    pattern = f"refs/exps/*/*/{name}"
+    listed = _git(
+        root,
+        ["for-each-ref", "--sort=-committerdate", "--format=%(objectname) %(refname)", pattern],
+    )
+    if not listed:
+        problem = "there is no such experiment; `dvc exp list --all-commits` names them"
+        raise InputError("dvc", problem, field=name)
+    revision, reference = listed.splitlines()[0].split()
+    _, _, start, rest, _ = reference.split("/")
+    return revision, start + rest
+
+
+def _copy_reports(root: Path, revision: str, folder: Path) -> list[str]:
+    """Copy the report of every stage of a revision, and the page; return the stages."""
+    from dvc.api import DVCFileSystem
+
+    files = DVCFileSystem(str(root), rev=revision)
+    stages = list(parse_yaml(files.read_text("dvc.yaml"))["stages"])
+    for stage in stages:
+        files.get(f"reports/{stage}", str(folder / stage), recursive=True)
+    files.get_file("reports/index.html", str(folder / "index.html"))
+    return stages
+
+
+def _params_at(root: Path, revision: str) -> Any:
+    return parse_yaml(_git(root, ["show", f"{revision}:params.yaml"]))
+
+
+def _git(root: Path, arguments: list[str]) -> str:
+    command = ["git", *arguments]
+    return subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout

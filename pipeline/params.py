@@ -1,0 +1,144 @@
+"""The parameters of every stage: read from params.yaml, typed, bounded, or refused by name."""
+
+import difflib
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+
+from models.segmentation.settings import SegmentSettings
+from pipeline.errors import InputError
+from pipeline.sources.settings import IngestSettings
+
+# A name that is also a key of metrics, a file name and a legend entry.
+Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
+
+
+class Settings(BaseModel):
+    """A group of parameters: no unknown keys, no silent conversions, no infinities."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class PhysicsPredictorSettings(Settings):
+    """An extended Kalman filter over the measured history, then a simulator."""
+
+    kind: Literal["physics"]
+    simulator: Annotated[str, StringConstraints(min_length=1)]
+    """The name of a shipped simulator or the path of a simulator's YAML file."""
+
+
+class EvaluatePredictorSettings(Settings):
+    """Which predictors forecast which windows, and how sure their errors are."""
+
+    predictors: Annotated[dict[Name, PhysicsPredictorSettings], Field(min_length=1)]
+    window_every_ms: Annotated[int, Field(ge=5, le=1000, multiple_of=5)]
+    """Windows of one episode start this far apart, on the 200 Hz grid."""
+    bootstrap_resamples: Annotated[int, Field(ge=0, le=100_000)]
+    """Resamples of the recordings for the confidence intervals; 0 leaves them out."""
+
+
+class ReportSettings(Settings):
+    """What the page shows."""
+
+    shots: Annotated[int, Field(ge=0, le=20)]
+    """Measured shots in the 3-D view, at most."""
+
+
+class Params(Settings):
+    """Everything params.yaml says."""
+
+    seed: Annotated[int, Field(ge=0, lt=2**32)]
+    ingest: IngestSettings
+    segment: SegmentSettings
+    evaluate_predictor: EvaluatePredictorSettings
+    report: ReportSettings
+
+
+class ParameterError(InputError):
+    """Everything that is wrong with a parameter file, one line a problem."""
+
+    def __init__(self, problems: Sequence[InputError]) -> None:
+        first = problems[0]
+        super().__init__(first.where, first.problem, field=first.field)
+        self.args = ("\n".join(str(problem) for problem in problems),)
+
+
+def parse_yaml(text: str) -> Any:
+    """Parse YAML the way DVC does: version 1.2, where ``1e-3`` is a number, no key twice."""
+    return YAML(typ="safe").load(text)
+
+
+def read_yaml(path: Path) -> Any:
+    """Read a YAML file; see ``parse_yaml``.
+
+    Raises:
+        InputError: the file is missing or is not YAML.
+    """
+    try:
+        return parse_yaml(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(path, "there is no such file") from None
+    except (YAMLError, UnicodeDecodeError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(path, f"is not YAML: {reason}") from None
+
+
+def load_params(path: Path) -> Params:
+    """Read and check a parameter file.
+
+    Raises:
+        InputError: naming every key at fault, what is wrong with it and what is allowed.
+    """
+    return check_params(read_yaml(path), path)
+
+
+def check_params(content: Any, path: Path) -> Params:
+    """Check parameters that were read from ``path``; see ``load_params``."""
+    try:
+        # Strict JSON is the stage between lax (the text "3" passes as a number) and strict Python
+        # (a YAML list would be no tuple).
+        return Params.model_validate_json(json.dumps(content, default=str), strict=True)
+    except ValidationError as error:
+        problems = [_problem(path, details) for details in error.errors()]
+        raise ParameterError(problems) from None
+
+
+def _problem(path: Path, details: Any) -> InputError:
+    location = details["loc"]
+    key = ".".join(str(part) for part in location) or None
+    return InputError(path, _explanation(details), field=key)
+
+
+def _explanation(details: Any) -> str:
+    location = details["loc"]
+    if details["type"] == "extra_forbidden":
+        known = sorted(_known_keys(location[:-1]))
+        near = difflib.get_close_matches(str(location[-1]), known, n=1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        return f"is an unknown key; {hint}Allowed: {', '.join(known)}"
+    if details["type"] == "missing":
+        return "is missing"
+    message = details["msg"][0].lower() + details["msg"][1:]
+    return f"{message}, not {json.dumps(details['input'], ensure_ascii=False)}"
+
+
+def _known_keys(location: Sequence[int | str]) -> set[str]:
+    """The keys allowed at a place in the parameters; names of users' own choice are skipped."""
+    models: list[type[BaseModel]] = [Params]
+    for part in location:
+        fields = [model.model_fields[part] for model in models if part in model.model_fields]
+        if fields:
+            models = [model for field in fields for model in _models_in(field.annotation)]
+    return {name for model in models for name in model.model_fields}
+
+
+def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for argument in get_args(annotation):
+        yield from _models_in(argument)

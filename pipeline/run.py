@@ -1,0 +1,163 @@
+"""One run of one stage: where its files are, what it reports, and how it ends."""
+
+import os
+import shutil
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from pipeline.artifacts import replacing, write_json
+from pipeline.console import refuse
+from pipeline.errors import InputError
+from pipeline.figures.style import apply_style
+from pipeline.params import Params, load_params
+from pipeline.provenance import Provenance, content_hash, provenance, repository_root
+from pipeline.tracking import recorded
+
+FIGURE_DPI = 150
+FINGERPRINT_SHOWN = 12  # characters
+
+
+@dataclass(frozen=True)
+class ReportItem:
+    """A figure or table of a stage's report; ``file`` is relative to the report's folder."""
+
+    kind: str
+    file: str
+    title: str
+    caption: str
+
+
+@dataclass(frozen=True)
+class InputData:
+    """A data set that a stage read."""
+
+    name: str
+    source: str
+    rows: int
+    digest: str
+
+
+class StageRun:
+    """What a stage works with: its parameters, its inputs, and places for its outputs.
+
+    Args:
+        stage: the stage's name, also its key in params.yaml and its folder under reports.
+        root: the folder that holds artifacts and reports.
+        params: the parameters of all stages.
+    """
+
+    def __init__(self, stage: str, root: Path, params: Params) -> None:
+        self.stage, self.root, self.params = stage, root, params
+        self.metrics: dict[str, Any] = {}
+        self.items: list[ReportItem] = []
+        self.inputs: list[InputData] = []
+
+    @property
+    def seed(self) -> int:
+        """The seed of every random draw of this stage."""
+        return self.params.seed
+
+    def input(self, stage: str, name: str) -> Path:
+        """The path of an artefact that ``stage`` left."""
+        return self.root / "artifacts" / stage / name
+
+    def artifact(self, name: str) -> Path:
+        """The path of an artefact of this stage."""
+        return self.root / "artifacts" / self.stage / name
+
+    def report(self, name: str) -> Path:
+        """The path of a file of this stage's report."""
+        return self.root / "reports" / self.stage / name
+
+    def log_input(self, name: str, path: Path, rows: int) -> None:
+        """Note a data set that this stage reads, for tracking."""
+        self.inputs.append(InputData(name, str(path), rows, content_hash(path)))
+
+    def write_metrics(self, metrics: dict[str, Any]) -> None:
+        """Write nested metrics as the report's metrics.json."""
+        self.metrics = metrics
+        write_json(self.report("metrics.json"), metrics)
+
+    def add_figure(self, figure: Figure, name: str, *, title: str, caption: str) -> None:
+        """Draw a figure into the report as ``figures/<name>.png``."""
+        item = ReportItem("figure", f"figures/{name}.png", title, caption)
+        with replacing(self.report(item.file)) as temporary:
+            # The name of the drawing program would change with its version.
+            figure.savefig(temporary, dpi=FIGURE_DPI, metadata={"Software": None})
+        self.items.append(item)
+
+    def add_table(self, table: pd.DataFrame, name: str, *, title: str, caption: str) -> None:
+        """Write a table into the report as ``<name>.csv``, six digits a number."""
+        item = ReportItem("table", f"{name}.csv", title, caption)
+        with replacing(self.report(item.file)) as temporary:
+            table.to_csv(temporary, index=False, float_format="%.6g", lineterminator="\n")
+        self.items.append(item)
+
+    def write_contents(self, origin: Provenance) -> None:
+        """Write the report's contents.json: the run that made it and what it holds."""
+        contents = {
+            "stage": self.stage,
+            "command": origin.command,
+            "fingerprint": origin.fingerprint[:FINGERPRINT_SHOWN],
+            "items": [asdict(item) for item in self.items],
+        }
+        write_json(self.report("contents.json"), contents)
+
+    def clear(self) -> None:
+        """Remove what an earlier run of this stage left, whole or broken off."""
+        for folder in (self.artifact("."), self.report(".")):
+            shutil.rmtree(folder, ignore_errors=True)
+
+    def own_params(self) -> dict[str, Any]:
+        """The parameters that this stage reads, for tracking."""
+        return self.params.model_dump(mode="json", include={"seed", self.stage})
+
+    def results(self) -> dict[str, Any]:
+        """What tracking records at the end."""
+        figures = [self.report(item.file) for item in self.items if item.kind == "figure"]
+        return {
+            "metrics": self.metrics,
+            "inputs": [asdict(item) for item in self.inputs],
+            "figures": [str(path) for path in figures if path.exists()],
+        }
+
+
+def run_stage(stage: Callable[[StageRun], None]) -> None:
+    """Run a stage from the working directory, as ``python -m stages.<name>`` does.
+
+    A user's input error ends the process with one line and status 2.
+    """
+    os.environ["MPLBACKEND"] = "Agg"
+    apply_style()
+    try:
+        params = placed(load_params(Path("params.yaml")))
+        run = StageRun(stage.__name__, Path.cwd(), params)
+        origin = provenance(run.root, run.stage)
+        with recorded(run.stage, origin, run.own_params(), run.results):
+            run.clear()
+            try:
+                stage(run)
+                run.write_contents(origin)
+            except BaseException:
+                run.clear()  # half of a stage's outputs is worse than none
+                raise
+    except InputError as error:
+        refuse(error)
+
+
+def placed(params: Params) -> Params:
+    """``params`` with the folder of the measured sets where it is on this machine.
+
+    params.yaml leaves it to the environment variable RALLYGAP_DATA, because it is committed. A
+    relative folder starts at the repository.
+    """
+    folder = params.ingest.folder or os.environ.get("RALLYGAP_DATA")
+    if not folder:
+        return params
+    ingest = params.ingest.model_copy(update={"folder": repository_root() / folder})
+    return params.model_copy(update={"ingest": ingest})

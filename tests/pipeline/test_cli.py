@@ -1,0 +1,96 @@
+"""The command line says what it does, quickly, and what is wrong in one line."""
+
+import shutil
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from pathlib import Path
+from subprocess import DEVNULL
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+RALLYGAP = [sys.executable, "-c", "from pipeline.cli import main; main()"]
+
+
+def rallygap(*words, cwd=ROOT):
+    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": str(cwd)}
+    return subprocess.run(
+        [*RALLYGAP, *words], cwd=cwd, env=environment, capture_output=True, text=True
+    )
+
+
+@pytest.fixture
+def elsewhere(tmp_path):
+    """A repository of its own, with parameters and a project file."""
+    shutil.copy(ROOT / "params.yaml", tmp_path)
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    return tmp_path
+
+
+def test_help_names_every_verb_without_loading_the_libraries():
+    script = (
+        "import sys; from pipeline.cli import app\n"
+        "from typer.testing import CliRunner\n"
+        "print(CliRunner().invoke(app, ['--help']).output)\n"
+        "print('loaded', {'pandas', 'mlflow', 'dvc', 'matplotlib', 'numba'} & set(sys.modules))"
+    )
+    shown = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True)
+    for verb in ("check", "profile", "real", "keep", "ui"):
+        assert f" {verb} " in shown.stdout
+    assert "loaded set()" in shown.stdout
+
+
+def test_a_profile_is_printed_as_flags_from_any_folder_of_the_repository():
+    shown = rallygap("profile", "real", cwd=ROOT / "models")
+    assert shown.stdout.startswith('-S ingest.sources=["spindoe",')
+    assert shown.stderr == ""
+
+
+def test_check_accepts_what_is_right_and_names_what_is_not(elsewhere):
+    assert rallygap("check", cwd=elsewhere).returncode == 0
+    params = elsewhere / "params.yaml"
+    params.write_text(params.read_text().replace("longest_gap: 0.1", "longest_gap: long"))
+    refused = rallygap("check", cwd=elsewhere)
+    assert refused.returncode == 2
+    assert refused.stderr.startswith(f"rallygap: {params}, segment.longest_gap: input should be")
+    assert len(refused.stderr.splitlines()) == 1
+
+
+def test_a_missing_folder_of_measured_sets_is_refused(elsewhere):
+    refused = rallygap("real", str(elsewhere / "none"), cwd=elsewhere)
+    assert refused.returncode == 2
+    assert "is not a folder" in refused.stderr
+    assert len(refused.stderr.splitlines()) == 1
+
+
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return server.getsockname()[1]
+
+
+@pytest.mark.slow
+def test_the_pages_of_mlflow_are_served_on_this_machine_only(elsewhere):
+    port = free_port()
+    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
+    command = [*RALLYGAP, "ui", "--port", str(port)]
+    with subprocess.Popen(command, cwd=elsewhere, env=environment, stderr=DEVNULL) as server:
+        try:
+            page = fetched(f"http://127.0.0.1:{port}/")
+        finally:
+            server.terminate()
+    assert b"MLflow" in page
+    assert (elsewhere / "mlflow.db").exists()
+
+
+def fetched(address):
+    deadline = time.monotonic() + 60
+    while True:
+        try:
+            with urllib.request.urlopen(address) as answer:
+                return answer.read()
+        except OSError:
+            assert time.monotonic() < deadline
+            time.sleep(0.2)

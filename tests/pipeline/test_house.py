@@ -1,0 +1,102 @@
+"""The parts of the repository fit together: names, dependencies, versions."""
+
+import re
+import tomllib
+from importlib.metadata import version
+from pathlib import Path
+
+import grimp
+import pytest
+
+from pipeline.params import Params, read_yaml
+
+ROOT = Path(__file__).parents[2]
+PIPELINE = read_yaml(ROOT / "dvc.yaml")
+STAGES = list(PIPELINE["stages"])
+
+# What every stage runs in. It decides where results go, not what they are.
+HOUSE = {f"pipeline.{name}" for name in ("console", "errors", "params", "provenance", "tracking")}
+
+
+def outputs(stage):
+    """Path to whether DVC keeps it, of a stage's outputs."""
+    outs = PIPELINE["stages"][stage]["outs"]
+    listed = [out if isinstance(out, dict) else {out: {}} for out in outs]
+    return {path: flags.get("cache", True) for out in listed for path, flags in out.items()}
+
+
+@pytest.fixture(scope="module")
+def imports():
+    """Path of every module to the paths of the modules it imports."""
+    graph = grimp.build_graph("models", "pipeline", "stages")
+    return {
+        source_file(module): {
+            source_file(found)
+            for found in graph.find_modules_directly_imported_by(module)
+            if found not in HOUSE
+        }
+        for module in graph.modules
+    }
+
+
+def source_file(module):
+    path = Path(module.replace(".", "/"))
+    return path / "__init__.py" if (ROOT / path).is_dir() else path.with_suffix(".py")
+
+
+def test_a_stage_has_one_name_in_four_places():
+    scripts = {path.stem for path in (ROOT / "stages").glob("*.py")} - {"__init__"}
+    groups = set(Params.model_fields) - {"seed"}
+    assert set(STAGES) == scripts == groups
+    for stage in STAGES:
+        entry = PIPELINE["stages"][stage]
+        assert entry["cmd"] == f"python -m stages.{stage}"
+        assert entry["params"] == ["seed", stage]
+        assert f"reports/{stage}/contents.json" in outputs(stage)
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_a_stage_depends_on_all_the_code_it_runs_on(stage, imports):
+    dependencies = [Path(entry) for entry in PIPELINE["stages"][stage]["deps"]]
+
+    def listed(path):
+        return any(path.is_relative_to(entry) for entry in dependencies)
+
+    assert listed(Path("stages") / f"{stage}.py")
+    used = set().union(*(found for path, found in imports.items() if listed(path)))
+    assert {str(path) for path in used if not listed(path)} == set()
+
+
+def test_every_dependency_is_there_or_is_made_by_a_stage():
+    made = {Path(path) for stage in STAGES for path in outputs(stage)}
+    for stage in STAGES:
+        paths = [Path(path) for path in PIPELINE["stages"][stage]["deps"]]
+        missing = [path for path in paths if not (made & {path, *path.parents})]
+        assert [str(path) for path in missing if not (ROOT / path).exists()] == []
+
+
+def test_git_keeps_what_is_small_and_dvc_the_rest():
+    for stage in STAGES:
+        small = {path for path, dvc_keeps in outputs(stage).items() if not dvc_keeps}
+        assert all(path.endswith((".json", ".csv")) for path in small)
+
+
+@pytest.mark.parametrize(("shown", "name"), [("metrics", "metrics.json"), ("plots", "figures")])
+def test_dvc_shows_every_stage_s_metrics_and_figures(shown, name):
+    written = [path for stage in STAGES for path in outputs(stage) if Path(path).name == name]
+    assert PIPELINE[shown] == written
+
+
+def test_what_is_installed_has_the_exact_versions_of_the_constraints():
+    lines = (ROOT / "constraints.txt").read_text().splitlines()
+    pinned = dict(line.split("==") for line in lines if not line.startswith("#"))
+    versions = {canonical(name): number for name, number in pinned.items()}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    for requirement in project["dependencies"] + project["optional-dependencies"]["dev"]:
+        name = re.match(r"[\w.-]+", requirement)[0]
+        installed = version(name).split("+")[0]  # +cpu: the same version, built for less
+        assert installed == versions[canonical(name)]
+
+
+def canonical(name):
+    return re.sub(r"[-_.]+", "-", name).lower()

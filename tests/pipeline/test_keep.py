@@ -1,0 +1,86 @@
+"""The results of an experiment are kept with all it takes to make them again."""
+
+import json
+import os
+import subprocess
+
+import pytest
+
+from pipeline.errors import InputError
+from pipeline.keep import keep_experiment
+
+PARAMS = "seed: 1\ningest: {folder: null}\n"
+
+
+def git(root, *words, day=1):
+    """Run git as somebody, on a day."""
+    command = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org", *words]
+    environment = {**os.environ, "GIT_COMMITTER_DATE": f"2026-01-{day:02}T00:00:00Z"}
+    options = {"capture_output": True, "text": True, "check": True}
+    return subprocess.run(command, cwd=root, env=environment, **options).stdout.strip()
+
+
+def commit(root, files, day=1):
+    """Write files, commit them, and return the commit."""
+    for name, text in files.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text)
+    git(root, "add", ".")
+    git(root, "commit", "--quiet", "--message=files", day=day)
+    return git(root, "rev-parse", "HEAD")
+
+
+@pytest.fixture
+def repository(tmp_path):
+    """A repository with a pipeline of one stage."""
+    git(tmp_path, "init", "--quiet")
+    pipeline = {".dvc/config": "", "dvc.yaml": "stages: {segment: {cmd: a}}"}
+    commit(tmp_path, pipeline | {"params.yaml": PARAMS})
+    return tmp_path
+
+
+def experiment(root, params, page="page", day=2):
+    """Leave an experiment `warm` the way DVC does, and return the commit it started from."""
+    start = git(root, "rev-parse", "HEAD")
+    report = {"index.html": page, "segment/contents.json": '{"fingerprint": "f00d"}'}
+    report = {f"reports/{name}": text for name, text in report.items()}
+    changed = commit(root, report | {"params.yaml": params}, day)
+    git(root, "update-ref", f"refs/exps/{start[:2]}/{start[2:]}/warm", changed)
+    git(root, "reset", "--quiet", "--hard", start)
+    return start
+
+
+def test_the_report_is_copied_with_the_run_that_made_it(repository):
+    start = experiment(repository, "seed: 2\ningest: {folder: null, sources: [a]}")
+    keep_experiment(repository, "warm")
+    kept = repository / "reports" / "warm"
+    assert (kept / "index.html").read_text() == "page"
+    assert json.loads((kept / "run.json").read_text()) == {
+        "experiment": "warm",
+        "commit": start,
+        "command": """dvc exp run -S seed=2 -S '+ingest.sources=["a"]'""",
+        "fingerprints": {"segment": "f00d"},
+        "params": {"seed": 2, "ingest": {"folder": None, "sources": ["a"]}},
+    }
+
+
+def test_the_newest_experiment_of_a_name_is_kept_and_takes_the_old_one_s_place(repository):
+    experiment(repository, PARAMS, "newer", day=4)
+    keep_experiment(repository, "warm")
+    commit(repository, {"another": "start"}, day=3)
+    experiment(repository, PARAMS, "newest", day=5)
+    keep_experiment(repository, "warm")
+    assert (repository / "reports" / "warm" / "index.html").read_text() == "newest"
+
+
+def test_an_unknown_experiment_is_refused_and_nothing_is_written(repository):
+    with pytest.raises(InputError, match="cold: there is no such experiment"):
+        keep_experiment(repository, "cold")
+    assert not (repository / "reports").exists()
+
+
+def test_an_experiment_that_names_a_folder_of_this_machine_is_not_kept(repository):
+    experiment(repository, "ingest: {folder: /home/me/balls}")
+    with pytest.raises(InputError, match=r"ingest\.folder: names a folder of this machine"):
+        keep_experiment(repository, "warm")
+    assert not (repository / "reports").exists()

@@ -1,0 +1,83 @@
+"""params.yaml is read typed and bounded; what is wrong is said by name."""
+
+import copy
+from pathlib import Path
+
+import pytest
+import yaml
+
+from pipeline.errors import InputError
+from pipeline.params import check_params, load_params, parse_yaml, read_yaml
+
+ROOT = Path(__file__).parents[2]
+PARAMS = ROOT / "params.yaml"
+
+
+def changed(key, value):
+    """params.yaml with one dotted key set."""
+    content = copy.deepcopy(read_yaml(PARAMS))
+    *above, last = key.split(".")
+    group = content
+    for part in above:
+        group = group[part]
+    group[last] = value
+    return content
+
+
+def complaint(content):
+    with pytest.raises(InputError) as caught:
+        check_params(content, Path("params.yaml"))
+    return str(caught.value)
+
+
+def test_every_parameter_is_written_in_params_yaml():
+    assert load_params(PARAMS).model_dump(mode="json") == read_yaml(PARAMS)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("segmnt", {}, "params.yaml, segmnt: is an unknown key; did you mean segment? Allowed:"),
+        ("segment.longest_gup", 1, "segment.longest_gup: is an unknown key; did you mean longest"),
+        ("evaluate_predictor.predictors.x", {"kind": "physics"}, "x.simulator: is missing"),
+        ("seed", "3", 'seed: input should be a valid integer, not "3"'),
+        ("seed", True, "seed: input should be a valid integer, not true"),
+        ("seed", -1, "seed: input should be greater than or equal to 0, not -1"),
+        ("segment.longest_gap", 7, "segment.longest_gap: input should be less than or equal to 1"),
+        ("segment.longest_gap", float("nan"), "segment.longest_gap: input should be"),
+        ("segment", None, "segment: input should be an object, not null"),
+        ("evaluate_predictor.predictors", {"A b": {}}, "predictors.A b"),
+        ("evaluate_predictor.window_every_ms", 7, "should be a multiple of 5, not 7"),
+    ],
+)
+def test_what_is_wrong_is_said_by_name(key, value, said):
+    assert said in complaint(changed(key, value))
+
+
+def test_unknown_keys_inside_named_groups_find_their_near_match():
+    predictor = {"kind": "physics", "simulatr": "imperfect_c"}
+    said = complaint(changed("evaluate_predictor.predictors.mine", predictor))
+    assert "predictors.mine.simulatr: is an unknown key; did you mean simulator?" in said
+
+
+def test_every_problem_has_a_line():
+    content = changed("seed", -1) | {"extra": 1}
+    assert len(complaint(content).splitlines()) == 2
+
+
+@pytest.mark.parametrize("text", ["", "- 1", "seed", "a: b: c", "seed: 1\nseed: 2", "\x00"])
+def test_a_file_that_holds_no_parameters_is_refused(tmp_path, text):
+    path = tmp_path / "params.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"params\.yaml"):
+        load_params(path)
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    with pytest.raises(InputError, match="no such file"):
+        load_params(tmp_path / "params.yaml")
+
+
+def test_numbers_are_read_as_dvc_reads_them():
+    assert parse_yaml("1e-3") == 1e-3
+    assert yaml.safe_load("1e-3") == "1e-3"  # what YAML 1.1 would have made of it

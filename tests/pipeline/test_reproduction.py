@@ -1,0 +1,159 @@
+"""The whole pipeline on a fresh copy of the repository, as small as it gets."""
+
+import hashlib
+import json
+import os
+import shutil
+import sqlite3
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from pipeline.params import read_yaml
+from pipeline.provenance import run_cache_key
+
+ROOT = Path(__file__).parents[2]
+IDENTITY = {
+    f"GIT_{who}_{what}": text
+    for who in ("AUTHOR", "COMMITTER")
+    for what, text in {"NAME": "a", "EMAIL": "a@example.org"}.items()
+}
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory):
+    """A repository of its own with all that git knows of this one."""
+    folder = tmp_path_factory.mktemp("clone") / "rallygap"
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT, capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    for name in listed.split("\0"):
+        if (ROOT / name).is_file() and not name.startswith("reports/"):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, folder / name)
+    (folder / "dvc.lock").unlink(missing_ok=True)
+    run(folder, "git", "init", "--quiet")
+    run(folder, "git", "add", ".")
+    run(folder, "git", "commit", "--quiet", "--message=start")
+    return folder
+
+
+def run(folder, *command):
+    """Run a command as a user in the repository would; return what it printed."""
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    environment = {**os.environ, **IDENTITY, "PATH": path, "PYTHONPATH": str(folder)}
+    environment.pop("MLFLOW_TRACKING_URI", None)
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def rallygap(folder, *words):
+    return run(folder, "python", "-c", "from pipeline.cli import main; main()", *words)
+
+
+@pytest.fixture(scope="module")
+def reproduced(clone):
+    """The clone after an experiment with the profile `smoke`."""
+    run(clone, "dvc", "exp", "run", "--name", "smoke", *rallygap(clone, "profile", "smoke").split())
+    return clone
+
+
+def digests(folder):
+    return {
+        path.relative_to(folder): hashlib.sha256(path.read_bytes()).hexdigest()
+        for name in ("artifacts", "reports", "dvc.lock")
+        for path in [folder / name, *(folder / name).rglob("*")]
+        if path.is_file()
+    }
+
+
+def test_every_stage_leaves_its_report_and_the_page(reproduced):
+    for stage in read_yaml(reproduced / "dvc.yaml")["stages"]:
+        assert (reproduced / "reports" / stage / "contents.json").is_file()
+    assert (reproduced / "reports" / "index.html").is_file()
+
+
+def test_every_file_of_a_report_is_a_declared_output(reproduced):
+    stages = read_yaml(reproduced / "dvc.yaml")["stages"].values()
+    outputs = {Path(path) for stage in stages for out in stage["outs"] for path in names(out)}
+    files = [path.relative_to(reproduced) for path in (reproduced / "reports").rglob("*.*")]
+    assert [path for path in files if not outputs & {path, *path.parents}] == []
+
+
+def names(out):
+    return [out] if isinstance(out, str) else list(out)
+
+
+def test_a_second_reproduction_does_nothing_within_five_seconds(reproduced):
+    before = digests(reproduced)
+    started = time.monotonic()
+    assert "up to date" in run(reproduced, "dvc", "repro")
+    assert time.monotonic() - started < 5
+    assert digests(reproduced) == before
+
+
+def test_a_forced_reproduction_gives_the_same_bytes(reproduced):
+    before = digests(reproduced)
+    run(reproduced, "dvc", "repro", "--force")
+    assert digests(reproduced) == before
+
+
+def test_the_fingerprint_follows_from_the_lock(reproduced):
+    for stage, entry in read_yaml(reproduced / "dvc.lock")["stages"].items():
+        dependencies = {one["path"]: one["md5"] for one in entry["deps"]}
+        outputs = [one["path"] for one in entry["outs"]]
+        params = entry["params"]["params.yaml"]
+        key = run_cache_key(entry["cmd"], dependencies, params, outputs)
+        contents = json.loads((reproduced / "reports" / stage / "contents.json").read_text())
+        assert key.startswith(contents["fingerprint"])
+
+
+def test_mlflow_has_a_parent_and_a_run_for_each_stage(reproduced):
+    stages = set(read_yaml(reproduced / "dvc.yaml")["stages"])
+    expected = {(name, "FINISHED") for name in ("smoke", *stages)}
+    deadline = time.monotonic() + 60
+    while recorded_runs(reproduced) != expected:  # on a busy machine, they come later
+        assert time.monotonic() < deadline
+        time.sleep(1)
+
+
+def recorded_runs(repository):
+    """Name and status of the experiment's run and of its children."""
+    with sqlite3.connect(repository / "mlflow.db") as store:
+        return set(
+            store.execute(
+                "WITH parent AS (SELECT run_uuid FROM runs WHERE name = 'smoke') "
+                "SELECT name, status FROM runs WHERE run_uuid IN parent OR run_uuid IN "
+                "(SELECT run_uuid FROM tags WHERE key = 'mlflow.parentRunId' AND value IN parent)"
+            )
+        )
+
+
+def test_an_experiment_is_kept_without_a_trace_of_this_machine(reproduced):
+    rallygap(reproduced, "keep", "smoke")
+    kept = reproduced / "reports" / "smoke"
+    original = reproduced / "reports"
+    for path in kept.rglob("*.*"):
+        assert str(reproduced).encode() not in path.read_bytes()
+        if path.is_file() and path.name != "run.json":
+            assert path.read_bytes() == (original / path.relative_to(kept)).read_bytes()
+    flags = rallygap(reproduced, "profile", "smoke").split()[1::2]
+    command = json.loads((kept / "run.json").read_text())["command"]
+    assert all(flag in command for flag in flags)
+
+
+@pytest.mark.real
+def test_the_measured_sets_are_run_and_kept_by_one_command(clone, real_data):
+    rallygap(clone, "real", str(real_data.resolve()))
+    kept = clone / "reports" / "real"
+    metrics = json.loads((kept / "evaluate_predictor" / "metrics.json").read_text())
+    assert {"spindoe", "tt3d", "isr_ball_prediction"} <= set(metrics)
+    texts = [path.read_bytes() for path in kept.rglob("*") if path.is_file()]
+    assert not any(str(real_data.resolve()).encode() in text for text in texts)
