@@ -16,21 +16,28 @@ from pipeline.figures.forecast_error import forecast_error_figure
 from pipeline.figures.shots import MOST_SHOTS, Shot, write_shots
 from pipeline.figures.shots import Forecast as ShownForecast
 from pipeline.params import EvaluatePredictorSettings
+from pipeline.progress import progress
 from pipeline.run import StageRun, run_stage
 from pipeline.simulators import load_simulator
-from pipeline.sources.manifest import read_manifest
+from pipeline.sources.manifest import SourceRecord, read_manifest
 
 SHOWN_HORIZONS_MS = (100, 200, 300)
+WINDOWS_AT_ONCE = 256
 
 
 @dataclass(frozen=True)
 class MeasuredSet:
     """The windows of one source, the recording of each, and the episodes they were cut from."""
 
-    name: str
+    source: SourceRecord
     windows: Windows
     recordings: np.ndarray
     episodes: list[MeasuredEpisode]
+
+    @property
+    def name(self) -> str:
+        """The source's name."""
+        return self.source.name
 
 
 def evaluate_predictor(run: StageRun) -> None:
@@ -39,9 +46,7 @@ def evaluate_predictor(run: StageRun) -> None:
     predictors = build_predictors(settings)
     sets = list(_measured_sets(run, settings.window_every_ms / 1000))
     forecasts = {
-        one.name: {
-            name: predictor.predict(one.windows.history) for name, predictor in predictors.items()
-        }
+        one.name: {name: _forecast(one, name, predictor) for name, predictor in predictors.items()}
         for one in sets
     }
     generator = np.random.default_rng(run.seed)
@@ -53,7 +58,7 @@ def evaluate_predictor(run: StageRun) -> None:
     ]
     frame = pd.DataFrame(rows)
     run.write_metrics(_metrics(frame))
-    _report(run, frame)
+    _report(run, sets, frame)
     write_shots(run.artifact("shots.json"), _shots(sets, predictors, run.seed))
 
 
@@ -79,8 +84,18 @@ def _measured_sets(run: StageRun, every: float) -> Iterator[MeasuredSet]:
             for _ in range(len(part))
         ]
         if recordings:
-            yield MeasuredSet(name, joined(cut), np.array(recordings), members)
+            yield MeasuredSet(manifest.sources[name], joined(cut), np.array(recordings), members)
             run.log_input(name, run.input("segment", "samples.parquet"), len(recordings))
+
+
+def _forecast(one: MeasuredSet, name: str, predictor: Predictor) -> Forecast:
+    history = one.windows.history
+    starts = progress(range(0, len(history), WINDOWS_AT_ONCE), f"{name} on {one.name}")
+    parts = [predictor.predict(history[start : start + WINDOWS_AT_ONCE]) for start in starts]
+    return Forecast(
+        np.concatenate([part.states for part in parts]),
+        np.concatenate([part.spin_measured for part in parts]),
+    )
 
 
 def _rows(
@@ -133,18 +148,13 @@ def _rounded(value: float) -> float:
     return float(f"{value:.6g}")
 
 
-def _report(run: StageRun, frame: pd.DataFrame) -> None:
-    for name, rows in frame.groupby("set"):
+def _report(run: StageRun, sets: list[MeasuredSet], frame: pd.DataFrame) -> None:
+    for one in sets:
         run.add_figure(
-            forecast_error_figure(rows),
-            f"forecast_error_{name}",
-            title=f"Forecast error on {name}",
-            caption=(
-                f"Distance between forecast and measured state over the horizon, on {name}: mean "
-                "over the windows (line), its 95 % interval bootstrapped over recordings (band), "
-                "standard deviation (dotted). A window counts as with a bounce where the ball "
-                "meets the table within 300 ms."
-            ),
+            forecast_error_figure(frame[frame["set"] == one.name]),
+            f"forecast_error_{one.name}",
+            title=f"Forecast error on {one.name}",
+            caption=_caption(one),
         )
     shown = frame[frame["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
     run.add_table(
@@ -153,6 +163,21 @@ def _report(run: StageRun, frame: pd.DataFrame) -> None:
         title="Forecast error at 100, 200 and 300 ms",
         caption="Position in mm, velocity in m/s, spin in rad/s; n windows.",
     )
+
+
+def _caption(one: MeasuredSet) -> str:
+    caption = (
+        "Distance between forecast and measured state over the horizon: mean over the windows "
+        "(line), its 95 % interval bootstrapped over recordings (band), standard deviation "
+        "(dotted). A window counts as with a bounce where the ball meets the table within 300 ms. "
+        f"{one.source.note}"
+    )
+    if one.source.spin == "per_recording":
+        caption += (
+            " A shot has one spin label, which holds until it bounces: the spin error shows only "
+            "forecasts of a bounce that came later or not at all."
+        )
+    return caption
 
 
 def _shots(sets: list[MeasuredSet], predictors: dict[str, Predictor], seed: int) -> list[Shot]:

@@ -98,7 +98,7 @@ class Simulator:
             The flight, always with the batch dimension.
 
         Raises:
-            ValueError: shapes that do not fit, or times that fall.
+            ValueError: shapes that do not fit, numbers that are not finite, or times that fall.
         """
         from models.ball import rollout
 
@@ -106,6 +106,8 @@ class Simulator:
         moments = np.atleast_2d(np.asarray(times, dtype=np.float64))
         if first.ndim != 2 or first.shape[1] != STATE_SIZE:
             raise ValueError(f"states have shape {first.shape}, not (B, {STATE_SIZE})")
+        if not (np.isfinite(first).all() and np.isfinite(moments).all()):
+            raise ValueError("states and times must be finite")
         if moments.shape[0] not in (1, len(first)):
             raise ValueError(f"{moments.shape[0]} rows of times for {len(first)} balls")
         if (np.diff(moments, axis=1) < 0).any():

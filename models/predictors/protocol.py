@@ -39,6 +39,9 @@ class History:
     def __len__(self) -> int:
         return len(self.states)
 
+    def __getitem__(self, rows: slice) -> "History":
+        return History(self.states[rows], self.mask[rows])
+
 
 @dataclass(frozen=True)
 class Forecast:

@@ -9,23 +9,16 @@ effect = Effect(
     title="the frame is not level",
     equation="gravity along (sin tx, sin ty, -cos)",
     acts="flight",
-    parameters=(
+    parameters=tuple(
         Parameter(
-            "x",
+            axis,
             unit="rad",
             neutral=0.0,
             bounds=(-0.2, 0.2),
             seen="0.1-1 degree",
             source="definition",
-        ),
-        Parameter(
-            "y",
-            unit="rad",
-            neutral=0.0,
-            bounds=(-0.2, 0.2),
-            seen="0.1-1 degree",
-            source="definition",
-        ),
+        )
+        for axis in "xy"
     ),
 )
 

@@ -8,31 +8,16 @@ effect = Effect(
     title="spin labels are turned",
     equation="w_measured = R(rotation vector) w",
     acts="sensor",
-    parameters=(
+    parameters=tuple(
         Parameter(
-            "x",
+            axis,
             unit="rad",
             neutral=0.0,
             bounds=(-0.8, 0.8),
             seen="1-3 degrees",
             source="definition",
-        ),
-        Parameter(
-            "y",
-            unit="rad",
-            neutral=0.0,
-            bounds=(-0.8, 0.8),
-            seen="1-3 degrees",
-            source="definition",
-        ),
-        Parameter(
-            "z",
-            unit="rad",
-            neutral=0.0,
-            bounds=(-0.8, 0.8),
-            seen="1-3 degrees",
-            source="definition",
-        ),
+        )
+        for axis in "xyz"
     ),
 )
 

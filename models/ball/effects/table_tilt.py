@@ -9,23 +9,16 @@ effect = Effect(
     title="the table is not level",
     equation="surface normal along (sin tx, sin ty, 1)",
     acts="contact",
-    parameters=(
+    parameters=tuple(
         Parameter(
-            "x",
+            axis,
             unit="rad",
             neutral=0.0,
             bounds=(-0.1, 0.1),
             seen="0.05-0.3 degrees",
             source="definition",
-        ),
-        Parameter(
-            "y",
-            unit="rad",
-            neutral=0.0,
-            bounds=(-0.1, 0.1),
-            seen="0.05-0.3 degrees",
-            source="definition",
-        ),
+        )
+        for axis in "xy"
     ),
 )
 

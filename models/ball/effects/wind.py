@@ -8,31 +8,16 @@ effect = Effect(
     title="the air moves",
     equation="u = v - wind",
     acts="flight",
-    parameters=(
+    parameters=tuple(
         Parameter(
-            "x",
+            axis,
             unit="m/s",
             neutral=0.0,
             bounds=(-10.0, 10.0),
             seen="0.1-0.5 from air conditioning",
             source="definition",
-        ),
-        Parameter(
-            "y",
-            unit="m/s",
-            neutral=0.0,
-            bounds=(-10.0, 10.0),
-            seen="0.1-0.5 from air conditioning",
-            source="definition",
-        ),
-        Parameter(
-            "z",
-            unit="m/s",
-            neutral=0.0,
-            bounds=(-10.0, 10.0),
-            seen="0.1-0.5 from air conditioning",
-            source="definition",
-        ),
+        )
+        for axis in "xyz"
     ),
 )
 

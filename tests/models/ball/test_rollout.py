@@ -155,8 +155,10 @@ def test_a_batch_flies_as_its_balls_alone():
         (np.zeros((2, 8)), [0.1]),
         (np.zeros((2, 9)), [0.2, 0.1]),
         (np.zeros((2, 9)), np.zeros((3, 1))),
+        (np.full((1, 9), np.nan), [0.1]),
+        (np.zeros((1, 9)), [np.inf]),
     ],
 )
 def test_shapes_and_times_that_do_not_fit_are_refused(states, times):
-    with pytest.raises(ValueError, match=r"shape|fall|rows of times"):
+    with pytest.raises(ValueError, match=r"shape|fall|rows of times|finite"):
         NOMINAL.fly(states, times)

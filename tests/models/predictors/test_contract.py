@@ -42,8 +42,8 @@ def test_a_ball_does_not_depend_on_its_batch(predictor):
     history, _ = observed(noise=0.003)
     together = predictor.predict(history).states
     for ball in range(len(history)):
-        alone = History(history.states[[ball]], history.mask[[ball]])
-        np.testing.assert_allclose(predictor.predict(alone).states[0], together[ball], rtol=1e-9)
+        alone = predictor.predict(history[ball : ball + 1]).states[0]
+        np.testing.assert_allclose(alone, together[ball], rtol=1e-9)
 
 
 def test_the_same_history_gives_the_same_forecast(predictor):
