@@ -49,17 +49,18 @@ def find_experiment(root: Path, name: str) -> tuple[str, str]:
         InputError: there is none.
     """
     # refs/exps/<2 digits>/<38 digits of the commit it started from>/<name>
-    pattern = f"refs/exps/*/*/{name}"
+    pattern = "refs/exps/*/*/*"
     listed = _git(
         root,
         ["for-each-ref", "--sort=-committerdate", "--format=%(objectname) %(refname)", pattern],
     )
-    if not listed:
-        problem = "there is no such experiment; `dvc exp list --all-commits` names them"
-        raise InputError("dvc", problem, field=name)
-    revision, reference = listed.splitlines()[0].split()
-    _, _, start, rest, _ = reference.split("/")
-    return revision, start + rest
+    for line in listed.splitlines():
+        revision, reference = line.split()
+        _, _, start, rest, found = reference.split("/")
+        if found == name:
+            return revision, start + rest
+    problem = "there is no such experiment; `dvc exp list --all-commits` names them"
+    raise InputError("dvc", problem, field=name)
 
 
 def _copy_reports(root: Path, revision: str, folder: Path) -> list[str]:
@@ -68,6 +69,9 @@ def _copy_reports(root: Path, revision: str, folder: Path) -> list[str]:
 
     files = DVCFileSystem(str(root), rev=revision)
     stages = list(parse_yaml(files.read_text("dvc.yaml"))["stages"])
+    if folder.name in stages:
+        problem = f"has the name of a stage, whose results are in reports/{folder.name}; rename it"
+        raise InputError(f"experiment {folder.name}", problem)
     for stage in stages:
         files.get(f"reports/{stage}", str(folder / stage), recursive=True)
     files.get_file("reports/index.html", str(folder / "index.html"))
@@ -80,4 +84,7 @@ def _params_at(root: Path, revision: str) -> Any:
 
 def _git(root: Path, arguments: list[str]) -> str:
     command = ["git", *arguments]
-    return subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout
+    try:
+        return subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout
+    except subprocess.CalledProcessError as error:
+        raise InputError(root, " ".join(error.stderr.split())) from None

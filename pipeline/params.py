@@ -83,9 +83,26 @@ def read_yaml(path: Path) -> Any:
         return parse_yaml(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise InputError(path, "there is no such file") from None
-    except (YAMLError, UnicodeDecodeError) as error:
+    except OSError as error:
+        raise InputError(path, f"cannot be read: {error.strerror}") from None
+    except (YAMLError, ValueError, RecursionError) as error:  # such as a date in a month 99
         reason = " ".join(str(error).split())
         raise InputError(path, f"is not YAML: {reason}") from None
+
+
+def as_json(content: Any, path: Path) -> str:
+    """Write YAML's content as JSON.
+
+    Strict JSON is the stage between lax (the text "3" passes as a number) and strict Python (a YAML
+    list would be no tuple).
+
+    Raises:
+        InputError: ``path`` holds what JSON cannot, such as a date as a key.
+    """
+    try:
+        return json.dumps(content, default=str)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise InputError(path, f"is not plain YAML: {error}") from None
 
 
 def load_params(path: Path) -> Params:
@@ -100,9 +117,7 @@ def load_params(path: Path) -> Params:
 def check_params(content: Any, path: Path) -> Params:
     """Check parameters that were read from ``path``; see ``load_params``."""
     try:
-        # Strict JSON is the stage between lax (the text "3" passes as a number) and strict Python
-        # (a YAML list would be no tuple).
-        return Params.model_validate_json(json.dumps(content, default=str), strict=True)
+        return Params.model_validate_json(as_json(content, path), strict=True)
     except ValidationError as error:
         problems = [_problem(path, details) for details in error.errors()]
         raise ParameterError(problems) from None

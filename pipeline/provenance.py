@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pathspec import PathSpec
+from pathspec.util import RecursionError as LinkLoopError
 
 from pipeline.errors import InputError
 from pipeline.params import read_yaml
@@ -70,17 +71,24 @@ def content_hash(path: Path, ignored: PathSpec = NOTHING) -> str:
     """MD5 of a file or of all files in a folder but the ignored, by DVC's rules.
 
     Raises:
-        InputError: there is no such file or folder.
+        InputError: there is no such file or folder, or it cannot be read, as where links loop.
     """
     if path.is_file():
         return _file_hash(path)
     if not path.is_dir():
         raise InputError(path, "is missing; `dvc repro` runs the stage that writes it")
-    files = (path / name for name in ignored.match_tree_files(path, negate=True))
-    relative = {file.relative_to(path).as_posix(): file for file in files}
-    listing = [
-        {"md5": _file_hash(file), "relpath": name} for name, file in sorted(relative.items())
-    ]
+    try:
+        files = (path / name for name in ignored.match_tree_files(path, negate=True))
+        relative = {file.relative_to(path).as_posix(): file for file in files}
+        listing = [
+            {"md5": _file_hash(file), "relpath": name} for name, file in sorted(relative.items())
+        ]
+    except LinkLoopError as error:
+        raise InputError(path, f"has links that loop: {error.message}") from None
+    except OSError as error:
+        raise InputError(
+            Path(error.filename or path), f"cannot be read: {error.strerror}"
+        ) from None
     return hashlib.md5(json.dumps(listing, sort_keys=True).encode()).hexdigest() + ".dir"
 
 

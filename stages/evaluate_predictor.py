@@ -12,6 +12,7 @@ from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import FUTURE_TIMES, Forecast, Predictor
 from models.predictors.windows import Windows, joined, windows
 from pipeline.episodes import MeasuredEpisode, read_episodes
+from pipeline.errors import InputError
 from pipeline.figures.forecast_error import forecast_error_figure
 from pipeline.figures.shots import MOST_SHOTS, Shot, write_shots
 from pipeline.figures.shots import Forecast as ShownForecast
@@ -56,6 +57,12 @@ def evaluate_predictor(run: StageRun) -> None:
         for name, forecast in forecasts[one.name].items()
         for row in _rows(one, name, forecast, settings.bootstrap_resamples, generator)
     ]
+    if not rows:
+        problem = (
+            "no unbroken episode has a window to evaluate: 155 ms with samples at most 15 ms "
+            "apart; are its sources in seconds and metres?"
+        )
+        raise InputError(run.input("segment", "episodes.parquet"), problem)
     frame = pd.DataFrame(rows)
     run.write_metrics(_metrics(frame))
     _report(run, sets, frame)

@@ -32,6 +32,13 @@ def catalogue() -> dict[str, Effect]:
     return found
 
 
+@cache
+def parameter_columns() -> dict[tuple[str, str], int]:
+    """Return the place of every (effect, parameter) in the vector that compiled functions take."""
+    names = [(e.name, p.name) for e in catalogue().values() for p in e.parameters]
+    return {name: column for column, name in enumerate(names)}
+
+
 def _shipped_effects() -> list[Effect]:
     names = sorted(module.name for module in pkgutil.iter_modules(effects.__path__))
     return [importlib.import_module(f"{effects.__name__}.{name}").effect for name in names]

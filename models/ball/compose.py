@@ -5,8 +5,10 @@ of effects runs on one compilation. Numba stores what it compiled in a folder na
 content of everything that goes into it, so a changed equation can never meet a stale binary.
 """
 
+import getpass
 import hashlib
 import inspect
+import os
 import tempfile
 from collections.abc import Callable
 from functools import cache
@@ -17,16 +19,9 @@ import numba
 import platformdirs
 from numba.core import config
 
-from models.ball.catalogue import catalogue
+from models.ball.catalogue import catalogue, parameter_columns
 from models.ball.effect import Effect
 from models.ball.quantities import QUANTITIES, Quantity
-
-
-@cache
-def parameter_columns() -> dict[tuple[str, str], int]:
-    """Return the place of every (effect, parameter) in the vector that compiled functions take."""
-    names = [(e.name, p.name) for e in catalogue().values() for p in e.parameters]
-    return {name: column for column, name in enumerate(names)}
 
 
 @cache
@@ -94,7 +89,14 @@ def _cache_folder() -> Path:
 
 
 def _writable_cache() -> Path:
+    """Return the user's cache, or where the home cannot be written to a temporary one."""
+    home = Path(platformdirs.user_cache_dir("rallygap"))
+    return home if _own(home) else Path(tempfile.gettempdir()) / f"rallygap-{getpass.getuser()}"
+
+
+def _own(folder: Path) -> bool:
     try:
-        return Path(platformdirs.user_cache_dir("rallygap", ensure_exists=True))
-    except OSError:  # a home that cannot be written to
-        return Path(tempfile.gettempdir()) / "rallygap"
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK | os.X_OK)

@@ -37,6 +37,7 @@ SURFACE_NAMES = ("none", "table", "net")
 
 ROLLING = 2.0 / 5.0  # the alpha at which a thin shell leaves rolling
 NET_HALF_WIDTH = TABLE_HALF_WIDTH + NET_OVERHANG
+AT_REST = Impact(0.0, 0.0, 0.0)
 
 
 @compiled
@@ -83,9 +84,12 @@ def _struck(state, normal, along, slip, restitution, alpha):  # type: ignore[no-
 def bounced(state, normal, surface, p):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Return the state just after a contact with the table or the net.
 
-    ``alpha = mu (1 + e) |v_n| / |v_b|`` while the ball slides, at most ``2/5 (1 + e_t)``.
+    ``alpha = mu (1 + e) |v_n| / |v_b|`` while the ball slides, at most ``2/5 (1 + e_t)``. A ball
+    that moves away from the surface is left as it is.
     """
     along, slip, impact = _impact(state, normal)
+    if along >= 0.0:
+        return state
     if surface == TABLE:
         restitution = _unit(_table_restitution(impact, p))
         friction = max(_table_friction(impact, p), 0.0)
@@ -110,31 +114,34 @@ def struck(state, normal, velocity, p):  # type: ignore[no-untyped-def]  # noqa:
     px, py, pz, vx, vy, vz, wx, wy, wz = state
     relative = (px, py, pz, vx - rx, vy - ry, vz - rz, wx, wy, wz)
     along, slip, impact = _impact(relative, normal)
-    restitution = _racket_restitution(impact, p)
-    if along >= 0.0 or not surface_present(restitution):
+    if along >= 0.0 or not surface_present(_racket_restitution(AT_REST, p)):
         return state
-    after = _struck(relative, normal, along, slip, _unit(restitution), _racket_grip(impact, p))
+    restitution = _unit(_racket_restitution(impact, p))
+    after = _struck(relative, normal, along, slip, restitution, _racket_grip(impact, p))
     px, py, pz, vx, vy, vz, wx, wy, wz = after
     return (px, py, pz, vx + rx, vy + ry, vz + rz, wx, wy, wz)
 
 
 @compiled
 def surface_present(restitution):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """Return whether a surface of this restitution is there; at -1 it lets the ball through."""
-    return restitution > -1.0
+    """Return whether a surface of this restitution, met at rest, is there.
+
+    It is -1 without the surface and at least 0 with it; midway, because effects that depend on
+    the impact may shift either a little.
+    """
+    return restitution > -0.5
 
 
 @compiled
 def surfaces(p):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """Return (table is there, net is there, surface height, normal slope x, normal slope y)."""
-    impact = Impact(0.0, 0.0, 0.0)
+    """Return (table is there, net is there, surface height, unit normal of the surface)."""
     tilt_x, tilt_y = _table_tilt(p)
+    up = 1.0 / math.sqrt(1.0 + tilt_x * tilt_x + tilt_y * tilt_y)
     return (
-        surface_present(_table_restitution(impact, p)),
-        surface_present(_net_restitution(impact, p)),
+        surface_present(_table_restitution(AT_REST, p)),
+        surface_present(_net_restitution(AT_REST, p)),
         _table_height(p),
-        tilt_x,
-        tilt_y,
+        (up * tilt_x, up * tilt_y, up),
     )
 
 
@@ -152,24 +159,28 @@ def _from_point(dx, dy, dz):  # type: ignore[no-untyped-def]  # noqa: ANN001, AN
 
 
 @compiled
-def table_gap(x, y, z, height, tilt_x, tilt_y):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def table_gap(x, y, z, height, up):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Return the gap between ball and table plate (m) and the normal from the plate to the ball.
 
     The plate is a rectangle without thickness; beyond its border the nearest point is on an edge.
+    A ball whose centre reads less than half a radius below the plate was measured from above: no
+    ball from below comes that near.
     """
-    scale = 1.0 / math.sqrt(1.0 + tilt_x * tilt_x + tilt_y * tilt_y)
-    above = scale * (tilt_x * x + tilt_y * y + z - height)
-    foot_x, foot_y = x - above * scale * tilt_x, y - above * scale * tilt_y
+    nx, ny, nz = up
+    above = nx * x + ny * y + nz * (z - height)
+    foot_x, foot_y = x - above * nx, y - above * ny
     edge_x, edge_y = _clamp(foot_x, TABLE_HALF_WIDTH), _clamp(foot_y, TABLE_HALF_LENGTH)
     if edge_x == foot_x and edge_y == foot_y:
-        side = 1.0 if above >= 0.0 else -1.0
-        normal = (side * scale * tilt_x, side * scale * tilt_y, side * scale)
-        return abs(above) - BALL_RADIUS, normal
-    return _from_point(x - edge_x, y - edge_y, z - (height - tilt_x * edge_x - tilt_y * edge_y))
+        side = 1.0 if above >= -0.5 * BALL_RADIUS else -1.0
+        return side * above - BALL_RADIUS, (side * nx, side * ny, side * nz)
+    return _from_point(x - edge_x, y - edge_y, z - (height - (nx * edge_x + ny * edge_y) / nz))
 
 
 @compiled
-def net_gap(x, y, z):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """Return the gap between ball and net (m) and the normal from the net to the ball."""
-    foot_x, foot_z = _clamp(x, NET_HALF_WIDTH), min(max(z, 0.0), NET_HEIGHT)
+def net_gap(x, y, z, height):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Return the gap between ball and net (m) and the normal from the net to the ball.
+
+    The net stands on the table, wherever the surface is.
+    """
+    foot_x, foot_z = _clamp(x, NET_HALF_WIDTH), min(max(z, height), height + NET_HEIGHT)
     return _from_point(x - foot_x, y, z - foot_z)

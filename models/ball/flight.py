@@ -33,7 +33,8 @@ def derivative(state, p, hall):  # type: ignore[no-untyped-def]  # noqa: ANN001,
     """Return the time derivative of a state.
 
     ``dv/dt = [g - kD |u| u + kM (w x u) + f] / inertia`` and ``dw/dt = -c |u| w`` with ``u`` the
-    velocity relative to the air (Nakashima 2010, extended by the quantities of the catalogue).
+    velocity relative to the air (Nakashima 2010, extended by the quantities of the catalogue). A
+    drag coefficient that its effects push below zero counts as zero: air never drives a ball.
 
     Args:
         state: nine floats.
@@ -50,6 +51,8 @@ def derivative(state, p, hall):  # type: ignore[no-untyped-def]  # noqa: ANN001,
 
     fx, fy, fz = _specific_force(air, p)
     drag = DRAG_FACTOR * _drag_coefficient(air, p) * speed
+    if drag < 0.0:  # a branch never taken costs less than a maximum
+        drag = 0.0
     lift = MAGNUS_FACTOR * _magnus_coefficient(air, p)
     share = 1.0 / _inertia(air, p)
     damping = _spin_damping(air, p) * speed
@@ -67,7 +70,8 @@ def derivative(state, p, hall):  # type: ignore[no-untyped-def]  # noqa: ANN001,
 
 
 @compiled
-def _moved(state, slope, h):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def moved(state, slope, h):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Return the state after ``h`` seconds at a constant slope."""
     return (
         state[0] + h * slope[0],
         state[1] + h * slope[1],
@@ -85,8 +89,8 @@ def _moved(state, slope, h):  # type: ignore[no-untyped-def]  # noqa: ANN001, AN
 def step(state, h, p, hall):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Return the state after ``h`` seconds of free flight: one classical Runge-Kutta step."""
     k1 = derivative(state, p, hall)
-    k2 = derivative(_moved(state, k1, h / 2), p, hall)
-    k3 = derivative(_moved(state, k2, h / 2), p, hall)
-    k4 = derivative(_moved(state, k3, h), p, hall)
-    half = _moved(_moved(state, k1, h / 6), k2, h / 3)
-    return _moved(_moved(half, k3, h / 3), k4, h / 6)
+    k2 = derivative(moved(state, k1, h / 2), p, hall)
+    k3 = derivative(moved(state, k2, h / 2), p, hall)
+    k4 = derivative(moved(state, k3, h), p, hall)
+    half = moved(moved(state, k1, h / 6), k2, h / 3)
+    return moved(moved(half, k3, h / 3), k4, h / 6)

@@ -34,11 +34,18 @@ def measured(
     flown = simulator.fly(states, true_times).states
     speed = np.linalg.norm(flown[..., VELOCITY], axis=-1)
     delay = np.broadcast_to(_quantity(simulator, "delay", View(speed)), speed.shape)
-    # A delayed picture shows the past; times of one ball must not fall, however the delay varies.
-    seen_at = np.maximum.accumulate(true_times - delay, axis=1)
-    seen = simulator.fly(states, seen_at).states
+    seen = _flown_in_any_order(simulator, states, true_times - delay)
     positions = _quantity(simulator, "position_gain") * seen[..., POSITION]
     return positions, _spin_labels(simulator, flown[..., SPIN], generator)
+
+
+def _flown_in_any_order(simulator: Simulator, states: Floats, times: Floats) -> Floats:
+    """Return states at (B, T) times that may fall, as a delay that grows with speed makes them."""
+    order = np.argsort(times, axis=1, kind="stable")
+    flown = simulator.fly(states, np.take_along_axis(times, order, axis=1)).states
+    original = np.argsort(order, axis=1, kind="stable")
+    ordered: Floats = np.take_along_axis(flown, original[..., None], axis=1)
+    return ordered
 
 
 def _spin_labels(simulator: Simulator, spins: Floats, generator: np.random.Generator) -> Floats:

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.ball.catalogue import catalogue
-from models.ball.compose import parameter_columns
+from models.ball.catalogue import catalogue, parameter_columns
 from models.ball.effect import Effect, Parameter
 from models.ball.state import STATE_SIZE
 
@@ -121,17 +120,25 @@ class Simulator:
 
         Args:
             states: (B, 9) just before the contact.
-            normals: (B, 3) unit normals of the rackets, pointing to the ball.
+            normals: (B, 3) normals of the rackets, of any length, pointing to the ball.
             velocities: (B, 3) of the rackets at the contact point, m/s.
+
+        Raises:
+            ValueError: shapes that do not fit, or numbers that are not finite.
         """
         from models.ball import rollout
 
-        parts = [
-            np.atleast_2d(np.asarray(a, dtype=np.float64)) for a in (states, normals, velocities)
-        ]
-        struck: Floats = rollout.strike(
-            *(np.ascontiguousarray(part) for part in parts), self.vector
-        )
+        first = np.atleast_2d(np.asarray(states, dtype=np.float64))
+        rackets = [np.atleast_2d(np.asarray(a, dtype=np.float64)) for a in (normals, velocities)]
+        if first.shape != (len(first), STATE_SIZE) or any(
+            racket.shape != (len(first), 3) for racket in rackets
+        ):
+            raise ValueError("give states (B, 9), normals (B, 3) and velocities (B, 3)")
+        rackets[0] = rackets[0] / np.linalg.norm(rackets[0], axis=1, keepdims=True)
+        parts = [np.ascontiguousarray(part) for part in (first, *rackets)]
+        if not all(np.isfinite(part).all() for part in parts):
+            raise ValueError("states, velocities and directions of normals must be finite")
+        struck: Floats = rollout.strike(*parts, self.vector)
         return struck
 
 

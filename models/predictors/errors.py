@@ -84,6 +84,8 @@ def _resampled_means(
     resamples: int,
     generator: np.random.Generator,
 ) -> Floats:
+    if not len(recordings):
+        return np.full((resamples, value.shape[1]), np.nan)
     names, member = np.unique(recordings, return_inverse=True)
     sums = np.zeros((len(names), value.shape[1]))
     counts = np.zeros_like(sums)

@@ -145,9 +145,11 @@ def _interpolated(
     gap = known[right] - known[left]
     share = ((times - known[left]) / gap)[:, None]
     value = (1 - share) * values[left] + share * values[right]
+    # A time on a sample needs no neighbour, which may have no label.
+    on_left, on_right = np.abs(share[:, 0]) < 1e-6, np.abs(share[:, 0] - 1) < 1e-6
+    value[on_left], value[on_right] = values[left[on_left]], values[right[on_right]]
     between = (gap <= LONGEST_GAP) & (share[:, 0] > -1e-6) & (share[:, 0] < 1 + 1e-6)
     if arc is not None:
         between &= arc[left] == arc[right]
-    on_sample = np.abs(share[:, 0] - 1) < 1e-6
-    mask = (between | on_sample)[:, None] & np.isfinite(value)
+    mask = (between | on_left | on_right)[:, None] & np.isfinite(value)
     return np.where(mask, value, 0.0), mask

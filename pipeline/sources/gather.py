@@ -66,6 +66,7 @@ def gather(settings: IngestSettings, seed: int) -> Gathered:
 
 def _take_over(data: SourceData) -> tuple[pd.DataFrame, SourceRecord]:
     """Return what of a source can be, in the table frame, and the record of the rest."""
+    _check_names(data)
     is_launches = data.description.kind == "launches"
     sift = sift_launches if is_launches else sift_samples
     sieves = [sift(table, data.description.frame) for table in data.tables]
@@ -86,6 +87,19 @@ def _take_over(data: SourceData) -> tuple[pd.DataFrame, SourceRecord]:
         files=_file_records(data),
     )
     return named, record
+
+
+def _check_names(data: SourceData) -> None:
+    """Raise unless there are tables, each with a name of its own."""
+    if not data.tables:
+        raise InputError(data.description.name, "holds no recording")
+    names = set()
+    for table in data.tables:
+        if table.name in names:
+            where = data.description.name if table.file is None else table.file.path
+            problem = f"a recording {table.name} was there before"
+            raise InputError(where, problem, field=table.part or None)
+        names.add(table.name)
 
 
 def _recordings(data: SourceData, sieves: Iterable[Sieve]) -> pd.DataFrame:

@@ -122,7 +122,11 @@ class SourceContext:
             problem = f"is not set, nor is {FOLDER_VARIABLE}: give the folder that holds {name}/"
             raise InputError("params.yaml", problem, field="ingest.folder")
         folder = Path(sources) / name
-        if not folder.is_dir():
+        try:
+            found = folder.is_dir()
+        except OSError as error:  # a parent that may not be searched, a name that is too long
+            raise InputError(folder, f"cannot be read: {error.strerror}") from None
+        if not found:
             problem = (
                 f"there is no such folder; ingest.folder or {FOLDER_VARIABLE} says where to look"
             )

@@ -39,13 +39,13 @@ def repository(tmp_path):
     return tmp_path
 
 
-def experiment(root, params, page="page", day=2):
-    """Leave an experiment `warm` the way DVC does, and return the commit it started from."""
+def experiment(root, params, page="page", day=2, name="warm"):
+    """Leave an experiment the way DVC does, and return the commit it started from."""
     start = git(root, "rev-parse", "HEAD")
     report = {"index.html": page, "segment/contents.json": '{"fingerprint": "f00d"}'}
     report = {f"reports/{name}": text for name, text in report.items()}
     changed = commit(root, report | {"params.yaml": params}, day)
-    git(root, "update-ref", f"refs/exps/{start[:2]}/{start[2:]}/warm", changed)
+    git(root, "update-ref", f"refs/exps/{start[:2]}/{start[2:]}/{name}", changed)
     git(root, "reset", "--quiet", "--hard", start)
     return start
 
@@ -73,9 +73,11 @@ def test_the_newest_experiment_of_a_name_is_kept_and_takes_the_old_one_s_place(r
     assert (repository / "reports" / "warm" / "index.html").read_text() == "newest"
 
 
-def test_an_unknown_experiment_is_refused_and_nothing_is_written(repository):
-    with pytest.raises(InputError, match="cold: there is no such experiment"):
-        keep_experiment(repository, "cold")
+@pytest.mark.parametrize("name", ["cold", "", "*", "../warm"])
+def test_an_unknown_experiment_is_refused_and_nothing_is_written(repository, name):
+    experiment(repository, PARAMS)
+    with pytest.raises(InputError, match="there is no such experiment"):
+        keep_experiment(repository, name)
     assert not (repository / "reports").exists()
 
 
@@ -84,3 +86,16 @@ def test_an_experiment_that_names_a_folder_of_this_machine_is_not_kept(repositor
     with pytest.raises(InputError, match=r"ingest\.folder: names a folder of this machine"):
         keep_experiment(repository, "warm")
     assert not (repository / "reports").exists()
+
+
+def test_an_experiment_called_like_a_stage_does_not_take_its_report_s_place(repository):
+    commit(repository, {"reports/segment/metrics.json": "{}"})
+    experiment(repository, PARAMS, name="segment")
+    with pytest.raises(InputError, match="has the name of a stage"):
+        keep_experiment(repository, "segment")
+    assert (repository / "reports" / "segment" / "metrics.json").read_text() == "{}"
+
+
+def test_a_folder_that_is_no_repository_is_one_error(tmp_path):
+    with pytest.raises(InputError, match="not a git repository"):
+        keep_experiment(tmp_path, "warm")

@@ -11,6 +11,7 @@ from pipeline.params import check_params, load_params, parse_yaml, read_yaml
 
 ROOT = Path(__file__).parents[2]
 PARAMS = ROOT / "params.yaml"
+UNLIKE_JSON = ["2001-09-09: 1", "seed: 2001-99-99", "seed: &a [*a]", "? [a, b]\n: 1"]
 
 
 def changed(key, value):
@@ -65,7 +66,9 @@ def test_every_problem_has_a_line():
     assert len(complaint(content).splitlines()) == 2
 
 
-@pytest.mark.parametrize("text", ["", "- 1", "seed", "a: b: c", "seed: 1\nseed: 2", "\x00"])
+@pytest.mark.parametrize(
+    "text", ["", "- 1", "seed", "a: b: c", "seed: 1\nseed: 2", "\x00", *UNLIKE_JSON]
+)
 def test_a_file_that_holds_no_parameters_is_refused(tmp_path, text):
     path = tmp_path / "params.yaml"
     path.write_text(text)

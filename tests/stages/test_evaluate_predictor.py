@@ -8,8 +8,9 @@ import pandas as pd
 import pytest
 
 from models.ball.simulators import shipped
-from pipeline.artifacts import write_json, write_table
+from pipeline.artifacts import read_table, write_json, write_table
 from pipeline.contracts import CONTACTS, EPISODES, SAMPLES, checked
+from pipeline.errors import InputError
 from pipeline.figures.shots import read_shots
 from pipeline.params import PhysicsPredictorSettings, load_params
 from pipeline.run import StageRun
@@ -142,6 +143,16 @@ def test_broken_episodes_are_left_out(tmp_path):
     _, whole = evaluated(tmp_path / "a")
     _, with_broken = evaluated(tmp_path / "b", broken_too=True)
     assert with_broken == whole
+
+
+def test_episodes_without_a_window_are_one_error_and_no_metrics(tmp_path):
+    write_inputs(tmp_path)
+    path = tmp_path / "artifacts" / "segment" / "episodes.parquet"
+    write_table(path, read_table(path).assign(unbroken=False))
+    run = StageRun("evaluate_predictor", tmp_path, params())
+    with pytest.raises(InputError, match="no unbroken episode has a window"):
+        evaluate_predictor(run)
+    assert not run.report("metrics.json").exists()
 
 
 def test_the_same_inputs_give_the_same_bytes(tmp_path):

@@ -1,6 +1,5 @@
 """Your own recordings: a folder of csv files, one a recording, with an optional source.yaml."""
 
-import json
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -8,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS
 from pipeline.errors import InputError
-from pipeline.params import read_yaml
+from pipeline.params import as_json, read_yaml
 from pipeline.sources.files import SourceFile, source_files
 from pipeline.sources.frame import Frame
 from pipeline.sources.separated import check_header, read_separated
@@ -67,10 +66,7 @@ def _read_settings(path: Path) -> CSVSettings:
     if not path.is_file():
         return CSVSettings()
     try:
-        content = json.dumps(read_yaml(path) or {}, default=str)
-    except (ValueError, RecursionError) as error:  # such as a date in a month 99
-        raise InputError(path, f"is not YAML: {error}") from None
-    try:
+        content = as_json(read_yaml(path) or {}, path)
         # Strict JSON: the text "200" is no number, and a YAML list is a tuple.
         return CSVSettings.model_validate_json(content, strict=True)
     except ValidationError as error:

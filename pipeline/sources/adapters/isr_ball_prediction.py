@@ -59,10 +59,12 @@ def _read_shots(file: SourceFile) -> list[RawTable]:
 def _shots(content: Any) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     """Yield the key, times (T,) and positions (T, 3) of every shot, in the order of their keys."""
     group = content[GROUP]
+    if not len(group):
+        raise ValueError("there is no shot in it")
     for key in sorted(group, key=lambda key: key.zfill(9)):
         times = np.asarray(group[key]["time_stamps"][()], dtype=float)
         positions = np.asarray(group[key]["positions"][()], dtype=float)
-        if positions.shape != (*times.shape, 3):
+        if times.ndim != 1 or positions.shape != (*times.shape, 3):
             raise ValueError(f"shot {key} has {times.shape} times, {positions.shape} positions")
         if not len(times):
             raise ValueError(f"shot {key} has no samples")

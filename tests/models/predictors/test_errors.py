@@ -74,3 +74,10 @@ def test_nothing_measured_has_no_mean():
     )
     assert np.isnan(result.mean).all()
     assert (result.count == 0).all()
+
+
+def test_no_windows_at_all_have_no_mean():
+    none = np.empty((0, 41))
+    result = spread(none, np.empty(0, dtype=str), 5, np.random.default_rng(0))
+    assert np.isnan([result.mean, result.low, result.high]).all()
+    assert (result.count == 0).all()

@@ -97,6 +97,15 @@ def test_unlabelled_spin_is_masked_and_zero():
     assert not cut.future[..., 6:].any()
 
 
+def test_a_label_between_samples_without_one_is_kept_where_it_was_measured():
+    sparse = episode(GRID)
+    sparse.spins[1::2] = np.nan
+    cut = windows(sparse, every=0.05)
+    ticks = np.round((cut.anchors[:, None] + HISTORY_TIMES) / 0.005).astype(int)
+    np.testing.assert_array_equal(cut.history.mask[..., 3:].all(axis=2), ticks % 2 == 0)
+    assert (cut.history.states[..., 3][ticks % 2 == 0] == 10.0).all()
+
+
 @pytest.mark.parametrize("count", [1, 2, 12, 30])
 def test_an_episode_too_short_for_a_window_has_none(count):
     assert len(windows(episode(GRID[:count]), every=0.05)) == 0

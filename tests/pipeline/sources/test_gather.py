@@ -202,3 +202,8 @@ def test_order_of_files_on_disk_does_not_matter(tmp_path):
 
     assert first.recordings.equals(second.recordings)
     assert first.manifest == second.manifest
+
+
+def test_a_folder_that_cannot_be_looked_at_is_one_error(tmp_path):
+    with pytest.raises(InputError, match="cannot be read: File name too long"):
+        read(tmp_path / ("x" * 300), "csv")

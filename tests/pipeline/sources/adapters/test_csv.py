@@ -88,6 +88,8 @@ def test_source_yaml_names_and_describes_the_source(tmp_path):
         ("[1, 2]", ""),
         ("rate: [", ""),
         ("rate: 2001-99-99", ""),
+        ("2001-09-09: rate", ""),
+        ("rate: &a [*a]", ""),
     ],
 )
 def test_a_source_yaml_that_says_nonsense_is_one_error(tmp_path, text, field):

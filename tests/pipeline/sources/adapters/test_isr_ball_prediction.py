@@ -72,6 +72,31 @@ def test_another_hdf5_file_is_one_error(tmp_path, name, value):
         read(tmp_path, "isr_ball_prediction")
 
 
+def test_samples_in_another_shape_are_one_error(tmp_path):
+    path = write_isr(tmp_path)
+    change(path, "originals/2/time_stamps", TIMES[:, None])
+    change(path, "originals/2/positions", PATH[:, None])
+
+    with pytest.raises(InputError, match="shot 2 has"):
+        read(tmp_path, "isr_ball_prediction")
+
+
+def test_a_file_without_shots_is_one_error(tmp_path):
+    write_isr(tmp_path, shots=())
+    with h5py.File(tmp_path / "isr_ball_prediction" / "no_spin.hdf5", "r+") as file:
+        file.create_group("originals")
+
+    with pytest.raises(InputError, match="there is no shot in it"):
+        read(tmp_path, "isr_ball_prediction")
+
+
+def test_two_shots_of_one_name_are_one_error(tmp_path):
+    write_isr(tmp_path, shots=("1", "01"))
+
+    with pytest.raises(InputError, match=r"/originals/0?1: a recording no_spin_001 was there"):
+        read(tmp_path, "isr_ball_prediction")
+
+
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
 def test_a_truncated_file_is_one_error(tmp_path, share):
     path = write_isr(tmp_path)
