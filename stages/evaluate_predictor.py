@@ -11,6 +11,7 @@ from models.predictors.errors import HORIZONS_MS, QUANTITIES, errors, spread
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import FUTURE_TIMES, Forecast, Predictor
 from models.predictors.windows import Windows, joined, windows
+from pipeline.console import warn
 from pipeline.episodes import MeasuredEpisode, read_episodes
 from pipeline.errors import InputError
 from pipeline.figures.forecast_error import forecast_error_figure
@@ -90,9 +91,11 @@ def _measured_sets(run: StageRun, every: float) -> Iterator[MeasuredSet]:
             for one, part in zip(members, cut, strict=True)
             for _ in range(len(part))
         ]
-        if recordings:
-            yield MeasuredSet(manifest.sources[name], joined(cut), np.array(recordings), members)
-            run.log_input(name, run.input("segment", "samples.parquet"), len(recordings))
+        if not recordings:
+            warn(f"{name} has no window to evaluate: 155 ms with samples at most 15 ms apart")
+            continue
+        yield MeasuredSet(manifest.sources[name], joined(cut), np.array(recordings), members)
+        run.log_input(name, run.input("segment", "samples.parquet"), len(recordings))
 
 
 def _forecast(one: MeasuredSet, name: str, predictor: Predictor) -> Forecast:

@@ -13,7 +13,7 @@ import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numba
 import platformdirs
@@ -22,6 +22,8 @@ from numba.core import config
 from models.ball.catalogue import catalogue, parameter_columns
 from models.ball.effect import Effect
 from models.ball.quantities import QUANTITIES, Quantity
+
+Compiled = TypeVar("Compiled", bound=Callable[..., Any])
 
 
 @cache
@@ -63,22 +65,24 @@ def _apply(quantity: Quantity, hook: str, effect: Effect, operator: str) -> list
     return [f"    change = {call}", *pieces]
 
 
-def compiled(function: Callable[..., Any]) -> Any:
-    """Decorate a function of the ball to be compiled by numba, once, and kept on disk."""
+def compiled(function: Compiled) -> Compiled:
+    """Decorate a function to be compiled by numba, once, and kept on disk."""
     options: Any = config  # numba fills this module at run time
     previous = options.CACHE_DIR
-    options.CACHE_DIR = str(_cache_folder())
+    options.CACHE_DIR = str(_cache_folder(Path(function.__code__.co_filename).parent))
     try:
-        return numba.njit(cache=True, error_model="numpy")(function)
+        return cast(Compiled, numba.njit(cache=True, error_model="numpy")(function))
     finally:
         options.CACHE_DIR = previous
 
 
 @cache
-def _cache_folder() -> Path:
+def _cache_folder(package: Path) -> Path:
+    """Return the folder for what a package compiles, which may call all of this one."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.read_bytes())
+    for folder in (Path(__file__).parent, package):
+        for path in sorted(folder.glob("*.py")):
+            digest.update(path.read_bytes())
     for effect in catalogue().values():
         digest.update(repr((effect.name, [p.name for p in effect.parameters])).encode())
         for change in effect.changes:

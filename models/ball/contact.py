@@ -20,6 +20,7 @@ from models.ball.state import (
     TABLE_HALF_LENGTH,
     TABLE_HALF_WIDTH,
 )
+from models.ball.types import Parameters, Scene, State, Vector
 
 _table_restitution = composed()["table_restitution"]
 _table_friction = composed()["table_friction"]
@@ -41,12 +42,12 @@ AT_REST = Impact(0.0, 0.0, 0.0)
 
 
 @compiled
-def _unit(value):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _unit(value: float) -> float:
     return min(max(value, 0.0), 1.0)
 
 
 @compiled
-def _impact(state, normal):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _impact(state: State, normal: Vector) -> tuple[float, Vector, Impact]:
     """Return the normal velocity, the slip velocity of the contact point and the hooks' view."""
     _, _, _, vx, vy, vz, wx, wy, wz = state
     nx, ny, nz = normal
@@ -61,7 +62,9 @@ def _impact(state, normal):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN
 
 
 @compiled
-def _struck(state, normal, along, slip, restitution, alpha):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _struck(
+    state: State, normal: Vector, along: float, slip: Vector, restitution: float, alpha: float
+) -> State:
     px, py, pz, vx, vy, vz, wx, wy, wz = state
     nx, ny, nz = normal
     sx, sy, sz = slip
@@ -81,7 +84,7 @@ def _struck(state, normal, along, slip, restitution, alpha):  # type: ignore[no-
 
 
 @compiled
-def bounced(state, normal, surface, p):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def bounced(state: State, normal: Vector, surface: int, p: Parameters) -> State:
     """Return the state just after a contact with the table or the net.
 
     ``alpha = mu (1 + e) |v_n| / |v_b|`` while the ball slides, at most ``2/5 (1 + e_t)``. A ball
@@ -104,7 +107,7 @@ def bounced(state, normal, surface, p):  # type: ignore[no-untyped-def]  # noqa:
 
 
 @compiled
-def struck(state, normal, velocity, p):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def struck(state: State, normal: Vector, velocity: Vector, p: Parameters) -> State:
     """Return the state just after a contact with a racket that moves at ``velocity``.
 
     ``normal`` points from the racket to the ball. A ball that moves away from the racket, or a
@@ -123,7 +126,7 @@ def struck(state, normal, velocity, p):  # type: ignore[no-untyped-def]  # noqa:
 
 
 @compiled
-def surface_present(restitution):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def surface_present(restitution: float) -> bool:
     """Return whether a surface of this restitution, met at rest, is there.
 
     It is -1 without the surface and at least 0 with it; midway, because effects that depend on
@@ -133,7 +136,7 @@ def surface_present(restitution):  # type: ignore[no-untyped-def]  # noqa: ANN00
 
 
 @compiled
-def surfaces(p):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def surfaces(p: Parameters) -> Scene:
     """Return (table is there, net is there, surface height, unit normal of the surface)."""
     tilt_x, tilt_y = _table_tilt(p)
     up = 1.0 / math.sqrt(1.0 + tilt_x * tilt_x + tilt_y * tilt_y)
@@ -146,12 +149,12 @@ def surfaces(p):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @compiled
-def _clamp(value, limit):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _clamp(value: float, limit: float) -> float:
     return min(max(value, -limit), limit)
 
 
 @compiled
-def _from_point(dx, dy, dz):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _from_point(dx: float, dy: float, dz: float) -> tuple[float, Vector]:
     distance = math.sqrt(dx * dx + dy * dy + dz * dz)
     if distance == 0.0:
         return -BALL_RADIUS, (0.0, 0.0, 1.0)
@@ -159,7 +162,7 @@ def _from_point(dx, dy, dz):  # type: ignore[no-untyped-def]  # noqa: ANN001, AN
 
 
 @compiled
-def table_gap(x, y, z, height, up):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def table_gap(x: float, y: float, z: float, height: float, up: Vector) -> tuple[float, Vector]:
     """Return the gap between ball and table plate (m) and the normal from the plate to the ball.
 
     The plate is a rectangle without thickness; beyond its border the nearest point is on an edge.
@@ -177,7 +180,7 @@ def table_gap(x, y, z, height, up):  # type: ignore[no-untyped-def]  # noqa: ANN
 
 
 @compiled
-def net_gap(x, y, z, height):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def net_gap(x: float, y: float, z: float, height: float) -> tuple[float, Vector]:
     """Return the gap between ball and net (m) and the normal from the net to the ball.
 
     The net stands on the table, wherever the surface is.

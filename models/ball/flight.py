@@ -8,6 +8,7 @@ import math
 from models.ball.compose import compiled, composed
 from models.ball.quantities import Air
 from models.ball.state import BALL_RADIUS, DRAG_FACTOR, MAGNUS_FACTOR
+from models.ball.types import Hall, Parameters, State
 
 _wind = composed()["wind"]
 _gravity = composed()["gravity"]
@@ -20,7 +21,7 @@ _spin_damping = composed()["spin_damping"]
 
 
 @compiled
-def hall(p):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def hall(p: Parameters) -> Hall:
     """Return what is the same everywhere in flight: wind (3) and the pull of gravity (3)."""
     tilt_x, tilt_y = _gravity_tilt(p)
     g = _gravity(p)
@@ -29,7 +30,7 @@ def hall(p):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @compiled
-def derivative(state, p, hall):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def derivative(state: State, p: Parameters, hall: Hall) -> State:
     """Return the time derivative of a state.
 
     ``dv/dt = [g - kD |u| u + kM (w x u) + f] / inertia`` and ``dw/dt = -c |u| w`` with ``u`` the
@@ -70,7 +71,7 @@ def derivative(state, p, hall):  # type: ignore[no-untyped-def]  # noqa: ANN001,
 
 
 @compiled
-def moved(state, slope, h):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def moved(state: State, slope: State, h: float) -> State:
     """Return the state after ``h`` seconds at a constant slope."""
     return (
         state[0] + h * slope[0],
@@ -86,7 +87,7 @@ def moved(state, slope, h):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN
 
 
 @compiled
-def step(state, h, p, hall):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def step(state: State, h: float, p: Parameters, hall: Hall) -> State:
     """Return the state after ``h`` seconds of free flight: one classical Runge-Kutta step."""
     k1 = derivative(state, p, hall)
     k2 = derivative(moved(state, k1, h / 2), p, hall)

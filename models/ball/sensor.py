@@ -10,8 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from models.ball.catalogue import catalogue
 from models.ball.quantities import QUANTITIES, View
-from models.ball.simulator import Floats, Simulator
+from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, VELOCITY
+from models.ball.types import Floats
 
 _SENSOR = {quantity.name: quantity for quantity in QUANTITIES if quantity.acts == "sensor"}
 

@@ -8,13 +8,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from models.ball.catalogue import catalogue, parameter_columns
 from models.ball.effect import Effect, Parameter
 from models.ball.state import STATE_SIZE
-
-Floats = NDArray[np.float64]
+from models.ball.types import Floats, Integers
 
 
 class SimulatorError(ValueError):
@@ -33,9 +32,9 @@ class Contacts:
         after: (B, K, 9) states just after.
     """
 
-    count: NDArray[np.int64]
+    count: Integers
     time: Floats
-    surface: NDArray[np.int64]
+    surface: Integers
     before: Floats
     after: Floats
 
@@ -101,7 +100,7 @@ class Simulator:
         """
         from models.ball import rollout
 
-        first = np.ascontiguousarray(np.atleast_2d(states), dtype=np.float64)
+        first = _rows(states)
         moments = np.atleast_2d(np.asarray(times, dtype=np.float64))
         if first.ndim != 2 or first.shape[1] != STATE_SIZE:
             raise ValueError(f"states have shape {first.shape}, not (B, {STATE_SIZE})")
@@ -128,18 +127,18 @@ class Simulator:
         """
         from models.ball import rollout
 
-        first = np.atleast_2d(np.asarray(states, dtype=np.float64))
-        rackets = [np.atleast_2d(np.asarray(a, dtype=np.float64)) for a in (normals, velocities)]
-        if first.shape != (len(first), STATE_SIZE) or any(
-            racket.shape != (len(first), 3) for racket in rackets
-        ):
+        first, towards, moving = (_rows(part) for part in (states, normals, velocities))
+        wanted = ((len(first), STATE_SIZE), (len(first), 3), (len(first), 3))
+        if (first.shape, towards.shape, moving.shape) != wanted:
             raise ValueError("give states (B, 9), normals (B, 3) and velocities (B, 3)")
-        rackets[0] = rackets[0] / np.linalg.norm(rackets[0], axis=1, keepdims=True)
-        parts = [np.ascontiguousarray(part) for part in (first, *rackets)]
-        if not all(np.isfinite(part).all() for part in parts):
+        towards = towards / np.linalg.norm(towards, axis=1, keepdims=True)
+        if not all(np.isfinite(part).all() for part in (first, towards, moving)):
             raise ValueError("states, velocities and directions of normals must be finite")
-        struck: Floats = rollout.strike(*parts, self.vector)
-        return struck
+        return rollout.strike(first, towards, moving, self.vector)
+
+
+def _rows(values: ArrayLike) -> Floats:
+    return np.ascontiguousarray(np.atleast_2d(values), dtype=np.float64)
 
 
 def _parameter(effect: Effect, name: str) -> Parameter:

@@ -13,9 +13,9 @@ place: the partition calls them millions of times.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from models.ball.compose import compiled
 from models.ball.state import DRAG_FACTOR
 
 Array = NDArray[np.float64]
@@ -30,7 +30,7 @@ ACCELERATION_SPREAD = 8.0  # m/s^2
 JERK_DENSITY = 18.0  # (m/s^2)^2/s
 
 
-@njit(cache=True)
+@compiled
 def start(mean: Array, covariance: Array, position: Array, noise: float) -> None:
     """Set ``mean`` and ``covariance`` to what an arc's first sample tells.
 
@@ -49,7 +49,7 @@ def start(mean: Array, covariance: Array, position: Array, noise: float) -> None
     covariance[2, 2] = ACCELERATION_SPREAD**2
 
 
-@njit(cache=True)
+@compiled
 def drift(mean: Array, dt: float) -> None:
     """Move the mean ``dt`` seconds on, or back where ``dt`` is negative."""
     brake = DRAG * math.sqrt(mean[1, 0] ** 2 + mean[1, 1] ** 2 + mean[1, 2] ** 2)
@@ -59,13 +59,13 @@ def drift(mean: Array, dt: float) -> None:
         mean[1, axis] += dt * acceleration
 
 
-@njit(cache=True)
+@compiled
 def transition(dt: float) -> Array:
     """Return the matrix that carries one axis ``dt`` seconds on."""
     return np.array([[1.0, dt, 0.5 * dt * dt], [0.0, 1.0, dt], [0.0, 0.0, 1.0]])
 
 
-@njit(cache=True)
+@compiled
 def spread(covariance: Array, dt: float) -> None:
     """Let the covariance grow for ``dt`` seconds of flight with white jerk."""
     # F P F^T with F = [[1, dt, dt^2/2], [0, 1, dt], [0, 0, 1]]: rows first, then columns.
@@ -83,7 +83,7 @@ def spread(covariance: Array, dt: float) -> None:
         covariance[column, row] = covariance[row, column]
 
 
-@njit(cache=True)
+@compiled
 def surprise(mean: Array, covariance: Array, position: Array, noise: float) -> float:
     """Return a sample's negative log-likelihood, less that of a perfectly predicted one (nats)."""
     variance = covariance[0, 0] + noise**2
@@ -93,7 +93,7 @@ def surprise(mean: Array, covariance: Array, position: Array, noise: float) -> f
     return float(0.5 * squared / variance + 1.5 * math.log(variance / noise**2))
 
 
-@njit(cache=True)
+@compiled
 def update(mean: Array, covariance: Array, position: Array, noise: float) -> None:
     """Take a sample into ``mean`` and ``covariance``."""
     p, pv, pa = covariance[0]

@@ -11,9 +11,9 @@ with several second samples.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from models.ball.compose import compiled
 from models.segmentation.flight import drift, spread, start, surprise, update
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ LONGEST_ARC = 2.0  # s; a lob of 4.9 m. Keeps the work linear where a ball lies 
 UNUSED = -1  # a sample that is in no arc
 
 
-@njit(cache=True)
+@compiled
 def follow(
     t: Array,
     x: Array,
@@ -77,7 +77,7 @@ def follow(
     return len(t)
 
 
-@njit(cache=True)
+@compiled
 def partition(
     t: Array, x: Array, noise: float, contact_cost: float, outlier_cost: float
 ) -> tuple[Indices, Indices, Indices]:
@@ -111,7 +111,7 @@ def partition(
     return _trace(begins, seconds)
 
 
-@njit(cache=True)
+@compiled
 def _trace(begins: Indices, seconds: Indices) -> tuple[Indices, Indices, Indices]:
     first, second, last = [0][:0], [0][:0], [0][:0]
     end = len(begins) - 1

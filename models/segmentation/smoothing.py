@@ -1,16 +1,16 @@
 """The smooth path of one arc: position and velocity at every sample."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from models.ball.compose import compiled
 from models.segmentation.flight import drift, spread, start, transition, update
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-@njit(cache=True)
+@compiled
 def smooth(t: Array, x: Array, used: Mask, noise: float) -> Array:
     """Return the arc's means at all samples, given all used ones (Rauch-Tung-Striebel).
 
