@@ -1,29 +1,20 @@
 """From the catalogue to compiled functions: one function a quantity, all effects inside.
 
 Every effect takes part in every call, absent ones at their neutral value, so that any combination
-of effects runs on one compilation. Numba stores what it compiled in a folder named after the
-content of everything that goes into it, so a changed equation can never meet a stale binary.
+of effects runs on one compilation.
 """
 
-import getpass
-import hashlib
 import inspect
-import os
-import tempfile
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any
 
 import numba
-import platformdirs
-from numba.core import config
 
 from models.ball.catalogue import catalogue, parameter_columns
 from models.ball.effect import Effect
 from models.ball.quantities import QUANTITIES, Quantity
-
-Compiled = TypeVar("Compiled", bound=Callable[..., Any])
+from models.compiling import compiler
 
 
 @cache
@@ -65,42 +56,17 @@ def _apply(quantity: Quantity, hook: str, effect: Effect, operator: str) -> list
     return [f"    change = {call}", *pieces]
 
 
-def compiled(function: Compiled) -> Compiled:
-    """Decorate a function to be compiled by numba, once, and kept on disk."""
-    options: Any = config  # numba fills this module at run time
-    previous = options.CACHE_DIR
-    options.CACHE_DIR = str(_cache_folder(Path(function.__code__.co_filename).parent))
-    try:
-        return cast(Compiled, numba.njit(cache=True, error_model="numpy")(function))
-    finally:
-        options.CACHE_DIR = previous
+def _sources() -> tuple[list[Path], str]:
+    """Return the files that compiled functions depend on, and what they do not say."""
+    files = sorted(Path(__file__).parent.glob("*.py"))
+    changes = [
+        (effect.name, change.quantity, change.how, [p.name for p in effect.parameters])
+        for effect in catalogue().values()
+        for change in effect.changes
+    ]
+    hooks = [change.function for effect in catalogue().values() for change in effect.changes]
+    files += [Path(module) for hook in hooks if (module := inspect.getsourcefile(hook))]
+    return files, repr(changes)
 
 
-@cache
-def _cache_folder(package: Path) -> Path:
-    """Return the folder for what a package compiles, which may call all of this one."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for folder in (Path(__file__).parent, package):
-        for path in sorted(folder.glob("*.py")):
-            digest.update(path.read_bytes())
-    for effect in catalogue().values():
-        digest.update(repr((effect.name, [p.name for p in effect.parameters])).encode())
-        for change in effect.changes:
-            module = inspect.getsourcefile(change.function)
-            digest.update(f"{change.quantity} {change.how}".encode())
-            digest.update(Path(module).read_bytes() if module else b"")
-    return _writable_cache() / digest.hexdigest()[:16]
-
-
-def _writable_cache() -> Path:
-    """Return the user's cache, or where the home cannot be written to a temporary one."""
-    home = Path(platformdirs.user_cache_dir("rallygap"))
-    return home if _own(home) else Path(tempfile.gettempdir()) / f"rallygap-{getpass.getuser()}"
-
-
-def _own(folder: Path) -> bool:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return False
-    return os.access(folder, os.W_OK | os.X_OK)
+compiled = compiler(*_sources())

@@ -15,8 +15,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.compose import compiled
 from models.ball.state import DRAG_FACTOR
+from models.segmentation.compiled import compiled
 
 Array = NDArray[np.float64]
 

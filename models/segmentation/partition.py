@@ -13,7 +13,7 @@ with several second samples.
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.compose import compiled
+from models.segmentation.compiled import compiled
 from models.segmentation.flight import drift, spread, start, surprise, update
 
 Array = NDArray[np.float64]

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.compose import compiled
+from models.segmentation.compiled import compiled
 from models.segmentation.flight import drift, spread, start, transition, update
 
 Array = NDArray[np.float64]

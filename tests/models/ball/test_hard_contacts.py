@@ -6,7 +6,6 @@ import sys
 import numpy as np
 import pytest
 
-from models.ball.compose import _writable_cache
 from models.ball.contact import NET
 from models.ball.sensor import measured
 from models.ball.state import BALL_RADIUS, TABLE_HALF_LENGTH
@@ -127,9 +126,3 @@ def test_tiny_steps_add_up():
 def test_a_simulator_is_described_without_numba():
     program = "import sys, models.ball.simulator; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
-
-
-def test_a_home_without_room_for_a_cache_is_left_alone(tmp_path, monkeypatch):
-    (tmp_path / "file").write_text("")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    assert tmp_path not in _writable_cache().parents

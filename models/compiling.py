@@ -1,0 +1,53 @@
+"""Compiling with numba, kept on disk and never stale.
+
+Numba keeps what it compiled by the time stamp of the function's own file, and cannot see that a
+function or a constant it took from elsewhere has changed. Here the folder of the stored binaries is
+named after the content of everything that goes into them.
+"""
+
+import getpass
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+import platformdirs
+from numba.core import config
+
+Compiled = TypeVar("Compiled", bound=Callable[..., Any])
+
+
+def compiler(sources: Iterable[Path], more: str = "") -> Callable[[Compiled], Compiled]:
+    """Return a decorator for functions that depend on nothing but ``sources`` and ``more``."""
+    digest = hashlib.sha256(f"{numba.__version__} {more}".encode())
+    for path in sources:
+        digest.update(path.read_bytes())
+    folder = _writable_cache() / digest.hexdigest()[:16]
+
+    def compiled(function: Compiled) -> Compiled:
+        options: Any = config  # numba fills this module at run time
+        previous = options.CACHE_DIR
+        options.CACHE_DIR = str(folder)
+        try:
+            return cast(Compiled, numba.njit(cache=True, error_model="numpy")(function))
+        finally:
+            options.CACHE_DIR = previous
+
+    return compiled
+
+
+def _writable_cache() -> Path:
+    """Return the user's cache, or where the home cannot be written to a temporary one."""
+    home = Path(platformdirs.user_cache_dir("rallygap"))
+    return home if _own(home) else Path(tempfile.gettempdir()) / f"rallygap-{getpass.getuser()}"
+
+
+def _own(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK | os.X_OK)
