@@ -5,12 +5,15 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
+from pydantic import TypeAdapter, ValidationError
 
 from pipeline.errors import InputError
+
+Content = TypeVar("Content")
 
 
 @contextmanager
@@ -66,6 +69,21 @@ def read_json(path: Path) -> Any:
         raise InputError(path, f"cannot be read: {error.strerror}") from None
     except (ValueError, RecursionError) as error:
         raise InputError(path, f"is not JSON: {error}") from None
+
+
+def read_as(path: Path, schema: type[Content], stage: str) -> Content:
+    """Read a JSON file that ``stage`` wrote, as a pydantic model or a list of them.
+
+    Raises:
+        InputError: the file is missing, or breaks the schema; naming the field and the stage.
+    """
+    try:
+        return TypeAdapter(schema).validate_python(read_json(path))
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        problem = f"{first['msg']}; run `dvc repro -f {stage}` to write it anew"
+        raise InputError(path, problem, field=place) from None
 
 
 def write_table(path: Path, table: pd.DataFrame) -> None:

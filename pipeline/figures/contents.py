@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Literal
 
 import pandas as pd
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict
 
-from pipeline.artifacts import read_json
+from pipeline.artifacts import read_as
 from pipeline.errors import InputError
 
 SHOWN_DIGITS = 4  # of the largest number of a column; the file has them all
@@ -55,13 +55,7 @@ def read_contents(reports: Path, stage: str) -> Contents:
     path = reports / stage / "contents.json"
     if not path.is_file():
         raise InputError(path, f"there is no such file; run `dvc repro {stage}` first")
-    try:
-        return Contents.model_validate(read_json(path))
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        problem = f"{first['msg']}; run `dvc repro -f {stage}` to write it anew"
-        raise InputError(path, problem, field=place) from None
+    return read_as(path, Contents, stage)
 
 
 def read_figure(path: Path) -> str:

@@ -5,10 +5,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from pipeline.artifacts import read_json, write_json
-from pipeline.errors import InputError
+from pipeline.artifacts import read_as, write_json
 
 MOST_SHOTS = 20  # more would make the page heavy
 
@@ -66,9 +65,6 @@ def _check_path(times: Sequence[float], points: Sequence[Point], name: str) -> N
         raise ValueError("t must grow from sample to sample")
 
 
-_SHOTS = TypeAdapter(list[Shot])
-
-
 def write_shots(path: Path, shots: Sequence[Shot]) -> None:
     """Write shots as JSON."""
     write_json(path, [shot.model_dump() for shot in shots])
@@ -80,9 +76,4 @@ def read_shots(path: Path) -> list[Shot]:
     Raises:
         InputError: if the file is missing or breaks the schema, naming the shot and the field.
     """
-    try:
-        return _SHOTS.validate_python(read_json(path))
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise InputError(path, f"is not a list of shots: {first['msg']}", field=place) from None
+    return read_as(path, list[Shot], "evaluate_predictor")

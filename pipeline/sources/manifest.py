@@ -4,10 +4,9 @@ from collections import defaultdict
 from collections.abc import Iterable
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict
 
-from pipeline.artifacts import read_json
-from pipeline.errors import InputError
+from pipeline.artifacts import read_as
 from pipeline.sources.source import Description, Refusal
 
 
@@ -67,13 +66,7 @@ def read_manifest(path: Path) -> Manifest:
     Raises:
         InputError: it is missing or is no such manifest.
     """
-    try:
-        return Manifest.model_validate(read_json(path))
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        problem = f"{first['msg']}; run `dvc repro -f ingest` to write it anew"
-        raise InputError(path, problem, field=place) from None
+    return read_as(path, Manifest, "ingest")
 
 
 def by_reason(refusals: Iterable[Refusal]) -> dict[str, Refused]:

@@ -4,11 +4,9 @@ A package adds its own by the entry point group ``rallygap.sources``; each entry
 with a ``source``, like the modules of ``adapters``.
 """
 
-import importlib
-import pkgutil
 from functools import cache
-from importlib.metadata import entry_points
 
+from models.discovery import discovered
 from pipeline.errors import InputError
 from pipeline.sources import adapters
 from pipeline.sources.source import Source
@@ -24,7 +22,7 @@ def registry() -> dict[str, Source]:
         ValueError: two sources share a name.
     """
     found: dict[str, Source] = {}
-    for source in [*_shipped_sources(), *_offered_sources()]:
+    for source in discovered(adapters, "source", ENTRY_POINT_GROUP):
         if source.name in found:
             raise ValueError(f"two sources are called {source.name}")
         found[source.name] = source
@@ -42,13 +40,3 @@ def find_source(name: str) -> Source:
         problem = f"there is no source {name!r}; known: {known}"
         raise InputError("params.yaml", problem, field="ingest.sources")
     return registry()[name]
-
-
-def _shipped_sources() -> list[Source]:
-    names = sorted(module.name for module in pkgutil.iter_modules(adapters.__path__))
-    return [importlib.import_module(f"{adapters.__name__}.{name}").source for name in names]
-
-
-def _offered_sources() -> list[Source]:
-    offers = sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda offer: offer.name)
-    return [offer.load().source for offer in offers]

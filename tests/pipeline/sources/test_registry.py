@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from models import discovery
 from pipeline.errors import InputError
 from pipeline.sources import adapters, registry
 from pipeline.sources.registry import find_source
@@ -19,7 +20,7 @@ def offered(monkeypatch):
         modules = {name: SimpleNamespace(source=SimpleNamespace(name=name)) for name in names}
         points = [EntryPoint(name, name, registry.ENTRY_POINT_GROUP) for name in names]
         monkeypatch.setattr(EntryPoint, "load", lambda point: modules[point.value])
-        monkeypatch.setattr(registry, "entry_points", lambda group: points)
+        monkeypatch.setattr(discovery, "entry_points", lambda group: points)
         registry.registry.cache_clear()
 
     yield offer

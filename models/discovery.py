@@ -1,0 +1,21 @@
+"""Things that are found by being there: modules of a package, and entry points of others."""
+
+import importlib
+import pkgutil
+from importlib.metadata import entry_points
+from types import ModuleType
+from typing import Any
+
+
+def discovered(package: ModuleType, attribute: str, group: str) -> list[Any]:
+    """Return the ``attribute`` of every module of a package, then of every offered module.
+
+    Args:
+        package: whose modules each have the attribute.
+        attribute: its name.
+        group: the entry points by which other packages offer such modules.
+    """
+    names = sorted(module.name for module in pkgutil.iter_modules(package.__path__))
+    modules = [importlib.import_module(f"{package.__name__}.{name}") for name in names]
+    offers = sorted(entry_points(group=group), key=lambda offer: offer.name)
+    return [getattr(module, attribute) for module in [*modules, *(o.load() for o in offers)]]
