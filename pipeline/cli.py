@@ -46,12 +46,16 @@ def profile(name: Annotated[str, typer.Argument(help="a file of the folder profi
 
 @app.command()
 def real(
-    folder: Annotated[Path, typer.Argument(envvar="RALLYGAP_DATA", help="spindoe, tt3d, ...")],
+    folder: Annotated[
+        Path | None, typer.Argument(envvar="RALLYGAP_DATA", help="spindoe, tt3d, ...")
+    ] = None,
 ) -> None:
     """Run the pipeline on the measured sets in FOLDER and keep the results as `real`."""
     from pipeline.keep import keep_experiment
     from pipeline.profiles import profile_flags
 
+    if folder is None:
+        raise InputError("real", "say where the measured sets are: make real DATA=~/balls")
     if not folder.is_dir():
         raise InputError(folder, "is not a folder; give the one that holds the measured sets")
     root = repository_root()

@@ -38,7 +38,7 @@ def test_help_names_every_verb_without_loading_the_libraries():
         "print('loaded', {'pandas', 'mlflow', 'dvc', 'matplotlib', 'numba'} & set(sys.modules))"
     )
     shown = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True)
-    for verb in ("check", "profile", "real", "keep", "ui"):
+    for verb in ("check", "profile", "real", "keep", "effects", "ui"):
         assert f" {verb} " in shown.stdout
     assert "loaded set()" in shown.stdout
 
@@ -59,10 +59,13 @@ def test_check_accepts_what_is_right_and_names_what_is_not(elsewhere):
     assert len(refused.stderr.splitlines()) == 1
 
 
-def test_a_missing_folder_of_measured_sets_is_refused(elsewhere):
-    refused = rallygap("real", str(elsewhere / "none"), cwd=elsewhere)
+@pytest.mark.parametrize(
+    ("words", "says"), [(["none"], "is not a folder"), ([], "say where the measured sets are")]
+)
+def test_a_missing_folder_of_measured_sets_is_refused(elsewhere, words, says):
+    refused = rallygap("real", *words, cwd=elsewhere)
     assert refused.returncode == 2
-    assert "is not a folder" in refused.stderr
+    assert says in refused.stderr
     assert len(refused.stderr.splitlines()) == 1
 
 
