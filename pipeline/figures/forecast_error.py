@@ -20,6 +20,7 @@ WINDOWS = {
     "without": "without a bounce",
 }
 DOTTED = (0, (1, 1.6))
+HEADROOM = 1.15  # the number of windows stands over the lines
 
 
 def forecast_error_figure(frame: pd.DataFrame) -> Figure:
@@ -73,7 +74,8 @@ def _label_axes(grid: np.ndarray, quantities: list[str]) -> None:
     for axes_row in grid:
         for axes, quantity in zip(axes_row, quantities, strict=True):
             axes.set_ylabel(QUANTITIES[quantity])
-            axes.set_ylim(bottom=0)
+    for axes in grid[0]:  # each stands for its column
+        axes.set_ylim(0, HEADROOM * axes.get_ylim()[1])
     for axes in grid[-1]:
         axes.set_xlabel("forecast horizon (ms)")
         axes.set_xlim(100, 300)
