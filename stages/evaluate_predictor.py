@@ -184,8 +184,9 @@ def _caption(one: MeasuredSet) -> str:
     )
     if one.source.spin == "per_recording":
         caption += (
-            " A shot has one spin label, which holds until it bounces: the spin error shows only "
-            "forecasts of a bounce that came later or not at all."
+            " A shot has one spin label, which holds until the ball first touches something or is "
+            "lost from sight: the spin error shows only forecasts of a bounce that came later or "
+            "not at all."
         )
     return caption
 
@@ -195,14 +196,14 @@ def _shots(sets: list[MeasuredSet], predictors: dict[str, Predictor], seed: int)
     generator = np.random.default_rng(seed)
     drawn = []
     for one in sets:
-        usable = [e for e in one.episodes if len(windows(e.episode, every=1.0))]
+        cuts = [(episode, windows(episode.episode, every=1.0)) for episode in one.episodes]
+        usable = [(episode, cut) for episode, cut in cuts if len(cut)]
         drawn.append([usable[k] for k in generator.permutation(len(usable))])
-    turns = [episode for turn in zip_longest(*drawn) for episode in turn if episode is not None]
-    return [_shot(episode, predictors) for episode in turns[:MOST_SHOTS]]
+    turns = [shot for turn in zip_longest(*drawn) for shot in turn if shot is not None]
+    return [_shot(episode, cut, predictors) for episode, cut in turns[:MOST_SHOTS]]
 
 
-def _shot(measured: MeasuredEpisode, predictors: dict[str, Predictor]) -> Shot:
-    cut = windows(measured.episode, every=1.0)
+def _shot(measured: MeasuredEpisode, cut: Windows, predictors: dict[str, Predictor]) -> Shot:
     good = ~measured.episode.outlier
     anchor = float(cut.anchors[0])
     ahead = [round(anchor + time, 6) for time in FUTURE_TIMES]

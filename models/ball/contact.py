@@ -34,7 +34,6 @@ _racket_grip = composed()["racket_grip"]
 
 # Surfaces, as roll-outs number them.
 NONE, TABLE, NET = 0, 1, 2
-SURFACE_NAMES = ("none", "table", "net")
 
 ROLLING = 2.0 / 5.0  # the alpha at which a thin shell leaves rolling
 NET_HALF_WIDTH = TABLE_HALF_WIDTH + NET_OVERHANG

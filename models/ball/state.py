@@ -25,7 +25,6 @@ AIR_DENSITY = 1.2  # kg/m^3
 # The table: ITTF Laws 2.1 and 2.2.
 TABLE_HALF_LENGTH = 1.37  # m, along y
 TABLE_HALF_WIDTH = 0.7625  # m, along x
-TABLE_SURFACE_HEIGHT = 0.76  # m, above the floor
 NET_HEIGHT = 0.1525  # m
 NET_OVERHANG = 0.1525  # m, beyond each side line
 

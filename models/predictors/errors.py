@@ -11,8 +11,7 @@ from models.predictors.protocol import FUTURE_TIMES, Bools, Floats, Forecast
 from models.predictors.windows import Windows
 
 QUANTITIES = {"position": POSITION, "velocity": VELOCITY, "spin": SPIN}
-UNITS = {"position": "mm", "velocity": "m/s", "spin": "rad/s"}
-_SCALE = {"position": 1000.0, "velocity": 1.0, "spin": 1.0}
+_SCALE = {"position": 1000.0, "velocity": 1.0, "spin": 1.0}  # to mm, m/s, rad/s
 
 # The paper evaluates from 100 to 300 ms in steps of 5 ms.
 EVALUATED = FUTURE_TIMES >= 0.0999
