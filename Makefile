@@ -48,8 +48,9 @@ lint: .venv/ready ## style, types, import arrows
 	mypy
 	lint-imports
 
-bench: .venv/ready ## the ball simulator beside its peers, in one run
+bench: .venv/ready ## the ball simulator beside its peers, and what trained predictors cost
 	@python -m tests.bench
+	@test ! -d artifacts/train_predictor || rallygap costs
 
 ui: .venv/ready ## the MLflow pages of this repository's runs, on this machine only
 	@rallygap ui

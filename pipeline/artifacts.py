@@ -2,18 +2,23 @@
 
 import json
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
+from numpy.typing import NDArray
+from pyarrow.parquet import ParquetFile, ParquetWriter
 from pydantic import TypeAdapter, ValidationError
 
 from pipeline.errors import InputError
 
 Content = TypeVar("Content")
+
+COMPRESSION: Literal["zstd"] = "zstd"  # of tables
 
 
 @contextmanager
@@ -89,14 +94,76 @@ def read_as(path: Path, schema: type[Content], stage: str) -> Content:
 def write_table(path: Path, table: pd.DataFrame) -> None:
     """Write a table as parquet (zstd); same table, same bytes."""
     with replacing(path) as temporary:
-        table.to_parquet(temporary, index=False, compression="zstd")
+        table.to_parquet(temporary, index=False, compression=COMPRESSION)
+
+
+@contextmanager
+def table_writer(path: Path, empty: pd.DataFrame) -> Iterator[Callable[[pd.DataFrame], None]]:
+    """Yield a function that adds rows to a table that need not fit into memory.
+
+    Every call writes one row group, which ``read_row_groups`` gives back. The table takes its place
+    when the block succeeds.
+
+    Args:
+        path: of the table.
+        empty: a table without rows; those that follow have its columns and types.
+    """
+    schema = pa.Schema.from_pandas(empty, preserve_index=False)
+    with (
+        replacing(path) as temporary,
+        ParquetWriter(temporary, schema, compression=COMPRESSION) as writer,
+    ):
+
+        def add(rows: pd.DataFrame) -> None:
+            if len(rows):
+                group = pa.Table.from_pandas(rows, schema, preserve_index=False)
+                writer.write_table(group, row_group_size=len(rows))
+
+        yield add
 
 
 def read_table(path: Path) -> pd.DataFrame:
     """Read a parquet table; a missing or broken one is an ``InputError``."""
+    with _reading(path), path.open("rb") as content:
+        return pd.read_parquet(content)
+
+
+def read_row_groups(path: Path) -> Iterator[pd.DataFrame]:
+    """Yield a parquet table in the parts it was written in, one in memory at a time.
+
+    A missing or broken one is an ``InputError``.
+    """
+    with _reading(path), ParquetFile(path) as content:
+        for group in range(content.num_row_groups):
+            yield content.read_row_group(group).to_pandas()
+
+
+def read_rows(path: Path, rows: NDArray[np.int64], columns: Sequence[str]) -> pd.DataFrame:
+    """Read some rows of a parquet table that need not fit into memory.
+
+    Args:
+        path: of the table; a missing or broken one is an ``InputError``.
+        rows: (n,) their numbers, counted from 0, ascending; at least one.
+        columns: to read.
+    """
+    parts: list[pd.DataFrame] = []
+    first = 0
+    with _reading(path), ParquetFile(path) as content:
+        for group in range(content.num_row_groups):
+            end = first + content.metadata.row_group(group).num_rows
+            within = rows[(rows >= first) & (rows < end)] - first
+            if len(within):
+                found = content.read_row_group(group, columns=columns).to_pandas()
+                parts.append(found.iloc[within])
+            first = end
+    return pd.concat(parts, ignore_index=True)
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    """Turn what goes wrong when a table is read into an ``InputError``."""
     try:
-        with path.open("rb") as content:
-            return pd.read_parquet(content)
+        yield
     except FileNotFoundError:
         raise InputError(path, "there is no such table; run the stage that writes it") from None
     except (OSError, ValueError) as error:

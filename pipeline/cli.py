@@ -86,6 +86,19 @@ def effects() -> None:
 
 
 @app.command()
+def costs() -> None:
+    """Measure what the predictors of the last run cost on this machine; write reports/costs."""
+    from rich.console import Console
+
+    from pipeline.costs import costs_table, machine, measure_costs, write_costs
+
+    root = repository_root()
+    measured = measure_costs(root)
+    write_costs(root / "reports" / "costs", measured, machine(root))
+    Console().print(costs_table(measured))
+
+
+@app.command()
 def ui(port: Annotated[int, typer.Option(help="on this machine only")] = 5000) -> None:
     """Serve the MLflow pages of this repository's runs, until interrupted."""
     from pipeline.tracking import store_uri

@@ -28,6 +28,8 @@ _positions = {name: _number(FARTHEST_POSITION) for name in POSITION_COLUMNS}
 _velocities = {name: _number(FASTEST_BALL) for name in VELOCITY_COLUMNS}
 _spins = {name: _number(FASTEST_SPIN, nullable=True) for name in SPIN_COLUMNS}
 
+_player = pa.Column(str, pa.Check.isin(["near", "far"]))
+
 _time_forward = pa.Check(
     lambda table: (table.groupby("recording_id", sort=False)["t"].diff().dropna() > 0).all(),
     error="time must grow within every recording",
@@ -48,6 +50,42 @@ LAUNCHES = pa.DataFrameSchema(
     ordered=True,
     name="launches",
     description="ball states just after a stroke, one row a launch",
+)
+
+POINTS = pa.DataFrameSchema(
+    {
+        "recording_id": pa.Column(str),
+        "start": _number(),
+        "end": _number(),
+        "server": _player,
+        "winner": _player,
+        "ended_by": pa.Column(str, pa.Check.isin(["net", "out", "double_bounce", "missed"])),
+        "strokes": pa.Column(int, pa.Check.ge(1)),
+    },
+    checks=pa.Check(lambda table: table["end"] > table["start"], error="end must be after start"),
+    strict=True,
+    ordered=True,
+    name="points",
+    description="the umpire's record of simulated games, one row a point",
+)
+
+TRUE_CONTACTS = pa.DataFrameSchema(
+    {
+        "recording_id": pa.Column(str),
+        "t": _number(),
+        "kind": pa.Column(str, pa.Check.isin(["launch", "racket", "table", "net", "floor"])),
+        **_positions,
+        **_velocities,
+        **{name: _number(FASTEST_SPIN) for name in SPIN_COLUMNS},
+    },
+    checks=pa.Check(
+        lambda table: (table.groupby("recording_id", sort=False)["t"].diff().dropna() >= 0).all(),
+        error="time must not go back within a recording",
+    ),
+    strict=True,
+    ordered=True,
+    name="true_contacts",
+    description="everything that changed a simulated ball, with its true state just after",
 )
 
 SAMPLES = pa.DataFrameSchema(
@@ -97,12 +135,26 @@ EPISODES = pa.DataFrameSchema(
         "bounces": pa.Column(int, pa.Check.ge(0)),
         "residual": _number(),
         "unbroken": pa.Column(bool),
+        "split": pa.Column(str, pa.Check.isin(["train", "validation", "test", "replay"])),
+        "replay_set": pa.Column(
+            str, pa.Check.isin(["none", "stroke_pro", "stroke_uni", "receive"])
+        ),
     },
+    checks=pa.Check(
+        lambda table: (table.groupby("recording_id")["split"].nunique() == 1).all(),
+        error="every recording must be in one split",
+    ),
     strict=True,
     ordered=True,
     name="episodes",
     description="one ball from a racket contact (or launch) to the next or to the rally's end",
 )
+
+
+def empty(contract: pa.DataFrameSchema) -> pd.DataFrame:
+    """Return the table without rows that keeps ``contract``."""
+    types = {name: column.dtype.type for name, column in contract.columns.items()}
+    return pd.DataFrame(columns=list(types)).astype(types)
 
 
 _EXPLANATIONS = {

@@ -1,14 +1,15 @@
 """The segmented tables as episodes, the way predictors' windows take them."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from models.predictors.windows import Episode
-from pipeline.artifacts import read_table
+from pipeline.artifacts import read_row_groups, read_table
 from pipeline.contracts import (
     CONTACTS,
     EPISODES,
@@ -19,64 +20,104 @@ from pipeline.contracts import (
     checked,
 )
 
+Floats = NDArray[np.float64]
+
+SPLITS = ("train", "validation", "test", "replay")
+ORIGIN = ["episode_id", "recording_id", "source", "split", "unbroken"]
+
 
 @dataclass(frozen=True)
 class MeasuredEpisode:
-    """An episode with where it comes from."""
+    """An episode with where it comes from and what it is for."""
 
     episode_id: str
     recording_id: str
     source: str
+    split: str
     unbroken: bool
     episode: Episode
 
 
-def read_episodes(folder: Path, labelled_once: set[str]) -> list[MeasuredEpisode]:
-    """Read every episode of a folder that the segment stage wrote.
+def read_episodes(
+    folder: Path, labelled_once: set[str], splits: Collection[str] = SPLITS
+) -> list[MeasuredEpisode]:
+    """Read the episodes of a folder that the segment stage wrote, without the tosses of serves.
 
     Args:
         folder: with samples.parquet, contacts.parquet and episodes.parquet.
         labelled_once: sources with one spin label a shot. Such a label holds until the ball first
             touches something or is lost in a gap; after it the spin counts as not labelled.
+        splits: which to read: ``train``, ``validation``, ``test``, ``replay``.
     """
-    samples = checked(read_table(folder / "samples.parquet"), SAMPLES)
     contacts = checked(read_table(folder / "contacts.parquet"), CONTACTS)
     episodes = checked(read_table(folder / "episodes.parquet"), EPISODES)
-    return list(_assembled(samples, contacts, episodes, labelled_once))
-
-
-def _assembled(
-    samples: pd.DataFrame, contacts: pd.DataFrame, episodes: pd.DataFrame, labelled_once: set[str]
-) -> Iterator[MeasuredEpisode]:
+    label_ends = _label_ends(contacts, episodes, labelled_once)
+    chosen = episodes[episodes["split"].isin(splits) & ~_tosses(episodes)]
     bounces = contacts[contacts["kind"] == "table"].groupby("episode_id")["t"]
-    bounce_times = {name: times.to_numpy() for name, times in bounces}
-    label_ends = _label_ends(contacts, episodes)
-    members = dict(tuple(samples.groupby("episode_id", sort=False)))
-    for row in episodes.to_dict("records"):
-        name, recording_id, source = row["episode_id"], row["recording_id"], row["source"]
-        times = bounce_times.get(name, np.empty(0))
-        label_end = label_ends.get(recording_id, np.inf) if source in labelled_once else np.inf
-        episode = _episode(members[name], times, label_end)
-        yield MeasuredEpisode(name, recording_id, source, row["unbroken"], episode)
+    bounce_times = {str(name): times.to_numpy() for name, times in bounces}
+    parts = dict(_episodes(folder / "samples.parquet", chosen, bounce_times, label_ends))
+    return [
+        MeasuredEpisode(name, recording_id, source, split, unbroken, parts[name])
+        for name, recording_id, source, split, unbroken in chosen[ORIGIN].itertuples(index=False)
+    ]
 
 
-def _label_ends(contacts: pd.DataFrame, episodes: pd.DataFrame) -> "pd.Series[float]":
+def _tosses(episodes: pd.DataFrame) -> "pd.Series[bool]":
+    """Return which episodes are the toss of a serve: no stroke begins it, and the serve ends it."""
+    unstruck = episodes["starts_with"].isin(["recording", "gap"])
+    return unstruck & (episodes["ends_with"] == "racket") & (episodes["bounces"] == 0)
+
+
+def _label_ends(
+    contacts: pd.DataFrame, episodes: pd.DataFrame, labelled_once: set[str]
+) -> dict[str, float]:
     """Return when the one label of a recording ends: whatever a ball touches changes its spin."""
-    after_gap = episodes[episodes["starts_with"] == "gap"].rename(columns={"start": "t"})
-    ends = pd.concat([table[["recording_id", "t"]] for table in (contacts, after_gap)])
-    return ends.groupby("recording_id")["t"].min()
+    once = episodes[episodes["source"].isin(labelled_once)]
+    after_gap = once[once["starts_with"] == "gap"].rename(columns={"start": "t"})
+    touched = contacts[contacts["recording_id"].isin(once["recording_id"])]
+    ends = pd.concat([table[["recording_id", "t"]] for table in (touched, after_gap)])
+    return dict(ends.groupby("recording_id")["t"].min())
 
 
-def _episode(samples: pd.DataFrame, bounces: np.ndarray, label_end: float) -> Episode:
-    times = samples["t"].to_numpy()
-    spins = samples[SPIN_COLUMNS].to_numpy(copy=True)
-    spins[times >= label_end] = np.nan
+def _episodes(
+    path: Path,
+    chosen: pd.DataFrame,
+    bounce_times: dict[str, Floats],
+    label_ends: dict[str, float],
+) -> Iterator[tuple[str, Episode]]:
+    """Yield the chosen episodes by id, one row group of their samples in memory at a time."""
+    recordings = dict(zip(chosen["episode_id"], chosen["recording_id"], strict=True))
+    for samples in read_row_groups(path):
+        wanted = checked(samples[samples["episode_id"].isin(chosen["episode_id"])], SAMPLES)
+        whole = _episode(wanted)
+        for name, rows in wanted.groupby("episode_id", sort=False).indices.items():
+            episode_id = str(name)
+            bounces = bounce_times.get(episode_id, np.empty(0))
+            label_end = label_ends.get(recordings[episode_id], np.inf)
+            yield episode_id, _part(whole, np.asarray(rows), bounces, label_end)
+
+
+def _episode(samples: pd.DataFrame) -> Episode:
+    """Return samples as if they all were one episode."""
     return Episode(
-        times=times,
+        times=samples["t"].to_numpy(),
         positions=samples[POSITION_COLUMNS].to_numpy(),
         velocities=samples[VELOCITY_COLUMNS].to_numpy(),
-        spins=spins,
+        spins=samples[SPIN_COLUMNS].to_numpy(),
         outlier=samples["outlier"].to_numpy(),
         arc=samples["arc"].to_numpy(),
+        bounces=np.empty(0),
+    )
+
+
+def _part(whole: Episode, rows: NDArray[np.intp], bounces: Floats, label_end: float) -> Episode:
+    times = whole.times[rows]
+    return Episode(
+        times=times,
+        positions=whole.positions[rows],
+        velocities=whole.velocities[rows],
+        spins=np.where((times < label_end)[:, None], whole.spins[rows], np.nan),
+        outlier=whole.outlier[rows],
+        arc=whole.arc[rows],
         bounces=bounces,
     )

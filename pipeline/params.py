@@ -10,7 +10,8 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
-from models.segmentation.settings import SegmentSettings
+from models.predictors.settings import TrainingSettings, TransformerSettings
+from models.segmentation.settings import ScoringSettings, SegmentSettings
 from pipeline.errors import InputError
 from pipeline.sources.settings import IngestSettings
 
@@ -32,10 +33,35 @@ class PhysicsPredictorSettings(Settings):
     """The name of a shipped simulator or the path of a simulator's YAML file."""
 
 
+class FineTuningSettings(Settings):
+    """How trained predictors go on to learn from other balls; their names get a suffix."""
+
+    sources: list[Name]
+    """Sets of measured balls; none leaves fine-tuning out."""
+    epochs: Annotated[int, Field(ge=1, le=10_000)]
+    windows_an_episode: Annotated[int, Field(ge=1, le=100)]
+    learning_rate: Annotated[float, Field(gt=0, le=1)]
+
+
+class TrainPredictorSettings(Settings):
+    """Which networks learn to forecast, from which balls, and how."""
+
+    sources: Annotated[list[Name], Field(min_length=1)]
+    """Sets of measured balls to learn from."""
+    networks: Annotated[dict[Name, TransformerSettings], Field(min_length=1)]
+    training: TrainingSettings
+    """The same for every network."""
+    fine_tuning: FineTuningSettings
+
+
 class EvaluatePredictorSettings(Settings):
-    """Which predictors forecast which windows, and how sure their errors are."""
+    """Which predictors forecast which windows, and how sure their errors are.
+
+    Every trained predictor is evaluated, and on the arena the one that knows its truth.
+    """
 
     predictors: Annotated[dict[Name, PhysicsPredictorSettings], Field(min_length=1)]
+    """Those that need no training."""
     window_every_ms: Annotated[int, Field(ge=5, le=1000, multiple_of=5)]
     """Windows of one episode start this far apart, on the 200 Hz grid."""
     bootstrap_resamples: Annotated[int, Field(ge=0, le=100_000)]
@@ -55,6 +81,8 @@ class Params(Settings):
     seed: Annotated[int, Field(ge=0, lt=2**32)]
     ingest: IngestSettings
     segment: SegmentSettings
+    score_segmentation: ScoringSettings
+    train_predictor: TrainPredictorSettings
     evaluate_predictor: EvaluatePredictorSettings
     report: ReportSettings
 

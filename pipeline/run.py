@@ -49,10 +49,17 @@ class StageRun:
         stage: the stage's name, also its key in params.yaml and its folder under reports.
         root: the folder that holds artifacts and reports.
         params: the parameters of all stages.
+        fingerprint: of the run: its parameters, and the content of what it depends on.
+
+    Attributes:
+        timings: name to seconds of what took long; never the same twice, so they go to MLflow and
+            to ``timings/``, which neither DVC nor git keeps.
     """
 
-    def __init__(self, stage: str, root: Path, params: Params) -> None:
+    def __init__(self, stage: str, root: Path, params: Params, fingerprint: str = "") -> None:
         self.stage, self.root, self.params = stage, root, params
+        self.fingerprint = fingerprint
+        self.timings: dict[str, Any] = {}
         self.metrics: dict[str, Any] = {}
         self.items: list[ReportItem] = []
         self.inputs: list[InputData] = []
@@ -69,6 +76,10 @@ class StageRun:
     def artifact(self, name: str) -> Path:
         """The path of an artefact of this stage."""
         return self.root / "artifacts" / self.stage / name
+
+    def scratch(self, name: str) -> Path:
+        """The path of a folder that a killed run leaves to the next with the same fingerprint."""
+        return self.root / "scratch" / self.stage / self.fingerprint[:FINGERPRINT_SHOWN] / name
 
     def report(self, name: str) -> Path:
         """The path of a file of this stage's report."""
@@ -113,6 +124,12 @@ class StageRun:
         for folder in (self.artifact("."), self.report(".")):
             shutil.rmtree(folder, ignore_errors=True)
 
+    def settle(self) -> None:
+        """Remove what only an unfinished run needs, and write down how long things took."""
+        shutil.rmtree(self.root / "scratch" / self.stage, ignore_errors=True)
+        if self.timings:
+            write_json(self.root / "timings" / f"{self.stage}.json", self.timings)
+
     def own_params(self) -> dict[str, Any]:
         """The parameters that this stage reads, for tracking."""
         return self.params.model_dump(mode="json", include={"seed", self.stage})
@@ -121,7 +138,7 @@ class StageRun:
         """What tracking records at the end."""
         figures = [self.report(item.file) for item in self.items if item.kind == "figure"]
         return {
-            "metrics": self.metrics,
+            "metrics": {**self.metrics, "timings": self.timings},
             "inputs": [asdict(item) for item in self.inputs],
             "figures": [str(path) for path in figures if path.exists()],
         }
@@ -136,13 +153,14 @@ def run_stage(stage: Callable[[StageRun], None]) -> None:
     apply_style()
     try:
         params = placed(load_params(Path("params.yaml")))
-        run = StageRun(stage.__name__, Path.cwd(), params)
-        origin = provenance(run.root, run.stage)
+        origin = provenance(Path.cwd(), stage.__name__)
+        run = StageRun(stage.__name__, Path.cwd(), params, origin.fingerprint)
         with recorded(run.stage, origin, run.own_params(), run.results):
             run.clear()
             try:
                 stage(run)
                 run.write_contents(origin)
+                run.settle()
             except BaseException:
                 run.clear()  # half of a stage's outputs is worse than none
                 raise

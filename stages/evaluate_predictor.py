@@ -1,156 +1,113 @@
 """Evaluate the predictors: forecast error over the horizon, on every set of measured balls."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from models.predictors.errors import HORIZONS_MS, QUANTITIES, errors, spread
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import FUTURE_TIMES, Forecast, Predictor
-from models.predictors.windows import Windows, joined, windows
-from pipeline.console import warn
-from pipeline.episodes import MeasuredEpisode, read_episodes
-from pipeline.errors import InputError
+from models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErrors, errors_of, stacked
+from models.predictors.protocol import FUTURE_TIMES, Forecast
+from models.predictors.windows import Windows, windows
+from models.segmentation.split import recording_groups
+from pipeline.episodes import MeasuredEpisode
 from pipeline.figures.forecast_error import forecast_error_figure
 from pipeline.figures.shots import MOST_SHOTS, Shot, write_shots
 from pipeline.figures.shots import Forecast as ShownForecast
-from pipeline.params import EvaluatePredictorSettings
+from pipeline.measured_sets import MeasuredSet, read_test_sets
+from pipeline.predictors import ARENA, Contender, one_thread, read_contenders
 from pipeline.progress import progress
 from pipeline.run import StageRun, run_stage
-from pipeline.simulators import load_simulator
-from pipeline.sources.manifest import SourceRecord, read_manifest
+from pipeline.truth import read_truth, true_windows
 
-SHOWN_HORIZONS_MS = (100, 200, 300)
 WINDOWS_AT_ONCE = 256
+MEASURED, TRUTH = "measured", "truth"  # what forecasts are compared with
+
+Results = dict[tuple[str, str], ForecastErrors]  # of a set, against what
 
 
-@dataclass(frozen=True)
-class MeasuredSet:
-    """The windows of one source, the recording of each, and the episodes they were cut from."""
-
-    source: SourceRecord
-    windows: Windows
-    recordings: np.ndarray
-    episodes: list[MeasuredEpisode]
-
-    @property
-    def name(self) -> str:
-        """The source's name."""
-        return self.source.name
-
-
+@one_thread()
 def evaluate_predictor(run: StageRun) -> None:
-    """Forecast every window with every predictor and report how far the forecasts are off."""
-    settings = run.params.evaluate_predictor
-    predictors = build_predictors(settings)
-    sets = list(_measured_sets(run, settings.window_every_ms / 1000))
-    forecasts = {
-        one.name: {name: _forecast(one, name, predictor) for name, predictor in predictors.items()}
-        for one in sets
-    }
-    generator = np.random.default_rng(run.seed)
-    rows = [
-        row
-        for one in sets
-        for name, forecast in forecasts[one.name].items()
-        for row in _rows(one, name, forecast, settings.bootstrap_resamples, generator)
-    ]
-    if not rows:
-        problem = (
-            "no unbroken episode has a window to evaluate: 155 ms with samples at most 15 ms "
-            "apart; are its sources in seconds and metres?"
-        )
-        raise InputError(run.input("segment", "episodes.parquet"), problem)
-    frame = pd.DataFrame(rows)
-    run.write_metrics(_metrics(frame))
-    _report(run, sets, frame)
-    write_shots(run.artifact("shots.json"), _shots(sets, predictors, run.seed))
+    """Forecast every test window with every predictor and report how far the forecasts are off."""
+    settings, artifacts = run.params.evaluate_predictor, run.root / "artifacts"
+    contenders = read_contenders(artifacts, settings)
+    sets = read_test_sets(artifacts, settings.window_every_ms / 1000)
+    results: Results = {}
+    for one in sets:
+        run.log_input(one.name, run.input("segment", "samples.parquet"), len(one.windows))
+        forecasts = {
+            contender.name: _forecast(one, contender)
+            for contender in contenders
+            if contender.forecasts(one.name)
+        }
+        for against, judged in _judged_by(run, one).items():
+            results[one.name, against] = ForecastErrors(
+                errors_of(forecasts, judged),
+                one.recordings,
+                one.windows.bounced[:, -1],
+                settings.bootstrap_resamples,
+                run.seed,
+            )
+    _report(run, sets, contenders, results)
+    write_shots(run.artifact("shots.json"), _shots(sets, contenders, run.seed))
 
 
-def build_predictors(settings: EvaluatePredictorSettings) -> dict[str, Predictor]:
-    """Return the predictors that the parameters name."""
-    return {
-        name: PhysicsPredictor(load_simulator(predictor.simulator))
-        for name, predictor in settings.predictors.items()
-    }
-
-
-def _measured_sets(run: StageRun, every: float) -> Iterator[MeasuredSet]:
-    """Cut the unbroken episodes of every source into windows; a source without any is left out."""
-    manifest = read_manifest(run.input("ingest", "manifest.json"))
-    once = {name for name, source in manifest.sources.items() if source.spin == "per_recording"}
-    episodes = read_episodes(run.input("segment", ""), once)
-    for name in sorted({episode.source for episode in episodes}):
-        members = [one for one in episodes if one.source == name and one.unbroken]
-        cut = [windows(one.episode, every) for one in members]
-        recordings = [
-            one.recording_id
-            for one, part in zip(members, cut, strict=True)
-            for _ in range(len(part))
-        ]
-        if not recordings:
-            warn(f"{name} has no window to evaluate: 155 ms with samples at most 15 ms apart")
-            continue
-        yield MeasuredSet(manifest.sources[name], joined(cut), np.array(recordings), members)
-        run.log_input(name, run.input("segment", "samples.parquet"), len(recordings))
-
-
-def _forecast(one: MeasuredSet, name: str, predictor: Predictor) -> Forecast:
+def _forecast(one: MeasuredSet, contender: Contender) -> Forecast:
     history = one.windows.history
-    starts = progress(range(0, len(history), WINDOWS_AT_ONCE), f"{name} on {one.name}")
-    parts = [predictor.predict(history[start : start + WINDOWS_AT_ONCE]) for start in starts]
+    starts = range(0, len(history), WINDOWS_AT_ONCE)
+    parts = [
+        contender.predictor.predict(history[start : start + WINDOWS_AT_ONCE])
+        for start in progress(starts, f"{contender.name} on {one.name}")
+    ]
     return Forecast(
         np.concatenate([part.states for part in parts]),
         np.concatenate([part.spin_measured for part in parts]),
     )
 
 
-def _rows(
-    one: MeasuredSet,
-    predictor: str,
-    forecast: Forecast,
-    resamples: int,
-    generator: np.random.Generator,
-) -> Iterator[dict[str, object]]:
-    """Yield one row a quantity, kind of window and horizon."""
-    with_bounce = one.windows.bounced[:, -1]
-    kinds = {
-        "all": np.ones(len(with_bounce), dtype=bool),
-        "with": with_bounce,
-        "without": ~with_bounce,
-    }
-    for quantity in QUANTITIES:
-        error = errors(forecast, one.windows, quantity)
-        for kind, chosen in kinds.items():
-            result = spread(error[chosen], one.recordings[chosen], resamples, generator)
-            for k in np.flatnonzero(result.count):
-                yield {
-                    "set": one.name,
-                    "predictor": predictor,
-                    "quantity": quantity,
-                    "bounce": kind,
-                    "horizon_ms": HORIZONS_MS[k],
-                    "mean": result.mean[k],
-                    "std": result.std[k],
-                    "n": int(result.count[k]),
-                    "ci_low": result.low[k],
-                    "ci_high": result.high[k],
-                }
+def _judged_by(run: StageRun, one: MeasuredSet) -> dict[str, Windows]:
+    """Return the windows with what forecasts are compared with: the same in all else."""
+    judged = {MEASURED: one.windows}
+    truth = read_truth(run.input("ingest", "truth.json"))
+    if one.name == ARENA and truth is not None:
+        path = run.input("ingest", "true_contacts.parquet")
+        judged[TRUTH] = true_windows(one.windows, one.recordings, truth, path)
+    return judged
 
 
-def _metrics(frame: pd.DataFrame) -> dict[str, object]:
+def _report(
+    run: StageRun, sets: list[MeasuredSet], contenders: list[Contender], results: Results
+) -> None:
+    errors = stacked({key: one.over_horizon() for key, one in results.items()}, ["set", "against"])
+    run.write_metrics(_metrics(errors))
+    for one in sets:
+        _add_figures(run, one, errors[errors["set"] == one.name])
+    run.add_table(
+        errors[errors["horizon_ms"].isin(SHOWN_HORIZONS_MS)],
+        "forecast_error",
+        title="Forecast error at 100, 200 and 300 ms",
+        caption="Position in mm, velocity in m/s, spin in rad/s; n windows. Simulated balls also "
+        "against the true state, on the same windows.",
+    )
+    _add_difference_table(run, contenders, results)
+    _add_group_table(run, sets, results)
+    _add_predictor_table(run, contenders)
+
+
+def _metrics(errors: pd.DataFrame) -> dict[str, Any]:
     """Return ``{set: {predictor: {quantity: {horizon_ms: {mean, std, n}}}}}`` over all windows."""
-    metrics: dict[str, object] = {}
-    keys = ["set", "predictor", "quantity", "horizon_ms"]
-    for row in frame[frame["bounce"] == "all"].to_dict("records"):
+    metrics: dict[str, Any] = {}
+    for row in errors[errors["bounce"] == "all"].to_dict("records"):
         place = metrics
-        for key in keys:
-            place = place.setdefault(str(row[key]), {})  # type: ignore[assignment]
-        place.update(mean=_rounded(row["mean"]), std=_rounded(row["std"]), n=row["n"])
+        for key in (_label(row["set"], row["against"]), row["predictor"], row["quantity"]):
+            place = place.setdefault(key, {})
+        numbers = {"mean": _rounded(row["mean"]), "std": _rounded(row["std"]), "n": row["n"]}
+        place[str(row["horizon_ms"])] = numbers
     return metrics
+
+
+def _label(name: str, against: str) -> str:
+    return name if against == MEASURED else f"{name}_{against}"
 
 
 def _rounded(value: float) -> float:
@@ -158,28 +115,23 @@ def _rounded(value: float) -> float:
     return float(f"{value:.6g}")
 
 
-def _report(run: StageRun, sets: list[MeasuredSet], frame: pd.DataFrame) -> None:
-    for one in sets:
+def _add_figures(run: StageRun, one: MeasuredSet, errors: pd.DataFrame) -> None:
+    for against, rows in errors.groupby("against", sort=False):
+        label = _label(one.name, str(against))
+        state = "measured" if against == MEASURED else "true"
         run.add_figure(
-            forecast_error_figure(frame[frame["set"] == one.name]),
-            f"forecast_error_{one.name}",
-            title=f"Forecast error on {one.name}",
-            caption=_caption(one),
+            forecast_error_figure(rows.assign(set=label)),
+            f"forecast_error_{label}",
+            title=f"Forecast error on {one.name}, against the {state} state",
+            caption=_caption(one, state),
         )
-    shown = frame[frame["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
-    run.add_table(
-        shown,
-        "forecast_error",
-        title="Forecast error at 100, 200 and 300 ms",
-        caption="Position in mm, velocity in m/s, spin in rad/s; n windows.",
-    )
 
 
-def _caption(one: MeasuredSet) -> str:
+def _caption(one: MeasuredSet, state: str) -> str:
     caption = (
-        "Distance between forecast and measured state over the horizon: mean over the windows "
-        "(line), its 95 % interval bootstrapped over recordings (band), standard deviation "
-        "(dotted). A window counts as with a bounce where the ball meets the table within 300 ms. "
+        f"Distance between forecast and {state} state over the horizon: mean over the test windows "
+        "(line) with its 95 % interval bootstrapped over recordings (band), and standard "
+        "deviation. A window counts as with a bounce where the ball meets the table within 300 ms. "
         f"{one.source.note}"
     )
     if one.source.spin == "per_recording":
@@ -191,7 +143,60 @@ def _caption(one: MeasuredSet) -> str:
     return caption
 
 
-def _shots(sets: list[MeasuredSet], predictors: dict[str, Predictor], seed: int) -> list[Shot]:
+def _add_difference_table(run: StageRun, contenders: list[Contender], results: Results) -> None:
+    trained = [one.name for one in contenders if one.parameters is not None]
+    differences = {
+        (name,): one.differences(trained)
+        for (name, against), one in results.items()
+        if against == MEASURED
+    }
+    run.add_table(
+        stacked(differences, ["set"]),
+        "forecast_error_difference",
+        title="Trained predictors beside the others",
+        caption="Error of the predictor minus that of the other on the same windows, with its 95 % "
+        "interval bootstrapped over recordings: negative where the predictor is better. "
+        "lower_share is the share of all horizons from 100 to 300 ms at which its mean error is "
+        "the lower one. Position in mm, velocity in m/s, spin in rad/s; n windows.",
+    )
+
+
+def _add_group_table(run: StageRun, sets: list[MeasuredSet], results: Results) -> None:
+    frames = {}
+    for one in sets:
+        groups = recording_groups(pd.Series(one.recordings)).replace("", "all")
+        frames[(one.name,)] = results[one.name, MEASURED].by_group(groups.to_numpy())
+    run.add_table(
+        stacked(frames, ["set"]),
+        "forecast_error_by_group",
+        title="Position error at 300 ms, by group of recordings",
+        caption="Mean in mm with its 95 % interval bootstrapped over recordings; n windows.",
+    )
+
+
+def _add_predictor_table(run: StageRun, contenders: list[Contender]) -> None:
+    rows = [
+        {
+            "predictor": one.name,
+            "kind": one.kind,
+            "simulator": one.simulator,
+            "parameters": one.parameters,
+            "starts from": one.starts_from,
+            "trained on": ", ".join(one.trained_on) or None,
+        }
+        for one in contenders
+    ]
+    run.add_table(
+        pd.DataFrame(rows).astype({"parameters": "Int64"}),
+        "predictors",
+        title="Predictors",
+        caption="What flies a predictor's ball, or how many numbers it learned and from which "
+        "balls. The oracle knows the hidden physics of the arena: a mark that no predictor is "
+        "expected to pass.",
+    )
+
+
+def _shots(sets: list[MeasuredSet], contenders: list[Contender], seed: int) -> list[Shot]:
     """Draw episodes, the sets taking turns, and forecast each from its first window."""
     generator = np.random.default_rng(seed)
     drawn = []
@@ -200,18 +205,19 @@ def _shots(sets: list[MeasuredSet], predictors: dict[str, Predictor], seed: int)
         usable = [(episode, cut) for episode, cut in cuts if len(cut)]
         drawn.append([usable[k] for k in generator.permutation(len(usable))])
     turns = [shot for turn in zip_longest(*drawn) for shot in turn if shot is not None]
-    return [_shot(episode, cut, predictors) for episode, cut in turns[:MOST_SHOTS]]
+    return [_shot(episode, cut, contenders) for episode, cut in turns[:MOST_SHOTS]]
 
 
-def _shot(measured: MeasuredEpisode, cut: Windows, predictors: dict[str, Predictor]) -> Shot:
+def _shot(measured: MeasuredEpisode, cut: Windows, contenders: list[Contender]) -> Shot:
     good = ~measured.episode.outlier
     anchor = float(cut.anchors[0])
     ahead = [round(anchor + time, 6) for time in FUTURE_TIMES]
     forecasts = {
-        name: ShownForecast(
-            t=ahead, position=_points(predictor.predict(cut.history).states[0, :, :3])
+        one.name: ShownForecast(
+            t=ahead, position=_points(one.predictor.predict(cut.history).states[0, :, :3])
         )
-        for name, predictor in predictors.items()
+        for one in contenders
+        if one.forecasts(measured.source)
     }
     return Shot(
         episode_id=measured.episode_id,

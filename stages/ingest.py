@@ -1,11 +1,18 @@
-"""Read the measured balls of every source into one table."""
+"""Read the measured balls of every source into tables."""
 
 from typing import Any
 
 import pandas as pd
 
-from pipeline.artifacts import write_json, write_table
-from pipeline.figures.measured_balls import measured_balls_figure
+from pipeline.artifacts import read_rows, read_table, write_json
+from pipeline.contracts import POSITION_COLUMNS, VELOCITY_COLUMNS
+from pipeline.figures.launches import (
+    launch_distributions,
+    launches_figure,
+    measured_launches,
+    simulated_launches,
+)
+from pipeline.figures.measured_balls import drawn_rows, measured_balls_figure
 from pipeline.run import StageRun, run_stage
 from pipeline.sources.gather import Gathered, gather
 from pipeline.sources.manifest import Manifest, Refused, SourceRecord
@@ -13,18 +20,21 @@ from pipeline.sources.manifest import Manifest, Refused, SourceRecord
 
 def ingest(run: StageRun) -> None:
     """Read, check and write down what the sources hold."""
-    gathered = gather(run.params.ingest, run.seed)
-    write_table(run.artifact("recordings.parquet"), gathered.recordings)
-    write_table(run.artifact("launches.parquet"), gathered.launches)
+    gathered = gather(run.params.ingest, run.seed, run.artifact("."))
     write_json(run.artifact("manifest.json"), gathered.manifest.model_dump(mode="json"))
-    for name, record in gathered.manifest.sources.items():
+    write_json(run.artifact("truth.json"), gathered.truth)
+    _report_sources(run, gathered)
+    _report_launches(run)
+
+
+def _report_sources(run: StageRun, gathered: Gathered) -> None:
+    sources = gathered.manifest.sources
+    for name, record in sources.items():
         simulated = run.artifact("recordings.parquet")
         run.log_input(name, gathered.folders.get(name, simulated), record.rows_kept)
-    run.write_metrics(
-        {name: _metrics(record) for name, record in gathered.manifest.sources.items()}
-    )
+    run.write_metrics({name: _metrics(record) for name, record in sources.items()})
     run.add_figure(
-        measured_balls_figure(_balls_by_source(gathered)),
+        measured_balls_figure(_drawn_balls(run, gathered.manifest)),
         "measured_balls",
         title="Measured balls",
         caption="Measured positions in the table frame, outliers too, and launches with the way "
@@ -37,6 +47,42 @@ def ingest(run: StageRun) -> None:
         caption="What was read, what was refused and why; artifacts/ingest/manifest.json has every "
         "refused row and every file's checksum.",
     )
+
+
+def _report_launches(run: StageRun) -> None:
+    simulated = simulated_launches(read_table(run.artifact("true_contacts.parquet")))
+    measured = measured_launches(read_table(run.artifact("launches.parquet")))
+    launches = pd.concat([simulated, measured], ignore_index=True)
+    if len(launches):
+        run.add_figure(
+            launches_figure(launches),
+            "launches",
+            title="How balls leave racket and cannon",
+            caption="Distribution functions of simulated launches by level, as they truly were, "
+            "and of measured ones where a source has them. Height is above the table; direction "
+            "from straight ahead, to the right of the player who hits the ball.",
+        )
+    run.add_table(
+        launch_distributions(launches),
+        "launch_distributions",
+        title="Launches in numbers",
+        caption="Quantiles, and the largest distance between a group's distribution function and "
+        "that of the measured launches of the same stroke (0 the same, 1 apart).",
+    )
+
+
+def _drawn_balls(run: StageRun, manifest: Manifest) -> dict[str, pd.DataFrame]:
+    """Read of each source, whose rows lie together, those that the figure draws."""
+    first = dict.fromkeys(["recordings", "launches"], 0)
+    drawn = {}
+    for name, record in manifest.sources.items():
+        is_launches = record.kind == "launches"
+        table = "launches" if is_launches else "recordings"
+        columns = POSITION_COLUMNS + (VELOCITY_COLUMNS if is_launches else [])
+        rows = first[table] + drawn_rows(record.rows_kept, launches=is_launches)
+        drawn[name] = read_rows(run.artifact(f"{table}.parquet"), rows, columns)
+        first[table] += record.rows_kept
+    return drawn
 
 
 def _metrics(record: SourceRecord) -> dict[str, Any]:
@@ -55,23 +101,14 @@ def _counts(refused: dict[str, Refused]) -> dict[str, int]:
     return {reason: group.count for reason, group in refused.items()}
 
 
-def _balls_by_source(gathered: Gathered) -> dict[str, pd.DataFrame]:
-    """Return each source's rows; a source has either recordings or launches."""
-    tables = {"recording_id": gathered.recordings, "launch_id": gathered.launches}
-    return {
-        str(source): rows
-        for column, table in tables.items()
-        for source, rows in table.groupby(table[column].str.split("/").str[0], sort=False)
-    }
-
-
 def _source_table(manifest: Manifest) -> pd.DataFrame:
     rows = []
     for record in manifest.sources.values():
         refused = {**record.rows_refused, **record.labels_refused}
+        kinds = record.kind.values() if isinstance(record.kind, dict) else [record.kind]
         row = {
             "source": record.name,
-            "kind": record.kind,
+            "kind": ", ".join(dict.fromkeys(kinds)),
             "recordings": record.recordings or record.launches,
             "rows": record.rows_kept,
             "rate (Hz)": record.rate_hz,

@@ -1,4 +1,4 @@
-"""Cut recordings into episodes: contacts, gaps, ends of rallies, velocities."""
+"""Cut recordings into episodes: contacts, gaps, ends of rallies, velocities; share them out."""
 
 from typing import Any
 
@@ -6,76 +6,138 @@ import numpy as np
 import pandas as pd
 
 from models.segmentation.settings import SegmentSettings
+from models.segmentation.split import recording_groups, split
 from models.segmentation.tables import Segmented, segment_recordings
-from pipeline.artifacts import read_table, write_table
-from pipeline.contracts import CONTACTS, EPISODES, RECORDINGS, SAMPLES, checked
+from pipeline.artifacts import read_row_groups, table_writer, write_table
+from pipeline.console import warn
+from pipeline.contracts import CONTACTS, EPISODES, RECORDINGS, SAMPLES, checked, empty
 from pipeline.errors import InputError
-from pipeline.figures.cuts import cuts_figure
+from pipeline.figures.cuts import SHOWN_SECONDS, cuts_figure
 from pipeline.run import StageRun, run_stage
-from pipeline.sources.manifest import read_manifest
+from pipeline.sources.manifest import Manifest, read_manifest
 
 DRAWN_RECORDINGS = 20  # of each source
 
 
 def segment(run: StageRun) -> None:
-    """Cut every recording, and say for each source how it went."""
-    recordings = _read_recordings(run)
+    """Cut every recording, share the recordings out, and say for each source how it went."""
+    settings = run.params.segment
     manifest = read_manifest(run.input("ingest", "manifest.json"))
-    cannons = {name for name, source in manifest.sources.items() if source.kind == "cannon"}
-    found = segment_recordings(recordings, cannons, run.params.segment)
-    write_table(run.artifact("samples.parquet"), checked(found.samples, SAMPLES))
-    write_table(run.artifact("contacts.parquet"), checked(found.contacts, CONTACTS))
-    write_table(run.artifact("episodes.parquet"), checked(found.episodes, EPISODES))
-    metrics: dict[str, Any] = {}
-    for source in recordings["recording_id"].str.split("/").str[0].unique():
-        measured, *tables = (
-            table[table["recording_id"].str.startswith(f"{source}/")]
-            for table in (recordings, found.samples, found.contacts, found.episodes)
-        )
-        metrics[source] = _metrics(measured, Segmented(*tables), run.params.segment)
-        _draw(run, source, measured, Segmented(*tables))
+    drawn = _drawn(run)
+    measured, shown, gaps = _cut(run, manifest, drawn)
+    shares = split(shown.episodes, shown.contacts, settings.split, run.seed)
+    for shortage in shares.shortages:
+        warn(shortage)
+    episodes = shown.episodes.assign(split=shares.split, replay_set=shares.replay_set)
+    write_table(run.artifact("contacts.parquet"), checked(shown.contacts, CONTACTS))
+    write_table(run.artifact("episodes.parquet"), checked(episodes, EPISODES))
+    found = Segmented(shown.samples, shown.contacts, episodes)
+    metrics = {}
+    for source, chosen in drawn.items():
+        metrics[source] = _metrics(manifest, source, found, gaps, settings)
+        _draw(run, source, chosen, measured, found)
     run.write_metrics(metrics)
+    _report_splits(run, episodes)
 
 
-def _read_recordings(run: StageRun) -> pd.DataFrame:
+def _drawn(run: StageRun) -> dict[str, list[str]]:
+    """Draw the recordings to show, by source, each of its groups in turn."""
     path = run.input("ingest", "recordings.parquet")
-    recordings = checked(read_table(path), RECORDINGS)
-    if recordings.empty:
+    rows = [part["recording_id"].value_counts() for part in read_row_groups(path)]
+    if not sum(map(len, rows)):
         raise InputError(path, "holds no recording; add a source that has some to ingest.sources")
-    run.log_input("recordings", path, len(recordings))
-    return recordings
+    run.log_input("recordings", path, int(pd.concat(rows).sum()))
+    ids = pd.concat(rows).sort_index().index.to_series()
+    ids = ids.sample(frac=1, random_state=np.random.default_rng(run.seed))
+    turns = ids.groupby(recording_groups(ids)).cumcount().sort_values(kind="stable")
+    ids = ids.loc[turns.index]
+    return {
+        str(source): sorted(members[:DRAWN_RECORDINGS])
+        for source, members in ids.groupby(ids.str.partition("/")[0], sort=True)
+    }
 
 
-def _metrics(measured: pd.DataFrame, found: Segmented, settings: SegmentSettings) -> dict[str, Any]:
-    gaps = measured.groupby("recording_id")["t"].diff() > settings.longest_gap
+def _cut(
+    run: StageRun, manifest: Manifest, drawn: dict[str, list[str]]
+) -> tuple[pd.DataFrame, Segmented, "pd.Series[str]"]:
+    """Cut recordings, one row group in memory at a time, and write their samples.
+
+    Returns:
+        The measured samples to show; all contacts and episodes, with the cut samples to show; and
+        the recording of every gap.
+    """
+    shown = [recording_id for chosen in drawn.values() for recording_id in chosen]
+    measured, parts, gaps = [], [], []
+    with table_writer(run.artifact("samples.parquet"), empty(SAMPLES)) as add:
+        for recordings in read_row_groups(run.input("ingest", "recordings.parquet")):
+            checked(recordings, RECORDINGS)
+            found = segment_recordings(recordings, manifest.begins_with_launch, run.params.segment)
+            add(checked(found.samples, SAMPLES))
+            measured.append(recordings[recordings["recording_id"].isin(shown)])
+            samples = found.samples[found.samples["recording_id"].isin(shown)]
+            parts.append((samples, found.contacts, found.episodes))
+            gaps.append(_gaps(recordings, run.params.segment.longest_gap))
+    tables = (pd.concat(tables, ignore_index=True) for tables in zip(*parts, strict=True))
+    return pd.concat(measured), Segmented(*tables), pd.concat(gaps)
+
+
+def _gaps(recordings: pd.DataFrame, longest: float) -> "pd.Series[str]":
+    ids = recordings["recording_id"]
+    return ids[(recordings["t"].diff() > longest) & (ids == ids.shift())]
+
+
+def _metrics(
+    manifest: Manifest,
+    source: str,
+    found: Segmented,
+    gaps: "pd.Series[str]",
+    settings: SegmentSettings,
+) -> dict[str, Any]:
+    record = manifest.sources[source]
+    contacts = found.contacts[found.contacts["recording_id"].str.startswith(f"{source}/")]
+    episodes = found.episodes[found.episodes["source"] == source]
     metrics: dict[str, Any] = {
-        "recordings": measured["recording_id"].nunique(),
-        "episodes": len(found.episodes),
-        "contacts": found.contacts["kind"].value_counts().sort_index().to_dict(),
-        "gaps": int(gaps.sum()),
-        "samples": len(measured),
-        "samples_in_episodes": len(found.samples),
+        "recordings": record.recordings,
+        "episodes": len(episodes),
+        "contacts": contacts["kind"].value_counts().sort_index().to_dict(),
+        "gaps": int(gaps.str.startswith(f"{source}/").sum()),
+        "samples": record.rows_kept,
+        "samples_in_episodes": int(episodes["samples"].sum()),
         "unbroken_residual_mm": round(1e3 * settings.unbroken_residual, 2),
     }
-    if found.episodes.empty:
+    if episodes.empty:
         return metrics
     return metrics | {
-        "outlier_share": round(found.samples["outlier"].mean(), 5),
-        "median_residual_mm": round(1e3 * found.episodes["residual"].median(), 3),
-        "unbroken_share": round(found.episodes["unbroken"].mean(), 4),
+        "outlier_share": round(episodes["outliers"].sum() / episodes["samples"].sum(), 5),
+        "median_residual_mm": round(1e3 * episodes["residual"].median(), 3),
+        "unbroken_share": round(episodes["unbroken"].mean(), 4),
+        "split": episodes["split"].value_counts().sort_index().to_dict(),
+        "replay": episodes["replay_set"].value_counts().sort_index().drop("none").to_dict(),
     }
 
 
-def _draw(run: StageRun, source: str, measured: pd.DataFrame, found: Segmented) -> None:
-    ids = measured["recording_id"].unique()
-    number = min(DRAWN_RECORDINGS, len(ids))
-    drawn = sorted(np.random.default_rng(run.seed).choice(ids, number, replace=False))
+def _draw(
+    run: StageRun, source: str, chosen: list[str], measured: pd.DataFrame, found: Segmented
+) -> None:
     run.add_figure(
-        cuts_figure(measured, found.samples, found.contacts, drawn),
+        cuts_figure(measured, found.samples, found.contacts, chosen),
         f"cuts_{source}",
         title=f"Cuts of {source}",
-        caption=f"{number} recordings of {len(ids)}, drawn by the seed: height above the table and "
-        "place along it, against seconds since the recording began. Lines are contacts.",
+        caption=f"{len(chosen)} recordings, drawn by the seed: height above the table and place "
+        f"along it, in the first {SHOWN_SECONDS:g} s. Lines are contacts.",
+    )
+
+
+def _report_splits(run: StageRun, episodes: pd.DataFrame) -> None:
+    keys = [episodes["source"], recording_groups(episodes["recording_id"]).rename("group")]
+    keys += [episodes["split"], episodes["replay_set"]]
+    counts = episodes.groupby(keys)["recording_id"].agg(episodes="size", recordings="nunique")
+    run.add_table(
+        counts.reset_index(),
+        "splits",
+        title="Splits",
+        caption="Episodes for training, validation, testing and replaying to a robot. A recording "
+        "is in one split as a whole; of those to replay, not every episode is in a set.",
     )
 
 

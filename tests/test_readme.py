@@ -7,19 +7,25 @@ import pandas as pd
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-SIMULATORS = {"physics_c": "simulator C", "physics_literature": "literature"}
+NAMES = {
+    "physics_c": "physics, simulator C",
+    "physics_literature": "physics, literature",
+    "oracle": "oracle",
+    "transformer": "transformer",
+    "transformer_fine_tuned": "transformer, fine-tuned",
+}
 
 
 def expected_table():
     errors = pd.read_csv(ROOT / "reports/real/evaluate_predictor/forecast_error.csv")
-    errors = errors[(errors.quantity == "position") & (errors.bounce == "all")]
-    lines = ["| set | constants | 100 ms | 200 ms | 300 ms |", "|---|---|---|---|---|"]
-    for (source, predictor), rows in errors.groupby(["set", "predictor"], sort=True):
+    errors = errors.query("against == 'measured' and quantity == 'position' and bounce == 'all'")
+    lines = ["| set | predictor | 100 ms | 200 ms | 300 ms |", "|---|---|---|---|---|"]
+    for (source, predictor), rows in errors.groupby(["set", "predictor"], sort=False):
         cells = [
             f"{row['mean']:.0f} ({row['ci_low']:.0f} to {row['ci_high']:.0f})"
             for _, row in rows.sort_values("horizon_ms").iterrows()
         ]
-        lines.append(f"| {source} | {SIMULATORS[predictor]} | {' | '.join(cells)} |")
+        lines.append(f"| {source} | {NAMES[predictor]} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 

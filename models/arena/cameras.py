@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from models.ball.state import POSITION, SPIN
 
@@ -13,20 +14,37 @@ OUTLIER_DISTANCE = (0.05, 0.30)  # m between the ball and what is taken for it
 
 
 @dataclass(frozen=True)
+class SlowError:
+    """The part of the position error that changes slowly along a path (Ornstein-Uhlenbeck).
+
+    Attributes:
+        share: of the variance of the whole error.
+        time: in which its correlation falls to 1/e (s).
+    """
+
+    share: float
+    time: float
+
+
+@dataclass(frozen=True)
 class Cameras:
     """A tracking system.
 
     Attributes:
-        position_noise: standard deviation of a coordinate (m).
+        position_noise: standard deviation of a coordinate (m), the slow part included.
         spin_noise: standard deviation of a spin component, as a share of the spin.
         dropouts: share of the samples that are missed.
         outliers: share of the samples where something else is taken for the ball.
+        slow_error: how much of the position error changes slowly.
+        interval: s between two samples.
     """
 
     position_noise: float
     spin_noise: float
     dropouts: float
     outliers: float
+    slow_error: SlowError
+    interval: float
 
     def measure(
         self, states: Floats, random: np.random.Generator
@@ -34,20 +52,29 @@ class Cameras:
         """Measure a path.
 
         Args:
-            states: (T, 9) true states.
+            states: (T, 9) true states, ``interval`` apart.
             random: where the noise comes from.
 
         Returns:
             Positions (T, 3), spins (T, 3) and which of the samples were seen (T,).
         """
-        noise = random.standard_normal((len(states), 3))
-        positions = states[:, POSITION] + self.position_noise * noise
-        outlying = random.random(len(states)) < self.outliers
+        count = len(states)
+        positions = states[:, POSITION] + self.position_noise * self._errors(count, random)
+        outlying = random.random(count) < self.outliers
         positions[outlying] += _offsets(int(outlying.sum()), random)
         size = np.linalg.norm(states[:, SPIN], axis=1, keepdims=True)
-        noise = random.standard_normal((len(states), 3))
-        spins = states[:, SPIN] + self.spin_noise * size * noise
-        return positions, spins, random.random(len(states)) >= self.dropouts
+        spins = states[:, SPIN] + self.spin_noise * size * random.standard_normal((count, 3))
+        return positions, spins, random.random(count) >= self.dropouts
+
+    def _errors(self, count: int, random: np.random.Generator) -> Floats:
+        """Return (count, 3) errors of unit variance: white ones plus slow ones."""
+        white, kicks = random.standard_normal((2, count, 3))
+        memory = np.exp(-self.interval / self.slow_error.time)
+        kicks[1:] *= np.sqrt(1 - memory**2)
+        slow = lfilter([1.0], [1.0, -memory], kicks, axis=0)
+        share = self.slow_error.share
+        errors: Floats = np.sqrt(1 - share) * white + np.sqrt(share) * slow
+        return errors
 
 
 def _offsets(count: int, random: np.random.Generator) -> Floats:

@@ -1,49 +1,70 @@
-"""A ball cannon over the far end line that shoots towards the robot, over a grid of settings."""
-
-from itertools import product
+"""A ball cannon on the far side that shoots to the near one, over a grid of settings."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arena.contacts import KINDS, Touches, touches
+from models.arena.observation import Ball
+from models.arena.recording import TrueContacts
+from models.arena.truth import Truth
 from models.ball.contact import TABLE
 from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN, STATE_SIZE, TABLE_HALF_LENGTH, VELOCITY
+from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
 
 Floats = NDArray[np.float64]
 
-MUZZLE = (0.0, TABLE_HALF_LENGTH + 0.1, 0.30)  # m
-YAW = (-8.0, -4.0, 0.0, 4.0, 8.0)  # degrees, positive to +x
-PITCH = (-2.0, 3.0, 8.0, 14.0)  # degrees, positive upwards
-SPEED = (4.0, 5.0, 6.5, 8.0)  # m/s
-TOPSPIN = (-200.0, 0.0, 200.0, 350.0)  # rad/s, negative is backspin
-SIDESPIN = (-150.0, 0.0, 150.0)  # rad/s about the vertical
+MUZZLE_ACROSS = (-0.5, 0.0, 0.5)  # m
+MUZZLE_ALONG = (1.3, 2.0)  # m
+MUZZLE_HEIGHT = (0.25, 0.45)  # m
+YAW = (-12.0, -6.0, 0.0, 6.0, 12.0)  # degrees, positive to +x
+PITCH = tuple(np.arange(-8.0, 31.0, 3.0))  # degrees, positive upwards
+SPEED = (4.0, 5.0, 6.5, 8.0, 10.0, 12.5, 15.0, 18.0)  # m/s
+TOPSPIN = (-300.0, -150.0, 0.0, 150.0, 300.0, 500.0)  # rad/s, negative is backspin
+SIDESPIN = (-200.0, 0.0, 200.0)  # rad/s about the vertical
+GRID = (*(MUZZLE_ACROSS, MUZZLE_ALONG, MUZZLE_HEIGHT), YAW, PITCH, SPEED, TOPSPIN, SIDESPIN)
 
 # What a cannon sets is not quite what it does; standard deviations.
 ANGLE_SPREAD = 0.3  # degrees
 SPEED_SPREAD = 0.02  # share
 SPIN_SPREAD = 0.03  # share
 
-FEWEST_LANDING = 0.02  # share of the grid
-LANDING_TIME = np.arange(0.0, 1.2, 0.005)  # s, in which every shot of the grid lands
+MISSES = 0.01  # share of the settings that do not land and are shot all the same
+DRAWN = 4000  # settings tried at once
+FEWEST_LANDING = 0.005  # share of them
+LANDING_TIME = np.arange(0.0, 1.2, 0.02)  # s, in which every shot of the grid lands
+MOST_CONTACTS = 2  # that are followed of a shot
+SEEN_AFTER = 0.15  # s that a shot is seen after them
+
+
+def cannon_balls(truth: Truth, shots: int, random: np.random.Generator) -> list[Ball]:
+    """Return the balls of a session, each on its own clock, which starts just before the launch.
+
+    Raises:
+        ValueError: hardly any shot of the grid lands in this hall.
+    """
+    launches = cannon_launches(truth.simulator, shots, random)
+    flown = touches(truth, launches, MOST_CONTACTS, random)
+    starts = random.uniform(0.0, 0.005, shots)
+    return [_ball(launches[shot], flown, shot, starts[shot]) for shot in range(shots)]
 
 
 def cannon_launches(simulator: Simulator, shots: int, random: np.random.Generator) -> Floats:
-    """Return the (shots, 9) launch states of a session.
+    """Return (shots, 9) launch states, drawn from the settings of the grid that are of use.
 
-    The session goes through the grid in random order, again and again until it has enough shots.
-    Shots whose ball does not land on the near half of the table are not part of it.
+    Those are the ones that land on the near half, and a few that do not.
 
     Raises:
         ValueError: hardly any shot of the grid lands in this simulator.
     """
-    grid = np.array(list(product(YAW, PITCH, SPEED, TOPSPIN, SIDESPIN)))
     session = np.empty((0, STATE_SIZE))
     while len(session) < shots:
-        launches = launch_states(_scattered(random.permutation(grid), random))
-        landed = launches[_lands(simulator, launches)]
-        if len(landed) < FEWEST_LANDING * len(grid):
+        settings = np.stack([random.choice(values, DRAWN) for values in GRID], axis=1)
+        launches = launch_states(_scattered(settings, random))
+        landed = _lands(simulator, launches)
+        if landed.mean() < FEWEST_LANDING:
             raise ValueError("hardly any shot of the cannon lands on the table in this simulator")
-        session = np.concatenate([session, landed])
+        used = landed | (random.random(DRAWN) < MISSES)
+        session = np.concatenate([session, launches[used]])
     return session[:shots]
 
 
@@ -51,20 +72,33 @@ def launch_states(settings: Floats) -> Floats:
     """Return the (B, 9) launch states of cannon settings.
 
     Args:
-        settings: (B, 5) yaw (degrees), pitch (degrees), speed (m/s), topspin and sidespin (rad/s).
+        settings: (B, 8) muzzle (x, y, z in m), yaw, pitch (degrees), speed (m/s), topspin and
+            sidespin (rad/s).
     """
-    yaw, pitch = np.radians(settings[:, 0]), np.radians(settings[:, 1])
-    speed, topspin, sidespin = settings[:, 2:].T
+    yaw, pitch = np.radians(settings[:, 3:5]).T
+    speed, topspin, sidespin = settings[:, 5:].T
     ahead = np.stack([np.sin(yaw), -np.cos(yaw), np.zeros_like(yaw)], axis=1)
     up = np.array([0.0, 0.0, 1.0])
     states = np.empty((len(settings), STATE_SIZE))
-    states[:, POSITION] = MUZZLE
+    states[:, POSITION] = settings[:, :3]
     states[:, VELOCITY] = speed[:, None] * (
         np.cos(pitch)[:, None] * ahead + np.sin(pitch)[:, None] * up
     )
     # Topspin turns the ball's upper side ahead: about the horizontal axis up x ahead.
     states[:, SPIN] = topspin[:, None] * np.cross(up, ahead) + sidespin[:, None] * up
     return states
+
+
+def _ball(launch: Floats, flown: Touches, shot: int, start: float) -> Ball:
+    """Return one shot, seen until shortly after its last contact."""
+    gone = min(flown.gone[shot], flown.times[shot, -1] + SEEN_AFTER)
+    met = flown.times[shot] < gone
+    contacts = TrueContacts(
+        start + np.concatenate([[0.0], flown.times[shot, met]]),
+        np.array(["launch", *(KINDS[surface] for surface in flown.surfaces[shot, met])]),
+        np.concatenate([launch[None], flown.states[shot, met]]),
+    )
+    return Ball(contacts, start + gone)
 
 
 def _lands(simulator: Simulator, states: Floats) -> NDArray[np.bool_]:
@@ -76,9 +110,9 @@ def _lands(simulator: Simulator, states: Floats) -> NDArray[np.bool_]:
 
 
 def _scattered(settings: Floats, random: np.random.Generator) -> Floats:
-    noise = random.standard_normal(settings.shape)
+    noise = random.standard_normal((len(settings), 5))
     scattered = settings.copy()
-    scattered[:, :2] += ANGLE_SPREAD * noise[:, :2]
-    scattered[:, 2] *= 1 + SPEED_SPREAD * noise[:, 2]
-    scattered[:, 3:] *= 1 + SPIN_SPREAD * noise[:, 3:]
+    scattered[:, 3:5] += ANGLE_SPREAD * noise[:, :2]
+    scattered[:, 5] *= 1 + SPEED_SPREAD * noise[:, 2]
+    scattered[:, 6:] *= 1 + SPIN_SPREAD * noise[:, 3:]
     return scattered

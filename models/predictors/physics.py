@@ -31,7 +31,9 @@ SPIN_DRIFT = 1.0  # rad/s
 # A position whose squared Mahalanobis distance exceeds this is an outlier (3 degrees of freedom,
 # one in 10^5).
 OUTLIER_DISTANCE = 25.9
-LOST = 3  # outliers in a row that mean that the filter is wrong, not the cameras
+# Outliers that are as likely as that the filter must start anew. One outlier makes up to three: of
+# two samples lost beside it, predictors see values interpolated towards it.
+NEW_START = 3
 
 # Steps of the numerical Jacobian: m, m/s, rad/s.
 _STEPS = np.repeat([1e-5, 1e-3, 1e-1], 3)
@@ -93,35 +95,40 @@ class PhysicsPredictor:
         return Forecast(flown, np.any(labelled, axis=1))
 
     def _filtered(self, states: Floats, mask: Bools) -> Floats:
-        """Return the (9,) state at the last of (12, 6) measurements."""
-        placed = np.flatnonzero(mask[:, :3].all(axis=1))
-        if not len(placed):
-            return np.zeros(STATE_SIZE)
-        start = placed[0]
-        while True:
-            now, lost = self._tracked(states[start:], mask[start:])
-            if lost is None:
-                return now
-            start += lost
+        """Return the (9,) state at the last of (12, 6) measurements.
 
-    def _tracked(self, states: Floats, mask: Bools) -> tuple[Floats, int | None]:
-        """Filter from the first measurement on; return the state, or where the ball was lost.
-
-        An outlier among the first measurements can lead the filter so far astray that it takes the
-        ball itself for a row of outliers. It then starts anew at the first of that row.
+        An outlier among the first measurements, or a contact that the simulator gets wrong, can
+        lead the filter so far astray that it takes the ball itself for outliers; a filter that
+        starts anew at one of them finds the ball. One that starts anew at a true outlier loses it.
+        So every way through the history is charged its outliers and its new starts, and the
+        cheapest is believed.
         """
-        ball = _BallFilter(self.simulator, *_first_guess(states, mask))
-        strange: list[int] = []
-        for k, (state, known) in enumerate(zip(states, mask, strict=True)):
-            if k > 0:
+        now, cheapest = np.zeros(STATE_SIZE), np.inf
+        placed = np.flatnonzero(mask[:, :3].all(axis=1)).tolist()
+        charges = dict.fromkeys(placed[:1], 0)  # by start, for all that comes before it
+        for start in placed:
+            if charges.get(start, np.inf) >= cheapest:
+                continue
+            reached, outliers = self._tracked(states, mask, start)
+            if charges[start] + len(outliers) < cheapest:
+                now, cheapest = reached, charges[start] + len(outliers)
+            for earlier, outlier in enumerate(outliers):
+                charge = charges[start] + earlier + NEW_START
+                charges[outlier] = min(charge, charges.get(outlier, charge))
+        return now
+
+    def _tracked(self, states: Floats, mask: Bools, start: int) -> tuple[Floats, list[int]]:
+        """Filter from ``start`` on; return the last state, and which measurements were outliers."""
+        ball = _BallFilter(self.simulator, *_first_guess(states[start:], mask[start:]))
+        outliers = []
+        for k in range(start, len(states)):
+            if k > start:
                 ball.predict()
-            if known[:3].all():
-                strange = [] if ball.place(state[:3]) else [*strange, k]
-            if known[3:].all():
-                ball.label(state[3:])
-            if len(strange) == LOST:
-                return ball.x, strange[0]
-        return ball.x, None
+            if mask[k, :3].all() and not ball.place(states[k, :3]):
+                outliers.append(k)
+            if mask[k, 3:].all():
+                ball.label(states[k, 3:])
+        return ball.x, outliers
 
 
 def _first_guess(states: Floats, mask: Bools) -> tuple[Floats, Floats]:

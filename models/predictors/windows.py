@@ -23,6 +23,7 @@ from models.predictors.protocol import (
 LONGEST_GAP = 0.0151  # s between two samples that may still be interpolated: two lost of 200 Hz
 SHORTEST_FUTURE = 0.100  # s; a window with less measured future is no use
 FEWEST_SEEN = HISTORY // 2  # measured positions; a window with fewer is no use either
+ROUNDING = 1e-9  # s between two numbers that mean the same instant
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,7 @@ def windows(episode: Episode, every: float) -> Windows:
     kept = [(anchor, history) for anchor, history in seen if _enough(history)]
     anchors = np.array([anchor for anchor, _ in kept])
     histories = [history for _, history in kept]
-    futures = [_future(episode, anchor) for anchor in anchors]
+    futures = [measured_at(episode, anchor + FUTURE_TIMES) for anchor in anchors]
     shape = (len(anchors), len(HISTORY_TIMES), 6)
     states = np.array([states for states, _ in histories]).reshape(shape)
     mask = np.array([mask for _, mask in histories], dtype=bool).reshape(shape)
@@ -106,15 +107,12 @@ def _anchors(episode: Episode, every: float) -> Floats:
     last = episode.times[-1] - SHORTEST_FUTURE
     sample = np.searchsorted(episode.times, np.arange(first, last, every))
     anchors: Floats = np.unique(episode.times[sample])
-    within: Floats = anchors[anchors <= last]
+    within: Floats = anchors[anchors <= last + ROUNDING]
     return within
 
 
 def _history(episode: Episode, anchor: np.float64) -> tuple[Floats, Bools]:
-    known = episode.times <= anchor
-    times = anchor + HISTORY_TIMES
-    values = np.hstack([episode.positions, episode.spins])[known]
-    return _interpolated(episode.times[known], values, times)
+    return seen_at(episode, anchor + HISTORY_TIMES, until=anchor)
 
 
 def _enough(history: tuple[Floats, Bools]) -> bool:
@@ -122,10 +120,23 @@ def _enough(history: tuple[Floats, Bools]) -> bool:
     return int(mask[:, :3].all(axis=1).sum()) >= FEWEST_SEEN
 
 
-def _future(episode: Episode, anchor: np.float64) -> tuple[Floats, Bools]:
+def seen_at(episode: Episode, times: Floats, until: float = np.inf) -> tuple[Floats, Bools]:
+    """Return (T, 6) positions and spins as a predictor sees them, outliers too, and where it does.
+
+    Args:
+        episode: the measured samples.
+        times: (T,) s, growing.
+        until: s; later samples are not known yet.
+    """
+    known = episode.times <= until
+    values = np.hstack([episode.positions, episode.spins])[known]
+    return _interpolated(episode.times[known], values, times)
+
+
+def measured_at(episode: Episode, times: Floats) -> tuple[Floats, Bools]:
+    """Return (T, 9) positions, velocities and spins without outliers, and where they are known."""
     good = ~episode.outlier
     values = np.hstack([episode.positions, episode.velocities, episode.spins])
-    times = anchor + FUTURE_TIMES
     return _interpolated(episode.times[good], values[good], times, episode.arc[good])
 
 
@@ -136,7 +147,7 @@ def _interpolated(
 
     Neighbours must be near in time and, where ``arc`` is given, on one unbroken arc.
     """
-    right = np.clip(np.searchsorted(known, times - 1e-9), 1, max(len(known) - 1, 1))
+    right = np.clip(np.searchsorted(known, times - ROUNDING), 1, max(len(known) - 1, 1))
     if len(known) < 2:
         return np.zeros((len(times), values.shape[1])), np.zeros(
             (len(times), values.shape[1]), bool

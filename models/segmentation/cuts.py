@@ -108,9 +108,9 @@ def _enter(cuts: Cuts, t: Array, begin: int, arcs: list[_Arc], settings: Segment
             flight += 1
             cuts.contacts[flight] = meetings[number - 1]
         cuts.outlier[begin + arc.first : begin + arc.last + 1] = ~arc.used
-        for k in np.flatnonzero(owners == number):
-            cuts.flight[begin + k] = flight
-            cuts.velocity[begin + k] = _velocity(arc, t, int(k))
+        own = np.flatnonzero(owners == number)
+        cuts.flight[begin + own] = flight
+        cuts.velocity[begin + own] = _velocities(arc, t, own)
 
 
 def _is_contact(meeting: Contact, settings: SegmentSettings) -> bool:
@@ -118,7 +118,9 @@ def _is_contact(meeting: Contact, settings: SegmentSettings) -> bool:
     return meeting.miss < FARTHEST_MISS and (jumps or meeting.grazes)
 
 
-def _velocity(arc: _Arc, t: Array, k: int) -> Array:
-    nearest = min(max(k, arc.first), arc.last)
-    velocity: Array = moved(arc.means[nearest - arc.first], t[k] - t[nearest])[1]
-    return velocity
+def _velocities(arc: _Arc, t: Array, own: Indices) -> Array:
+    nearest = np.clip(own, arc.first, arc.last)
+    velocities: Array = arc.means[nearest - arc.first, 1]
+    for k in np.flatnonzero(own != nearest):  # beyond the arc's ends
+        velocities[k] = moved(arc.means[nearest[k] - arc.first], t[own[k]] - t[nearest[k]])[1]
+    return velocities

@@ -1,6 +1,6 @@
 """Recordings in; tables of samples, contacts and episodes out."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,9 @@ from models.segmentation.cuts import Cuts, cut
 from models.segmentation.episodes import Episode, episodes
 from models.segmentation.settings import SegmentSettings
 
+Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Row = dict[str, Any]
 
 POSITION = ["px", "py", "pz"]
 VELOCITY = ["vx", "vy", "vz"]
@@ -43,6 +45,8 @@ EPISODE_TYPES: dict[str, Any] = {
     "unbroken": bool,
 }
 
+NOWHERE = -1  # the episode of a sample that is in none
+
 
 @dataclass(frozen=True)
 class Segmented:
@@ -53,37 +57,55 @@ class Segmented:
     episodes: pd.DataFrame
 
 
+class _Labels:
+    """What segmentation says of each of n samples; arrays, since recordings are many and short."""
+
+    def __init__(self, n: int) -> None:
+        self.episode = np.full(n, NOWHERE)
+        self.arc = np.zeros(n, dtype=np.int64)
+        self.velocity = np.full((n, 3), np.nan)
+        self.outlier = np.zeros(n, dtype=bool)
+        self.error = np.full(n, np.nan)
+
+    def enter(self, rows: Indices, cuts: Cuts, found: list[Episode], first: int) -> None:
+        """Enter a recording's samples; its episodes are numbered from ``first`` on."""
+        # One more entry, for the samples without a flight: their number -1 is the last index.
+        numbers = np.full(cuts.flights + 1, NOWHERE)
+        arcs = np.zeros(cuts.flights + 1, dtype=np.int64)
+        for number, episode in enumerate(found, start=first):
+            numbers[episode.flights] = number
+            arcs[episode.flights] = range(len(episode.flights))
+        self.episode[rows], self.arc[rows] = numbers[cuts.flight], arcs[cuts.flight]
+        self.velocity[rows], self.outlier[rows] = cuts.velocity, cuts.outlier
+        self.error[rows] = cuts.error
+
+
 def segment_recordings(
-    recordings: pd.DataFrame, cannons: Collection[str], settings: SegmentSettings
+    recordings: pd.DataFrame, begins_with_launch: Callable[[str], bool], settings: SegmentSettings
 ) -> Segmented:
     """Cut recordings into episodes.
 
     Args:
         recordings: one row a sample: recording_id, t, position, spin; at least one row.
-        cannons: the sources whose recordings begin with a launch.
+        begins_with_launch: whether the recording of an id is one shot, seen from its launch on.
         settings: noise, costs and limits.
     """
-    labels: list[pd.DataFrame] = []
-    contact_rows: list[dict[str, Any]] = []
-    episode_rows: list[dict[str, Any]] = []
+    labels = _Labels(len(recordings))
+    contact_rows: list[Row] = []
+    episode_rows: list[Row] = []
     t, positions = recordings["t"].to_numpy(), recordings[POSITION].to_numpy()
     for recording_id, rows in _rows_by_recording(recordings):
-        source = recording_id.split("/")[0]
         cuts = cut(t[rows], positions[rows], settings)
-        found = list(episodes(cuts, "launch" if source in cannons else "recording"))
-        ids = [f"{recording_id}/{number:02d}" for number in range(len(found))]
-        labels.append(_labels(cuts, found, ids).set_index(rows))
-        for episode_id, episode in zip(ids, found, strict=True):
-            name = {"recording_id": recording_id, "episode_id": episode_id}
+        launched = begins_with_launch(recording_id)
+        found = list(episodes(cuts, "launch" if launched else "recording"))
+        labels.enter(rows, cuts, found, len(episode_rows))
+        for number, episode in enumerate(found):
+            name = {"recording_id": recording_id, "episode_id": f"{recording_id}/{number:02d}"}
             contact_rows.extend(name | _contact(contact) for contact in episode.contacts)
-            episode_rows.append(name | {"source": source} | _episode(episode))
-    labelled = recordings.reset_index(drop=True).join(pd.concat(labels))
-    labelled = labelled[labelled["episode_id"] != ""]
-    return Segmented(
-        labelled[SAMPLE_COLUMNS].reset_index(drop=True),
-        pd.DataFrame(contact_rows, columns=list(CONTACT_TYPES)).astype(CONTACT_TYPES),
-        _measured(episode_rows, labelled, settings),
-    )
+            episode_rows.append(name | _episode(episode))
+    contacts = pd.DataFrame(contact_rows, columns=list(CONTACT_TYPES)).astype(CONTACT_TYPES)
+    table = _measured(episode_rows, labels, t, settings)
+    return Segmented(_samples(recordings, labels, table["episode_id"]), contacts, table)
 
 
 def _rows_by_recording(recordings: pd.DataFrame) -> Iterator[tuple[str, Indices]]:
@@ -93,20 +115,7 @@ def _rows_by_recording(recordings: pd.DataFrame) -> Iterator[tuple[str, Indices]
     return zip(map(str, ids), np.split(order, bounds), strict=True)
 
 
-def _labels(cuts: Cuts, found: list[Episode], ids: list[str]) -> pd.DataFrame:
-    """Return what segmentation says of each sample; episode_id is empty outside episodes."""
-    # One more entry, for the samples without a flight: their number -1 is the last index.
-    names = np.full(cuts.flights + 1, "", dtype=object)
-    arcs = np.zeros(cuts.flights + 1, dtype=int)
-    for episode_id, episode in zip(ids, found, strict=True):
-        names[episode.flights] = episode_id
-        arcs[episode.flights] = range(len(episode.flights))
-    columns = {"episode_id": names[cuts.flight], "arc": arcs[cuts.flight]}
-    velocity = dict(zip(VELOCITY, cuts.velocity.T, strict=True))
-    return pd.DataFrame({**columns, **velocity, "outlier": cuts.outlier, "error": cuts.error})
-
-
-def _contact(contact: Contact) -> dict[str, Any]:
+def _contact(contact: Contact) -> Row:
     position = dict(zip(POSITION, contact.position, strict=True))
     return {
         "kind": contact.kind,
@@ -116,7 +125,7 @@ def _contact(contact: Contact) -> dict[str, Any]:
     }
 
 
-def _episode(episode: Episode) -> dict[str, Any]:
+def _episode(episode: Episode) -> Row:
     return {
         "start": episode.begun_by.time if episode.begun_by else np.nan,
         "end": episode.ended_by.time if episode.ended_by else np.nan,
@@ -127,15 +136,33 @@ def _episode(episode: Episode) -> dict[str, Any]:
 
 
 def _measured(
-    rows: list[dict[str, Any]], samples: pd.DataFrame, settings: SegmentSettings
+    rows: list[Row], labels: _Labels, t: Floats, settings: SegmentSettings
 ) -> pd.DataFrame:
     """Return the episodes with what their samples tell; those without a contact end with them."""
-    table = pd.DataFrame(rows, columns=list(EPISODE_TYPES)).set_index("episode_id", drop=False)
-    grouped = samples.groupby("episode_id")
+    table = pd.DataFrame(rows, columns=list(EPISODE_TYPES))
+    samples = pd.DataFrame(
+        {
+            "t": t,
+            "outlier": labels.outlier,
+            "square": np.where(labels.outlier, np.nan, labels.error) ** 2,
+        }
+    )
+    grouped = samples[labels.episode != NOWHERE].groupby(labels.episode[labels.episode != NOWHERE])
+    table["source"] = table["recording_id"].str.split("/").str[0]
     table["start"] = table["start"].fillna(grouped["t"].first())
     table["end"] = table["end"].fillna(grouped["t"].last())
     table["samples"], table["outliers"] = grouped.size(), grouped["outlier"].sum()
-    squares = samples.loc[~samples["outlier"], "error"] ** 2
-    table["residual"] = np.sqrt(squares.groupby(samples["episode_id"]).mean())
+    table["residual"] = np.sqrt(grouped["square"].mean())
     table["unbroken"] = table["residual"] < settings.unbroken_residual
-    return table.astype(EPISODE_TYPES).reset_index(drop=True)
+    return table.astype(EPISODE_TYPES)
+
+
+def _samples(recordings: pd.DataFrame, labels: _Labels, ids: "pd.Series[str]") -> pd.DataFrame:
+    """Return the samples that are in an episode, with what segmentation says of them."""
+    inside = labels.episode != NOWHERE
+    samples = recordings[inside].reset_index(drop=True)
+    samples["episode_id"] = ids.take(labels.episode[inside]).set_axis(samples.index)
+    samples["arc"], samples["outlier"] = labels.arc[inside], labels.outlier[inside]
+    samples[VELOCITY] = labels.velocity[inside]
+    ordered: pd.DataFrame = samples[SAMPLE_COLUMNS]
+    return ordered

@@ -14,13 +14,14 @@ CELL_HEIGHT = 2.3  # inch, of one recording: height above, length below
 HEADROOM = 0.5  # inch, for the legend
 OUTLIER_COLOUR = "#c94f6d"
 PALE = "#c2c9ce"
+SHOWN_SECONDS = 4.0  # of each recording; games go on and on
 DRAWN = {"pz": "z (m)", "py": "y (m)"}
 
 
 def cuts_figure(
     recordings: pd.DataFrame, samples: pd.DataFrame, contacts: pd.DataFrame, chosen: Sequence[str]
 ) -> Figure:
-    """Draw the chosen recordings: height and length of every sample, and every contact.
+    """Draw how the chosen recordings begin: height and length of every sample, and every contact.
 
     Args:
         recordings: measured samples, also of recordings that are not chosen.
@@ -36,9 +37,11 @@ def cuts_figure(
     for number, recording_id in enumerate(chosen):
         row, column = divmod(number, COLUMNS)
         cell = list(grid[2 * row : 2 * row + 2, column])
+        own = recordings[recordings["recording_id"] == recording_id]
+        end = own["t"].iloc[0] + SHOWN_SECONDS
         tables = [
-            table[table["recording_id"] == recording_id]
-            for table in (recordings, samples, contacts)
+            table[(table["recording_id"] == recording_id) & (table["t"] < end)]
+            for table in (own, samples, contacts)
         ]
         _draw_recording(cell, *tables)
         cell[0].set_title(recording_id.split("/", 1)[1], fontsize="small")

@@ -5,6 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from numpy.typing import NDArray
 
 from models.ball.state import (
     NET_HEIGHT,
@@ -17,7 +18,8 @@ from pipeline.figures.style import FIGURE_WIDTH, INK, MUTED
 
 BALL_COLOUR = "#0f7fc4"
 TABLE_COLOUR = "#dfe9e4"
-DRAWN_BALLS = 20_000  # of a source, evenly chosen; more only darken the panel
+DRAWN_BALLS = 20_000  # of a source; more only darken the panel
+DRAWN_RUN = 200  # successive balls, that paths can be seen
 DRAWN_LAUNCHES = 600
 LAUNCH_SECONDS = 0.03  # of flight that a launch's arrow stands for
 PANEL_HEIGHT = 2.2  # inch
@@ -26,12 +28,27 @@ AXIS_LABELS = ["x (m)", "y (m)", "z (m)"]
 LIMITS = [(-1.3, 1.3), (-2.4, 2.4), (-0.9, 1.7)]  # m
 
 
-def measured_balls_figure(sources: dict[str, pd.DataFrame]) -> Figure:
-    """Draw the measured positions of every source, with table and net.
+def drawn_rows(rows: int, *, launches: bool) -> NDArray[np.int64]:
+    """Return which of a source's rows to draw, ascending: evenly chosen launches or runs of balls.
 
     Args:
-        sources: name -> positions (columns px, py, pz; m, table frame). Where velocities (vx, vy,
-            vz; m/s) are there too, each row is a launch and drawn as an arrow.
+        rows: how many there are.
+        launches: whether they are launches; successive ones have nothing to do with each other.
+    """
+    run, most = (1, DRAWN_LAUNCHES) if launches else (DRAWN_RUN, DRAWN_BALLS)
+    if rows <= most:
+        return np.arange(rows)
+    starts = np.linspace(0, rows - run, most // run).astype(np.int64)
+    return (starts[:, None] + np.arange(run)).ravel()
+
+
+def measured_balls_figure(sources: dict[str, pd.DataFrame]) -> Figure:
+    """Draw measured positions of every source, with table and net.
+
+    Args:
+        sources: name -> positions (columns px, py, pz; m, table frame), as many as ``drawn_rows``
+            says. Where velocities (vx, vy, vz; m/s) are there too, each row is a launch and drawn
+            with its way.
     """
     figure = Figure(figsize=(FIGURE_WIDTH, 0.4 + PANEL_HEIGHT * len(sources)))
     grid = figure.subplots(len(sources), len(VIEWS), squeeze=False)
@@ -59,16 +76,9 @@ def _draw_table(axes: Axes, *, from_above: bool) -> None:
 
 
 def _draw_balls(axes: Axes, balls: pd.DataFrame, along: int, up: int) -> None:
-    is_launch = VELOCITY_COLUMNS[0] in balls
-    drawn = _evenly_chosen(balls, DRAWN_LAUNCHES if is_launch else DRAWN_BALLS)
-    start = drawn[POSITION_COLUMNS].to_numpy()
+    start = balls[POSITION_COLUMNS].to_numpy()
     axes.plot(start[:, along], start[:, up], ".", ms=1.8, alpha=0.5, mew=0, color=BALL_COLOUR)
-    if is_launch:
-        end = start + LAUNCH_SECONDS * drawn[VELOCITY_COLUMNS].to_numpy()
+    if VELOCITY_COLUMNS[0] in balls:
+        end = start + LAUNCH_SECONDS * balls[VELOCITY_COLUMNS].to_numpy()
         across, upwards = np.stack([start, end])[:, :, [along, up]].transpose(2, 0, 1)
         axes.plot(across, upwards, color=BALL_COLOUR, lw=0.6, alpha=0.4)
-
-
-def _evenly_chosen(balls: pd.DataFrame, most: int) -> pd.DataFrame:
-    chosen = np.unique(np.linspace(0, len(balls) - 1, min(most, len(balls))).round().astype(int))
-    return balls.iloc[chosen]

@@ -45,15 +45,17 @@ CONTACT_COLOURS = {
     "floor": "#8a6fd1",
     "unknown": "#7d8791",
 }
+# In the order of legends: physics, what bounds all others, trained predictors.
 _PREDICTOR_COLOURS = {
     "physics_c": "#0f7fc4",
     "physics_literature": "#d55e00",
+    "oracle": "#7d8791",
     "transformer": "#009988",
+    "transformer_fine_tuned": "#8a6fd1",
     "tae": "#b85fa0",
     "gru_tae": "#a08000",
-    "oracle": "#7d8791",
 }
-_OTHER_COLOURS = ["#5b7f2b", "#8a6fd1", "#c94f6d", "#9c6b3f"]
+_OTHER_COLOURS = ["#5b7f2b", "#c94f6d", "#9c6b3f"]
 
 
 def apply_style() -> None:
@@ -69,3 +71,9 @@ def predictor_colour(name: str) -> str:
     """Return the colour ``#rrggbb`` of a predictor, the same in every figure it appears in."""
     other = _OTHER_COLOURS[zlib.crc32(name.encode()) % len(_OTHER_COLOURS)]
     return _PREDICTOR_COLOURS.get(name, other)
+
+
+def predictor_order(name: str) -> tuple[int, str]:
+    """Return what sorts predictors as legends list them: known ones first, others by name."""
+    known = list(_PREDICTOR_COLOURS)
+    return (known.index(name) if name in known else len(known)), name

@@ -1,149 +1,108 @@
 """From what the sources hold to the tables of measured balls and their manifest."""
 
-from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
 from pandera.pandas import DataFrameSchema
 
-from pipeline.contracts import LAUNCHES, RECORDINGS, checked
+from pipeline.artifacts import table_writer
+from pipeline.contracts import LAUNCHES, POINTS, RECORDINGS, TRUE_CONTACTS, checked, empty
 from pipeline.errors import InputError
-from pipeline.sources.files import SourceFile
-from pipeline.sources.manifest import FileRecord, Manifest, SourceRecord, by_reason
+from pipeline.sources.intake import Intake, in_batches
+from pipeline.sources.manifest import Manifest, SourceRecord
 from pipeline.sources.registry import find_source
 from pipeline.sources.settings import IngestSettings
-from pipeline.sources.sieve import ONLY_SAMPLE, Sieve, sift_launches, sift_samples
-from pipeline.sources.source import RawTable, Refusal, SourceContext, SourceData
+from pipeline.sources.source import RawTable, SourceContext, SourceData
+
+Add = Callable[[pd.DataFrame], None]
+
+TABLES = {
+    "recordings": RECORDINGS,
+    "launches": LAUNCHES,
+    "points": POINTS,
+    "true_contacts": TRUE_CONTACTS,
+}
+BESIDE = ("points", "true_contacts")  # what simulated recordings bring along
 
 
 @dataclass(frozen=True)
 class Gathered:
-    """Measured balls of all sources.
+    """What there is to say about the measured balls of all sources.
 
     Attributes:
-        recordings: paths, keeping the contract ``RECORDINGS``.
-        launches: states without a path, keeping the contract ``LAUNCHES``.
         manifest: where they come from.
         folders: the folder of every source that reads files.
+        truth: the physics behind the simulated ones; ``None`` if all were measured.
     """
 
-    recordings: pd.DataFrame
-    launches: pd.DataFrame
     manifest: Manifest
     folders: dict[str, Path]
+    truth: dict[str, Any] | None
 
 
-def gather(settings: IngestSettings, seed: int) -> Gathered:
-    """Read every source that the settings list.
+def gather(settings: IngestSettings, seed: int, folder: Path) -> Gathered:
+    """Read every source that the settings list, and write what they hold as ``TABLES``.
+
+    Rows go to the files as they come: a source need not fit into memory. A row group of a table
+    has recordings of one source, each of them whole.
+
+    Args:
+        settings: which sources to read, and from where.
+        seed: of the simulated ones.
+        folder: where ``<table>.parquet`` go; they are left as they were if anything fails.
 
     Raises:
         InputError: a source is unknown, its folder is missing, or a file as a whole is not what
             the source reads.
     """
     context = SourceContext(settings, seed)
-    recordings, launches = [_empty(RECORDINGS)], [_empty(LAUNCHES)]
     records: dict[str, SourceRecord] = {}
     folders: dict[str, Path] = {}
-    for listed in settings.sources:
-        data = find_source(listed).read(context)
-        name = data.description.name
-        if name in records:
-            problem = f"two sources are called {name}; rename one in its source.yaml"
-            raise InputError("params.yaml", problem, field="ingest.sources")
-        table, records[name] = _take_over(data)
-        if data.tables[0].file is not None:
-            folders[name] = data.tables[0].file.path.parent
-        (launches if data.description.kind == "launches" else recordings).append(table)
-    return Gathered(
-        checked(pd.concat(recordings, ignore_index=True), RECORDINGS),
-        checked(pd.concat(launches, ignore_index=True), LAUNCHES),
-        Manifest(sources=records),
-        folders,
-    )
+    truth = None
+    with ExitStack() as stack:
+        add = {name: _checking(stack, folder, name) for name in TABLES}
+        for listed in settings.sources:
+            data = find_source(listed).read(context)
+            name = data.description.name
+            if name in records:
+                problem = f"two sources are called {name}; rename one in its source.yaml"
+                raise InputError("params.yaml", problem, field="ingest.sources")
+            intake = Intake(data)
+            _take_over(data, intake, add)
+            records[name] = intake.record()
+            if intake.folder is not None:
+                folders[name] = intake.folder
+            truth = data.truth or truth
+    return Gathered(Manifest(sources=records), folders, truth)
 
 
-def _take_over(data: SourceData) -> tuple[pd.DataFrame, SourceRecord]:
-    """Return what of a source can be, in the table frame, and the record of the rest."""
-    _check_names(data)
-    is_launches = data.description.kind == "launches"
-    sift = sift_launches if is_launches else sift_samples
-    sieves = [sift(table, data.description.frame) for table in data.tables]
-    _check_files(data.tables, sieves)
-    named = (_launches if is_launches else _recordings)(data, sieves)
-    if named.empty:
-        raise InputError(data.description.name, "no recording has more than one sample")
-    refusals = [*data.refusals, *(refusal for sieve in sieves for refusal in sieve.refusals)]
-    record = SourceRecord(
-        **dict(data.description),
-        rate_hz=None if is_launches else _rate(named),
-        recordings=0 if is_launches else named["recording_id"].nunique(),
-        launches=len(named) if is_launches else 0,
-        rows_read=sum(len(table.rows) + len(table.refusals) for table in data.tables),
-        rows_kept=len(named),
-        rows_refused=by_reason(refusal for refusal in refusals if refusal.what == "row"),
-        labels_refused=by_reason(refusal for refusal in refusals if refusal.what == "label"),
-        files=_file_records(data),
-    )
-    return named, record
+def _checking(stack: ExitStack, folder: Path, name: str) -> Add:
+    """Return a function that adds rows to a table if they keep its contract."""
+    contract: DataFrameSchema = TABLES[name]
+    add = stack.enter_context(table_writer(folder / f"{name}.parquet", empty(contract)))
+    return lambda rows: add(checked(rows, contract))
 
 
-def _check_names(data: SourceData) -> None:
-    """Raise unless there are tables, each with a name of its own."""
-    if not data.tables:
-        raise InputError(data.description.name, "holds no recording")
-    names = set()
-    for table in data.tables:
-        if table.name in names:
-            where = data.description.name if table.file is None else table.file.path
-            problem = f"a recording {table.name} was there before"
-            raise InputError(where, problem, field=table.part or None)
-        names.add(table.name)
+def _take_over(data: SourceData, intake: Intake, add: dict[str, Add]) -> None:
+    """Add what a source holds to the tables."""
+    table = "launches" if intake.is_launches else "recordings"
+    for batch in in_batches(data.tables):
+        add[table](intake.take(batch))
+        for name in BESIDE:
+            add[name](_beside(batch, name, data.description.name))
 
 
-def _recordings(data: SourceData, sieves: Iterable[Sieve]) -> pd.DataFrame:
-    return pd.concat(
-        sieve.rows.assign(recording_id=f"{data.description.name}/{table.name}")
-        for table, sieve in zip(data.tables, sieves, strict=True)
-    )[list(RECORDINGS.columns)]
-
-
-def _launches(data: SourceData, sieves: Iterable[Sieve]) -> pd.DataFrame:
-    prefixes = [f"{data.description.name}/{table.name}/" for table in data.tables]
-    return pd.concat(
-        sieve.rows.assign(launch_id=prefix + sieve.rows["id"].astype(str))
-        for prefix, sieve in zip(prefixes, sieves, strict=True)
-    )[list(LAUNCHES.columns)]
-
-
-def _check_files(tables: Sequence[RawTable], sieves: Sequence[Sieve]) -> None:
-    """Raise if nothing in a file can be used: then it is not what the source takes it for."""
-    refused: dict[SourceFile | None, list[Refusal]] = defaultdict(list)
-    useful: set[SourceFile | None] = {None}
-    for table, sieve in zip(tables, sieves, strict=True):
-        refused[table.file] += sieve.refusals
-        if len(sieve.rows) or any(entry.reason == ONLY_SAMPLE for entry in sieve.refusals):
-            useful.add(table.file)
-    for file, refusals in refused.items():
-        if file is None or file in useful:
-            continue
-        if not refusals:
-            raise InputError(file.path, "holds no rows")
-        problem = f"nothing in it can be used: {refusals[0].reason}"
-        raise InputError(file.path, problem, row=refusals[0].row)
-
-
-def _file_records(data: SourceData) -> list[FileRecord]:
-    files = [*data.side_files, *(table.file for table in data.tables if table.file is not None)]
-    return [FileRecord(file=str(file), sha256=file.sha256()) for file in dict.fromkeys(files)]
-
-
-def _rate(recordings: pd.DataFrame) -> float:
-    steps = recordings.groupby("recording_id", sort=False)["t"].diff()
-    return round(1 / float(steps.median()), 2)
-
-
-def _empty(contract: DataFrameSchema) -> pd.DataFrame:
-    types = {name: column.dtype.type for name, column in contract.columns.items()}
-    return pd.DataFrame(columns=list(types)).astype(types)
+def _beside(batch: Sequence[RawTable], table: str, source: str) -> pd.DataFrame:
+    """Return the rows that the recordings of a batch bring along for ``table``."""
+    found = {raw.name: raw.beside[table] for raw in batch if table in raw.beside}
+    if not found:
+        return empty(TABLES[table])
+    rows = pd.concat(found.values(), ignore_index=True)
+    ids = np.repeat([f"{source}/{name}" for name in found], [len(part) for part in found.values()])
+    rows.insert(0, "recording_id", ids)
+    return rows.astype(empty(TABLES[table]).dtypes)

@@ -59,6 +59,11 @@ class Manifest(BaseModel):
 
     sources: dict[str, SourceRecord]
 
+    def begins_with_launch(self, recording_id: str) -> bool:
+        """Return whether a recording is one shot, seen from its launch on."""
+        source, name = recording_id.split("/", 1)
+        return self.sources[source].begins_with_launch(name)
+
 
 def read_manifest(path: Path) -> Manifest:
     """Read the manifest that ingest left.

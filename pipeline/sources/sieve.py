@@ -1,5 +1,8 @@
 """Rows that no measured ball can have made are refused, each with its reason."""
 
+from collections.abc import Sequence
+from typing import Literal
+
 import numpy as np
 import pandas as pd
 
@@ -21,48 +24,62 @@ ONLY_SAMPLE = "the only sample of its recording"  # which makes no path
 
 
 class Sieve:
-    """Holds back rows and labels that cannot be; what passes is in ``rows``."""
+    """Holds back rows and labels that cannot be; what passes is in ``rows``.
 
-    def __init__(self, table: RawTable, columns: list[str]) -> None:
-        self.place = table.place
-        self.rows = table.rows.reindex(columns=["row", *columns]).reset_index(drop=True)
-        self.refusals = list(table.refusals)
+    Attributes:
+        rows: of all tables, in their order; column ``table`` is the table's place among them.
+        refusals: what was held back, and what the reader could not make out.
+    """
+
+    def __init__(self, tables: Sequence[RawTable], columns: list[str]) -> None:
+        self._places = [table.place for table in tables]
+        self.refusals = [refusal for table in tables for refusal in table.refusals]
+        rows = pd.concat([table.rows for table in tables], ignore_index=True)
+        numbers = dict.fromkeys([name for name in columns if name != "id"], float)
+        self.rows = rows.reindex(columns=["row", *columns]).astype(numbers)
+        lengths = [len(table.rows) for table in tables]
+        self.rows.insert(0, "table", np.repeat(np.arange(len(tables)), lengths))
 
     def refuse(self, reason: str, at_fault: "pd.Series[bool]") -> None:
         """Leave out the rows at fault."""
-        rows = self.rows["row"][at_fault]
-        self.refusals += [Refusal(self.place, int(row), reason) for row in rows]
+        self._note(at_fault, reason, "row")
         self.rows = self.rows[~at_fault]
 
     def unlabel(self, reason: str, at_fault: "pd.Series[bool]") -> None:
         """Keep the rows at fault, without their spin."""
-        rows = self.rows["row"][at_fault]
-        self.refusals += [Refusal(self.place, int(row), reason, "label") for row in rows]
+        self._note(at_fault, reason, "label")
         self.rows.loc[at_fault, SPIN_COLUMNS] = np.nan
 
+    def _note(
+        self, at_fault: "pd.Series[bool]", reason: str, what: Literal["row", "label"]
+    ) -> None:
+        faulty = self.rows[at_fault]
+        for table, row in zip(faulty["table"], faulty["row"], strict=True):
+            self.refusals.append(Refusal(self._places[table], int(row), reason, what))
 
-def sift_samples(table: RawTable, frame: Frame) -> Sieve:
-    """Move a recording into the table frame and hold back what is impossible."""
-    sieve = Sieve(table, SAMPLE_COLUMNS)
+
+def sift_samples(tables: Sequence[RawTable], frame: Frame) -> Sieve:
+    """Move recordings into the table frame and hold back what is impossible."""
+    sieve = Sieve(tables, SAMPLE_COLUMNS)
     _sift_numbers(sieve, ["t", *POSITION_COLUMNS])
     _sift_labels(sieve)
     _sift_positions(sieve, frame)
     _sift_times(sieve)
-    if len(sieve.rows) == 1:
-        sieve.refuse(ONLY_SAMPLE, sieve.rows["t"].notna())
+    samples = sieve.rows.groupby("table")["t"].transform("size")
+    sieve.refuse(ONLY_SAMPLE, samples == 1)
     return sieve
 
 
-def sift_launches(table: RawTable, frame: Frame) -> Sieve:
+def sift_launches(tables: Sequence[RawTable], frame: Frame) -> Sieve:
     """Move launches into the table frame and hold back what is impossible."""
-    sieve = Sieve(table, LAUNCH_COLUMNS)
+    sieve = Sieve(tables, LAUNCH_COLUMNS)
     _sift_numbers(sieve, [*POSITION_COLUMNS, *VELOCITY_COLUMNS])
     _sift_labels(sieve)
     _sift_positions(sieve, frame)
     sieve.refuse(
         f"faster than {FASTEST_BALL:g} m/s", _longer(sieve, VELOCITY_COLUMNS, FASTEST_BALL)
     )
-    sieve.refuse("id repeated", sieve.rows["id"].duplicated())
+    sieve.refuse("id repeated", sieve.rows.duplicated(["table", "id"]))
     return sieve
 
 
@@ -85,8 +102,9 @@ def _sift_positions(sieve: Sieve, frame: Frame) -> None:
 
 
 def _sift_times(sieve: Sieve) -> None:
-    """Refuse samples that are not later than every sample before them."""
-    step = sieve.rows["t"] - sieve.rows["t"].cummax().shift()
+    """Refuse samples that are not later than every sample of their recording before them."""
+    latest = sieve.rows.groupby("table")["t"].cummax()
+    step = sieve.rows["t"] - latest.groupby(sieve.rows["table"]).shift()
     sieve.refuse("time backwards", step < 0)
     sieve.refuse("time repeated", step[sieve.rows.index] < SHORTEST_STEP)
 

@@ -5,10 +5,10 @@ all of them and happens in ``gather``.
 """
 
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import pandas as pd
 from pydantic import BaseModel, ConfigDict
@@ -21,13 +21,17 @@ from pipeline.sources.settings import IngestSettings, SourceName
 FOLDER_VARIABLE = "RALLYGAP_DATA"  # environment variable; the setting goes first
 NOT_STATED = "not stated upstream"
 
+PathKind = Literal["cannon", "rally"]
+
 
 class Description(BaseModel):
     """What there is to say about a source before a row of it is read.
 
     Attributes:
         name: identifier, first part of its recordings' ids.
-        kind: one shot a recording, rallies, or launches (states without a path).
+        kind: one shot a recording, rallies, or launches (states without a path). A source that has
+            recordings of both kinds says it of each group, the recording's name up to its first
+            ``/``.
         spin: whether balls carry no spin label, one a recording, or one a sample.
         licence: as upstream states it.
         citation: whom to name, where upstream says so.
@@ -39,13 +43,18 @@ class Description(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     name: SourceName
-    kind: Literal["cannon", "rally", "launches"]
+    kind: PathKind | Literal["launches"] | dict[str, PathKind]
     spin: Literal["none", "per_recording", "per_sample"]
     licence: str
     citation: str | None = None
     frame: Frame = Frame()
     stated_rate_hz: float | None = None
     note: str
+
+    def begins_with_launch(self, name: str) -> bool:
+        """Return whether the recording ``name`` is one shot, seen from its launch on."""
+        kind = self.kind
+        return (kind[name.split("/")[0]] if isinstance(kind, dict) else kind) == "cannon"
 
 
 class Refusal(NamedTuple):
@@ -73,6 +82,8 @@ class RawTable:
         file: where the rows come from; ``None`` if from no file.
         part: the data set inside the file, where it has several.
         refusals: what the reader could not make out.
+        beside: what a simulated recording knows of itself: rows of the tables ``points`` and
+            ``true_contacts``, without the column ``recording_id``.
     """
 
     name: str
@@ -80,11 +91,12 @@ class RawTable:
     file: SourceFile | None = None
     part: str = ""
     refusals: Sequence[Refusal] = ()
+    beside: Mapping[str, pd.DataFrame] = field(default_factory=dict)
 
     @property
     def place(self) -> str:
         """Where the rows are, for people."""
-        return f"{self.file or ''}{self.part}"
+        return f"{self.file}{self.part}" if self.file else self.name
 
 
 @dataclass(frozen=True)
@@ -93,15 +105,18 @@ class SourceData:
 
     Attributes:
         description: what there is to say about it.
-        tables: its recordings, or its sets of launches.
+        tables: its recordings, or its sets of launches; taken one by one and only once, so that
+            they need not fit into memory together.
         side_files: files that hold no rows, such as an index of labels.
         refusals: what was refused outside the tables.
+        truth: of a simulated source, what its physics is.
     """
 
     description: Description
-    tables: Sequence[RawTable]
+    tables: Iterable[RawTable]
     side_files: Sequence[SourceFile] = ()
     refusals: Sequence[Refusal] = ()
+    truth: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,12 @@ import pytest
 
 from pipeline.artifacts import (
     read_json,
+    read_row_groups,
+    read_rows,
     read_table,
     replacing,
     replacing_folder,
+    table_writer,
     write_json,
     write_table,
     write_text,
@@ -16,6 +19,19 @@ from pipeline.artifacts import (
 from pipeline.errors import InputError
 
 TABLE = pd.DataFrame({"name": ["a", "b"], "value": [0.1, np.nan], "count": [1, 2]})
+
+
+def read_groups(path):
+    return list(read_row_groups(path))
+
+
+READERS = [read_json, read_table, read_groups]
+
+
+def write_groups(path, *groups):
+    with table_writer(path, TABLE.iloc[:0]) as add:
+        for group in groups:
+            add(group)
 
 
 def break_off(manager, path):
@@ -87,13 +103,62 @@ def test_tables_come_back_and_the_same_table_gives_the_same_bytes(tmp_path):
     assert (tmp_path / "one.parquet").read_bytes() == (tmp_path / "two.parquet").read_bytes()
 
 
-@pytest.mark.parametrize("reader", [read_json, read_table])
+def test_a_table_comes_back_in_the_groups_it_was_written_in(tmp_path):
+    groups = [TABLE, TABLE.iloc[:1], TABLE.assign(name="c")]
+
+    write_groups(tmp_path / "table.parquet", *groups)
+
+    for read, group in zip(read_groups(tmp_path / "table.parquet"), groups, strict=True):
+        pd.testing.assert_frame_equal(read, group)
+    whole = read_table(tmp_path / "table.parquet")
+    pd.testing.assert_frame_equal(whole, pd.concat(groups, ignore_index=True))
+
+
+def test_a_table_in_groups_has_the_same_bytes_every_time(tmp_path):
+    for name in ("one", "two"):
+        write_groups(tmp_path / name, TABLE, TABLE.copy())
+
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+
+
+def test_a_table_of_no_groups_keeps_its_columns_and_types(tmp_path):
+    write_groups(tmp_path / "table.parquet", TABLE.iloc[:0])
+
+    pd.testing.assert_frame_equal(read_table(tmp_path / "table.parquet"), TABLE.iloc[:0])
+    assert read_groups(tmp_path / "table.parquet") == []
+
+
+def test_a_table_that_breaks_off_leaves_the_former_one_and_nothing_else(tmp_path):
+    path = tmp_path / "table.parquet"
+    write_groups(path, TABLE)
+    former = path.read_bytes()
+
+    with pytest.raises(RuntimeError), table_writer(path, TABLE.iloc[:0]) as add:
+        add(TABLE.assign(name="half"))
+        raise RuntimeError
+
+    assert path.read_bytes() == former
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("rows", [[0], [1, 2, 5], [0, 1, 2, 3, 4, 5]])
+def test_chosen_rows_are_those_of_the_whole_table(tmp_path, rows):
+    groups = [TABLE.assign(count=[number, number + 1]) for number in (0, 2, 4)]
+    write_groups(tmp_path / "table.parquet", *groups)
+
+    found = read_rows(tmp_path / "table.parquet", np.array(rows), ["count", "name"])
+
+    assert list(found.columns) == ["count", "name"]
+    assert found["count"].tolist() == rows
+
+
+@pytest.mark.parametrize("reader", READERS)
 def test_a_missing_file_says_what_to_run(tmp_path, reader):
     with pytest.raises(InputError, match="run the stage that writes it"):
         reader(tmp_path / "missing")
 
 
-@pytest.mark.parametrize("reader", [read_json, read_table])
+@pytest.mark.parametrize("reader", READERS)
 @pytest.mark.parametrize("content", [b"", b"{", b"\xff\xfe\x00", b"PAR1 and no more", b"[" * 9**5])
 def test_a_broken_file_is_one_error(tmp_path, reader, content):
     (tmp_path / "broken").write_bytes(content)
@@ -111,7 +176,7 @@ def test_a_truncated_table_is_one_error(tmp_path):
         read_table(path)
 
 
-@pytest.mark.parametrize("reader", [read_json, read_table])
+@pytest.mark.parametrize("reader", READERS)
 def test_a_folder_is_no_file(tmp_path, reader):
     with pytest.raises(InputError):
         reader(tmp_path)

@@ -35,17 +35,18 @@ def test_help_names_every_verb_without_loading_the_libraries():
         "import sys; from pipeline.cli import app\n"
         "from typer.testing import CliRunner\n"
         "print(CliRunner().invoke(app, ['--help']).output)\n"
-        "print('loaded', {'pandas', 'mlflow', 'dvc', 'matplotlib', 'numba'} & set(sys.modules))"
+        "heavy = {'pandas', 'mlflow', 'dvc', 'matplotlib', 'numba', 'torch'}\n"
+        "print('loaded', heavy & set(sys.modules))"
     )
     shown = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True)
-    for verb in ("check", "profile", "real", "keep", "effects", "ui"):
+    for verb in ("check", "profile", "real", "keep", "effects", "costs", "ui"):
         assert f" {verb} " in shown.stdout
     assert "loaded set()" in shown.stdout
 
 
 def test_a_profile_is_printed_as_flags_from_any_folder_of_the_repository():
     shown = rallygap("profile", "real", cwd=ROOT / "models")
-    assert shown.stdout.startswith('-S ingest.sources=["spindoe",')
+    assert shown.stdout.startswith('-S ingest.sources=["arena","spindoe",')
     assert shown.stderr == ""
 
 

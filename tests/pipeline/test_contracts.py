@@ -9,12 +9,15 @@ from pipeline.contracts import (
     CONTACTS,
     EPISODES,
     LAUNCHES,
+    POINTS,
     POSITION_COLUMNS,
     RECORDINGS,
     SAMPLES,
     SPIN_COLUMNS,
+    TRUE_CONTACTS,
     VELOCITY_COLUMNS,
     checked,
+    empty,
 )
 from pipeline.errors import InputError
 
@@ -35,6 +38,20 @@ def launches():
     return pd.DataFrame({**names, **zeros(*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS)})
 
 
+def points(**changes):
+    head = {"recording_id": ["hall/1"] * 3, "start": [0.0, 2.0, 4.0], "end": [1.0, 3.0, 5.0]}
+    players = {"server": ["near"] * 3, "winner": ["far"] * 3}
+    ends = {"ended_by": ["net", "out", "missed"], "strokes": [1, 2, 3]}
+    return pd.DataFrame({**head, **players, **ends, **changes})
+
+
+def true_contacts(**changes):
+    head = {"recording_id": ["hall/1"] * 3, "t": [0.0, 0.1, 0.1]}
+    kinds = {"kind": ["launch", "net", "table"]}
+    states = zeros(*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS)
+    return pd.DataFrame({**head, **kinds, **states, **changes})
+
+
 def samples():
     head = {"recording_id": ["hall/1"] * 3, "episode_id": ["hall/1/00"] * 3, "arc": [0, 0, 1]}
     values = zeros(*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS)
@@ -46,17 +63,20 @@ def contacts():
     return pd.DataFrame({**head, **zeros("t", *POSITION_COLUMNS, "speed_change")})
 
 
-def episodes():
+def episodes(**changes):
     head = {"episode_id": ["a", "b", "c"], "recording_id": ["hall/1"] * 3, "source": ["hall"] * 3}
     ends = {"starts_with": ["launch"] * 3, "ends_with": ["gap"] * 3}
     counts = {"samples": [5] * 3, "outliers": [0] * 3, "bounces": [1] * 3}
     values = {**head, **zeros("start", "end"), **ends, **counts, **zeros("residual")}
-    return pd.DataFrame({**values, "unbroken": [True] * 3})
+    shares = {"unbroken": [True] * 3, "split": ["train"] * 3, "replay_set": ["none"] * 3}
+    return pd.DataFrame({**values, **shares, **changes})
 
 
 TABLES = [
     (recordings, RECORDINGS),
     (launches, LAUNCHES),
+    (points, POINTS),
+    (true_contacts, TRUE_CONTACTS),
     (samples, SAMPLES),
     (contacts, CONTACTS),
     (episodes, EPISODES),
@@ -112,8 +132,27 @@ def test_time_may_start_again_in_another_recording():
     assert checked(table, RECORDINGS)["t"].tolist() == [0.0, 0.1, 0.0]
 
 
-def test_an_empty_table_keeps_its_contract():
-    assert checked(recordings().iloc[:0], RECORDINGS).empty
+@pytest.mark.parametrize(
+    ("table", "contract", "problem"),
+    [
+        (points(end=[1.0, 2.0, 5.0]), POINTS, "end must be after start"),
+        (points(winner=["far", "me", "far"]), POINTS, "row 2, winner: breaks isin"),
+        (points(ended_by="rain"), POINTS, "row 1, ended_by: breaks isin"),
+        (true_contacts(kind="wall"), TRUE_CONTACTS, "row 1, kind: breaks isin"),
+        (true_contacts(t=[0.0, 0.2, 0.1]), TRUE_CONTACTS, ": time must not go back"),
+        (episodes(split=["train", "test", "train"]), EPISODES, ": every recording must be in one"),
+        (true_contacts(wx=[0.0, np.nan, 0.0]), TRUE_CONTACTS, "row 2, wx: breaks not_nullable"),
+    ],
+)
+def test_what_cannot_be_is_named(table, contract, problem):
+    with pytest.raises(InputError, match=f"table of {contract.name}.*{problem}"):
+        checked(table, contract)
+
+
+@pytest.mark.parametrize(("table", "contract"), TABLES)
+def test_a_table_without_rows_keeps_its_contract(table, contract):
+    assert checked(table().iloc[:0], contract).empty
+    pd.testing.assert_frame_equal(checked(empty(contract), contract), table().iloc[:0])
 
 
 @pytest.mark.parametrize(

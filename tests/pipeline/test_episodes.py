@@ -4,36 +4,50 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.artifacts import write_table
+from pipeline.artifacts import table_writer, write_table
+from pipeline.contracts import SAMPLES, empty
 from pipeline.episodes import read_episodes
-from tests.stages.test_evaluate_predictor import episode_tables
+from tests.pipeline.measured_shots import shot_tables
 
 HALF = 50  # samples in the first of two episodes
 
 
 def cut_in_two(folder, *, starts_with, kind):
     """Leave one labelled shot as two episodes, the second begun by a racket or a gap."""
-    samples, contact, episode = episode_tables("lab", 0, labelled=True)
-    samples.loc[HALF:, "episode_id"] = "lab/0/01"
+    samples, contacts, episodes, _ = shot_tables("labelled", 0)
+    samples.loc[HALF:, "episode_id"] = "labelled/0/01"
     start = samples["t"][HALF]
-    second = {"episode_id": "lab/0/01", "starts_with": starts_with, "start": start}
-    contacts = [contact | {"episode_id": "lab/0/01", "kind": kind, "t": start}] if kind else []
+    second = {"episode_id": "labelled/0/01", "starts_with": starts_with, "start": start}
+    contacts = contacts.assign(episode_id="labelled/0/01", kind=kind or "none", t=start)
     write_table(folder / "samples.parquet", samples)
-    write_table(
-        folder / "contacts.parquet",
-        pd.DataFrame(contacts, columns=list(contact)).astype(
-            {name: type(value) for name, value in contact.items()}
-        ),
-    )
-    write_table(folder / "episodes.parquet", pd.DataFrame([episode, episode | second]))
+    write_table(folder / "contacts.parquet", contacts if kind else contacts.iloc[:0])
+    write_table(folder / "episodes.parquet", pd.concat([episodes, episodes.assign(**second)]))
 
 
 @pytest.mark.parametrize(("starts_with", "kind"), [("racket", "racket"), ("gap", None)])
 def test_the_label_of_a_shot_does_not_outlive_a_stroke_or_a_gap(tmp_path, starts_with, kind):
     cut_in_two(tmp_path, starts_with=starts_with, kind=kind)
-    first, second = read_episodes(tmp_path, {"lab"})
+    first, second = read_episodes(tmp_path, {"labelled"})
     assert np.isfinite(first.episode.spins).all()
     assert np.isnan(second.episode.spins).all()
+
+
+@pytest.mark.parametrize("wanted", [["train"], ["test"], ["train", "test"]])
+def test_only_the_splits_asked_for_are_read(tmp_path, wanted):
+    parts = [shot_tables("labelled", number) for number in range(2)]
+    samples, contacts, episodes, _ = zip(*parts, strict=True)
+    with table_writer(tmp_path / "samples.parquet", empty(SAMPLES)) as add:
+        for rows in samples:
+            add(rows)
+    write_table(tmp_path / "contacts.parquet", pd.concat(contacts))
+    table = pd.concat(episodes).assign(split=["train", "test"])
+    write_table(tmp_path / "episodes.parquet", table)
+    read = read_episodes(tmp_path, set(), wanted)
+    assert [one.split for one in read] == wanted
+    for one in read:
+        own = samples[["train", "test"].index(one.split)]
+        np.testing.assert_array_equal(one.episode.positions, own[["px", "py", "pz"]])
+        assert len(one.episode.bounces) == 1
 
 
 def test_labels_of_every_sample_hold_whatever_the_ball_meets(tmp_path):

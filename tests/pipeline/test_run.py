@@ -147,6 +147,50 @@ def test_a_killed_stage_leaves_no_half_file_and_runs_again(repository):
     assert [str(path) for path in files(repository / "artifacts")] == ["segment/episodes.parquet"]
 
 
+def segment_at_length(run: StageRun) -> None:
+    """A stage that counts its runs in a scratch file, and fails the first two times."""
+    file = run.scratch("counting") / "runs"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    runs = int(file.read_text()) + 1 if file.exists() else 1
+    file.write_text(str(runs))
+    write_table(run.artifact("episodes.parquet"), pd.DataFrame({"a": [1]}))
+    run.timings["counting"] = {"runs": runs}
+    if runs < 3:
+        raise RuntimeError("too early")
+
+
+segment_at_length.__name__ = "segment"
+
+
+def test_a_failed_run_leaves_its_scratch_to_the_next_and_nothing_else(repository):
+    for _ in range(2):
+        with pytest.raises(RuntimeError, match="early"):
+            run_stage(segment_at_length)
+    assert files(repository / "artifacts") == files(repository / "reports") == {}
+    assert not Path("timings").exists()
+    run_stage(segment_at_length)
+    assert files(repository / "scratch") == {}
+
+
+def test_a_run_with_other_inputs_does_not_take_up_the_scratch(repository):
+    for text in ("2", "3"):
+        (repository / "code" / "a.py").write_text(text)
+        with pytest.raises(RuntimeError, match="early"):
+            run_stage(segment_at_length)
+    counts = [path.read_text() for path in (repository / "scratch").rglob("runs")]
+    assert counts == ["1", "1"]
+
+
+def test_timings_are_written_down_beside_the_outputs_not_in_them(repository):
+    for _ in range(2):
+        with pytest.raises(RuntimeError, match="early"):
+            run_stage(segment_at_length)
+    run_stage(segment_at_length)
+    assert json.loads(Path("timings/segment.json").read_text()) == {"counting": {"runs": 3}}
+    outputs = {**files(repository / "artifacts"), **files(repository / "reports")}
+    assert outputs and not any(b"runs" in content for content in outputs.values())
+
+
 def test_an_input_data_set_is_noted_with_its_digest(repository):
     run = StageRun("segment", repository, load_params(Path("params.yaml")))
     run.log_input("code", repository / "code" / "a.py", 7)

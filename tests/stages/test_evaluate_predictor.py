@@ -1,109 +1,24 @@
 """The evaluation on measured balls whose physics is known."""
 
 import json
-from pathlib import Path
+import shutil
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from models.ball.simulators import shipped
-from pipeline.artifacts import read_table, write_json, write_table
-from pipeline.contracts import CONTACTS, EPISODES, SAMPLES, checked
+from pipeline.artifacts import read_table, write_table
 from pipeline.errors import InputError
 from pipeline.figures.shots import read_shots
-from pipeline.params import PhysicsPredictorSettings, load_params
 from pipeline.run import StageRun
 from stages.evaluate_predictor import evaluate_predictor
-
-TIMES = 0.005 * np.arange(101)
-TRUTH = shipped("literature")
-PREDICTORS = {
-    "physics_true": PhysicsPredictorSettings(kind="physics", simulator="literature"),
-    "physics_c": PhysicsPredictorSettings(kind="physics", simulator="imperfect_c"),
-}
-
-
-def params():
-    repository = load_params(Path(__file__).parents[2] / "params.yaml")
-    changes = {"predictors": PREDICTORS, "bootstrap_resamples": 50}
-    evaluation = repository.evaluate_predictor.model_copy(update=changes)
-    return repository.model_copy(update={"evaluate_predictor": evaluation})
-
-
-def episode_tables(source, number, labelled, unbroken=True):
-    """One clean shot from a cannon, as the segment stage would leave it."""
-    ball = [0.1 * number, 1.3, 0.3, 0.2, -8.0, 0.5, -150.0 + 20 * number, 10.0, 5.0]
-    flight = TRUTH.fly(ball, TIMES)
-    states, bounce = flight.states[0], flight.contacts.time[0, 0]
-    recording, name = f"{source}/{number}", f"{source}/{number}/00"
-    spins = states[:, 6:] if labelled else np.full((len(TIMES), 3), np.nan)
-    frame = pd.DataFrame(
-        np.hstack([states[:, :6], spins]),
-        columns=["px", "py", "pz", "vx", "vy", "vz", "wx", "wy", "wz"],
-    )
-    frame.insert(0, "t", TIMES)
-    frame.insert(0, "arc", (bounce < TIMES).astype(int))
-    frame.insert(0, "episode_id", name)
-    frame.insert(0, "recording_id", recording)
-    frame["outlier"] = False
-    contact = {
-        "recording_id": recording,
-        "episode_id": name,
-        "kind": "table",
-        "t": bounce,
-        "px": 0.0,
-        "py": 0.0,
-        "pz": 0.02,
-        "speed_change": 4.0,
-    }
-    episode = {
-        "episode_id": name,
-        "recording_id": recording,
-        "source": source,
-        "start": 0.0,
-        "end": TIMES[-1],
-        "starts_with": "launch",
-        "ends_with": "recording",
-        "samples": len(TIMES),
-        "outliers": 0,
-        "bounces": 1,
-        "residual": 0.003,
-        "unbroken": unbroken,
-    }
-    return frame, contact, episode
-
-
-def write_inputs(root, *, broken_too=False):
-    parts = [episode_tables("labelled", k, labelled=True) for k in range(3)]
-    parts += [episode_tables("plain", k, labelled=False) for k in range(3)]
-    if broken_too:
-        broken = episode_tables("plain", 3, labelled=False, unbroken=False)
-        broken[0]["px"] += 3.0
-        parts.append(broken)
-    samples, contacts, episodes = zip(*parts, strict=True)
-    folder = root / "artifacts" / "segment"
-    write_table(folder / "samples.parquet", checked(pd.concat(samples, ignore_index=True), SAMPLES))
-    write_table(folder / "contacts.parquet", checked(pd.DataFrame(contacts), CONTACTS))
-    write_table(folder / "episodes.parquet", checked(pd.DataFrame(episodes), EPISODES))
-    common = {
-        "kind": "cannon",
-        "licence": "made for this test",
-        "note": "made for this test",
-        "rate_hz": 200.0,
-        "recordings": 3,
-        "launches": 0,
-        "rows_read": 303,
-        "rows_kept": 303,
-        "rows_refused": {},
-        "labels_refused": {},
-        "files": [],
-    }
-    sources = {
-        name: {"name": name, "spin": spin, **common}
-        for name, spin in (("labelled", "per_recording"), ("plain", "none"))
-    }
-    write_json(root / "artifacts" / "ingest" / "manifest.json", {"sources": sources})
+from tests.pipeline.measured_shots import (
+    NOISE,
+    params,
+    shot_tables,
+    write_inputs,
+    write_trained,
+)
 
 
 def evaluated(root, **inputs):
@@ -113,17 +28,27 @@ def evaluated(root, **inputs):
     return run, json.loads(run.report("metrics.json").read_text())
 
 
-def test_metrics_name_set_predictor_quantity_and_horizon(tmp_path):
-    _, metrics = evaluated(tmp_path)
-    assert set(metrics) == {"labelled", "plain"}
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """One run on all sets; not to be changed."""
+    return evaluated(tmp_path_factory.mktemp("whole"))
+
+
+def table(run, name):
+    return pd.read_csv(run.report(f"{name}.csv"))
+
+
+def test_metrics_name_set_predictor_quantity_and_horizon(whole):
+    _, metrics = whole
+    assert set(metrics) == {"arena", "arena_truth", "labelled", "plain"}
     leaf = metrics["labelled"]["physics_true"]["position"]["300"]
     assert set(leaf) == {"mean", "std", "n"}
     horizons = list(metrics["plain"]["physics_c"]["velocity"])
     assert horizons == [str(ms) for ms in range(100, 301, 5)]
 
 
-def test_the_true_simulator_forecasts_best_where_the_spin_is_labelled(tmp_path):
-    _, metrics = evaluated(tmp_path)
+def test_the_true_simulator_forecasts_best_where_the_spin_is_labelled(whole):
+    _, metrics = whole
     true, wrong = (
         metrics["labelled"][name]["position"]["200"] for name in ("physics_true", "physics_c")
     )
@@ -131,18 +56,80 @@ def test_the_true_simulator_forecasts_best_where_the_spin_is_labelled(tmp_path):
     assert true["n"] == wrong["n"] > 0
 
 
-def test_unlabelled_spin_is_not_evaluated_and_a_label_ends_at_the_bounce(tmp_path):
-    _, metrics = evaluated(tmp_path)
+def test_the_oracle_forecasts_on_the_arena_alone_and_knows_its_physics(whole):
+    _, metrics = whole
+    trained = {"physics_true", "physics_c", "tiny"}
+    assert set(metrics["labelled"]) == set(metrics["plain"]) == trained
+    assert set(metrics["arena"]) == {*trained, "oracle"}
+    assert metrics["arena"]["oracle"] == metrics["arena"]["physics_true"]  # the same simulator
+
+
+def test_the_truth_is_met_on_the_same_windows_without_the_cameras_noise(whole):
+    _, metrics = whole
+    measured, true = (metrics[name]["oracle"]["position"] for name in ("arena", "arena_truth"))
+    assert [one["n"] for one in measured.values()] == [one["n"] for one in true.values()]
+    squares = [
+        np.mean([one["mean"] ** 2 + one["std"] ** 2 for one in errors.values()])
+        for errors in (measured, true)
+    ]
+    # The noise of three coordinates, which no forecast can know, in mm.
+    assert squares[0] - squares[1] == pytest.approx(3 * (1000 * NOISE) ** 2, rel=0.3)
+
+
+def test_every_predictor_that_was_trained_is_evaluated(tmp_path):
+    write_trained(tmp_path, "tiny_fine_tuned", sources=["plain"], starts_from="tiny")
+    run, metrics = evaluated(tmp_path, sources=("plain",))
+    assert set(metrics["plain"]) == {"physics_true", "physics_c", "tiny", "tiny_fine_tuned"}
+    tuned = table(run, "predictors").set_index("predictor").loc["tiny_fine_tuned"]
+    assert (tuned["starts from"], tuned["trained on"]) == ("tiny", "plain")
+    assert tuned["parameters"] > 1000
+
+
+def test_without_a_trained_predictor_the_stage_to_run_is_named(tmp_path):
+    write_inputs(tmp_path, sources=("plain",))
+    shutil.rmtree(tmp_path / "artifacts" / "train_predictor")
+    with pytest.raises(InputError, match="dvc repro train_predictor"):
+        evaluate_predictor(StageRun("evaluate_predictor", tmp_path, params()))
+
+
+def test_trained_predictors_are_compared_with_each_other_one_on_the_same_windows(whole):
+    run, metrics = whole
+    rows = table(run, "forecast_error_difference")
+    arena = rows[rows.set == "arena"]
+    pairs = set(zip(arena.predictor, arena.other, strict=True))
+    assert pairs == {("tiny", name) for name in ("physics_true", "physics_c", "oracle")}
+    assert (arena.lower_share == 0).all()  # it was not really trained
+    row = rows.query("set == 'plain' and other == 'physics_c' and quantity == 'position'").iloc[0]
+    mean = {name: metrics["plain"][name]["position"]["100"]["mean"] for name in ("tiny", row.other)}
+    assert row["mean"] == pytest.approx(mean["tiny"] - mean[row.other], rel=1e-4)
+    assert row.ci_low <= row["mean"] <= row.ci_high
+
+
+def test_errors_are_told_apart_by_group_of_recordings(whole):
+    run, metrics = whole
+    rows = table(run, "forecast_error_by_group")
+    assert set(rows[rows.set == "arena"].group) == {"cannon", "pro"}
+    assert set(rows[rows.set != "arena"].group) == {"all"}
+    oracle = rows.query("set == 'arena' and predictor == 'oracle'")
+    mean = np.average(oracle["mean"], weights=oracle["n"])
+    assert mean == pytest.approx(metrics["arena"]["oracle"]["position"]["300"]["mean"], rel=1e-4)
+
+
+def test_unlabelled_spin_is_not_evaluated_and_a_label_ends_at_the_bounce(whole):
+    _, metrics = whole
     assert "spin" not in metrics["plain"]["physics_true"]
     labelled = metrics["labelled"]["physics_true"]
     assert labelled["spin"]["100"]["mean"] < 1.0  # a stale label would be off by the bounce's spin
     assert labelled["spin"]["100"]["n"] < labelled["position"]["100"]["n"]
 
 
-def test_broken_episodes_are_left_out(tmp_path):
-    _, whole = evaluated(tmp_path / "a")
-    _, with_broken = evaluated(tmp_path / "b", broken_too=True)
-    assert with_broken == whole
+@pytest.mark.parametrize("change", [{"unbroken": False}, {"split": "train"}])
+def test_episodes_that_are_broken_or_not_for_testing_are_left_out(tmp_path, change):
+    _, alone = evaluated(tmp_path / "a", sources=("plain",))
+    more = shot_tables("plain", 3, **change)
+    more[0]["px"] += 3.0
+    _, metrics = evaluated(tmp_path / "b", sources=("plain",), shots=[more])
+    assert metrics == alone
 
 
 def test_episodes_without_a_window_are_one_error_and_no_metrics(tmp_path):
@@ -150,31 +137,30 @@ def test_episodes_without_a_window_are_one_error_and_no_metrics(tmp_path):
     path = tmp_path / "artifacts" / "segment" / "episodes.parquet"
     write_table(path, read_table(path).assign(unbroken=False))
     run = StageRun("evaluate_predictor", tmp_path, params())
-    with pytest.raises(InputError, match="no unbroken episode has a window"):
+    with pytest.raises(InputError, match="no unbroken test episode has a window"):
         evaluate_predictor(run)
     assert not run.report("metrics.json").exists()
 
 
-def test_the_same_inputs_give_the_same_bytes(tmp_path):
-    for name in ("a", "b"):
-        evaluated(tmp_path / name)
-    files = [path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*.*")]
-    assert len(files) > 8
-    for path in files:
-        if path.suffix in {".json", ".csv", ".png"}:
-            assert (tmp_path / "a" / path).read_bytes() == (tmp_path / "b" / path).read_bytes()
+def test_the_same_inputs_give_the_same_bytes(tmp_path, whole):
+    evaluated(tmp_path)
+    once, again = whole[0].root, tmp_path
+    written = [path for path in once.rglob("*") if path.suffix in {".json", ".csv", ".png"}]
+    assert len(written) > 10
+    for path in written:
+        assert path.read_bytes() == (again / path.relative_to(once)).read_bytes()
 
 
-def test_shots_take_turns_between_the_sets(tmp_path):
-    run, _ = evaluated(tmp_path)
+def test_shots_take_turns_between_the_sets(whole):
+    run, _ = whole
     shots = read_shots(run.artifact("shots.json"))
-    assert [shot.source for shot in shots] == ["labelled", "plain"] * 3
-    assert set(shots[0].forecasts) == {"physics_true", "physics_c"}
+    assert [shot.source for shot in shots][:6] == ["arena", "labelled", "plain"] * 2
+    assert set(shots[0].forecasts) - set(shots[1].forecasts) == {"oracle"}
 
 
-def test_a_bounce_makes_forecasting_harder_for_the_wrong_table(tmp_path):
-    run, _ = evaluated(tmp_path)
-    rows = pd.read_csv(run.report("forecast_error.csv"))
+def test_a_bounce_makes_forecasting_harder_for_the_wrong_table(whole):
+    run, _ = whole
+    rows = table(run, "forecast_error")
     chosen = rows[
         (rows.predictor == "physics_c") & (rows.quantity == "velocity") & (rows.horizon_ms == 300)
     ]

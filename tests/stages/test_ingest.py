@@ -1,26 +1,16 @@
 """The ingest stage, from files to artefacts and report."""
 
 import json
-from types import SimpleNamespace
 
 import pandas as pd
 import pytest
 
 from pipeline.artifacts import read_json, read_table
-from pipeline.contracts import LAUNCHES, RECORDINGS, checked
+from pipeline.contracts import LAUNCHES, POINTS, RECORDINGS, TRUE_CONTACTS, checked
 from pipeline.errors import InputError
-from pipeline.run import StageRun
 from pipeline.sources.manifest import read_manifest
-from pipeline.sources.settings import IngestSettings
-from stages.ingest import ingest
-from tests.pipeline.sources.made_up import CANNON, WRITERS, write_tt3d
-
-
-def run_ingest(root, folder, *sources):
-    settings = IngestSettings(folder=folder, sources=list(sources), synthetic_cannon=CANNON)
-    run = StageRun("ingest", root, SimpleNamespace(ingest=settings, seed=0))
-    ingest(run)
-    return run
+from tests.pipeline.sources.made_up import ARENA, WRITERS, write_tt3d
+from tests.stages.small_runs import run_ingest
 
 
 def files(root):
@@ -36,7 +26,7 @@ def everything(tmp_path):
 
 
 def test_tables_and_manifest_are_left_for_the_next_stages(tmp_path, everything):
-    run = run_ingest(tmp_path / "run", everything, *WRITERS)
+    run = run_ingest(tmp_path / "run", everything, WRITERS)
 
     recordings = checked(read_table(run.artifact("recordings.parquet")), RECORDINGS)
     launches = checked(read_table(run.artifact("launches.parquet")), LAUNCHES)
@@ -45,11 +35,42 @@ def test_tables_and_manifest_are_left_for_the_next_stages(tmp_path, everything):
     assert list(manifest.sources) == list(WRITERS)
 
 
+def test_the_truth_of_simulated_balls_is_left_apart(tmp_path):
+    run = run_ingest(tmp_path)
+
+    recordings = checked(read_table(run.artifact("recordings.parquet")), RECORDINGS)
+    contacts = checked(read_table(run.artifact("true_contacts.parquet")), TRUE_CONTACTS)
+    checked(read_table(run.artifact("points.parquet")), POINTS)
+    assert set(contacts["recording_id"]) == set(recordings["recording_id"])
+    assert read_json(run.artifact("truth.json"))["seed"] == 0
+
+
+def test_simulated_launches_stand_beside_measured_ones(tmp_path, everything):
+    run = run_ingest(tmp_path / "run", everything, ["arena", "competitive_robot_table_tennis"])
+
+    table = pd.read_csv(run.report("launch_distributions.csv"))
+    speeds = table[table["quantity"] == "speed (m/s)"].set_index(["stroke", "group"])["launches"]
+    assert speeds.to_dict() == {
+        ("cannon", "cannon"): ARENA.cannon_shots,
+        ("rally", "measured"): 2,
+        ("serve", "measured"): 1,
+    }
+
+
+def test_measured_balls_leave_an_empty_truth(tmp_path, everything):
+    run = run_ingest(tmp_path / "run", everything, ["tt3d"])
+
+    assert read_json(run.artifact("truth.json")) is None
+    assert read_table(run.artifact("true_contacts.parquet")).empty
+    assert read_table(run.artifact("points.parquet")).empty
+    assert len(pd.read_csv(run.report("launch_distributions.csv"))) == 0
+
+
 def test_metrics_say_what_was_read_and_refused(tmp_path, everything):
     with (everything / "tt3d" / "003.csv").open("a") as file:
         file.write("15.021,0,0,0.3\n15.030,0,0,zero\n")
 
-    run = run_ingest(tmp_path / "run", everything, "tt3d", "competitive_robot_table_tennis")
+    run = run_ingest(tmp_path / "run", everything, ["tt3d", "competitive_robot_table_tennis"])
 
     metrics = read_json(run.report("metrics.json"))
     assert metrics["tt3d"] == {
@@ -65,28 +86,33 @@ def test_metrics_say_what_was_read_and_refused(tmp_path, everything):
 
 
 def test_the_report_shows_every_source(tmp_path, everything):
-    run = run_ingest(tmp_path / "run", everything, *WRITERS)
+    run = run_ingest(tmp_path / "run", everything, WRITERS)
 
     table = pd.read_csv(run.report("sources.csv")).set_index("source")
     assert list(table.index) == list(WRITERS)
     assert table.loc["tt3d", "licence"] == "not stated upstream"
     assert run.report("figures/measured_balls.png").read_bytes().startswith(b"\x89PNG")
-    assert [item.title for item in run.items] == ["Measured balls", "Sources"]
+    assert [item.file for item in run.items] == [
+        "figures/measured_balls.png",
+        "sources.csv",
+        "figures/launches.png",
+        "launch_distributions.csv",
+    ]
 
 
 def test_running_twice_writes_the_same_bytes(tmp_path, everything):
     for name in ("one", "two"):
-        run_ingest(tmp_path / name, everything, "synthetic_cannon", *WRITERS)
+        run_ingest(tmp_path / name, everything, ["arena", *WRITERS])
 
     one, two = files(tmp_path / "one"), files(tmp_path / "two")
     assert {name: path.read_bytes() for name, path in one.items()} == {
         name: path.read_bytes() for name, path in two.items()
     }
-    assert len(one) == 6
+    assert len(one) == 11
 
 
 def test_nothing_tells_where_the_data_lay(tmp_path, everything):
-    run_ingest(tmp_path / "run", everything, *WRITERS)
+    run_ingest(tmp_path / "run", everything, WRITERS)
 
     assert not [
         name
@@ -100,9 +126,9 @@ def test_a_bad_file_among_good_ones_stops_it_before_anything_is_written(tmp_path
     (tmp_path / "tt3d" / "004.csv").write_text(json.dumps(["not", "a", "rally"]))
 
     with pytest.raises(InputError, match=r"004\.csv"):
-        run_ingest(tmp_path / "run", tmp_path, "tt3d")
+        run_ingest(tmp_path / "run", tmp_path, ["tt3d"])
 
-    assert not (tmp_path / "run").exists()
+    assert files(tmp_path / "run") == {}
 
 
 @pytest.mark.parametrize("target", [".", "loop"])
@@ -110,4 +136,4 @@ def test_links_that_loop_are_one_error(tmp_path, target):
     write_tt3d(tmp_path)
     (tmp_path / "tt3d" / "loop").symlink_to(target)
     with pytest.raises(InputError, match=r"tt3d.*(loop|symbolic links)"):
-        run_ingest(tmp_path / "run", tmp_path, "tt3d")
+        run_ingest(tmp_path / "run", tmp_path, ["tt3d"])

@@ -1,79 +1,94 @@
 """The segment stage, from what ingest left to artefacts and report."""
 
-from types import SimpleNamespace
+import shutil
+from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from models.segmentation.settings import SegmentSettings
-from pipeline.artifacts import read_json, read_table, write_table
-from pipeline.contracts import CONTACTS, EPISODES, SAMPLES, checked
+from models.segmentation.tables import segment_recordings
+from pipeline.artifacts import read_json, read_row_groups, read_table, table_writer, write_table
+from pipeline.contracts import CONTACTS, EPISODES, RECORDINGS, SAMPLES, checked, empty
 from pipeline.errors import InputError
-from pipeline.run import StageRun
-from pipeline.sources.settings import IngestSettings
-from stages.ingest import ingest
-from stages.segment import segment
-from tests.pipeline.sources.made_up import CANNON
+from tests.pipeline.sources.made_up import ARENA
+from tests.stages.small_runs import run_ingest, run_segment
 
 TABLES = {"samples": SAMPLES, "contacts": CONTACTS, "episodes": EPISODES}
-
-
-def run_ingest(root, folder=None, source="synthetic_cannon"):
-    settings = IngestSettings(folder=folder, sources=[source], synthetic_cannon=CANNON)
-    ingest(StageRun("ingest", root, SimpleNamespace(ingest=settings, seed=0)))
-
-
-def run_segment(root):
-    run = StageRun("segment", root, SimpleNamespace(segment=SegmentSettings(), seed=0))
-    segment(run)
-    return run
 
 
 def contents(root):
     return {path.name: path.read_bytes() for path in root.rglob("segment/**/*") if path.is_file()}
 
 
-def test_tables_are_left_for_the_next_stages(tmp_path):
-    run_ingest(tmp_path)
-    run = run_segment(tmp_path)
+@pytest.fixture(scope="module")
+def run(ingested, tmp_path_factory):
+    """One run on what `ingest` left; not to be changed."""
+    return run_segment(copied(ingested, tmp_path_factory.mktemp("run")))
+
+
+def copied(root, folder):
+    return Path(shutil.copytree(root, folder, dirs_exist_ok=True))
+
+
+def test_tables_are_left_for_the_next_stages(run):
     tables = {
         name: checked(read_table(run.artifact(f"{name}.parquet")), contract)
         for name, contract in TABLES.items()
     }
     assert set(tables["episodes"]["starts_with"]) == {"launch"}
-    assert len(tables["episodes"]) == CANNON.shots
+    assert len(tables["episodes"]) == ARENA.cannon_shots
 
 
-def test_metrics_agree_with_the_tables(tmp_path):
-    run_ingest(tmp_path)
-    run = run_segment(tmp_path)
-    metrics = read_json(run.report("metrics.json"))["synthetic_cannon"]
+def test_metrics_agree_with_the_tables(run):
+    metrics = read_json(run.report("metrics.json"))["arena"]
     contacts = read_table(run.artifact("contacts.parquet"))
     episodes = read_table(run.artifact("episodes.parquet"))
-    assert metrics["recordings"] == metrics["episodes"] == CANNON.shots
+    assert metrics["recordings"] == metrics["episodes"] == ARENA.cannon_shots
     assert metrics["contacts"] == contacts["kind"].value_counts().to_dict()
     assert metrics["unbroken_share"] == pytest.approx(episodes["unbroken"].mean(), abs=1e-4)
     assert metrics["gaps"] == 0
+    assert metrics["split"] == episodes["split"].value_counts().to_dict()
 
 
-def test_each_source_has_its_figure(tmp_path):
-    run_ingest(tmp_path)
-    run = run_segment(tmp_path)
-    assert [item.file for item in run.items] == ["figures/cuts_synthetic_cannon.png"]
-    assert run.report("figures/cuts_synthetic_cannon.png").stat().st_size > 10_000
+def test_each_source_has_its_figure_and_splits_a_table(run):
+    assert [item.file for item in run.items] == ["figures/cuts_arena.png", "splits.csv"]
+    assert run.report("figures/cuts_arena.png").stat().st_size > 10_000
+    splits = pd.read_csv(run.report("splits.csv"), keep_default_na=False)
+    assert splits["episodes"].sum() == ARENA.cannon_shots
+    assert set(splits["group"]) == {"cannon"}
 
 
-def test_running_twice_writes_the_same_bytes(tmp_path):
-    run_ingest(tmp_path)
-    run_segment(tmp_path)
-    first = contents(tmp_path)
-    run_segment(tmp_path)
-    assert contents(tmp_path) == first
-    assert len(first) == 5
+def test_row_groups_make_no_difference(ingested, run, tmp_path):
+    path = ingested / "artifacts/ingest/recordings.parquet"
+    recordings = read_table(path)
+    parts = tmp_path / "artifacts/ingest"
+    with table_writer(parts / "recordings.parquet", empty(RECORDINGS)) as add:
+        for _, rows in recordings.groupby("recording_id"):
+            add(rows)
+    (parts / "manifest.json").write_bytes(path.with_name("manifest.json").read_bytes())
+    again = run_segment(tmp_path)
+    assert len(list(read_row_groups(again.artifact("samples.parquet")))) == ARENA.cannon_shots
+    for name in TABLES:
+        one, other = (read_table(each.artifact(f"{name}.parquet")) for each in (run, again))
+        pd.testing.assert_frame_equal(one, other)
 
 
-def test_no_recording_is_an_input_error(tmp_path):
-    run_ingest(tmp_path)
-    path = tmp_path / "artifacts/ingest/recordings.parquet"
+def test_samples_are_those_of_the_algorithm(ingested, run):
+    recordings = read_table(ingested / "artifacts/ingest/recordings.parquet")
+    found = segment_recordings(recordings, lambda _: True, SegmentSettings())
+    pd.testing.assert_frame_equal(read_table(run.artifact("samples.parquet")), found.samples)
+
+
+def test_running_again_writes_the_same_bytes_and_says_what_is_too_little(run, tmp_path, capsys):
+    again = run_segment(copied(run.root, tmp_path))
+    assert contents(again.root) == contents(run.root)
+    assert len(contents(run.root)) == 6
+    assert "warning: arena has 1 of 500 shots to test on" in capsys.readouterr().err
+
+
+def test_no_recording_is_an_input_error(ingested, tmp_path):
+    path = copied(ingested, tmp_path) / "artifacts/ingest/recordings.parquet"
     write_table(path, read_table(path).iloc[:0])
     with pytest.raises(InputError, match="holds no recording"):
         run_segment(tmp_path)
@@ -86,7 +101,7 @@ def test_missing_input_names_what_to_run(tmp_path):
 
 @pytest.mark.real
 def test_real_rallies(tmp_path, real_data):
-    run_ingest(tmp_path, real_data, "tt3d")
+    run_ingest(tmp_path, real_data, ["tt3d"])
     metrics = read_json(run_segment(tmp_path).report("metrics.json"))["tt3d"]
     assert metrics["recordings"] == metrics["episodes"] == 70
     assert metrics["contacts"] == {"table": 70, "unknown": 1}

@@ -106,4 +106,6 @@ def _write_all_contents(root: Path, title: str) -> None:
     }
     write_stage(root, "ingest", [{"kind": "table", **sources}])
     write_stage(root, "segment", [{"kind": "table", **contacts}])
+    for stage in ("score_segmentation", "train_predictor"):
+        write_stage(root, stage, [])
     write_stage(root, "evaluate_predictor", [{"kind": "figure", **errors}])

@@ -17,16 +17,20 @@ def png(frame):
     return buffer.getvalue()
 
 
-def test_lines_are_mean_and_standard_deviation():
+@pytest.mark.parametrize(
+    ("panel", "window", "number"),
+    [(0, "all", "mean"), (3, "all", "std"), (6, "with", "mean"), (9, "without", "mean")],
+)
+def test_lines_are_the_numbers_of_the_row(panel, window, number):
     frame = forecast_errors()
-    panel = forecast_error_figure(frame).axes[3]  # second row: with a bounce, position
+    axes = forecast_error_figure(frame).axes[panel]  # of the first quantity, position
 
-    drawn = [line.get_ydata() for line in panel.lines if line.get_color() == "#0f7fc4"]
+    drawn = [line.get_ydata() for line in axes.lines if line.get_color() == "#0f7fc4"]
 
-    rows = frame.query("predictor == 'physics_c' and quantity == 'position' and bounce == 'with'")
-    np.testing.assert_array_equal(drawn, [rows["mean"], rows["std"]])
+    rows = frame.query("predictor == 'physics_c' and quantity == 'position' and bounce == @window")
+    np.testing.assert_array_equal(drawn, [rows[number]])
     assert predictor_colour("physics_c") == "#0f7fc4"
-    assert list(panel.lines[0].get_xdata()) == list(HORIZONS)
+    assert list(axes.lines[0].get_xdata()) == list(HORIZONS)
 
 
 def test_band_is_the_interval():
@@ -49,8 +53,8 @@ def test_order_of_rows_does_not_matter():
 @pytest.mark.parametrize(
     ("quantities", "windows", "panels"),
     [
-        (["position", "velocity", "spin"], ["all", "with", "without"], 9),
-        (["position", "velocity"], ["all", "without"], 4),
+        (["position", "velocity", "spin"], ["all", "with", "without"], 12),
+        (["position", "velocity"], ["all", "without"], 6),
     ],
 )
 def test_what_a_set_has_not_gets_no_panel(quantities, windows, panels):
@@ -60,11 +64,30 @@ def test_what_a_set_has_not_gets_no_panel(quantities, windows, panels):
     assert all(axes.lines for axes in figure.axes)
 
 
-def test_errors_of_windows_are_comparable_down_a_column():
+def test_means_are_comparable_down_a_column_and_the_spread_has_its_own_scale():
     axes = forecast_error_figure(forecast_errors()).axes
 
-    assert axes[0].get_ylim() == axes[3].get_ylim() == axes[6].get_ylim()
-    assert axes[0].get_ylim()[0] == 0
+    assert axes[0].get_ylim() == axes[6].get_ylim() == axes[9].get_ylim()
+    assert axes[0].get_ylim()[0] == axes[3].get_ylim()[0] == 0
+    assert axes[3].get_ylim()[1] < axes[0].get_ylim()[1]
+
+
+def test_a_quantity_never_measured_in_some_windows_leaves_their_panel_empty():
+    frame = forecast_errors().query("quantity != 'spin' or bounce != 'with'")
+
+    axes = forecast_error_figure(frame).axes[8]  # spin, with a bounce
+
+    assert [text.get_text() for text in axes.texts] == ["n = 0"]
+
+
+def test_the_legend_lists_physics_before_trained_predictors():
+    made_up = forecast_errors(["position"], ["all"])
+    trained = made_up.replace({"predictor": {"physics_c": "gru_tae"}})
+
+    figure = forecast_error_figure(pd.concat([trained, made_up]))
+
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names == ["physics_c", "physics_literature", "gru_tae"]
 
 
 def test_two_sets_in_one_figure_are_refused():

@@ -2,9 +2,16 @@
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from pipeline.contracts import POSITION_COLUMNS, VELOCITY_COLUMNS
-from pipeline.figures.measured_balls import DRAWN_BALLS, measured_balls_figure
+from pipeline.figures.measured_balls import (
+    DRAWN_BALLS,
+    DRAWN_LAUNCHES,
+    DRAWN_RUN,
+    drawn_rows,
+    measured_balls_figure,
+)
 
 BALLS = pd.DataFrame([[0.1, 1.0, 0.3], [0.2, -1.0, 0.4]], columns=POSITION_COLUMNS)
 
@@ -39,7 +46,30 @@ def test_a_launch_is_drawn_with_its_way():
     assert np.allclose(ends - starts, 0.03)
 
 
-def test_of_many_balls_an_even_choice_is_drawn():
-    many = pd.concat([BALLS] * DRAWN_BALLS, ignore_index=True)
+def test_of_many_launches_an_even_choice_is_drawn():
+    chosen = drawn_rows(10 * DRAWN_LAUNCHES, launches=True)
 
-    assert len(points(measured_balls_figure({"hall": many}).axes[0])) == DRAWN_BALLS
+    assert len(chosen) == DRAWN_LAUNCHES
+    assert (chosen[0], chosen[-1]) == (0, 10 * DRAWN_LAUNCHES - 1)
+    assert set(np.diff(chosen)) <= {10, 11}
+
+
+def test_of_many_balls_an_even_choice_of_runs_is_drawn():
+    chosen = drawn_rows(10 * DRAWN_BALLS, launches=False)
+
+    starts, within = chosen.reshape(-1, DRAWN_RUN)[:, 0], chosen.reshape(-1, DRAWN_RUN)
+    assert len(chosen) == DRAWN_BALLS
+    assert (np.diff(within) == 1).all()
+    assert (chosen[0], chosen[-1]) == (0, 10 * DRAWN_BALLS - 1)
+    assert np.ptp(np.diff(starts)) <= 1
+
+
+@pytest.mark.parametrize("rows", [1, DRAWN_BALLS, DRAWN_BALLS + 1])
+def test_rows_are_drawn_once_each(rows):
+    chosen = drawn_rows(rows, launches=False)
+
+    assert len(set(chosen)) == len(chosen) == min(rows, DRAWN_BALLS)
+
+
+def test_of_few_balls_all_are_drawn():
+    assert drawn_rows(3, launches=False).tolist() == [0, 1, 2]

@@ -1,22 +1,29 @@
 """Tiny sources in their upstream formats, and the settings to read them."""
 
 import json
+import tempfile
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
+import pandas as pd
 
-from pipeline.sources.gather import Gathered, gather
-from pipeline.sources.settings import IngestSettings, SyntheticCannonSettings
+from models.arena.settings import ArenaSettings
+from pipeline.artifacts import read_table
+from pipeline.sources.gather import TABLES, gather
+from pipeline.sources.manifest import Manifest
+from pipeline.sources.settings import IngestSettings
 
 TIMES = np.array([0.0, 0.007, 0.014, 0.021])
 # A ball towards -y, 5 m/s.
 PATH = np.array([[0.1, 1.0, 0.3], [0.1, 0.965, 0.301], [0.1, 0.93, 0.302], [0.1, 0.895, 0.303]])
 SPIN = [120.5, -358.75, 245.25]
 
-CANNON = SyntheticCannonSettings(
-    simulator="ground_truth",
-    shots=6,
+ARENA = ArenaSettings(
+    game_episodes=0,  # games come in batches, which take seconds
+    cannon_shots=6,
     rate_hz=200,
     position_noise=0.003,
     spin_noise=0.05,
@@ -25,10 +32,25 @@ CANNON = SyntheticCannonSettings(
 )
 
 
-def read(folder: Path | None, *sources: str, cannon=CANNON, seed=0) -> Gathered:
+@dataclass(frozen=True)
+class Read:
+    """What sources hold, all of it in memory."""
+
+    manifest: Manifest
+    truth: dict[str, Any] | None
+    recordings: pd.DataFrame
+    launches: pd.DataFrame
+    points: pd.DataFrame
+    true_contacts: pd.DataFrame
+
+
+def read(folder: Path | None, *sources: str, arena=ARENA, seed=0) -> Read:
     """Gather ``sources`` from ``folder``."""
-    settings = IngestSettings(folder=folder, sources=list(sources), synthetic_cannon=cannon)
-    return gather(settings, seed)
+    settings = IngestSettings(folder=folder, sources=list(sources), arena=arena)
+    with tempfile.TemporaryDirectory() as out:
+        gathered = gather(settings, seed, Path(out))
+        tables = {name: read_table(Path(out) / f"{name}.parquet") for name in TABLES}
+    return Read(gathered.manifest, gathered.truth, **tables)
 
 
 def lines(separator: str, *columns: np.ndarray) -> list[str]:

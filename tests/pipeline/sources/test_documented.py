@@ -27,6 +27,6 @@ def test_the_example_of_a_new_source_works(tmp_path, monkeypatch):
 
 
 def test_every_source_is_described():
-    described = re.findall(r"^\| `(\w+)` \|", PAGE, flags=re.MULTILINE)
+    described = re.findall(r"^\| \[?`(\w+)`(?:\]\(#\w+\))? \|", PAGE, flags=re.MULTILINE)
 
     assert set(described) == set(registry())

@@ -5,11 +5,14 @@ import hashlib
 import numpy as np
 import pytest
 
-from pipeline.artifacts import write_json
+from pipeline.artifacts import read_row_groups, write_json
 from pipeline.contracts import LAUNCHES, RECORDINGS, checked
 from pipeline.errors import InputError
+from pipeline.sources import intake
+from pipeline.sources.gather import gather
 from pipeline.sources.manifest import read_manifest
-from tests.pipeline.sources.made_up import WRITERS, lines, read, write_csv, write_lines
+from pipeline.sources.settings import IngestSettings
+from tests.pipeline.sources.made_up import ARENA, WRITERS, lines, read, write_csv, write_lines
 
 HEADER = "t,x,y,z"
 GOOD = ["0.00,0,1,0.3", "0.01,0,1,0.3", "0.02,0,1,0.3"]
@@ -154,6 +157,56 @@ def test_all_sources_end_in_the_two_tables(tmp_path):
     sources = gathered.recordings["recording_id"].str.split("/").str[0].unique()
     assert sources.tolist() == ["spindoe", "tt3d", "isr_ball_prediction", "csv"]
     assert len(gathered.launches) == 3
+
+
+@pytest.mark.parametrize("batch_rows", [1, 5])
+def test_the_size_of_a_batch_changes_nothing(tmp_path, monkeypatch, batch_rows):
+    for write in WRITERS.values():
+        write(tmp_path)
+    write_csv(tmp_path, "bad.csv", rows=[HEADER, *GOOD, "0.02,0,1,0.3", "x,0,1,0.3"])
+    write_csv(tmp_path, "single.csv", rows=[HEADER, GOOD[0]])
+    at_once = read(tmp_path, *WRITERS)
+
+    monkeypatch.setattr(intake, "BATCH_ROWS", batch_rows)
+    in_parts = read(tmp_path, *WRITERS)
+
+    assert in_parts.recordings.equals(at_once.recordings)
+    assert in_parts.launches.equals(at_once.launches)
+    assert in_parts.manifest == at_once.manifest
+
+
+def test_a_row_group_has_whole_recordings(tmp_path, monkeypatch):
+    for name in ("a", "b", "c", "d", "e"):
+        write_csv(tmp_path, f"{name}.csv", rows=[HEADER, *GOOD])
+    monkeypatch.setattr(intake, "BATCH_ROWS", 5)
+
+    gather(IngestSettings(folder=tmp_path, sources=["csv"], arena=ARENA), 0, tmp_path)
+
+    groups = list(read_row_groups(tmp_path / "recordings.parquet"))
+    assert [group["recording_id"].unique().tolist() for group in groups] == [
+        ["csv/a", "csv/b"],
+        ["csv/c", "csv/d"],
+        ["csv/e"],
+    ]
+
+
+def test_recordings_that_are_shots_begin_with_a_launch(tmp_path):
+    write_csv(tmp_path)
+    WRITERS["spindoe"](tmp_path)
+
+    manifest = read(tmp_path, "csv", "spindoe").manifest
+
+    assert manifest.begins_with_launch("spindoe/001")
+    assert not manifest.begins_with_launch("csv/session")
+
+
+def test_measured_balls_have_no_truth(tmp_path):
+    write_csv(tmp_path)
+
+    gathered = read(tmp_path, "csv")
+
+    assert gathered.truth is None
+    assert gathered.points.empty and gathered.true_contacts.empty
 
 
 def test_the_manifest_can_be_read_again(tmp_path):

@@ -100,7 +100,7 @@ def test_a_source_yaml_that_says_nonsense_is_one_error(tmp_path, text, field):
 
 
 def test_an_own_source_cannot_take_the_name_of_another(tmp_path):
-    write_csv(tmp_path, settings="name: synthetic_cannon")
+    write_csv(tmp_path, settings="name: arena")
 
-    with pytest.raises(InputError, match="two sources are called synthetic_cannon"):
-        read(tmp_path, "synthetic_cannon", "csv")
+    with pytest.raises(InputError, match="two sources are called arena"):
+        read(tmp_path, "arena", "csv")

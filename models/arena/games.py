@@ -1,0 +1,98 @@
+"""Games: excerpts of matches, a few points between the same two players."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.arena.cameras import Cameras
+from models.arena.levels import LEVELS
+from models.arena.log import Log
+from models.arena.observation import Ball, Samples, observe
+from models.arena.rallies import Rallies
+from models.arena.recording import ArenaRecording, Point, TrueContacts
+from models.arena.sides import SIDES
+from models.arena.truth import Truth
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+POINTS = 2  # in a recording
+SERVES = 2  # in a row (ITTF Law 2.13.3)
+PAUSE = (0.7, 1.5)  # s without a ball before a point
+
+
+def games(
+    truth: Truth, cameras: Cameras, level: str, matches: range, random: np.random.Generator
+) -> Iterator[ArenaRecording]:
+    """Play and measure an excerpt of each of some matches between two players of a level."""
+    count = len(matches)
+    servers = _servers(count, random)
+    players = LEVELS[level].individuals(2 * count, random)
+    near = np.repeat(np.arange(count), POINTS)
+    log = Rallies(truth, players.take(np.append(near, count + near)), servers, random).play()
+    starts = _starts(log, random)
+    balls = _balls(log, starts)
+    samples = list(observe(truth, cameras, balls, random))
+    points = [_point(log, number, starts, servers) for number in range(len(balls))]
+    for index, match in enumerate(matches):
+        rows = slice(index * POINTS, (index + 1) * POINTS)
+        name = f"{level}/{match:04d}"
+        yield _recording(name, samples[rows], balls[rows], tuple(points[rows]))
+
+
+def _servers(matches: int, random: np.random.Generator) -> Integers:
+    """Return the serving side of each point; an excerpt starts anywhere in a match."""
+    first = random.integers(2 * SERVES, size=matches)
+    served: Integers = ((first[:, None] + np.arange(POINTS)) // SERVES % 2).ravel()
+    return served
+
+
+def _starts(log: Log, random: np.random.Generator) -> Floats:
+    """Return when each point starts on the clock of its recording."""
+    pauses = random.uniform(*PAUSE, (len(log.gone) // POINTS, POINTS))
+    gone = log.gone.reshape(pauses.shape)
+    starts: Floats = np.cumsum(pauses, axis=1) + np.cumsum(gone, axis=1) - gone
+    return starts.ravel()
+
+
+def _balls(log: Log, starts: Floats) -> list[Ball]:
+    points, times, kinds, states = (np.concatenate(part) for part in zip(*log.events, strict=True))
+    order = np.lexsort([times, points])
+    points, times, kinds, states = points[order], times[order], kinds[order], states[order]
+    borders = np.searchsorted(points, np.arange(len(starts) + 1))
+    balls = []
+    for number, start in enumerate(starts):
+        rows = slice(borders[number], borders[number + 1])
+        contacts = TrueContacts(start + times[rows], kinds[rows], states[rows])
+        balls.append(Ball(contacts, start + log.gone[number]))
+    return balls
+
+
+def _point(log: Log, number: int, starts: Floats, servers: Integers) -> Point:
+    return Point(
+        start=float(starts[number]),
+        end=float(starts[number] + log.end[number]),
+        server=SIDES[servers[number]],
+        winner=SIDES[log.winner[number]],
+        ended_by=str(log.ended_by[number]),
+        strokes=int(log.strokes[number]),
+    )
+
+
+def _recording(
+    name: str, samples: Sequence[Samples], balls: Sequence[Ball], points: tuple[Point, ...]
+) -> ArenaRecording:
+    contacts = TrueContacts(
+        np.concatenate([ball.contacts.times for ball in balls]),
+        np.concatenate([ball.contacts.kinds for ball in balls]),
+        np.concatenate([ball.contacts.states for ball in balls]),
+    )
+    return ArenaRecording(
+        name,
+        np.concatenate([part.times for part in samples]),
+        np.concatenate([part.positions for part in samples]),
+        np.concatenate([part.spins for part in samples]),
+        contacts,
+        points,
+    )

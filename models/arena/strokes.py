@@ -1,0 +1,166 @@
+"""Strokes: what a player makes of the ball that comes.
+
+All states are in the frame of the player who strikes, at y < 0 and playing towards +y.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from models.arena.levels import Players
+from models.ball.state import SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH, VELOCITY
+
+Floats = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
+
+# Mean speed along the table (m/s) of public rally launches, a regression in logarithms on y and z
+# of the launch and y of the landing; what it leaves has a standard deviation of 0.17.
+SPEED_AT = (-1.22, 0.42, 0.81)  # m, medians
+MEAN_SPEED = 4.35
+SPEED_SLOPES = (-0.25, -0.44, 0.30)  # 1/m
+SPEED_SPREAD = 0.13  # errors, attacks and pushes add the rest
+FASTEST = 20.0  # m/s along the table, assumption: what an arm gives
+
+# Where public rally launches land: y, and x with its slope on x of the launch.
+LANDING_LENGTH = 0.80  # m
+LANDING_SPREAD = 0.27  # m
+LANDING_SIDE = 0.28  # m, spread
+LANDING_SLOPE = 0.13
+LANDING_MARGIN = 0.12  # m from the lines, that a player keeps
+ATTACK_LENGTH, ATTACK_SIDE = 0.95, 0.42  # m; assumption: attacks are placed away from the player
+
+PUBLIC_TOPSPIN = 41.0  # rad/s, median
+TOPSPIN_SPREAD = 27.0  # rad/s, public
+TOPSPIN_OF_SPEED = 12.0  # rad/s per standard deviation of speed, public
+SIDE_TAIL = 3.0  # degrees of freedom of Student's t: public side spins have long tails
+
+# Assumptions about the kinds of strokes. Attacks are loops, above the net's height also smashes.
+ATTACK_HEIGHT = (0.22, 0.05)  # m: below it attacks are rare; the width of the change
+SMASH_HEIGHT = (0.50, 0.06)
+SMASH_PACE, SMASH_SPIN = 1.25, 0.3  # of a loop's, of a stroke's
+PUSH_PACE, PUSH_SPIN = 0.85, -0.6  # of a stroke's
+
+# Assumptions about errors: what adds as much as there is at rest.
+ERROR_OF_STRETCH = 2.0  # times that, at full stretch
+ERROR_OF_SPEED = 10.0  # m/s of the incoming ball
+ERROR_OF_SPIN = 400.0  # rad/s of the incoming ball
+ERROR_OF_OWN_SPEED = 14.0  # m/s of the stroke
+
+
+@dataclass(frozen=True)
+class Intention:
+    """What players want: landing places (B, 2) m, spins (B, 3) rad/s, flight times (B,) s."""
+
+    targets: Floats
+    spins: Floats
+    times: Floats
+
+
+def intended(
+    balls: Floats, stretch: Floats, players: Players, random: np.random.Generator
+) -> Intention:
+    """Choose strokes.
+
+    Args:
+        balls: (B, 9) incoming states at the contact.
+        stretch: (B,) share of a player's range that the ball asks for, from 0 to 1.
+        players: (B,) who strike.
+        random: what makes one stroke differ from the next.
+    """
+    attacks, smashes, pushes = _kinds(balls[:, 2], stretch, players, random)
+    targets = _targets(balls[:, 0], attacks, random)
+    noise = random.standard_normal(len(balls))
+    place = np.column_stack([balls[:, 1:3], targets[:, 1]]) - SPEED_AT
+    pace = players.pace * _factor(attacks, players.attack_pace) * _factor(smashes, SMASH_PACE)
+    pace = pace * _factor(pushes, PUSH_PACE)
+    speed = MEAN_SPEED * pace * np.exp(place @ SPEED_SLOPES + SPEED_SPREAD * noise)
+    speed = np.minimum(speed, FASTEST)
+    topspin = np.where(attacks & ~smashes, players.attack_topspin, players.topspin)
+    topspin = topspin * _factor(pushes, PUSH_SPIN) * _factor(smashes, SMASH_SPIN)
+    topspin = topspin + TOPSPIN_OF_SPEED * noise
+    spins = _spins(targets - balls[:, :2], topspin, players, random)
+    return Intention(targets, spins, (targets[:, 1] - balls[:, 1]) / speed)
+
+
+def executed(
+    launches: Floats,
+    balls: Floats,
+    stretch: Floats,
+    players: Players,
+    random: np.random.Generator,
+) -> Floats:
+    """Return (B, 9) launches as they become, with the errors of a hand.
+
+    Errors are a player's own, and grow with the speed and spin of the ball that comes, with the
+    stretch and with the speed of the stroke.
+    """
+    speeds = np.linalg.norm(launches[:, VELOCITY], axis=1)
+    difficulty = (
+        1.0
+        + ERROR_OF_STRETCH * stretch**3
+        + np.linalg.norm(balls[:, VELOCITY], axis=1) / ERROR_OF_SPEED
+        + np.linalg.norm(balls[:, SPIN], axis=1) / ERROR_OF_SPIN
+        + (speeds / ERROR_OF_OWN_SPEED) ** 2
+    )
+    return with_errors(launches, difficulty, players, random)
+
+
+def with_errors(
+    launches: Floats, difficulty: Floats, players: Players, random: np.random.Generator
+) -> Floats:
+    """Return launches with a player's errors of direction, speed and spin, times a difficulty."""
+    count = len(launches)
+    struck = launches.copy()
+    turns = np.radians(players.angle_error) * difficulty * random.standard_normal((3, count))
+    turn = Rotation.from_rotvec(turns.T)
+    faster = 1 + players.speed_error * difficulty * random.standard_normal(count)
+    spun = 1 + players.spin_error * random.standard_normal(count)
+    struck[:, VELOCITY] = turn.apply(struck[:, VELOCITY]) * np.clip(faster, 0.5, 1.5)[:, None]
+    struck[:, SPIN] = turn.apply(struck[:, SPIN]) * np.clip(spun, 0.0, 2.0)[:, None]
+    return struck
+
+
+def spin_vectors(ways: Floats, topspin: Floats, corkscrew: Floats, sidespin: Floats) -> Floats:
+    """Return (B, 3) spins: topspin turns the upper side to (B, 2) ways, corkscrew about them."""
+    ahead = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    x = -topspin * ahead[:, 1] + corkscrew * ahead[:, 0]
+    y = topspin * ahead[:, 0] + corkscrew * ahead[:, 1]
+    return np.column_stack([x, y, sidespin])
+
+
+def _kinds(
+    heights: Floats, stretch: Floats, players: Players, random: np.random.Generator
+) -> tuple[Booleans, Booleans, Booleans]:
+    """Return which balls are attacked, which of these are smashed, and which are pushed."""
+    chance, other = random.random((2, len(heights)))
+    ease = np.clip(1.4 * (1 - stretch), 0, 1)
+    attacks = chance < players.attack * ease * _above(heights, *ATTACK_HEIGHT)
+    smashes = attacks & (other < _above(heights, *SMASH_HEIGHT))
+    pushes = ~attacks & (other < players.backspin)
+    return attacks, smashes, pushes
+
+
+def _targets(across: Floats, attacks: Booleans, random: np.random.Generator) -> Floats:
+    """Return (B, 2) landing places; attacks land long."""
+    noise = random.standard_normal((2, len(across)))
+    x = LANDING_SLOPE * across + np.where(attacks, ATTACK_SIDE, LANDING_SIDE) * noise[0]
+    y = np.where(attacks, ATTACK_LENGTH, LANDING_LENGTH) + LANDING_SPREAD * noise[1]
+    side, end = TABLE_HALF_WIDTH - LANDING_MARGIN, TABLE_HALF_LENGTH - LANDING_MARGIN
+    return np.column_stack([np.clip(x, -side, side), np.clip(y, 0.25, end)])
+
+
+def _spins(ways: Floats, topspin: Floats, players: Players, random: np.random.Generator) -> Floats:
+    count = len(ways)
+    spread = TOPSPIN_SPREAD * np.sqrt(np.maximum(players.topspin / PUBLIC_TOPSPIN, 1.0))
+    corkscrew, sidespin = players.sidespin * random.standard_t(SIDE_TAIL, (2, count)).clip(-6, 6)
+    return spin_vectors(ways, topspin + spread * random.standard_normal(count), corkscrew, sidespin)
+
+
+def _above(heights: Floats, middle: float, width: float) -> Floats:
+    return 1 / (1 + np.exp(-(heights - middle) / width))
+
+
+def _factor(applies: Booleans, factor: float | Floats) -> Floats:
+    return np.where(applies, factor, 1.0)

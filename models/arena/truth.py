@@ -1,0 +1,94 @@
+"""The hidden physics of a hall, drawn by seed: what simulators and predictors have to find."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from models.arena.cameras import SlowError
+from models.arena.scatter import BounceScatter
+from models.ball.simulator import Simulator
+
+STREAM = 1_000_000  # keeps the draw of the truth apart from those of the recordings
+
+
+@dataclass(frozen=True)
+class Truth:
+    """All that is hidden about a hall.
+
+    Attributes:
+        simulator: the mean behaviour of ball, table and net.
+        scatter: what every bounce adds of its own.
+        slow_error: the part of the cameras' error that changes slowly.
+    """
+
+    simulator: Simulator
+    scatter: BounceScatter
+    slow_error: SlowError
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain numbers, for a file."""
+        return {
+            "simulator": self.simulator.to_dict(),
+            "scatter": asdict(self.scatter),
+            "slow_error": asdict(self.slow_error),
+        }
+
+    @classmethod
+    def from_dict(cls, description: Mapping[str, Any]) -> "Truth":
+        """Return what ``to_dict`` described."""
+        return cls(
+            Simulator.from_dict(description["simulator"]),
+            BounceScatter(**description["scatter"]),
+            SlowError(**description["slow_error"]),
+        )
+
+
+def draw_truth(seed: int) -> Truth:
+    """Draw the hidden physics of a hall.
+
+    All ranges are what real set-ups show (``seen`` in the catalogue of effects). Effects that no
+    shipped simulator has are always there and never small, so that the truth differs from each of
+    them in several ways at once.
+    """
+    random = np.random.default_rng([seed, STREAM])
+    scatter = BounceScatter(
+        restitution=_between(random, 0.010, 0.015), friction=_between(random, 0.03, 0.06)
+    )
+    slow_error = SlowError(share=_between(random, 0.2, 0.5), time=_between(random, 0.03, 0.10))
+    return Truth(Simulator.from_dict(_effects(random)), scatter, slow_error)
+
+
+def _effects(random: np.random.Generator) -> dict[str, dict[str, float]]:
+    def within(low: float, high: float) -> float:
+        return _between(random, low, high)
+
+    def around(low: float, high: float) -> float:
+        return float(random.choice([-1, 1])) * within(low, high)
+
+    return {
+        "gravity": {"g": 9.81},
+        "drag": {"cd": within(0.42, 0.52)},
+        "speed_dependent_drag": {"c": within(-0.06, -0.03)},
+        "spin_dependent_drag": {"c": within(0.05, 0.08)},
+        "magnus": {"cm": within(0.22, 0.33)},
+        "lift_saturation": {"kappa": within(2.0, 5.0)},
+        "spin_decay": {"c": within(0.003, 0.006)},
+        "wind": {"x": around(0.05, 0.15), "y": around(0.05, 0.15), "z": 0.0},
+        "table_bounce": {"restitution": within(0.92, 0.95), "friction": within(0.17, 0.28)},
+        "speed_dependent_restitution": {"c": within(0.004, 0.010)},
+        "slip_dependent_friction": {"c": within(0.004, 0.012)},
+        "table_tilt": {"x": around(0.001, 0.004), "y": around(0.001, 0.004)},
+        "table_height": {"h": around(0.001, 0.003)},
+        "net": {"restitution": within(0.1, 0.3), "friction": within(0.3, 0.6)},
+        "racket_bounce": {
+            "restitution": within(0.84, 0.91),
+            "speed_loss": within(0.015, 0.025),
+            "kp": within(1.8e-3, 2.0e-3),
+        },
+    }
+
+
+def _between(random: np.random.Generator, low: float, high: float) -> float:
+    return round(float(random.uniform(low, high)), 6)

@@ -1,0 +1,131 @@
+"""Tables of forecast errors: over the horizon, by group of recordings, between predictors."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from models.predictors.errors import HORIZONS_MS, QUANTITIES, errors, spread
+from models.predictors.protocol import Bools, Floats, Forecast
+from models.predictors.windows import Windows
+
+SHOWN_HORIZONS_MS = (100, 200, 300)
+INTERVAL = ["mean", "ci_low", "ci_high", "n"]
+
+
+@dataclass(frozen=True)
+class ForecastErrors:
+    """The errors of every predictor on the same windows.
+
+    Every interval is bootstrapped from the same seed: predictors meet the same resamples, and one
+    more predictor changes nothing for the others.
+
+    Attributes:
+        errors: predictor to quantity to (B, H) errors, NaN where nothing was measured.
+        recordings: (B,) the recording of each window.
+        bounced: (B,) whether the ball met the table within the forecast.
+        resamples: of the recordings, for the 95 % intervals.
+        seed: of the resamples.
+    """
+
+    errors: dict[str, dict[str, Floats]]
+    recordings: np.ndarray
+    bounced: Bools
+    resamples: int
+    seed: int
+
+    def over_horizon(self) -> pd.DataFrame:
+        """Return one row a predictor, quantity, kind of window (``bounce``) and horizon."""
+        kinds = {"all": np.full(len(self.bounced), True)}
+        kinds |= {"with": self.bounced, "without": ~self.bounced}
+        frames = {
+            (predictor, quantity, kind): self._spread(error[chosen], chosen)
+            for predictor, quantities in self.errors.items()
+            for quantity, error in quantities.items()
+            for kind, chosen in kinds.items()
+        }
+        return stacked(frames, ["predictor", "quantity", "bounce"])
+
+    def by_group(self, groups: np.ndarray) -> pd.DataFrame:
+        """Return the position error at the last horizon, one row a group and predictor.
+
+        Args:
+            groups: (B,) the group of each window's recording.
+        """
+        frames = {
+            (group, predictor): self._spread(
+                quantities["position"][groups == group], groups == group
+            )
+            for group in dict.fromkeys(groups)
+            for predictor, quantities in self.errors.items()
+        }
+        rows = stacked(frames, ["group", "predictor"])
+        last: pd.DataFrame = rows[rows["horizon_ms"] == HORIZONS_MS[-1]]
+        return last[["group", "predictor", *INTERVAL]]
+
+    def differences(self, predictors: list[str]) -> pd.DataFrame:
+        """Return how much larger the errors of some predictors are than those of each other one.
+
+        The difference is taken window by window, so that hard windows are hard for both. Two of
+        ``predictors`` are compared once.
+
+        Args:
+            predictors: those whose error the other's is taken from.
+
+        Returns:
+            One row a pair, quantity and horizon: ``mean`` of the difference with its interval, and
+            ``lower_share``, the share of all horizons at which the predictor's mean is the lower.
+        """
+        others = [name for name in self.errors if name not in predictors]
+        pairs = [
+            (name, other)
+            for k, name in enumerate(predictors)
+            for other in [*others, *predictors[k + 1 :]]
+        ]
+        frames = {
+            (name, other, quantity): self._difference(name, other, quantity)
+            for name, other in pairs
+            for quantity in QUANTITIES
+        }
+        rows = stacked(frames, ["predictor", "other", "quantity"])
+        return rows[rows["horizon_ms"].isin(SHOWN_HORIZONS_MS)].drop(columns="std")
+
+    def _difference(self, name: str, other: str, quantity: str) -> pd.DataFrame:
+        difference = self.errors[name][quantity] - self.errors[other][quantity]
+        rows = self._spread(difference, np.full(len(difference), True))
+        return rows.assign(lower_share=(rows["mean"] < 0).mean())
+
+    def _spread(self, error: Floats, chosen: Bools) -> pd.DataFrame:
+        """Return one row a horizon at which anything was measured, of the chosen windows."""
+        generator = np.random.default_rng(self.seed)
+        result = spread(error, self.recordings[chosen], self.resamples, generator)
+        columns = {
+            "horizon_ms": HORIZONS_MS,
+            "mean": result.mean,
+            "std": result.std,
+            "n": result.count,
+            "ci_low": result.low,
+            "ci_high": result.high,
+        }
+        return pd.DataFrame(columns)[result.count > 0]
+
+
+def errors_of(forecasts: dict[str, Forecast], windows: Windows) -> dict[str, dict[str, Floats]]:
+    """Return predictor to quantity to (B, H) errors of forecasts of the same windows."""
+    return {
+        name: {quantity: errors(forecast, windows, quantity) for quantity in QUANTITIES}
+        for name, forecast in forecasts.items()
+    }
+
+
+def stacked(frames: Mapping[Any, pd.DataFrame], names: list[str]) -> pd.DataFrame:
+    """Return tables as one, the key of each in front of its rows.
+
+    Args:
+        frames: tuple of strings to table; at least one.
+        names: of the columns that the parts of the keys become.
+    """
+    table: pd.DataFrame = pd.concat(frames, names=names)
+    return table.reset_index(names).reset_index(drop=True)

@@ -1,0 +1,139 @@
+"""Training windows as arrays: every episode once, on the 200 Hz grid, any window a slice of it.
+
+Windows overlap almost wholly, so they are not stored: a batch of them is one indexing of the
+tracks' rows. No Python runs for a single window.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.predictors.protocol import FUTURE, HISTORY, TICK
+from models.predictors.windows import (
+    FEWEST_SEEN,
+    SHORTEST_FUTURE,
+    Episode,
+    Windows,
+    measured_at,
+    seen_at,
+    windows,
+)
+
+Singles = NDArray[np.float32]
+Bools = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+BEFORE = np.arange(1 - HISTORY, 1)
+AFTER = np.arange(1, FUTURE + 1)
+GRID_TOLERANCE = 1e-6  # s
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """The tracks of E episodes, one below the other.
+
+    Attributes:
+        history: (N, 6) position (m) and spin (rad/s) as a predictor sees them, outliers too.
+        seen: (N, 6) where they were measured.
+        future: (N, 9) position, velocity (m/s) and spin as a forecast is judged by them.
+        measured: (N, 9) where they were measured.
+        anchors: (A,) rows at which a window's history may end, by episode.
+        bounds: (E + 1,) where each episode's anchors begin and the last one's end.
+    """
+
+    history: Singles
+    seen: Bools
+    future: Singles
+    measured: Bools
+    anchors: Indices
+    bounds: Indices
+
+    @property
+    def episodes(self) -> int:
+        """How many episodes there are."""
+        return len(self.bounds) - 1
+
+    def windows(self, anchors: Indices) -> tuple[Singles, Bools, Singles, Bools]:
+        """Return history (B, 12, 6), seen, future (B, 60, 9) and measured at ``anchors``."""
+        before, after = anchors[:, None] + BEFORE, anchors[:, None] + AFTER
+        return self.history[before], self.seen[before], self.future[after], self.measured[after]
+
+    def drawn(self, episodes: Indices, random: np.random.Generator) -> Indices:
+        """Return one anchor of each of ``episodes``, at random."""
+        first, last = self.bounds[episodes], self.bounds[episodes + 1]
+        return self.anchors[random.integers(first, last)]
+
+
+def tracks(episodes: Sequence[Episode]) -> Tracks:
+    """Return the tracks of episodes; those without any window are left out.
+
+    An episode on the 200 Hz grid becomes one track. Any other is cut into its windows, one ending
+    at every measured sample, and each becomes a short track: a grid through its samples would have
+    to interpolate towards samples that a predictor has not seen yet.
+
+    Raises:
+        ValueError: no episode has a window.
+    """
+    parts = [_track(episode) for episode in episodes]
+    parts = [part for part in parts if part.episodes]
+    if not parts:
+        raise ValueError("no episode has a window to train on")
+    rows = np.cumsum([0, *(len(part.history) for part in parts)])
+    counts = [np.diff(part.bounds) for part in parts]
+    anchors = [part.anchors + row for part, row in zip(parts, rows, strict=False)]
+    return Tracks(
+        np.concatenate([part.history for part in parts]),
+        np.concatenate([part.seen for part in parts]),
+        np.concatenate([part.future for part in parts]),
+        np.concatenate([part.measured for part in parts]),
+        np.concatenate(anchors),
+        np.concatenate([[0], np.cumsum(np.concatenate(counts))]),
+    )
+
+
+def _track(episode: Episode) -> Tracks:
+    ticks = (episode.times - episode.times[0]) / TICK
+    nearest = np.round(ticks).astype(int)
+    if np.abs(ticks - nearest).max() * TICK < GRID_TOLERANCE:
+        return _whole(episode, nearest)
+    return _cut(windows(episode, every=TICK))
+
+
+def _whole(episode: Episode, ticks: Indices) -> Tracks:
+    """Return the track of an episode whose samples lie on the grid, at ``ticks``."""
+    last = int(ticks[-1])
+    grid = episode.times[0] + TICK * np.arange(last + 1)
+    # Stamps that rounding moved a little would have their samples interpolated with the next ones.
+    episode = replace(episode, times=grid[ticks])
+    history, seen = seen_at(episode, grid)
+    future, measured = measured_at(episode, grid)
+    enough = np.convolve(seen[:, :3].all(axis=1), np.ones(HISTORY, dtype=int))[: last + 1]
+    usable = (ticks >= HISTORY - 1) & (ticks <= last - round(SHORTEST_FUTURE / TICK))
+    usable &= enough[ticks] >= FEWEST_SEEN
+    anchors = ticks[usable]
+    bounds = np.array([0, len(anchors)] if len(anchors) else [0])
+    beyond = ((0, FUTURE), (0, 0))  # nothing is measured there
+    return Tracks(
+        np.pad(history.astype(np.float32), beyond),
+        np.pad(seen, beyond),
+        np.pad(future.astype(np.float32), beyond),
+        np.pad(measured, beyond),
+        anchors,
+        bounds,
+    )
+
+
+def _cut(cut: Windows) -> Tracks:
+    """Return the tracks of windows, one below the other, all of one episode."""
+    ahead, behind = ((0, 0), (0, FUTURE), (0, 0)), ((0, 0), (HISTORY, 0), (0, 0))
+    history, seen = cut.history.states.astype(np.float32), cut.history.mask
+    return Tracks(
+        np.pad(history, ahead).reshape(-1, history.shape[2]),
+        np.pad(seen, ahead).reshape(-1, history.shape[2]),
+        np.pad(cut.future.astype(np.float32), behind).reshape(-1, cut.future.shape[2]),
+        np.pad(cut.measured, behind).reshape(-1, cut.future.shape[2]),
+        HISTORY - 1 + (HISTORY + FUTURE) * np.arange(len(cut)),
+        np.array([0, len(cut)] if len(cut) else [0]),
+    )

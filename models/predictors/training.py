@@ -1,0 +1,161 @@
+"""Training of learned predictors: the step, and the data, as Lightning wants them."""
+
+import math
+import time
+from typing import Any
+
+import lightning
+import numpy as np
+import torch
+from torch import Tensor
+from torch.optim import Adam
+from torch.optim.lr_scheduler import ExponentialLR, LambdaLR
+from torch.utils.data import DataLoader, Dataset
+
+from models.predictors.learned import ForecastNetwork
+from models.predictors.settings import TrainingSettings
+from models.predictors.tracks import Indices, Tracks
+
+Batch = tuple[Tensor, Tensor, Tensor, Tensor]
+
+# Each use of randomness has a stream of its own beside the seed.
+_VALIDATION, _FITTING, _EPOCHS = 0, 1, 2
+WARM_UP = 0.05  # of all steps, over which the learning rate of the cosine rises
+LARGEST_FIT = 20_000  # windows whose statistics normalise; more would not change three digits
+
+
+def cosine(share: float) -> float:
+    """Return the factor of the learning rate after a share of all steps."""
+    return min(1.0, share / WARM_UP) * 0.5 * (1.0 + math.cos(math.pi * min(share, 1.0)))
+
+
+class ForecastTraining(lightning.LightningModule):
+    """Trains a network by the paper's recipe.
+
+    The mean squared error over the horizon between forecast and measured states, normalised, where
+    they were measured; Adam; a learning rate that falls by a factor an epoch (section IV-A).
+
+    Attributes:
+        curve: one record an epoch: its mean loss and that of validation.
+        seconds: that training has taken, runs that were killed included up to their last epoch.
+    """
+
+    def __init__(self, network: ForecastNetwork, settings: TrainingSettings) -> None:
+        super().__init__()
+        self.network, self.settings = network, settings
+        self.curve: list[dict[str, float]] = []
+        self.seconds = 0.0
+        self._since = 0.0
+
+    def training_step(self, batch: Batch) -> Tensor:
+        """Return the loss of a batch."""
+        loss = self._loss(batch)
+        self.log("training", loss, on_step=False, on_epoch=True, batch_size=len(batch[0]))
+        return loss
+
+    def validation_step(self, batch: Batch) -> None:
+        """Note the loss of a batch that training never sees."""
+        loss = self._loss(batch)
+        self.log("validation", loss, batch_size=len(batch[0]))
+
+    def configure_optimizers(self) -> Any:
+        """Return Adam and its schedule."""
+        settings = self.settings
+        optimizer = Adam(self.network.parameters(), lr=settings.learning_rate)
+        if settings.decay is not None:
+            return [optimizer], [ExponentialLR(optimizer, settings.decay)]
+        steps = int(self.trainer.estimated_stepping_batches)
+        schedule = LambdaLR(optimizer, lambda step: cosine(step / steps))
+        return [optimizer], [{"scheduler": schedule, "interval": "step"}]
+
+    def on_train_epoch_start(self) -> None:
+        """Start the clock."""
+        self._since = time.monotonic()
+
+    def on_train_epoch_end(self) -> None:
+        """Write the epoch into the curve."""
+        self.seconds += time.monotonic() - self._since
+        losses = {name: float(loss) for name, loss in self.trainer.callback_metrics.items()}
+        self.curve.append({"epoch": self.current_epoch + 1, **losses})
+
+    def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        """Keep curve and clock for a run that goes on from here."""
+        checkpoint["curve"], checkpoint["seconds"] = self.curve, self.seconds
+
+    def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        """Take up curve and clock."""
+        self.curve, self.seconds = checkpoint["curve"], checkpoint["seconds"]
+
+    def _loss(self, batch: Batch) -> Tensor:
+        history, seen, future, measured = batch
+        wanted = self.network.normaliser.deviation(future, history, seen)
+        output = self.network.deviation(history, seen)
+        squares = torch.where(measured, output - wanted, 0.0).square()
+        return squares.sum() / measured.sum().clamp(min=1)
+
+
+class WindowData(lightning.LightningDataModule):
+    """Windows of tracks in memory, drawn anew every epoch from the seed and the epoch's number.
+
+    Args:
+        train: tracks to learn from.
+        validation: tracks to watch the loss on, one fixed window an episode.
+        settings: batch, windows an episode and share of hidden spins.
+        seed: of every draw.
+    """
+
+    def __init__(
+        self, train: Tracks, validation: Tracks, settings: TrainingSettings, seed: int
+    ) -> None:
+        super().__init__()
+        self.train, self.validation, self.settings, self.seed = train, validation, settings, seed
+
+    def fit_normaliser(self, network: ForecastNetwork) -> None:
+        """Fit the network's normaliser to training windows."""
+        random = np.random.default_rng([self.seed, _FITTING])
+        episodes = random.integers(0, self.train.episodes, LARGEST_FIT)
+        windows = self.train.windows(self.train.drawn(episodes, random))
+        network.normaliser.fit(*(torch.from_numpy(part) for part in windows))
+
+    def train_dataloader(self) -> DataLoader[Batch]:
+        """Return the batches of the trainer's present epoch."""
+        epoch = self.trainer.current_epoch if self.trainer else 0
+        random = np.random.default_rng([self.seed, _EPOCHS, epoch])
+        every = np.repeat(np.arange(self.train.episodes), self.settings.windows_an_episode)
+        return self._loader(self.train, random.permutation(every), random)
+
+    def val_dataloader(self) -> DataLoader[Batch]:
+        """Return the validation batches, always the same."""
+        random = np.random.default_rng([self.seed, _VALIDATION])
+        return self._loader(self.validation, np.arange(self.validation.episodes), random)
+
+    def _loader(
+        self, tracks: Tracks, episodes: Indices, random: np.random.Generator
+    ) -> DataLoader[Batch]:
+        anchors = tracks.drawn(episodes, random)
+        hidden = random.random(len(anchors)) < self.settings.hidden_spin
+        return DataLoader(_Batches(tracks, anchors, hidden, self.settings.batch), batch_size=None)
+
+
+class _Batches(Dataset[Batch]):
+    """An epoch's windows, a whole batch an item."""
+
+    def __init__(
+        self, tracks: Tracks, anchors: Indices, hidden: "np.ndarray[Any, Any]", batch: int
+    ) -> None:
+        self.tracks, self.anchors, self.hidden, self.batch = tracks, anchors, hidden, batch
+
+    def __len__(self) -> int:
+        return -(-len(self.anchors) // self.batch)
+
+    def __getitem__(self, number: int) -> Batch:
+        if number >= len(self):
+            raise IndexError(number)
+        part = slice(number * self.batch, (number + 1) * self.batch)
+        history, seen, future, measured = self.tracks.windows(self.anchors[part])
+        history[self.hidden[part], :, 3:] = 0.0
+        seen[self.hidden[part], :, 3:] = False
+        # Nor is it asked for: guesses at what the path hardly tells would drown all other errors.
+        measured[~seen[:, :, 3:].any(axis=(1, 2)), :, 6:] = False
+        numpy = torch.from_numpy
+        return numpy(history), numpy(seen), numpy(future), numpy(measured)

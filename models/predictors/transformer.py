@@ -1,0 +1,175 @@
+"""The transformer of the paper: twelve measured states in, sixty future states out, in one pass.
+
+Bi et al., *Bridging the sim2real gap in the table tennis robot with a transformer-based ball states
+predictor*, section III-A. An encoder reads the history; a decoder reads the history again, followed
+by one row of zeros for every future state, and attends to what the encoder made of it. Nothing is
+fed back, so errors do not pile up along the horizon and one pass gives all of it.
+
+The paper leaves open: how the input convolution treats the ends (zeros here), the kernel of the
+blocks' convolutions (1: 12.6 million parameters in the paper's size) and what stands between the
+two (a GELU), whether the decoder's self-attention is masked (no: there is
+nothing to hide), dropout (none: one pass over every window, and data are plenty).
+"""
+
+import math
+
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import gelu, scaled_dot_product_attention
+
+from models.predictors.protocol import FUTURE, HISTORY
+
+INPUTS = 6  # position and spin
+OUTPUTS = 9  # position, velocity and spin
+
+
+class Attention(nn.Module):
+    """Multi-head scaled dot-product attention (Vaswani 2017)."""
+
+    def __init__(self, width: int, heads: int) -> None:
+        super().__init__()
+        self.heads = heads
+        self.query, self.key, self.value, self.merged = (nn.Linear(width, width) for _ in range(4))
+
+    def forward(self, asking: Tensor, asked: Tensor) -> Tensor:
+        """Return what (B, Q, width) ``asking`` finds in (B, K, width) ``asked``."""
+        query, key = self._split(self.query(asking)), self._split(self.key(asked))
+        found = scaled_dot_product_attention(query, key, self._split(self.value(asked)))
+        merged: Tensor = self.merged(found.transpose(1, 2).flatten(2))
+        return merged
+
+    def _split(self, rows: Tensor) -> Tensor:
+        """Return (B, heads, T, width / heads)."""
+        count, times, width = rows.shape
+        return rows.view(count, times, self.heads, width // self.heads).transpose(1, 2)
+
+
+class ConvolutionBlock(nn.Module):
+    """Two convolutions along time, out to ``expanded`` channels and back.
+
+    With a kernel of one sample they are linear maps of every row, and are computed as such.
+    """
+
+    def __init__(self, width: int, expanded: int) -> None:
+        super().__init__()
+        self.expand, self.contract = nn.Linear(width, expanded), nn.Linear(expanded, width)
+
+    def forward(self, rows: Tensor) -> Tensor:
+        """Return (B, T, width) of the same shape."""
+        contracted: Tensor = self.contract(gelu(self.expand(rows)))
+        return contracted
+
+
+class EncoderLayer(nn.Module):
+    """Self-attention and convolution block, each with a residual and layer normalisation."""
+
+    def __init__(self, width: int, expanded: int, heads: int) -> None:
+        super().__init__()
+        self.attention, self.block = Attention(width, heads), ConvolutionBlock(width, expanded)
+        self.after_attention, self.after_block = nn.LayerNorm(width), nn.LayerNorm(width)
+
+    def forward(self, rows: Tensor) -> Tensor:
+        """Return (B, T, width) of the same shape."""
+        attended = self.after_attention(self.attention(rows, rows) + rows)
+        encoded: Tensor = self.after_block(self.block(attended) + attended)
+        return encoded
+
+
+class DecoderLayer(nn.Module):
+    """An encoder layer with attention to the encoder's output between its two halves."""
+
+    def __init__(self, width: int, expanded: int, heads: int) -> None:
+        super().__init__()
+        self.attention, self.crossing = Attention(width, heads), Attention(width, heads)
+        self.block = ConvolutionBlock(width, expanded)
+        self.after_attention, self.after_crossing, self.after_block = (
+            nn.LayerNorm(width) for _ in range(3)
+        )
+
+    def forward(self, rows: Tensor, encoded: Tensor) -> Tensor:
+        """Return (B, T, width) of the shape of ``rows``."""
+        attended = self.after_attention(self.attention(rows, rows) + rows)
+        crossed = self.after_crossing(self.crossing(attended, encoded) + attended)
+        decoded: Tensor = self.after_block(self.block(crossed) + crossed)
+        return decoded
+
+
+class Embedding(nn.Module):
+    """Projects rows of measurements to the layers' width and adds where in time they stand."""
+
+    def __init__(self, length: int, width: int) -> None:
+        super().__init__()
+        self.projection = nn.Conv1d(INPUTS, width, kernel_size=3, padding=1)
+        self.register_buffer("positions", sinusoids(length, width), persistent=False)
+
+    def forward(self, rows: Tensor) -> Tensor:
+        """Return (B, T, width) of (B, T, 6) normalised rows."""
+        projected = self.projection(rows.transpose(1, 2)).transpose(1, 2)
+        embedded: Tensor = projected + self.positions
+        return embedded
+
+
+class Transformer(nn.Module):
+    """The predictor's network, on normalised states.
+
+    Args:
+        width: of the layers, the paper's d_model.
+        expanded: channels inside a convolution block, the paper's d_ff.
+        heads: of every attention.
+        encoder_layers: how many.
+        decoder_layers: how many.
+        states_a_row: future states that one row of the decoder stands for; the paper's is 1. More
+            of them make a shorter decoder, and training so much faster.
+        placeholders: what the decoder reads where the future will stand: the paper's ``zeros``, or
+            the ball's ``uniform_motion``.
+    """
+
+    def __init__(
+        self,
+        width: int,
+        expanded: int,
+        heads: int,
+        encoder_layers: int,
+        decoder_layers: int,
+        states_a_row: int,
+        placeholders: str,
+    ) -> None:
+        super().__init__()
+        self.placeholders = placeholders
+        self.rows = FUTURE // states_a_row
+        self.encoder_embedding = Embedding(HISTORY, width)
+        self.decoder_embedding = Embedding(HISTORY + self.rows, width)
+        self.encoder = nn.ModuleList(
+            EncoderLayer(width, expanded, heads) for _ in range(encoder_layers)
+        )
+        self.decoder = nn.ModuleList(
+            DecoderLayer(width, expanded, heads) for _ in range(decoder_layers)
+        )
+        self.projection = nn.Linear(width, states_a_row * OUTPUTS)
+
+    def forward(self, history: Tensor, expected: Tensor) -> Tensor:
+        """Return (B, 60, 9) normalised future states.
+
+        Args:
+            history: (B, 12, 6) normalised measurements.
+            expected: (B, 60, 6) normalised uniform motion.
+        """
+        encoded = self.encoder_embedding(history)
+        for layer in self.encoder:
+            encoded = layer(encoded)
+        placeholders = expected[:, FUTURE // self.rows - 1 :: FUTURE // self.rows]
+        if self.placeholders == "zeros":
+            placeholders = torch.zeros_like(placeholders)
+        decoded = self.decoder_embedding(torch.cat([history, placeholders], dim=1))
+        for layer in self.decoder:
+            decoded = layer(decoded, encoded)
+        future: Tensor = self.projection(decoded[:, HISTORY:])
+        return future.reshape(len(history), FUTURE, OUTPUTS)
+
+
+def sinusoids(length: int, width: int) -> Tensor:
+    """Return the (length, width) positional encoding of Vaswani 2017, section 3.5."""
+    place = torch.arange(length, dtype=torch.float32)[:, None]
+    rate = torch.exp(torch.arange(0, width, 2, dtype=torch.float32) * (-math.log(1e4) / width))
+    angles = place * rate
+    return torch.stack([angles.sin(), angles.cos()], dim=2).flatten(1)

@@ -1,0 +1,157 @@
+"""Which recordings teach a predictor, which choose it, which test it, which a robot replays.
+
+A recording is in one split as a whole: its episodes share players, ball and camera errors. The
+recordings of a group are ranked by a hash of the seed and their id, so that a recording's rank
+does not depend on which others there are; each split takes from the top of what is left.
+
+A shot is an unbroken episode whose ball reached the table: what tests and replays count.
+"""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from models.segmentation.settings import SplitSettings
+
+STROKE_GROUPS = {"stroke_pro": ["pro"], "stroke_uni": ["club", "semi_pro"]}
+RECEIVE_GROUPS = ["pro", "club", "semi_pro"]
+NOT_REPLAYED = "none"
+
+
+@dataclass(frozen=True)
+class Split:
+    """Where episodes go; the series are in the order of the table of episodes.
+
+    Attributes:
+        split: ``train``, ``validation``, ``test`` or ``replay``.
+        replay_set: ``stroke_pro``, ``stroke_uni``, ``receive`` or ``none``.
+        shortages: a sentence for each set that has fewer shots than asked for.
+    """
+
+    split: "pd.Series[str]"
+    replay_set: "pd.Series[str]"
+    shortages: list[str]
+
+
+def split(
+    episodes: pd.DataFrame, contacts: pd.DataFrame, settings: SplitSettings, seed: int
+) -> Split:
+    """Give every recording to one split.
+
+    Args:
+        episodes: one row an episode, in the order of time within a recording.
+        contacts: theirs.
+        settings: how many to each.
+        seed: of the ranks.
+    """
+    shots = _shots(episodes, contacts)
+    allotment = _Allotment(_recordings(shots, seed), settings)
+    for replay_set, groups in STROKE_GROUPS.items():
+        allotment.keep_for_replay(replay_set, groups, "stroke")
+    allotment.keep_for_replay("receive", RECEIVE_GROUPS, "serve")
+    allotment.keep_for_tests()
+    allotment.keep_for_validation()
+    shots["split"] = shots["recording_id"].map(allotment.split)
+    shots["rank"] = shots["recording_id"].map(allotment.ranks())
+    return Split(shots["split"], _replay_sets(shots, settings), allotment.shortages)
+
+
+def recording_groups(ids: "pd.Series[str]") -> "pd.Series[str]":
+    """Return what stands between source and name in recordings' ids, such as players' level."""
+    return ids.str.replace(r"^[^/]*/(?:(.*)/)?[^/]*$", r"\1", regex=True)
+
+
+class _Allotment:
+    """Recordings, the first in rank first, and the splits they were given to."""
+
+    def __init__(self, recordings: pd.DataFrame, settings: SplitSettings) -> None:
+        self.recordings, self.settings = recordings, settings
+        self.split = pd.Series("train", index=recordings.index, dtype="str")
+        self.shortages: list[str] = []
+
+    def ranks(self) -> "pd.Series[int]":
+        """Return the place in rank of every recording."""
+        return pd.Series(range(len(self.recordings)), index=self.recordings.index)
+
+    def keep_for_replay(self, replay_set: str, groups: Sequence[str], kind: str) -> None:
+        members = self.recordings["group"].isin(groups)
+        wanted = getattr(self.settings.replay, replay_set)
+        # Recordings that are kept for one set serve the next one too.
+        kept = self.recordings.loc[members & (self.split == "replay"), kind].sum()
+        found = kept + self._give("replay", members, kind, wanted - kept)
+        if members.any() and found < wanted:
+            self.shortages.append(f"{replay_set} has {found} of {wanted} episodes to replay")
+
+    def keep_for_tests(self) -> None:
+        for source, members in self.recordings.groupby("source", sort=True):
+            wanted, there = self.settings.test_episodes, members["shot"].sum()
+            found = 0
+            for group, own in members.groupby("group", sort=True):
+                quota = int(np.ceil(wanted * own["shot"].sum() / max(there, 1)))
+                here = (self.recordings["source"] == source) & (self.recordings["group"] == group)
+                found += self._give("test", here, "shot", quota)
+            if found < wanted:
+                self.shortages.append(f"{source} has {found} of {wanted} shots to test on")
+
+    def keep_for_validation(self) -> None:
+        left = self.recordings[self.split == "train"]
+        for _, members in left.groupby(["source", "group"], sort=True):
+            number = round(self.settings.validation_share * len(members))
+            self.split[members.index[:number]] = "validation"
+
+    def _give(self, name: str, members: "pd.Series[bool]", kind: str, wanted: int) -> int:
+        """Give recordings to a split until it has enough; return how many they hold of a kind."""
+        free = self.recordings.loc[members & (self.split == "train"), kind]
+        enough = int(np.searchsorted(free.cumsum(), wanted)) + 1 if wanted > 0 else 0
+        taken = free[: min(enough, int(self.settings.largest_share * members.sum()))]
+        self.split[taken.index] = name
+        return int(taken.sum())
+
+
+def _shots(episodes: pd.DataFrame, contacts: pd.DataFrame) -> pd.DataFrame:
+    """Return which episodes are shots, and which of those a robot could be played."""
+    shots = episodes[["recording_id", "source"]].copy()
+    shots["shot"] = episodes["unbroken"] & (episodes["bounces"] > 0)
+    # A serve is the stroke that meets a ball which nothing touched since it came into sight.
+    before = episodes.groupby("recording_id")[["starts_with", "bounces"]].shift()
+    tossed = before["starts_with"].isin(["gap", "recording"]) & (before["bounces"] == 0)
+    towards_robot = shots["shot"] & episodes["episode_id"].isin(_struck_towards_robot(contacts))
+    shots["serve"], shots["stroke"] = towards_robot & tossed, towards_robot & ~tossed
+    return shots
+
+
+def _struck_towards_robot(contacts: pd.DataFrame) -> "pd.Series[str]":
+    """Return the episodes with a stroke at the far end and a bounce on the robot's half."""
+    struck = contacts[(contacts["kind"] == "racket") & (contacts["py"] > 0)]["episode_id"]
+    landed = contacts[(contacts["kind"] == "table") & (contacts["py"] < 0)]["episode_id"]
+    return struck[struck.isin(landed)]
+
+
+def _recordings(shots: pd.DataFrame, seed: int) -> pd.DataFrame:
+    """Return what every recording holds, by id, the first in rank first."""
+    ids = shots["recording_id"]
+    sources = shots.groupby("recording_id")[["source"]].first()
+    recordings = sources.join(shots.groupby(ids)[["shot", "stroke", "serve"]].sum())
+    recordings["group"] = recording_groups(recordings.index.to_series())
+    ranks = [_rank(recording_id, seed) for recording_id in recordings.index]
+    return recordings.iloc[np.argsort(ranks)]
+
+
+def _rank(recording_id: str, seed: int) -> int:
+    digest = hashlib.blake2b(f"{seed}/{recording_id}".encode(), digest_size=7).digest()
+    return int.from_bytes(digest)
+
+
+def _replay_sets(shots: pd.DataFrame, settings: SplitSettings) -> "pd.Series[str]":
+    replay_sets = pd.Series(NOT_REPLAYED, index=shots.index, dtype="str")
+    kept = shots[shots["split"] == "replay"].sort_values("rank", kind="stable")
+    groups = recording_groups(kept["recording_id"])
+    for replay_set, own in STROKE_GROUPS.items():
+        strokes = kept.index[kept["stroke"] & groups.isin(own)]
+        replay_sets[strokes[: getattr(settings.replay, replay_set)]] = replay_set
+    serves = kept.index[kept["serve"] & groups.isin(RECEIVE_GROUPS)]
+    replay_sets[serves[: settings.replay.receive]] = "receive"
+    return replay_sets

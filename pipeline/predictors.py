@@ -1,0 +1,106 @@
+"""The predictors that are evaluated: physics by parameter, all that were trained, the oracle."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+
+from models.predictors.physics import PhysicsPredictor
+from models.predictors.protocol import Predictor
+from pipeline.errors import InputError
+from pipeline.params import EvaluatePredictorSettings
+from pipeline.simulators import load_simulator
+from pipeline.truth import read_truth
+from pipeline.weights import DESCRIPTION, load_predictor, read_description
+
+ORACLE, ARENA = "oracle", "arena"
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A predictor with its name and what it knows.
+
+    Attributes:
+        name: under which reports list it.
+        predictor: forecasts.
+        kind: ``physics``, ``oracle`` or the kind of network.
+        simulator: what flies its ball, if anything does.
+        parameters: how many numbers were trained, if any were.
+        trained_on: the sets of measured balls they learned from last.
+        starts_from: the predictor that learned before, if any.
+    """
+
+    name: str
+    predictor: Predictor
+    kind: str
+    simulator: str | None = None
+    parameters: int | None = None
+    trained_on: tuple[str, ...] = ()
+    starts_from: str | None = None
+
+    def forecasts(self, source: str) -> bool:
+        """Return whether it is evaluated on a set: the oracle knows the physics of one alone."""
+        return self.kind != ORACLE or source == ARENA
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Let torch work on one thread.
+
+    Its results then do not depend on the number of cores; and threads that share so little work
+    wait for one another, beside other work up to 60 times longer than one thread takes alone.
+    """
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)
+
+
+def read_contenders(artifacts: Path, settings: EvaluatePredictorSettings) -> list[Contender]:
+    """Return all predictors that there are.
+
+    Args:
+        artifacts: the folder of all stages' artefacts.
+        settings: name those that need no training.
+
+    Raises:
+        InputError: a simulator, a trained predictor or the truth is missing or broken.
+    """
+    return [
+        *_physics(settings),
+        *_oracle(artifacts / "ingest" / "truth.json"),
+        *_trained(artifacts / "train_predictor"),
+    ]
+
+
+def _physics(settings: EvaluatePredictorSettings) -> Iterator[Contender]:
+    for name, described in settings.predictors.items():
+        predictor = PhysicsPredictor(load_simulator(described.simulator))
+        yield Contender(name, predictor, described.kind, simulator=described.simulator)
+
+
+def _oracle(path: Path) -> Iterator[Contender]:
+    truth = read_truth(path)
+    if truth is not None:
+        predictor = PhysicsPredictor(truth.simulator)
+        yield Contender(ORACLE, predictor, ORACLE, simulator="the arena's truth")
+
+
+def _trained(folder: Path) -> Iterator[Contender]:
+    paths = sorted(folder.glob(f"*/{DESCRIPTION}"))
+    if not paths:
+        raise InputError(folder, "has no trained predictor; run `dvc repro train_predictor`")
+    for path in paths:
+        described = read_description(path.parent)
+        yield Contender(
+            described.name,
+            load_predictor(path.parent),
+            described.network.kind,
+            parameters=described.parameters,
+            trained_on=tuple(described.sources),
+            starts_from=described.starts_from,
+        )

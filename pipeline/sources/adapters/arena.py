@@ -1,0 +1,71 @@
+"""The arena: a simulated hall with a ball cannon and players. Nothing of it was measured."""
+
+import numpy as np
+import pandas as pd
+
+from models.arena.recording import ArenaRecording, Point, TrueContacts
+from models.arena.session import recordings
+from models.arena.settings import ArenaSettings
+from models.arena.truth import draw_truth
+from pipeline.contracts import POINTS, POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
+from pipeline.sources.source import Description, PathKind, RawTable, SourceContext, SourceData
+
+KINDS: dict[str, PathKind] = {
+    "cannon": "cannon",
+    "amateur": "rally",
+    "club": "rally",
+    "semi_pro": "rally",
+    "pro": "rally",
+}
+STATE_COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
+POINT_COLUMNS = list(POINTS.columns)[1:]
+
+
+class Arena:
+    """Shots of the cannon and games of four levels, under physics that the seed draws."""
+
+    name = "arena"
+
+    def read(self, context: SourceContext) -> SourceData:
+        """Simulate the sessions that the settings describe; the same seed gives the same balls."""
+        settings, seed = context.settings.arena, context.seed
+        truth = draw_truth(seed)
+        tables = map(_table, recordings(settings, truth, seed))
+        return SourceData(_describe(settings), tables, truth={"seed": seed, **truth.to_dict()})
+
+
+def _table(recording: ArenaRecording) -> RawTable:
+    numbers = np.arange(1, len(recording.times) + 1)
+    samples = np.column_stack([numbers, recording.times, recording.positions, recording.spins])
+    rows = pd.DataFrame(samples, columns=["row", "t", *POSITION_COLUMNS, *SPIN_COLUMNS])
+    beside = {"true_contacts": _contacts(recording.contacts)}
+    if recording.points:
+        beside["points"] = _points(recording.points)
+    return RawTable(recording.name, rows, beside=beside)
+
+
+def _contacts(contacts: TrueContacts) -> pd.DataFrame:
+    values = np.column_stack([contacts.times, contacts.states])
+    rows = pd.DataFrame(values, columns=["t", *STATE_COLUMNS])
+    rows.insert(1, "kind", contacts.kinds.astype(object))
+    return rows
+
+
+def _points(points: tuple[Point, ...]) -> pd.DataFrame:
+    rows = [[getattr(point, column) for column in POINT_COLUMNS] for point in points]
+    return pd.DataFrame(rows, columns=POINT_COLUMNS)
+
+
+def _describe(settings: ArenaSettings) -> Description:
+    return Description(
+        name=Arena.name,
+        kind=KINDS,
+        spin="per_sample",
+        licence="MIT",
+        stated_rate_hz=settings.rate_hz,
+        note="Synthetic: simulated under physics drawn by the seed, not measured. Errors on it say "
+        "how well a predictor knows that physics, and nothing about real balls.",
+    )
+
+
+source = Arena()

@@ -1,0 +1,87 @@
+"""Runs Lightning for a stage: on what there is, with a progress bar, and so that it can resume."""
+
+import logging
+from pathlib import Path
+from typing import Any
+
+import lightning
+import torch
+from lightning.pytorch.callbacks import Callback, ModelCheckpoint
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeRemainingColumn,
+)
+
+from models.predictors.training import ForecastTraining, WindowData
+
+
+def train(training: ForecastTraining, data: WindowData, name: str, checkpoints: Path) -> None:
+    """Train a network in place.
+
+    Every epoch leaves a checkpoint, from which a run that was killed goes on; the result is that
+    of an undisturbed run. After the last epoch there is nothing left to do.
+
+    Args:
+        training: the network and the recipe.
+        data: the windows.
+        name: for the progress bar.
+        checkpoints: a folder that belongs to this training alone.
+    """
+    torch.set_num_threads(training.settings.threads)
+    logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)  # advice and advertisements
+    last = checkpoints / "last.ckpt"
+    trainer = lightning.Trainer(
+        max_epochs=training.settings.epochs,
+        precision=training.settings.precision,
+        gradient_clip_val=training.settings.longest_gradient,
+        deterministic=True,
+        # Batches depend on the number of the epoch.
+        reload_dataloaders_every_n_epochs=1,
+        callbacks=[_saved_every_epoch(checkpoints), _Progress(name)],
+        default_root_dir=checkpoints,
+        logger=False,
+        enable_progress_bar=False,
+        enable_model_summary=False,
+        num_sanity_val_steps=0,
+    )
+    trainer.fit(training, data, ckpt_path=last if last.exists() else None, weights_only=False)
+
+
+def _saved_every_epoch(folder: Path) -> ModelCheckpoint:
+    return ModelCheckpoint(
+        dirpath=folder,
+        filename="last",
+        enable_version_counter=False,
+        save_on_train_epoch_end=True,
+    )
+
+
+class _Progress(Callback):
+    """Draws on stderr how far the whole training has come; silent where nobody looks."""
+
+    def __init__(self, name: str) -> None:
+        columns = (
+            TextColumn("[progress.description]{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeRemainingColumn(),
+        )
+        console = Console(stderr=True)
+        self.bar = Progress(*columns, console=console, disable=not console.is_terminal)
+        self.name, self.task = name, TaskID(0)
+
+    def on_train_start(self, trainer: lightning.Trainer, *_: Any) -> None:
+        steps = int(trainer.estimated_stepping_batches)
+        self.task = self.bar.add_task(self.name, total=steps, completed=trainer.global_step)
+        self.bar.start()
+
+    def on_train_batch_end(self, *_: Any) -> None:
+        self.bar.advance(self.task)
+
+    def teardown(self, *_: Any, **__: Any) -> None:
+        self.bar.stop()

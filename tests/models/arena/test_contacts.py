@@ -1,0 +1,68 @@
+"""Contacts: in order of time, on their surfaces, and known until the ball is gone."""
+
+import numpy as np
+import pytest
+
+from models.arena.contacts import FLOOR_SURFACE, touches
+from models.arena.hall import FLOOR, floor_bounced, in_sight
+from models.ball.contact import TABLE
+from models.ball.state import BALL_RADIUS
+from tests.models.arena.halls import TRUTH, energy, flying
+
+
+def followed(states, most=5, seed=0):
+    return touches(TRUTH, np.atleast_2d(states), most, np.random.default_rng(seed))
+
+
+def test_a_dropped_ball_bounces_on_its_spot_lower_and_lower():
+    flight = followed([0.3, 0.8, 0.3, 0, 0, 0, 0, 0, 0])
+
+    assert (flight.surfaces == TABLE).all()
+    assert flight.times[0, 0] == pytest.approx(np.sqrt(2 * 0.28 / 9.81), rel=0.02)
+    assert (np.diff(flight.states[0, :, 5]) < 0).all()
+    assert np.abs(flight.states[0, :, 2] - BALL_RADIUS).max() < 0.02  # height and tilt of the table
+
+
+def test_a_ball_beside_the_table_meets_the_floor():
+    flight = followed([1.5, 0.0, 0.3, 0, 1.0, 0, 0, 0, 0], most=2)
+
+    assert (flight.surfaces == FLOOR_SURFACE).all()
+    assert flight.states[0, :, 2] == pytest.approx([FLOOR + BALL_RADIUS] * 2, abs=1e-9)
+    fall = 0.3 - FLOOR - BALL_RADIUS
+    assert flight.times[0, 0] == pytest.approx(np.sqrt(2 * fall / 9.81), rel=0.03)
+
+
+def test_a_ball_that_flies_off_is_gone_when_it_leaves_the_cameras_sight():
+    flight = followed([0.0, 0.0, 1.0, 0, 10.0, 0, 0, 0, 0])
+
+    assert np.isinf(flight.times).all()
+    end = TRUTH.simulator.fly([0, 0, 1, 0, 10, 0, 0, 0, 0], [flight.gone[0], flight.gone[0] + 0.02])
+    assert in_sight(end.states[0]).tolist() == [True, False]
+
+
+def test_two_balls_alike_part_at_their_first_bounce():
+    flight = followed(np.tile([0.0, 1.2, 0.3, 0, -4, 0, 0, 0, 0], (2, 1)))
+
+    assert flight.times[0, 0] == flight.times[1, 0]
+    assert not np.array_equal(flight.states[0, 0], flight.states[1, 0])
+
+
+def test_the_floor_takes_energy_and_turns_a_sliding_ball():
+    before = flying(500, np.random.default_rng(0))
+
+    after = floor_bounced(before)
+
+    assert (energy(after) < energy(before)).all()
+    slid = floor_bounced(np.array([[0, 0, FLOOR, 0, 5.0, -1.0, 0, 0, 0]]))[0]
+    assert slid[4] < 5.0
+    assert slid[6] < 0  # forward roll along +y
+
+
+def test_extreme_balls_stay_finite():
+    random = np.random.default_rng(2)
+    flight = followed(flying(500, random))
+
+    found = np.isfinite(flight.times)
+    assert np.isfinite(flight.states[found]).all()
+    assert np.isfinite(flight.gone).all()
+    assert found[:, 0].mean() > 0.9

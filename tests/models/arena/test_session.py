@@ -1,0 +1,64 @@
+"""Sessions: the same from the same seed, and as large as asked for."""
+
+from itertools import islice
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from models.arena.session import recordings
+from tests.models.arena.halls import LEVELS, TRUTH, games, session, settings
+
+
+def flattened(recording):
+    contacts = recording.contacts
+    arrays = (recording.times, recording.positions, recording.spins)
+    arrays += (contacts.times, contacts.kinds, contacts.states)
+    return recording.name, [array.tobytes() for array in arrays], recording.points
+
+
+def test_the_same_seed_gives_the_same_bytes():
+    noisy = settings(30, 10, position_noise=0.003, spin_noise=0.05, dropouts=0.02, outliers=0.01)
+
+    first, again, other = (list(recordings(noisy, TRUTH, seed)) for seed in (4, 4, 5))
+
+    assert list(map(flattened, first)) == list(map(flattened, again))
+    assert flattened(first[0]) != flattened(other[0])
+    assert flattened(first[-1]) != flattened(other[-1])
+
+
+def test_a_longer_session_begins_with_a_shorter_one():
+    cannon = recordings(settings(cannon_shots=3), TRUTH, 0)
+    short = list(recordings(settings(game_episodes=10), TRUTH, 0))
+
+    assert list(map(flattened, cannon)) == list(map(flattened, session()[:3]))
+    assert list(map(flattened, short)) == list(map(flattened, islice(games(), len(short))))
+
+
+def test_it_has_as_many_strokes_and_shots_as_asked_for():
+    strokes = [sum(point.strokes for point in game.points) for game in games()]
+
+    assert len(session()) - len(games()) == 40
+    assert sum(strokes) >= 1500 > sum(strokes[: -len(LEVELS)])
+
+
+def test_names_are_unique_and_all_levels_have_their_share():
+    names = [recording.name for recording in session()]
+    counts = [sum(name.startswith(f"{level}/") for name in names) for level in LEVELS]
+
+    assert len(set(names)) == len(names)
+    assert max(counts) == min(counts) > 5
+
+
+def test_times_rise_and_all_samples_are_finite():
+    for recording in session():
+        assert (np.diff(recording.times) > 0).all()
+        assert np.isfinite(recording.positions).all()
+        assert np.isfinite(recording.spins).all()
+        assert (np.diff(recording.contacts.times) >= 0).all()
+
+
+@pytest.mark.parametrize("wrong", [{"rate_hz": 0}, {"dropouts": 2}, {"cannon_shots": -1}])
+def test_impossible_settings_are_refused(wrong):
+    with pytest.raises(ValidationError):
+        settings(**wrong)

@@ -1,0 +1,65 @@
+"""The truth: hidden, different from every shipped simulator, and possible."""
+
+import json
+
+import numpy as np
+import pytest
+
+from models.arena.truth import Truth, draw_truth
+from models.ball.catalogue import catalogue
+from models.ball.simulators import shipped, shipped_names
+from tests.models.arena.halls import energy, flying
+
+SEEDS = range(40)
+
+
+def test_it_survives_being_written_down():
+    truth = draw_truth(3)
+
+    assert Truth.from_dict(json.loads(json.dumps(truth.to_dict()))) == truth
+
+
+def test_the_seed_decides():
+    assert draw_truth(5) == draw_truth(5)
+    assert draw_truth(5) != draw_truth(6)
+
+
+@pytest.mark.parametrize("name", shipped_names())
+def test_it_differs_from_every_shipped_simulator_in_several_effects(name):
+    known = shipped(name).to_dict()
+    for seed in SEEDS:
+        hidden = draw_truth(seed).simulator.to_dict()
+        missing = set(hidden) - set(known)
+        wrong = [effect for effect in known if hidden[effect] != known[effect]]
+        assert len(missing) >= 5
+        assert len(wrong) >= 3
+
+
+def test_no_effect_that_is_hidden_is_negligible():
+    flat = np.array([[0.0, 1.3, 0.3, 0.5, -9.0, 1.0, 150.0, 50.0, 80.0]])
+    for seed in SEEDS:
+        simulator = draw_truth(seed).simulator
+        end = simulator.fly(flat, [0.6]).states[0, 0, :3]
+        for name in ("speed_dependent_drag", "lift_saturation", "wind", "table_tilt"):
+            without = {key: values for key, values in simulator.effects.items() if key != name}
+            other = type(simulator)(without).fly(flat, [0.6]).states[0, 0, :3]
+            assert np.linalg.norm(other - end) > 0.001, name
+
+
+def test_its_numbers_stay_within_the_bounds_of_the_catalogue():
+    for seed in SEEDS:
+        for name, values in draw_truth(seed).simulator.effects.items():
+            for parameter in catalogue()[name].parameters:
+                assert parameter.bounds[0] <= values[parameter.name] <= parameter.bounds[1]
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3, 4])
+def test_no_bounce_gains_energy_at_any_speed(seed):
+    states = flying(2000, np.random.default_rng(seed))
+
+    contacts = draw_truth(seed).simulator.fly(states, [0.0, 0.05]).contacts
+
+    met = contacts.count > 0
+    assert met.sum() > 1500
+    before, after = contacts.before[met, 0], contacts.after[met, 0]
+    assert (energy(after) <= energy(before) * (1 + 1e-12)).all()

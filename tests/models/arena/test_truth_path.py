@@ -1,0 +1,51 @@
+"""The true path: what perfect cameras see, and nothing where no ball is."""
+
+import numpy as np
+import pytest
+
+from models.arena.session import recordings
+from models.arena.truth_path import true_states
+from tests.models.arena.halls import TRUTH, games, session, settings
+
+
+def test_perfect_cameras_see_the_true_path():
+    for recording in session()[::7]:
+        states = true_states(TRUTH, recording.contacts, recording.times)
+
+        assert np.abs(states[:, :3] - recording.positions).max() < 1e-6, recording.name
+        assert states[:, 6:] == pytest.approx(recording.spins, abs=1e-3)
+
+
+def test_noisy_cameras_see_it_within_their_noise():
+    noisy = settings(cannon_shots=60, position_noise=0.003)
+    errors = [
+        recording.positions - true_states(TRUTH, recording.contacts, recording.times)[:, :3]
+        for recording in recordings(noisy, TRUTH, 1)
+    ]
+
+    assert np.concatenate(errors).std() == pytest.approx(0.003, rel=0.05)
+
+
+def test_just_after_a_contact_it_is_the_state_of_the_contact():
+    contacts = session()[-1].contacts
+
+    assert true_states(TRUTH, contacts, contacts.times) == pytest.approx(contacts.states)
+
+
+def test_no_contact_moves_a_ball():
+    for recording in games()[::3]:
+        contacts = recording.contacts
+        later = contacts.kinds != "launch"
+
+        before = true_states(TRUTH, contacts, contacts.times[later] - 1e-6)
+
+        assert np.abs(before[:, :3] - contacts.states[later, :3]).max() < 5e-5
+
+
+def test_there_is_no_ball_before_the_launch_and_long_after_the_end():
+    contacts = session()[0].contacts
+    times = [contacts.times[0] - 0.1, contacts.times[0] + 0.01, contacts.times[-1] + 5]
+
+    states = true_states(TRUTH, contacts, np.array(times))
+
+    assert np.isfinite(states).all(axis=1).tolist() == [False, True, False]

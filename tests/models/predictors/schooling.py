@@ -1,0 +1,76 @@
+"""A small network, a few balls and a short training, for the tests of learned predictors."""
+
+import copy
+from functools import cache
+
+import lightning
+import numpy as np
+import torch
+
+from models.predictors.learned import build_network
+from models.predictors.settings import TrainingSettings, TransformerSettings
+from models.predictors.tracks import tracks
+from models.predictors.training import ForecastTraining, WindowData
+from tests.models.predictors.balls import FIRST
+from tests.models.predictors.episodes import flown, spoilt
+
+# Beside other work, two threads wait for one another far longer than they share so little work.
+torch.set_num_threads(1)
+
+TINY = TransformerSettings(
+    kind="transformer", width=16, expanded=32, heads=2, encoder_layers=1, decoder_layers=1,
+    states_a_row=5, placeholders="uniform_motion",
+)  # fmt: skip
+BRIEF = TrainingSettings(
+    epochs=3, windows_an_episode=4, batch=8, learning_rate=0.01, decay=0.5, longest_gradient=1.0,
+    hidden_spin=0.3, precision="32-true", threads=1,
+)  # fmt: skip
+
+
+def changed(settings, **changes):
+    return settings.model_validate({**settings.model_dump(), **changes})
+
+
+def network(settings=TINY, seed=0):
+    torch.manual_seed(seed)
+    return build_network(settings)
+
+
+@cache
+def balls(count, seed):
+    """Tracks of balls like ``FIRST``, measured imperfectly."""
+    random = np.random.default_rng(seed)
+    first = FIRST[np.arange(count) % 3] * random.uniform(0.97, 1.03, (count, 9))
+    flights = (flown(one, noise=0.003, spin_noise=10.0, seed=seed) for one in first)
+    return tracks([spoilt(flight, number) for number, flight in enumerate(flights)])
+
+
+def data(settings=BRIEF, seed=0):
+    return WindowData(balls(6, 0), balls(3, 1), settings, seed)
+
+
+@cache
+def _fitted(seed):
+    fresh = network(seed=seed)
+    data(seed=seed).fit_normaliser(fresh)
+    return fresh
+
+
+def schooling(settings=BRIEF, seed=0, kind=ForecastTraining):
+    """A training of a fresh network, and its data."""
+    return kind(copy.deepcopy(_fitted(seed)), settings), data(settings, seed)
+
+
+def fit(training, data):
+    """Train without any of what a stage needs."""
+    trainer = lightning.Trainer(
+        max_epochs=training.settings.epochs,
+        reload_dataloaders_every_n_epochs=1,
+        logger=False,
+        enable_checkpointing=False,
+        enable_progress_bar=False,
+        enable_model_summary=False,
+        num_sanity_val_steps=0,
+    )
+    trainer.fit(training, data)
+    return training

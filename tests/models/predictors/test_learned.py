@@ -1,0 +1,83 @@
+"""A network behind the predictors' protocol."""
+
+import numpy as np
+import torch
+
+from models.predictors.learned import ForecastNetwork, LearnedPredictor
+from models.predictors.normaliser import uniform_motion
+from models.predictors.protocol import History
+from tests.models.predictors.balls import observed
+from tests.models.predictors.schooling import TINY, network, schooling
+
+
+class Constant(torch.nn.Module):
+    """A network that always says the same, and keeps what it heard."""
+
+    def __init__(self, said):
+        super().__init__()
+        self.said = said
+
+    def forward(self, history, expected):
+        self.heard, self.expected = history, expected
+        return torch.full((len(history), 60, 9), self.said)
+
+
+def fitted(inner):
+    """``inner`` between the halves of a normaliser that was fitted to balls."""
+    outer = ForecastNetwork(inner)
+    training, _ = schooling()
+    outer.normaliser.load_state_dict(training.network.normaliser.state_dict())
+    return outer
+
+
+def test_it_forecasts_uniform_motion_and_the_deviation_that_its_network_says():
+    history, _ = observed(noise=0.003)
+    predictor = LearnedPredictor(fitted(Constant(2.0)))
+    normaliser = predictor.network.normaliser
+    motion = uniform_motion(torch.from_numpy(history.states), torch.from_numpy(history.mask))
+    expected = motion + normaliser.future_mean + 2.0 * normaliser.future_spread
+    np.testing.assert_allclose(
+        predictor.predict(history).states, expected, rtol=1e-5, atol=1e-4
+    )  # fmt: skip
+
+
+def test_its_network_hears_standardised_measurements_and_what_uniform_motion_expects():
+    history, _ = observed(labelled=False)
+    inner = Constant(0.0)
+    outer = fitted(inner)
+    LearnedPredictor(outer).predict(history)
+    measured = torch.from_numpy(history.states).float(), torch.from_numpy(history.mask)
+    assert torch.equal(inner.heard, outer.normaliser.normalised(*measured))
+    assert torch.equal(inner.expected, outer.normaliser.expected(*measured))
+    assert not inner.heard[..., 3:].any()
+
+
+def test_a_ball_from_the_other_side_is_forecast_alike_to_the_last_bit():
+    history, _ = observed(noise=0.003)
+    predictor = LearnedPredictor(schooling()[0].network)
+    half_turn = np.array([-1, -1, 1])
+    twin = History(history.states * np.tile(half_turn, 2), history.mask)
+    forecast, turned = (predictor.predict(one).states for one in (history, twin))
+    np.testing.assert_array_equal(turned, forecast * np.tile(half_turn, 3))
+    assert (forecast[:, 0, 4] < 0).all() and (turned[:, 0, 4] > 0).all()
+
+
+def test_a_spin_counts_as_measured_when_one_sample_has_all_of_it():
+    history, _ = observed()
+    mask = history.mask.copy()
+    mask[0, 1:, 3:] = False  # one label
+    mask[1, :, 5] = False  # never whole
+    mask[2, :, 3:] = False  # none
+    forecast = LearnedPredictor(network()).predict(History(history.states * mask, mask))
+    assert forecast.spin_measured.tolist() == [True, False, False]
+
+
+def test_its_parameters_are_counted_without_the_normaliser_s_statistics():
+    width, expanded = TINY.width, TINY.expanded
+    embedding, norm = 6 * 3 * width + width, 2 * width
+    attention = 4 * (width**2 + width)
+    block = width * expanded + expanded + expanded * width + width
+    encoder, decoder = attention + block + 2 * norm, 2 * attention + block + 3 * norm
+    projection = TINY.states_a_row * 9 * (width + 1)
+    total = 2 * embedding + encoder + decoder + projection
+    assert network().parameter_count == total

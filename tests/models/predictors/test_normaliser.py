@@ -1,0 +1,195 @@
+"""The normaliser: uniform motion is nothing to it, and what was not measured does not count."""
+
+import itertools
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from models.predictors.normaliser import Normaliser, uniform_motion
+from models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES
+from tests.models.predictors.balls import FIRST, observed
+
+ALL = torch.ones(1, 12, 6, dtype=torch.bool)
+HALF_TURN = np.array([-1, -1, 1])
+WEIGHT = [2.0, 1.0, 0.5]  # of position, velocity and spin
+
+
+def numbers(largest):
+    return arrays(float, 3, elements=st.floats(-largest, largest))
+
+
+def moving(position, velocity, spin):
+    """(1, 12, 6) and (1, 60, 9): a ball in uniform motion."""
+    past, future = (
+        np.array([[*(position + velocity * time), *velocity, *spin] for time in times])
+        for times in (HISTORY_TIMES, FUTURE_TIMES)
+    )
+    measured = past[:, [0, 1, 2, 6, 7, 8]]
+    return torch.from_numpy(measured)[None], torch.from_numpy(future)[None]
+
+
+def measured_balls(seed=0, balls=200):
+    """Noisy balls, half of them towards each side; a fifth of all numbers not measured."""
+    random = np.random.default_rng(seed)
+    first = FIRST[random.integers(0, 3, balls)] * random.uniform(0.9, 1.1, (balls, 9))
+    first[::2] *= np.tile(HALF_TURN, 3)
+    history, future = observed(first, noise=0.003)
+    parts = torch.from_numpy(history.states), torch.from_numpy(future)
+    past, future = (part.float() for part in parts)
+    past[..., 3:] += torch.from_numpy(random.normal(0, 5, past[..., 3:].shape))
+    future[..., 6:] += torch.from_numpy(random.normal(0, 5, future[..., 6:].shape))
+    seen, measured = (torch.from_numpy(random.random(part.shape) < 0.8) for part in parts)
+    return torch.where(seen, past, 0), seen, torch.where(measured, future, 0), measured
+
+
+@settings(deadline=None, max_examples=50)
+@given(numbers(5), numbers(35), numbers(1000), st.sets(st.integers(0, 11), min_size=2))
+def test_a_ball_in_uniform_motion_does_not_deviate_from_it(position, velocity, spin, where):
+    history, future = moving(position, velocity, spin)
+    seen = torch.zeros_like(ALL)
+    seen[:, sorted(where)] = True
+    deviation = Normaliser().deviation(future, history, seen)
+    torch.testing.assert_close(deviation, torch.zeros_like(deviation), rtol=0, atol=1e-9)
+
+
+@settings(deadline=None, max_examples=50)
+@given(numbers(5), numbers(35), numbers(1000))
+def test_a_network_sees_its_way_magnified_and_its_end_from_behind(position, velocity, spin):
+    assume(abs(velocity[1]) > 1e-3)
+    history, future = moving(position, velocity, spin)
+    side = HALF_TURN if velocity[1] > 0 else np.ones(3)
+    way = position + 6 * np.outer(HISTORY_TIMES, velocity)
+    seen = Normaliser().normalised(history, ALL)[0]
+    np.testing.assert_allclose(seen, np.hstack([way, [spin] * 12]) * np.tile(side, 2), atol=1e-9)
+    ahead = Normaliser().expected(history, ALL)[0]
+    expected = future[0][:, [0, 1, 2, 6, 7, 8]] * np.tile(side, 2)
+    np.testing.assert_allclose(ahead, expected, atol=1e-9)
+
+
+@settings(deadline=None, max_examples=30)
+@given(arrays(bool, 12), st.integers(0, 100))
+def test_its_velocity_is_the_median_of_all_slopes_between_seen_samples(seen, seed):
+    heights = np.random.default_rng(seed).normal(size=12)
+    pairs = itertools.combinations(np.flatnonzero(seen), 2)
+    slopes = [(heights[j] - heights[i]) / (HISTORY_TIMES[j] - HISTORY_TIMES[i]) for i, j in pairs]
+    velocity = np.median(slopes) if slopes else 0.0
+    now = np.median((heights - velocity * HISTORY_TIMES)[seen]) if seen.any() else 0.0
+    history = torch.from_numpy(np.tile(heights[:, None], (1, 1, 6)))
+    motion = uniform_motion(history, torch.from_numpy(seen)[None, :, None].expand(ALL.shape))[0]
+    np.testing.assert_allclose(motion[:, 2], now + velocity * FUTURE_TIMES, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(motion[:, 5], velocity, rtol=1e-9, atol=1e-9)
+
+
+def one_ball():
+    return torch.from_numpy(observed(FIRST[[0]], noise=0.003)[0].states)
+
+
+def with_outlier(history, sample):
+    spoilt = history.clone()
+    spoilt[:, sample, :3] += 0.3
+    return spoilt
+
+
+def largest_move(forecast, others):
+    """Of the position 0.3 s ahead, along one axis."""
+    return (forecast - others)[0, -1, :3].abs().max()
+
+
+@pytest.mark.parametrize("sample", range(12))
+def test_an_outlier_of_30_cm_moves_uniform_motion_by_3_at_most(sample):
+    history, spoilt = one_ball(), with_outlier(one_ball(), sample)
+    assert largest_move(uniform_motion(spoilt, ALL), uniform_motion(history, ALL)) < 0.03
+
+
+@pytest.mark.parametrize("sample", [0, 11])
+def test_an_outlier_at_an_end_moves_least_squares_by_half_a_metre(sample):
+    lines = [
+        np.polyfit(HISTORY_TIMES, history[0, :, :3], 1)
+        for history in (one_ball(), with_outlier(one_ball(), sample))
+    ]
+    slope, now = lines[1] - lines[0]
+    assert np.abs(now + slope * FUTURE_TIMES[-1]).min() > 0.5
+
+
+@pytest.mark.parametrize("lost", [[0, 1, 2], [4, 6, 7], [9, 10, 11]])
+def test_lost_samples_move_uniform_motion_by_5_cm_at_most(lost):
+    seen = ALL.clone()
+    seen[:, lost] = False
+    assert largest_move(uniform_motion(one_ball(), seen), uniform_motion(one_ball(), ALL)) < 0.05
+
+
+def test_states_come_back_from_their_deviation():
+    history, seen, future, measured = measured_balls()
+    normaliser = Normaliser()
+    normaliser.fit(history, seen, future, measured)
+    deviation = normaliser.deviation(future, history, seen)
+    returned = normaliser.states(deviation, history, seen)
+    torch.testing.assert_close(returned, future, rtol=1e-5, atol=1e-4)
+
+
+def test_on_the_windows_it_was_fitted_to_means_are_zero_and_spreads_one_or_the_weight():
+    history, seen, future, measured = (part.double() for part in measured_balls())
+    seen, measured = seen.bool(), measured.bool()
+    normaliser = Normaliser()
+    normaliser.fit(history, seen, future, measured)
+    ins, outs = normaliser.normalised(history, seen), normaliser.deviation(future, history, seen)
+    means, spreads = moments(ins, seen)
+    np.testing.assert_allclose(means, 0, atol=1e-9)
+    np.testing.assert_allclose(spreads, 1, atol=1e-9)
+    means, spreads = moments(outs, measured)
+    np.testing.assert_allclose(means, 0, atol=1e-9)
+    of_quantities = np.sqrt((spreads**2).reshape(3, 3).mean(axis=1))  # a millimetre is a millimetre
+    np.testing.assert_allclose(of_quantities, WEIGHT, atol=1e-9)
+
+
+def moments(values, known):
+    """Mean and standard deviation of every column where it is known."""
+    columns = np.ma.array(values, mask=~known).reshape(-1, values.shape[2])
+    return columns.mean(axis=0).data, columns.std(axis=0).data
+
+
+def test_what_was_not_measured_has_no_influence():
+    history, seen, future, measured = measured_balls()
+    plain, filled = Normaliser(), Normaliser()
+    nonsense = torch.where(seen, history, 1e6), seen, torch.where(measured, future, 1e6), measured
+    plain.fit(history, seen, future, measured)
+    filled.fit(*nonsense)
+    for name, value in plain.state_dict().items():
+        assert torch.equal(value, filled.state_dict()[name])
+    inputs = nonsense[0], seen
+    assert torch.equal(plain.normalised(history, seen), plain.normalised(*inputs))
+    assert torch.equal(uniform_motion(history, seen), uniform_motion(*inputs))
+
+
+def test_what_was_not_measured_is_zero_to_the_network():
+    history, seen, future, measured = measured_balls()
+    normaliser = Normaliser()
+    normaliser.fit(history, seen, future, measured)
+    assert not normaliser.normalised(history, seen)[~seen].any()
+
+
+def test_a_number_that_never_varies_or_was_never_measured_stays_finite():
+    history, seen, future, measured = measured_balls()
+    history[..., 5], seen[..., 4], measured[..., 6:] = 0.1, False, False
+    normaliser = Normaliser()
+    normaliser.fit(history, seen, future, measured)
+    assert normaliser.history_spread[4:].tolist() == [1.0, 1.0]
+    assert normaliser.future_spread[6:].tolist() == [1 / WEIGHT[2]] * 3
+    assert normaliser.history_mean[4] == 0.0
+    assert not normaliser.future_mean[6:].any()
+
+
+@pytest.mark.parametrize("seen", [[], [0], [11]])
+def test_a_ball_hardly_seen_is_taken_to_stand_still(seen):
+    history, _ = moving(np.array([0.1, 0.2, 0.3]), np.array([1.0, 2.0, 3.0]), np.full(3, 50.0))
+    known = torch.zeros_like(ALL)
+    known[:, seen] = True
+    position = history[0, seen[0], :3] if seen else torch.zeros(3)
+    spin = torch.full((3,), 50.0 if seen else 0.0)
+    motion = uniform_motion(history, known)[0]
+    still = torch.cat([position, torch.zeros(3), spin]).expand(60, 9)
+    torch.testing.assert_close(motion, still.double(), rtol=0, atol=1e-12)

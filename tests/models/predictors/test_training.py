@@ -1,0 +1,204 @@
+"""Training: the recipe of the paper, and nothing learned from what was not measured."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from models.predictors.learned import ForecastNetwork, LearnedPredictor
+from models.predictors.protocol import History
+from models.predictors.tracks import tracks
+from models.predictors.training import ForecastTraining, WindowData, cosine
+from tests.models.predictors.balls import FIRST
+from tests.models.predictors.episodes import flown
+from tests.models.predictors.schooling import (
+    BRIEF,
+    TINY,
+    balls,
+    changed,
+    data,
+    fit,
+    network,
+    schooling,
+)
+
+
+class Silent(torch.nn.Module):
+    """A network that says nothing."""
+
+    def forward(self, history, _):
+        return history.new_zeros(len(history), 60, 9)
+
+
+class Rates(ForecastTraining):
+    """A training that notes its learning rates."""
+
+    def on_train_start(self):
+        self.rates = []
+
+    def on_train_batch_start(self, *_):
+        self.rates.append(self.optimizers().param_groups[0]["lr"])
+
+
+def weights(training):
+    return [weight.detach().clone() for weight in training.network.parameters()]
+
+
+def batches(loader):
+    return [[part.numpy() for part in batch] for batch in loader]
+
+
+def joined(loader):
+    """The parts of all batches, each in one array."""
+    return [np.concatenate(parts) for parts in zip(*batches(loader), strict=True)]
+
+
+def test_a_handful_of_windows_is_learned_by_heart():
+    flights = tracks([flown(first) for first in FIRST])
+    one_each = replace(flights, anchors=flights.anchors[flights.bounds[:-1]], bounds=np.arange(4))
+    plain = changed(BRIEF, epochs=6, windows_an_episode=100, batch=6, decay=0.6, hidden_spin=0.0)
+    training = ForecastTraining(network(changed(TINY, width=32, expanded=64)), plain)
+    windows = WindowData(one_each, one_each, plain, seed=0)
+    windows.fit_normaliser(training.network)
+
+    curve = fit(training, windows).curve
+
+    history, seen, future, measured = one_each.windows(one_each.anchors)
+    forecast = LearnedPredictor(training.network).predict(History(history, seen)).states
+    assert measured[:, -1].all()
+    assert curve[-1]["validation"] < 0.005  # a network that says nothing loses 1 and more
+    assert np.linalg.norm((forecast - future)[:, -1, :3], axis=1).max() < 0.06
+
+
+def test_a_network_that_says_nothing_loses_the_variance_of_what_was_measured():
+    train = balls(6, 0)
+    batch = [torch.from_numpy(part) for part in train.windows(train.anchors)]
+    training = ForecastTraining(ForecastNetwork(Silent()), BRIEF)
+    training.network.normaliser.fit(*batch)
+    wanted = training.network.normaliser.deviation(batch[2], *batch[:2])[batch[3]]
+    assert training._loss(batch).item() == pytest.approx(wanted.square().mean().item(), rel=1e-5)
+    numbers = batch[3].sum(dim=(0, 1)).view(3, 3).sum(dim=1)
+    variances = np.square([2.0, 1.0, 0.5])  # the weights of position, velocity and spin
+    expected = np.average(variances, weights=numbers)
+    assert training._loss(batch).item() == pytest.approx(expected, rel=1e-2)
+
+
+def test_what_was_not_measured_teaches_nothing():
+    training, windows = schooling()
+    history, seen, future, measured = next(iter(windows.train_dataloader()))
+    assert not seen.all() and not measured.all()
+    nonsense = torch.where(seen, history, 1e6), seen, torch.where(measured, future, 1e6), measured
+    gradients = []
+    for batch in [(history, seen, future, measured), nonsense]:
+        training.zero_grad()
+        training._loss(batch).backward()
+        gradients.append([weight.grad for weight in training.network.parameters()])
+    assert all(torch.equal(one, other) for one, other in zip(*gradients, strict=True))
+
+
+def test_a_batch_in_which_nothing_was_measured_has_no_loss():
+    training, windows = schooling()
+    history, seen, future, measured = next(iter(windows.train_dataloader()))
+    assert training._loss((history, seen, future, torch.zeros_like(measured))).item() == 0.0
+
+
+def hiding(share, **changes):
+    return joined(data(changed(BRIEF, hidden_spin=share, **changes)).train_dataloader())
+
+
+def test_hidden_spin_is_neither_shown_nor_asked_for_and_all_else_is():
+    (history, seen, future, measured), hidden = hiding(0.0), hiding(1.0)
+    np.testing.assert_array_equal(hidden[0][..., :3], history[..., :3])
+    np.testing.assert_array_equal(hidden[1][..., :3], seen[..., :3])
+    np.testing.assert_array_equal(hidden[2], future)
+    np.testing.assert_array_equal(hidden[3][..., :6], measured[..., :6])
+    assert not hidden[3][..., 6:].any() and measured[..., 6:].any()
+    assert seen[..., 3:].any() and history[..., 3:].any()
+    assert not hidden[1][..., 3:].any() and not hidden[0][..., 3:].any()
+
+
+def test_where_no_label_was_seen_spin_is_not_asked_for():
+    late = flown()
+    late.spins[:50] = np.nan  # so that some windows see no label, but have one in their future
+    settings = changed(BRIEF, hidden_spin=0.0, windows_an_episode=100)
+    windows = WindowData(tracks([late]), tracks([late]), settings, seed=0)
+    _, seen, future, measured = joined(windows.train_dataloader())
+    labelled = seen[..., 3:].any(axis=(1, 2))
+    assert labelled.any() and future[~labelled, :, 6:].any()
+    assert measured[labelled, :, 6:].any(axis=(1, 2)).all()
+    assert not measured[~labelled, :, 6:].any()
+
+
+def test_the_share_of_windows_asked_for_hides_its_spin():
+    whole, some = (hiding(share, windows_an_episode=100)[1][..., 3:] for share in (0.0, 0.3))
+    hidden = ~some.any(axis=(1, 2))
+    assert hidden.mean() == pytest.approx(0.3, abs=0.06)  # of 600 windows: three deviations
+    np.testing.assert_array_equal(some[~hidden], whole[~hidden])
+
+
+def test_an_epoch_has_as_many_windows_of_each_episode_as_asked():
+    train = balls(6, 0)
+    every = train.windows(train.anchors)[2]
+    owner = np.repeat(np.arange(6), np.diff(train.bounds))
+    loader = data().train_dataloader()
+    drawn = [owner[(every == window).all(axis=(1, 2))].tolist() for window in joined(loader)[2]]
+    assert sorted(drawn) == [[episode] for episode in range(6) for _ in range(4)]
+    assert [len(batch[0]) for batch in loader] == [8, 8, 8]
+
+
+class Watching(ForecastTraining):
+    """A training that notes its batches."""
+
+    def on_fit_start(self):
+        self.learned, self.watched = [], []
+
+    def on_train_batch_start(self, batch, _):
+        self.learned.append(batch[0].numpy())
+
+    def on_validation_batch_start(self, batch, *_):
+        self.watched.append(batch[0].numpy())
+
+
+def test_every_epoch_draws_its_windows_anew_and_validation_never():
+    training = fit(*schooling(kind=Watching))
+    learned, watched = np.split(np.array(training.learned), 3), training.watched
+    assert (learned[0] != learned[1]).any() and (learned[1] != learned[2]).any()
+    assert len(watched) == 3
+    np.testing.assert_array_equal(watched[0], watched[1])
+    np.testing.assert_array_equal(watched[0], watched[2])
+
+
+def test_validation_changes_no_weight():
+    training, windows = schooling()
+    other, others = schooling()
+    others.validation = balls(5, 7)
+    pairs = zip(weights(fit(training, windows)), weights(fit(other, others)), strict=True)
+    assert all(torch.equal(one, same) for one, same in pairs)
+    assert training.curve != other.curve
+
+
+def test_the_learning_rate_falls_by_its_factor_every_epoch():
+    training = fit(*schooling(kind=Rates))
+    assert training.rates == pytest.approx(np.repeat([0.01, 0.005, 0.0025], 3))
+
+
+def test_without_a_factor_the_learning_rate_rises_and_falls_with_every_step():
+    settings = changed(BRIEF, decay=None, epochs=10, learning_rate=1e-4)
+    rates = np.array(fit(*schooling(settings, kind=Rates)).rates)
+    assert rates == pytest.approx([1e-4 * cosine(step / 30) for step in range(30)])
+
+
+def test_the_cosine_is_half_a_wave_behind_a_rise():
+    shares = [0.0, 0.025, 0.05, 0.25, 0.5, 1.0, 1.1]
+    falling = (1 + np.cos(np.pi * np.array(shares[:-1]))) / 2
+    assert [cosine(share) for share in shares] == pytest.approx(
+        [0.0, falling[1] / 2, *falling[2:], 0.0]
+    )
+
+
+def test_the_normaliser_learns_nothing():
+    training, windows = schooling()
+    before = {name: one.clone() for name, one in training.network.normaliser.state_dict().items()}
+    after = fit(training, windows).network.normaliser.state_dict()
+    assert all(torch.equal(before[name], after[name]) for name in before)

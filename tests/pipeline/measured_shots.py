@@ -1,0 +1,148 @@
+"""Shots whose physics is known, as ingest, segment and train_predictor would leave them."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from models.arena.cameras import SlowError
+from models.arena.scatter import BounceScatter
+from models.arena.truth import Truth
+from models.ball.simulators import shipped
+from pipeline.artifacts import write_json, write_table
+from pipeline.contracts import CONTACTS, EPISODES, SAMPLES, TRUE_CONTACTS, checked
+from pipeline.params import PhysicsPredictorSettings, load_params
+from pipeline.truth import STATE_COLUMNS
+from pipeline.weights import Learning, TrainedPredictor, save_predictor
+from tests.models.predictors.schooling import BRIEF, TINY, network
+
+TIMES = 0.005 * np.arange(101)
+SIMULATOR = shipped("literature")
+NOISE = 0.003  # m
+PREDICTORS = {
+    "physics_true": PhysicsPredictorSettings(kind="physics", simulator="literature"),
+    "physics_c": PhysicsPredictorSettings(kind="physics", simulator="imperfect_c"),
+}
+SPIN = {"arena": "per_sample", "labelled": "per_recording", "plain": "none"}
+SHOTS = [
+    *[("arena/cannon", number) for number in range(2)],
+    *[("arena/pro", number) for number in range(2, 4)],
+    *[("labelled", number) for number in range(3)],
+    *[("plain", number) for number in range(3)],
+]
+
+
+def params(**groups):
+    """The repository's parameters with the predictors of these tests, and ``groups`` changed."""
+    repository = load_params(Path(__file__).parents[2] / "params.yaml")
+    changes = {"predictors": PREDICTORS, "bootstrap_resamples": 50}
+    evaluation = repository.evaluate_predictor.model_copy(update=changes)
+    return repository.model_copy(update={"evaluate_predictor": evaluation, **groups})
+
+
+def write_inputs(root, shots=(), sources=tuple(SPIN)):
+    """Write the artefacts of all shots of some sources, and of ``shots`` beside them."""
+    chosen = [shot for shot in SHOTS if shot[0].split("/")[0] in sources]
+    parts = [shot_tables(place, number) for place, number in chosen] + list(shots)
+    samples, contacts, episodes, true = zip(*parts, strict=True)
+    segmented, ingested = (root / "artifacts" / name for name in ("segment", "ingest"))
+    _write(segmented / "samples.parquet", samples, SAMPLES)
+    _write(segmented / "contacts.parquet", contacts, CONTACTS)
+    _write(segmented / "episodes.parquet", episodes, EPISODES)
+    _write(ingested / "true_contacts.parquet", true, TRUE_CONTACTS)
+    truth = Truth(SIMULATOR, BounceScatter(0.0, 0.0), SlowError(0.0, 0.1))
+    write_json(ingested / "truth.json", truth.to_dict() if "arena" in sources else None)
+    manifest = {name: source_record(name, spin) for name, spin in SPIN.items() if name in sources}
+    write_json(ingested / "manifest.json", {"sources": manifest})
+    write_trained(root, "tiny")
+
+
+def write_trained(root, name, **changes):
+    """Save an untrained network as if it had been trained."""
+    made = network(TINY)
+    learning = Learning(
+        episodes=1, windows=1, validation_episodes=1, settings=BRIEF, seed=0
+    )  # fmt: skip
+    plain = {
+        "name": name,
+        "network": TINY,
+        "parameters": made.parameter_count,
+        "sources": ["arena"],
+        "starts_from": None,
+        "learning": learning,
+    }
+    folder = root / "artifacts" / "train_predictor" / name
+    save_predictor(folder, made, TrainedPredictor(**{**plain, **changes}))
+
+
+def shot_tables(place, number, **changes):
+    """Samples, contact, episode and true contacts of one shot of a cannon."""
+    source, recording = place.split("/")[0], f"{place}/{number}"
+    name = f"{recording}/00"
+    ball = [0.1 * number, 1.3, 0.3, 0.2, -8.0, 0.5, -150.0 + 20 * number, 10.0, 5.0]
+    flight = SIMULATOR.fly(ball, TIMES)
+    bounce = flight.contacts.time[0, 0]
+    measured = flight.states[0].copy()
+    if source == "arena":
+        measured[:, :3] += np.random.default_rng(number).normal(0, NOISE, (len(TIMES), 3))
+    if SPIN[source] == "none":
+        measured[:, 6:] = np.nan
+    samples = pd.DataFrame(measured, columns=STATE_COLUMNS)
+    samples.insert(0, "t", TIMES)
+    samples.insert(0, "arc", (bounce < TIMES).astype(int))
+    samples.insert(0, "episode_id", name)
+    samples.insert(0, "recording_id", recording)
+    samples["outlier"] = False
+    true = pd.DataFrame([ball, flight.contacts.after[0, 0]], columns=STATE_COLUMNS)
+    true.insert(0, "kind", ["launch", "table"])
+    true.insert(0, "t", [0.0, bounce])
+    true.insert(0, "recording_id", recording)
+    return samples, _contact(recording, name, bounce), _episode(recording, name, **changes), true
+
+
+def source_record(name, spin):
+    """What the manifest says of a source."""
+    return {
+        "name": name,
+        "spin": spin,
+        "kind": "cannon",
+        "licence": "made for this test",
+        "note": "made for this test",
+        "rate_hz": 200.0,
+        "recordings": 3,
+        "launches": 0,
+        "rows_read": 303,
+        "rows_kept": 303,
+        "rows_refused": {},
+        "labels_refused": {},
+        "files": [],
+    }
+
+
+def _contact(recording, name, bounce):
+    contact = {"recording_id": recording, "episode_id": name, "kind": "table", "t": bounce}
+    return pd.DataFrame([{**contact, "px": 0.0, "py": 0.0, "pz": 0.02, "speed_change": 4.0}])
+
+
+def _episode(recording, name, **changes):
+    episode = {
+        "episode_id": name,
+        "recording_id": recording,
+        "source": recording.split("/")[0],
+        "start": 0.0,
+        "end": TIMES[-1],
+        "starts_with": "launch",
+        "ends_with": "recording",
+        "samples": len(TIMES),
+        "outliers": 0,
+        "bounces": 1,
+        "residual": 0.003,
+        "unbroken": True,
+        "split": "test",
+        "replay_set": "none",
+    }
+    return pd.DataFrame([{**episode, **changes}])
+
+
+def _write(path, parts, contract):
+    write_table(path, checked(pd.concat(parts, ignore_index=True), contract))

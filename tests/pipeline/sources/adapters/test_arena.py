@@ -1,0 +1,90 @@
+"""The arena: repeatable, said to be synthetic, and its sealed truth explains what was measured."""
+
+import numpy as np
+import pytest
+
+from models.arena.recording import TrueContacts
+from models.arena.truth import Truth, draw_truth
+from models.arena.truth_path import true_states
+from models.ball.state import POSITION
+from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
+from tests.pipeline.sources.made_up import ARENA, read
+
+LEVELS = {"amateur", "club", "semi_pro", "pro"}
+GAMES = ARENA.model_copy(update={"game_episodes": 8})
+
+
+@pytest.fixture(scope="module")
+def session():
+    return read(None, "arena", arena=GAMES)
+
+
+def group(table):
+    return table["recording_id"].str.split("/").str[1]
+
+
+def test_it_needs_no_folder_and_says_that_it_is_synthetic(session):
+    record = session.manifest.sources["arena"]
+
+    assert record.note.startswith("Synthetic: simulated")
+    assert (record.rate_hz, record.files) == (ARENA.rate_hz, [])
+    assert record.recordings == session.recordings["recording_id"].nunique()
+
+
+def test_shots_of_the_cannon_begin_with_a_launch_and_games_do_not(session):
+    ids = session.recordings["recording_id"].drop_duplicates()
+
+    launched = ids.map(session.manifest.begins_with_launch)
+
+    assert launched.sum() == ARENA.cannon_shots
+    assert ids[launched].str.startswith("arena/cannon/").all()
+    assert set(ids[~launched].str.split("/").str[1]) <= LEVELS
+
+
+def test_the_same_seed_gives_the_same_tables(session):
+    again = read(None, "arena", arena=GAMES)
+
+    for name in ("recordings", "points", "true_contacts"):
+        assert getattr(again, name).equals(getattr(session, name))
+    assert again.truth == session.truth
+
+
+def test_another_seed_gives_other_balls_and_other_physics():
+    one, other = read(None, "arena"), read(None, "arena", seed=1)
+
+    assert not one.recordings.equals(other.recordings)
+    assert one.truth["simulator"] != other.truth["simulator"]
+
+
+def test_the_sealed_truth_is_the_seed_s_and_can_be_read_again(session):
+    assert session.truth["seed"] == 0
+    assert Truth.from_dict(session.truth) == draw_truth(0)
+
+
+def test_the_truth_and_the_true_contacts_explain_what_was_measured(session):
+    truth = Truth.from_dict(session.truth)
+    contacts = dict(list(session.true_contacts.groupby("recording_id")))
+    for recording_id, samples in session.recordings.groupby("recording_id"):
+        true = contacts[recording_id]
+        states = true[[*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]].to_numpy()
+        known = TrueContacts(true["t"].to_numpy(), true["kind"].to_numpy(dtype=str), states)
+        path = true_states(truth, known, samples["t"].to_numpy())[:, POSITION]
+
+        error = np.abs(samples[POSITION_COLUMNS].to_numpy() - path)
+
+        assert np.median(error) < ARENA.position_noise
+        assert np.quantile(error, 0.9) < 3 * ARENA.position_noise
+
+
+def test_the_umpire_counts_the_strokes_that_there_were(session):
+    racket = session.true_contacts[session.true_contacts["kind"] == "racket"]
+    assert len(session.points) > 0
+
+    for point in session.points.itertuples():
+        times = racket["t"][racket["recording_id"] == point.recording_id]
+        assert times.between(point.start, point.end).sum() == point.strokes
+
+
+def test_only_games_have_an_umpire(session):
+    assert set(group(session.points)) <= LEVELS
+    assert set(group(session.true_contacts)) == set(group(session.recordings))

@@ -1,0 +1,23 @@
+"""Runs of the first stages on a few shots of the arena's cannon."""
+
+from types import SimpleNamespace
+
+from models.segmentation.settings import SegmentSettings
+from pipeline.run import StageRun
+from pipeline.sources.settings import IngestSettings
+from stages.ingest import ingest
+from stages.segment import segment
+from tests.pipeline.sources.made_up import ARENA
+
+
+def run_ingest(root, folder=None, sources=("arena",), arena=ARENA, seed=0):
+    settings = IngestSettings(folder=folder, sources=list(sources), arena=arena)
+    run = StageRun("ingest", root, SimpleNamespace(ingest=settings, seed=seed))
+    ingest(run)
+    return run
+
+
+def run_segment(root):
+    run = StageRun("segment", root, SimpleNamespace(segment=SegmentSettings(), seed=0))
+    segment(run)
+    return run

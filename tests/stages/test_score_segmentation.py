@@ -1,0 +1,82 @@
+"""The score of segmentation on simulated recordings, from artefacts to report."""
+
+import shutil
+from pathlib import Path
+from types import SimpleNamespace
+
+import pandas as pd
+import pytest
+
+from models.segmentation.settings import ScoringSettings
+from pipeline.artifacts import read_json, read_table, write_table
+from pipeline.run import StageRun
+from stages.score_segmentation import score_segmentation
+from tests.pipeline.sources.made_up import ARENA
+from tests.stages.small_runs import run_ingest, run_segment
+
+
+def run_score(root):
+    params = SimpleNamespace(score_segmentation=ScoringSettings(), seed=0)
+    run = StageRun("score_segmentation", root, params)
+    score_segmentation(run)
+    return run
+
+
+@pytest.fixture
+def root(segmented, tmp_path):
+    """A copy of what the stages before it left."""
+    return Path(shutil.copytree(segmented, tmp_path, dirs_exist_ok=True))
+
+
+def put_to_test(root, split="test"):
+    path = root / "artifacts/segment/episodes.parquet"
+    episodes = read_table(path)
+    write_table(path, episodes.assign(split=pd.Series(split, index=episodes.index, dtype="str")))
+
+
+def test_bounces_of_test_recordings_are_scored(root):
+    put_to_test(root)
+    metrics = read_json(run_score(root).report("metrics.json"))
+    true = read_table(root / "artifacts/ingest/true_contacts.parquet")
+    assert metrics["table"]["cannon"] == metrics["table"]["all"]
+    assert metrics["table"]["all"]["precision"] == metrics["table"]["all"]["recall"] == 1.0
+    assert metrics["table"]["all"]["time_error_rms_ms"] < 2.0
+    assert metrics["table"]["all"]["contacts"] <= (true["kind"] == "table").sum()
+
+
+def test_contact_that_is_not_found_lowers_recall(root):
+    put_to_test(root)
+    path = root / "artifacts/segment/contacts.parquet"
+    contacts = read_table(path)
+    write_table(path, contacts.drop(contacts.index[contacts["kind"] == "table"][0]))
+    metrics = read_json(run_score(root).report("metrics.json"))["table"]["all"]
+    assert metrics["precision"] == 1.0
+    assert metrics["recall"] == pytest.approx(1 - 1 / metrics["contacts"], abs=1e-4)
+
+
+def test_only_test_recordings_are_scored(root, capsys):
+    put_to_test(root, "train")
+    run = run_score(root)
+    assert read_json(run.report("metrics.json")) == {}
+    assert "no contacts to score" in capsys.readouterr().err
+    assert run.report("contacts.csv").exists()
+    assert run.report("figures/contact_scores.png").exists()
+
+
+def test_table_and_figure_are_in_the_report(root):
+    put_to_test(root)
+    run = run_score(root)
+    assert [item.file for item in run.items] == ["contacts.csv", "figures/contact_scores.png"]
+    assert pd.read_csv(run.report("contacts.csv"))["level"].tolist() == ["cannon", "all"]
+
+
+@pytest.mark.slow
+def test_contacts_of_games_are_found(tmp_path):
+    run_ingest(tmp_path, arena=ARENA.model_copy(update={"game_episodes": 1500}), seed=11)
+    run_segment(tmp_path)
+    put_to_test(tmp_path)
+    metrics = read_json(run_score(tmp_path).report("metrics.json"))
+    for kind in ("racket", "table"):
+        assert metrics[kind]["all"]["contacts"] > 1500
+        assert metrics[kind]["all"]["precision"] >= 0.99
+        assert metrics[kind]["all"]["recall"] >= 0.99

@@ -1,0 +1,153 @@
+"""Training as a stage: whole predictors, the same ones every time, or one error and nothing."""
+
+from itertools import count
+from types import SimpleNamespace
+
+import pandas as pd
+import pytest
+import torch
+
+from models.predictors.training import ForecastTraining
+from pipeline.artifacts import read_json
+from pipeline.errors import InputError
+from pipeline.params import FineTuningSettings
+from pipeline.run import StageRun
+from pipeline.weights import load_network, load_predictor, read_description
+from stages.train_predictor import train_predictor
+from tests.models.predictors.balls import observed
+from tests.models.predictors.schooling import BRIEF, TINY, changed
+from tests.pipeline.measured_shots import params, shot_tables, write_inputs
+
+NETWORKS = {"small": TINY, "wide": changed(TINY, width=24, states_a_row=1, placeholders="zeros")}
+SPLITS = [*["train"] * 4, *["validation"] * 2]
+
+
+def shots(*places, splits=SPLITS):
+    return [
+        shot_tables(place, number, split=split)
+        for place in places
+        for number, split in enumerate(splits)
+    ]
+
+
+def prepared(root, fine_tuning=(), networks=("small",), splits=SPLITS):
+    """A run of the stage on made-up shots, beside those that are for testing."""
+    write_inputs(root, shots=shots("arena/club", "labelled/more", splits=splits))
+    tuning = FineTuningSettings(
+        sources=list(fine_tuning), epochs=1, windows_an_episode=2, learning_rate=0.001
+    )
+    changes = {
+        "sources": ["arena"],
+        "networks": {name: NETWORKS[name] for name in networks},
+        "training": BRIEF,
+        "fine_tuning": tuning,
+    }
+    settings = params().train_predictor.model_copy(update=changes)
+    return StageRun("train_predictor", root, params(train_predictor=settings), "f" * 64)
+
+
+def trained(root, **changes):
+    run = prepared(root, **changes)
+    train_predictor(run)
+    return run
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A run that trains two networks and tunes both; not to be changed."""
+    root = tmp_path_factory.mktemp("whole")
+    return trained(root, fine_tuning=["labelled"], networks=NETWORKS)
+
+
+def written(run):
+    """The stage's outputs, by name."""
+    folders = (run.artifact("."), run.report("."))
+    files = (path for folder in folders for path in folder.rglob("*") if path.is_file())
+    return {path.relative_to(run.root): path.read_bytes() for path in files}
+
+
+def test_every_network_is_left_as_a_predictor_that_forecasts(whole):
+    history, _ = observed()
+    for name, settings in NETWORKS.items():
+        described = read_description(whole.artifact(name))
+        assert (described.name, described.network) == (name, settings)
+        assert (described.sources, described.starts_from) == (["arena"], None)
+        assert (described.learning.episodes, described.learning.windows) == (4, 4 * 4 * 3)
+        assert described.learning.validation_episodes == 2
+        assert load_predictor(whole.artifact(name)).predict(history).states.shape == (3, 60, 9)
+
+
+def test_fine_tuning_goes_on_from_the_trained_weights_with_its_own_balls(whole):
+    described = read_description(whole.artifact("small_fine_tuned"))
+    assert (described.sources, described.starts_from) == (["labelled"], "small")
+    assert described.learning.settings == changed(
+        BRIEF, epochs=1, windows_an_episode=2, learning_rate=0.001
+    )
+    before, after = (
+        load_network(whole.artifact(name)).state_dict() for name in ("small", "small_fine_tuned")
+    )
+    moved = {name: (after[name] - before[name]).abs().max().item() for name in before}
+    steps = 4 * 2 // BRIEF.batch
+    assert 0 < max(moved.values()) <= 1.01 * steps * 0.001  # Adam's first step is the rate
+    assert not any(moved[name] for name in moved if name.startswith("normaliser."))
+
+
+def test_without_balls_to_tune_on_there_is_no_tuned_predictor(tmp_path):
+    run = trained(tmp_path)
+    assert "small" in run.timings
+    assert not list(run.artifact(".").glob("*_fine_tuned"))
+
+
+def test_the_report_has_the_losses_of_every_epoch(whole):
+    metrics = read_json(whole.report("metrics.json"))
+    names = ["small", "wide", "small_fine_tuned", "wide_fine_tuned"]
+    assert list(metrics) == names
+    assert list(metrics["small"]) == ["1", "2", "3"]
+    last = pd.read_csv(whole.report("training.csv"))
+    assert last["predictor"].tolist() == names
+    assert last["epoch"].tolist() == [3, 3, 1, 1]
+    for row in last.to_dict("records"):
+        epoch = metrics[row["predictor"]][str(row["epoch"])]
+        assert epoch == {key: row[key] for key in ("training", "validation")}
+    assert [item.file for item in whole.items] == ["figures/training.png", "training.csv"]
+
+
+def test_the_same_inputs_give_the_same_bytes_however_long_it_took(whole, tmp_path, monkeypatch):
+    clock = SimpleNamespace(monotonic=count().__next__)  # a second at every look
+    monkeypatch.setattr("models.predictors.training.time", clock)
+    again = trained(tmp_path, fine_tuning=["labelled"], networks=NETWORKS)
+    assert again.timings["small"] == {"training_s": BRIEF.epochs}
+    assert written(again) == written(whole)
+
+
+def test_balls_to_test_on_and_those_of_other_sources_teach_nothing(whole, tmp_path):
+    write_inputs(tmp_path, shots=shots("arena/club"), sources=("arena",))
+    run = StageRun("train_predictor", tmp_path, prepared(tmp_path / "settings").params)
+    train_predictor(run)
+    alone, beside = (load_network(one.artifact("small")).state_dict() for one in (run, whole))
+    assert all(torch.equal(alone[name], beside[name]) for name in alone)
+
+
+@pytest.mark.parametrize("split", ["train", "validation"])
+def test_a_split_with_nothing_to_learn_from_is_an_error_that_names_it(tmp_path, split):
+    left = [one for one in SPLITS if one != split]
+    run = prepared(tmp_path, networks=("wide",), splits=left)
+    with pytest.raises(InputError, match=f"no episode has a window.*: split {split} of arena"):
+        train_predictor(run)
+    assert not run.artifact("wide").exists()
+
+
+def test_a_run_that_was_killed_is_taken_up_to_the_same_bytes(whole, tmp_path, monkeypatch):
+    run = prepared(tmp_path, fine_tuning=["labelled"], networks=NETWORKS)
+    with monkeypatch.context() as patch, pytest.raises(RuntimeError, match="killed"):
+        patch.setattr(ForecastTraining, "on_train_epoch_start", killed_in_the_last_epoch)
+        train_predictor(run)
+    assert (run.scratch("small") / "last.ckpt").is_file()
+    again = StageRun("train_predictor", tmp_path, run.params, run.fingerprint)
+    train_predictor(again)
+    assert written(again) == written(whole)
+
+
+def killed_in_the_last_epoch(training):
+    if training.current_epoch == BRIEF.epochs - 1:
+        raise RuntimeError("killed")
