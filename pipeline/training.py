@@ -1,12 +1,17 @@
 """Runs Lightning for a stage: on what there is, with a progress bar, and so that it can resume."""
 
 import logging
+import signal
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import lightning
 import torch
 from lightning.pytorch.callbacks import Callback, ModelCheckpoint
+from lightning.pytorch.utilities.exceptions import SIGTERMException
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -31,9 +36,11 @@ def train(training: ForecastTraining, data: WindowData, name: str, checkpoints: 
         data: the windows.
         name: for the progress bar.
         checkpoints: a folder that belongs to this training alone.
+
+    Raises:
+        SystemExit: the process was told to stop (SIGTERM).
     """
     torch.set_num_threads(training.settings.threads)
-    logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)  # advice and advertisements
     last = checkpoints / "last.ckpt"
     trainer = lightning.Trainer(
         max_epochs=training.settings.epochs,
@@ -49,7 +56,22 @@ def train(training: ForecastTraining, data: WindowData, name: str, checkpoints: 
         enable_model_summary=False,
         num_sanity_val_steps=0,
     )
-    trainer.fit(training, data, ckpt_path=last if last.exists() else None, weights_only=False)
+    resumed = last if last.exists() else None
+    with _quiet():
+        try:
+            trainer.fit(training, data, ckpt_path=resumed, weights_only=False)
+        except SIGTERMException:
+            # Lightning's would end the process with status 0, as if all were done.
+            raise SystemExit(128 + signal.SIGTERM) from None
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Leave out Lightning's advice and advertisements."""
+    logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", module=r"lightning\.")
+        yield
 
 
 def _saved_every_epoch(folder: Path) -> ModelCheckpoint:

@@ -1,5 +1,8 @@
 """Training as a stage runs it: the same whether or not it was killed on the way."""
 
+import os
+import signal
+
 import pytest
 import torch
 from torch.nn.utils import parameters_to_vector
@@ -102,6 +105,29 @@ def test_a_training_that_was_killed_twice_goes_on_to_the_same_result(undisturbed
         with pytest.raises(RuntimeError, match="killed"):
             train(killed, data, "tiny", tmp_path / "checkpoints")
     assert_same(trained(tmp_path / "checkpoints"), undisturbed)
+
+
+class ToldToStop(ForecastTraining):
+    """A training that is told to stop in its second epoch."""
+
+    def on_train_epoch_start(self):
+        if self.current_epoch == 1:
+            os.kill(os.getpid(), signal.SIGTERM)
+
+
+def test_a_training_that_is_told_to_stop_does_not_pass_for_done(undisturbed, tmp_path):
+    training, data = schooling(kind=ToldToStop)
+    with pytest.raises(SystemExit) as stopped:
+        train(training, data, "tiny", tmp_path / "checkpoints")
+    assert stopped.value.code == 143
+    assert_same(trained(tmp_path / "checkpoints"), undisturbed)
+
+
+def test_nothing_is_printed(tmp_path, capfd, recwarn):
+    for _ in range(2):  # anew, and from checkpoints
+        trained(tmp_path / "checkpoints")
+    assert capfd.readouterr() == ("", "")
+    assert [str(warning.message) for warning in recwarn] == []
 
 
 def test_a_training_that_was_killed_once_it_was_done_is_done(undisturbed, tmp_path):
