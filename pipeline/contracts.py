@@ -9,6 +9,9 @@ from pipeline.errors import InputError
 POSITION_COLUMNS = ["px", "py", "pz"]
 VELOCITY_COLUMNS = ["vx", "vy", "vz"]
 SPIN_COLUMNS = ["wx", "wy", "wz"]
+STATE_COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
+
+SPLITS = ("train", "validation", "test", "replay")  # as models/segmentation/split.py gives them
 
 # No measured ball is farther from the table or faster than this; a reader refuses such rows.
 FARTHEST_POSITION = 20.0  # m
@@ -135,7 +138,7 @@ EPISODES = pa.DataFrameSchema(
         "bounces": pa.Column(int, pa.Check.ge(0)),
         "residual": _number(),
         "unbroken": pa.Column(bool),
-        "split": pa.Column(str, pa.Check.isin(["train", "validation", "test", "replay"])),
+        "split": pa.Column(str, pa.Check.isin(SPLITS)),
         "replay_set": pa.Column(
             str, pa.Check.isin(["none", "stroke_pro", "stroke_uni", "receive"])
         ),

@@ -16,13 +16,13 @@ from pipeline.contracts import (
     POSITION_COLUMNS,
     SAMPLES,
     SPIN_COLUMNS,
+    SPLITS,
     VELOCITY_COLUMNS,
     checked,
 )
 
 Floats = NDArray[np.float64]
 
-SPLITS = ("train", "validation", "test", "replay")
 ORIGIN = ["episode_id", "recording_id", "source", "split", "unbroken"]
 
 
@@ -47,7 +47,7 @@ def read_episodes(
         folder: with samples.parquet, contacts.parquet and episodes.parquet.
         labelled_once: sources with one spin label a shot. Such a label holds until the ball first
             touches something or is lost in a gap; after it the spin counts as not labelled.
-        splits: which to read: ``train``, ``validation``, ``test``, ``replay``.
+        splits: which to read.
     """
     contacts = checked(read_table(folder / "contacts.parquet"), CONTACTS)
     episodes = checked(read_table(folder / "episodes.parquet"), EPISODES)

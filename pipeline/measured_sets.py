@@ -48,8 +48,7 @@ def read_test_sets(artifacts: Path, every: float) -> list[MeasuredSet]:
         InputError: an artefact is missing or broken, or no source has a window.
     """
     manifest = read_manifest(artifacts / "ingest" / "manifest.json")
-    once = {name for name, source in manifest.sources.items() if source.spin == "per_recording"}
-    episodes = read_episodes(artifacts / "segment", once, splits=("test",))
+    episodes = read_episodes(artifacts / "segment", manifest.labelled_once, splits=("test",))
     sets = list(_cut(manifest, episodes, every))
     if not sets:
         problem = (

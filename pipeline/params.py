@@ -41,6 +41,8 @@ class FineTuningSettings(Settings):
     epochs: Annotated[int, Field(ge=1, le=10_000)]
     windows_an_episode: Annotated[int, Field(ge=1, le=100)]
     learning_rate: Annotated[float, Field(gt=0, le=1)]
+    matrix_learning_rate: Annotated[float, Field(gt=0, le=1)] | None
+    """As in training: without one (null) Adam trains all."""
 
 
 class TrainPredictorSettings(Settings):

@@ -22,6 +22,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from models.predictors.settings import TrainingSettings
 from models.predictors.training import ForecastTraining, WindowData
 
 
@@ -42,10 +43,21 @@ def train(training: ForecastTraining, data: WindowData, name: str, checkpoints: 
     """
     torch.set_num_threads(training.settings.threads)
     last = checkpoints / "last.ckpt"
-    trainer = lightning.Trainer(
-        max_epochs=training.settings.epochs,
-        precision=training.settings.precision,
-        gradient_clip_val=training.settings.longest_gradient,
+    resumed = last if last.exists() else None
+    with _quiet():
+        trainer = _trainer(training.settings, checkpoints, name)
+        try:
+            trainer.fit(training, data, ckpt_path=resumed, weights_only=False)
+        except SIGTERMException:
+            # Lightning's would end the process with status 0, as if all were done.
+            raise SystemExit(128 + signal.SIGTERM) from None
+
+
+def _trainer(settings: TrainingSettings, checkpoints: Path, name: str) -> lightning.Trainer:
+    return lightning.Trainer(
+        max_epochs=settings.epochs,
+        precision=settings.precision,
+        gradient_clip_val=settings.longest_gradient,
         deterministic=True,
         # Batches depend on the number of the epoch.
         reload_dataloaders_every_n_epochs=1,
@@ -56,13 +68,6 @@ def train(training: ForecastTraining, data: WindowData, name: str, checkpoints: 
         enable_model_summary=False,
         num_sanity_val_steps=0,
     )
-    resumed = last if last.exists() else None
-    with _quiet():
-        try:
-            trainer.fit(training, data, ckpt_path=resumed, weights_only=False)
-        except SIGTERMException:
-            # Lightning's would end the process with status 0, as if all were done.
-            raise SystemExit(128 + signal.SIGTERM) from None
 
 
 @contextmanager

@@ -13,16 +13,8 @@ from models.ball.simulator import SimulatorError
 from models.predictors.protocol import FUTURE_TIMES
 from models.predictors.windows import Windows
 from pipeline.artifacts import read_json, read_row_groups
-from pipeline.contracts import (
-    POSITION_COLUMNS,
-    SPIN_COLUMNS,
-    TRUE_CONTACTS,
-    VELOCITY_COLUMNS,
-    checked,
-)
+from pipeline.contracts import STATE_COLUMNS, TRUE_CONTACTS, checked
 from pipeline.errors import InputError
-
-STATE_COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
 
 
 def read_truth(path: Path) -> Truth | None:

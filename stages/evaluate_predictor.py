@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from models.arena.truth import Truth
 from models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErrors, errors_of, stacked
 from models.predictors.protocol import FUTURE_TIMES, Forecast
 from models.predictors.windows import Windows, windows
@@ -31,6 +32,7 @@ def evaluate_predictor(run: StageRun) -> None:
     """Forecast every test window with every predictor and report how far the forecasts are off."""
     settings, artifacts = run.params.evaluate_predictor, run.root / "artifacts"
     contenders = read_contenders(artifacts, settings)
+    truth = read_truth(run.input("ingest", "truth.json"))
     sets = read_test_sets(artifacts, settings.window_every_ms / 1000)
     results: Results = {}
     for one in sets:
@@ -40,7 +42,7 @@ def evaluate_predictor(run: StageRun) -> None:
             for contender in contenders
             if contender.forecasts(one.name)
         }
-        for against, judged in _judged_by(run, one).items():
+        for against, judged in _judged_by(run, one, truth).items():
             results[one.name, against] = ForecastErrors(
                 errors_of(forecasts, judged),
                 one.recordings,
@@ -65,10 +67,9 @@ def _forecast(one: MeasuredSet, contender: Contender) -> Forecast:
     )
 
 
-def _judged_by(run: StageRun, one: MeasuredSet) -> dict[str, Windows]:
+def _judged_by(run: StageRun, one: MeasuredSet, truth: Truth | None) -> dict[str, Windows]:
     """Return the windows with what forecasts are compared with: the same in all else."""
     judged = {MEASURED: one.windows}
-    truth = read_truth(run.input("ingest", "truth.json"))
     if one.name == ARENA and truth is not None:
         path = run.input("ingest", "true_contacts.parquet")
         judged[TRUTH] = true_windows(one.windows, one.recordings, truth, path)

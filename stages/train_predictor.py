@@ -28,8 +28,9 @@ class School:
         self.run = run
         self.path = run.input("segment", "episodes.parquet")
         manifest = read_manifest(run.input("ingest", "manifest.json"))
-        once = {name for name, source in manifest.sources.items() if source.spin == "per_recording"}
-        read = read_episodes(run.input("segment", ""), once, ("train", "validation"))
+        read = read_episodes(
+            run.input("segment", ""), manifest.labelled_once, ("train", "validation")
+        )
         self.episodes = [one for one in read if one.unbroken]
         self.curves: list[pd.DataFrame] = []
 

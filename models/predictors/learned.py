@@ -4,7 +4,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from models.predictors.normaliser import Normaliser
+from models.predictors.normaliser import Normaliser, uniform_motion
 from models.predictors.protocol import Forecast, History
 from models.predictors.settings import TransformerSettings
 from models.predictors.transformer import Transformer
@@ -14,7 +14,8 @@ class ForecastNetwork(nn.Module):
     """A network that maps normalised histories to normalised futures, with its normaliser.
 
     Args:
-        network: (B, 12, 6) -> (B, 60, 9).
+        network: normalised measurements (B, 12, 6), how far they are off uniform motion (B, 12, 3)
+            and where that leads (B, 60, 6) -> (B, 60, 9).
     """
 
     def __init__(self, network: nn.Module) -> None:
@@ -28,12 +29,17 @@ class ForecastNetwork(nn.Module):
             history: (B, 12, 6) measured positions (m) and spins (rad/s), zero where not measured.
             seen: (B, 12, 6) where they were measured.
         """
-        return self.normaliser.states(self.deviation(history, seen), history, seen)
+        motion = uniform_motion(history, seen)
+        return self.normaliser.states(self.deviation(history, seen, motion), motion)
 
-    def deviation(self, history: Tensor, seen: Tensor) -> Tensor:
-        """Return the (B, 60, 9) normalised deviations from uniform motion, which training fits."""
-        normalised = self.normaliser.normalised(history, seen)
-        deviation: Tensor = self.network(normalised, self.normaliser.expected(history, seen))
+    def deviation(self, history: Tensor, seen: Tensor, motion: Tensor) -> Tensor:
+        """Return the (B, 60, 9) normalised deviations from ``motion``, which training fits."""
+        normaliser = self.normaliser
+        deviation: Tensor = self.network(
+            normaliser.normalised(history, seen, motion),
+            normaliser.residual(history, seen, motion),
+            normaliser.expected(motion),
+        )
         return deviation
 
     @property
@@ -52,7 +58,7 @@ def build_network(settings: TransformerSettings) -> ForecastNetwork:
             settings.encoder_layers,
             settings.decoder_layers,
             settings.states_a_row,
-            settings.placeholders,
+            settings.uniform_motion,
         )
     )
 

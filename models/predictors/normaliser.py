@@ -1,14 +1,15 @@
 """What a network sees and says instead of metres and radians a second.
 
-Measurements are standardised, and zero where there are none. Before that,
+Measurements are standardised, and zero where there are none. Beside them stands how far each is off
+*uniform motion*, in which curve and noise of a path show. Before that,
 
 - a ball that flies towards +y is seen from the other side of the table (half a turn about the
   vertical), so that a network learns one direction of play and not two;
 - the way that the ball has come is magnified about where it is now: in 55 ms it comes a few
   decimetres on a table of metres, and a network would be long in finding so small a difference.
 
-Futures are told as deviations from *uniform motion*: the straight line that fits the history, at
-its speed, with its mean spin. That is no model of flight, gravity included; it spares the network
+Futures are told as deviations from uniform motion: the straight line that fits the history, at its
+speed, with its mean spin. That is no model of flight, gravity included; it spares the network
 to find again in its output what its input says already, to the millimetre.
 """
 
@@ -20,7 +21,9 @@ from models.predictors.protocol import FUTURE_TIMES, HISTORY, HISTORY_TIMES, TIC
 MAGNIFICATION = 6.0  # 55 ms of the ball's way look like 330 ms, as far as forecasts go
 # Position, velocity, spin: by how much finer than its spread each is told, and so weighs in a loss.
 # Measured spin is so noisy that it would else be half of the loss, and its noise of the gradient.
-WEIGHT = (2.0, 1.0, 0.5)
+WEIGHT = (3.0, 1.0, 0.5)
+RESIDUAL = 0.006  # m, about what noise and gravity take a sample off the line
+FARTHEST_RESIDUAL = 5.0  # of these; an outlier tells no more by being further off
 HALF_TURN = (-1.0, -1.0, 1.0)  # of a vector, or of a spin, about the vertical
 SMALLEST_SPREAD = 1e-3  # m, m/s, rad/s; a number that varies by less is constant, but for rounding
 _EARLIER, _LATER = torch.triu_indices(HISTORY, HISTORY, offset=1)
@@ -63,25 +66,39 @@ class Normaliser(nn.Module):
             (by_quantity / spread.new_tensor(WEIGHT)[:, None]).expand(3, 3).flatten()
         )
 
-    def normalised(self, history: Tensor, seen: Tensor) -> Tensor:
-        """Return (B, 12, 6) standardised measurements, zero where there are none."""
-        viewed = _seen_from_behind(history, uniform_motion(history, seen))
+    def normalised(self, history: Tensor, seen: Tensor, motion: Tensor) -> Tensor:
+        """Return (B, 12, 6) standardised measurements, zero where there are none.
+
+        Args:
+            history: (B, 12, 6) measurements.
+            seen: (B, 12, 6) where they were measured.
+            motion: (B, 60, 9) their uniform motion, here and below.
+        """
+        viewed = _seen_from_behind(history, motion)
         return torch.where(seen, (viewed - self.history_mean) / self.history_spread, 0.0)
 
-    def expected(self, history: Tensor, seen: Tensor) -> Tensor:
+    def residual(self, history: Tensor, seen: Tensor, motion: Tensor) -> Tensor:
+        """Return (B, 12, 3) how far measured positions are off uniform motion; zero without any.
+
+        In units of ``RESIDUAL``, and never more than ``FARTHEST_RESIDUAL`` of them.
+        """
+        times = torch.as_tensor(HISTORY_TIMES, dtype=history.dtype, device=history.device)
+        line = _now(motion) + times[:, None] * motion[:, :1, 3:6]
+        residual = _turned(history[..., :3] - line, motion) / RESIDUAL
+        limited = FARTHEST_RESIDUAL * torch.tanh(residual / FARTHEST_RESIDUAL)
+        return torch.where(seen[..., :3], limited, 0.0)
+
+    def expected(self, motion: Tensor) -> Tensor:
         """Return (B, 60, 6) standardised positions and spins of uniform motion."""
-        motion = uniform_motion(history, seen)
         states = torch.cat([motion[..., :3], motion[..., 6:]], dim=2)
         return (_turned(states, motion) - self.history_mean) / self.history_spread
 
-    def deviation(self, future: Tensor, history: Tensor, seen: Tensor) -> Tensor:
+    def deviation(self, future: Tensor, motion: Tensor) -> Tensor:
         """Return the (B, 60, 9) output that stands for the ball states ``future``."""
-        motion = uniform_motion(history, seen)
         return (_turned(future - motion, motion) - self.future_mean) / self.future_spread
 
-    def states(self, output: Tensor, history: Tensor, seen: Tensor) -> Tensor:
+    def states(self, output: Tensor, motion: Tensor) -> Tensor:
         """Return the (B, 60, 9) ball states that a network's output stands for."""
-        motion = uniform_motion(history, seen)
         return _turned(output * self.future_spread + self.future_mean, motion) + motion
 
 
@@ -119,9 +136,14 @@ def _median(values: Tensor) -> Tensor:
 
 def _seen_from_behind(history: Tensor, motion: Tensor) -> Tensor:
     """Return (B, 12, 6) measurements turned to one direction of play, the way come magnified."""
-    now = motion[:, :1, :3] - TICK * motion[:, :1, 3:6]
+    now = _now(motion)
     position = now + MAGNIFICATION * (history[..., :3] - now)
     return _turned(torch.cat([position, history[..., 3:]], dim=2), motion)
+
+
+def _now(motion: Tensor) -> Tensor:
+    """Return the (B, 1, 3) position at the end of the history that uniform motion goes on from."""
+    return motion[:, :1, :3] - TICK * motion[:, :1, 3:6]
 
 
 def _turned(vectors: Tensor, motion: Tensor) -> Tensor:

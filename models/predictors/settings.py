@@ -13,7 +13,7 @@ class _Settings(BaseModel):
 
 
 class TransformerSettings(_Settings):
-    """The paper's network; the paper's size is 512, 1024, 8, 3, 2, 1, zeros."""
+    """The paper's network; the paper's size is 512, 1024, 8, 3, 2, 1, false."""
 
     kind: Literal["transformer"]
     width: Width
@@ -26,8 +26,9 @@ class TransformerSettings(_Settings):
     decoder_layers: Layers
     states_a_row: Literal[1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60]
     """Future states that one row of the decoder stands for: the paper's is 1."""
-    placeholders: Literal["zeros", "uniform_motion"]
-    """What the decoder reads where the future will stand: the paper's are zeros."""
+    uniform_motion: bool
+    """Whether it is told the ball's uniform motion: where that leads, which the decoder reads where
+    the future will stand (the paper's reads zeros), and how far each measurement is off it."""
 
     @model_validator(mode="after")
     def _heads_share_the_width(self) -> "TransformerSettings":
@@ -37,7 +38,7 @@ class TransformerSettings(_Settings):
 
 
 class TrainingSettings(_Settings):
-    """How networks are trained: Adam on the mean squared error of normalised states."""
+    """How networks are trained, on the mean squared error of normalised states."""
 
     epochs: Annotated[int, Field(ge=1, le=10_000)]
     """In one epoch every training episode gives ``windows_an_episode`` windows, drawn anew."""
@@ -46,6 +47,9 @@ class TrainingSettings(_Settings):
     """Windows a step."""
     learning_rate: Annotated[float, Field(gt=0, le=1)]
     """Of the first epoch."""
+    matrix_learning_rate: Annotated[float, Field(gt=0, le=1)] | None
+    """Of the layers' matrices under Muon, which takes fewer steps than Adam; without one (null)
+    Adam trains them like all else, as in the paper."""
     decay: Annotated[float, Field(gt=0, le=1)] | None
     """Factor of the learning rate after every epoch, as in the paper; without one (null) it rises
     over the first steps and then falls to zero along half a cosine."""

@@ -8,11 +8,13 @@ import lightning
 import numpy as np
 import torch
 from torch import Tensor
-from torch.optim import Adam
+from torch.optim import Adam, Optimizer
 from torch.optim.lr_scheduler import ExponentialLR, LambdaLR
 from torch.utils.data import DataLoader, Dataset
 
 from models.predictors.learned import ForecastNetwork
+from models.predictors.normaliser import uniform_motion
+from models.predictors.optimizer import MuonAndAdam
 from models.predictors.settings import TrainingSettings
 from models.predictors.tracks import Indices, Tracks
 
@@ -33,7 +35,8 @@ class ForecastTraining(lightning.LightningModule):
     """Trains a network by the paper's recipe.
 
     The mean squared error over the horizon between forecast and measured states, normalised, where
-    they were measured; Adam; a learning rate that falls by a factor an epoch (section IV-A).
+    they were measured; Adam; a learning rate that falls by a factor an epoch (section IV-A). Muon
+    may train the layers' matrices, and the rates may fall along half a cosine.
 
     Attributes:
         curve: one record an epoch: its mean loss and that of validation.
@@ -59,14 +62,20 @@ class ForecastTraining(lightning.LightningModule):
         self.log("validation", loss, batch_size=len(batch[0]))
 
     def configure_optimizers(self) -> Any:
-        """Return Adam and its schedule."""
+        """Return the optimizer and its schedule."""
         settings = self.settings
-        optimizer = Adam(self.network.parameters(), lr=settings.learning_rate)
+        optimizer = self._optimizer()
         if settings.decay is not None:
             return [optimizer], [ExponentialLR(optimizer, settings.decay)]
         steps = int(self.trainer.estimated_stepping_batches)
         schedule = LambdaLR(optimizer, lambda step: cosine(step / steps))
         return [optimizer], [{"scheduler": schedule, "interval": "step"}]
+
+    def _optimizer(self) -> Optimizer:
+        rate, matrix_rate = self.settings.learning_rate, self.settings.matrix_learning_rate
+        if matrix_rate is None:
+            return Adam(self.network.parameters(), lr=rate)
+        return MuonAndAdam(self.network, rate, matrix_rate)
 
     def on_train_epoch_start(self) -> None:
         """Start the clock."""
@@ -88,8 +97,9 @@ class ForecastTraining(lightning.LightningModule):
 
     def _loss(self, batch: Batch) -> Tensor:
         history, seen, future, measured = batch
-        wanted = self.network.normaliser.deviation(future, history, seen)
-        output = self.network.deviation(history, seen)
+        motion = uniform_motion(history, seen)
+        wanted = self.network.normaliser.deviation(future, motion)
+        output = self.network.deviation(history, seen, motion)
         squares = torch.where(measured, output - wanted, 0.0).square()
         return squares.sum() / measured.sum().clamp(min=1)
 

@@ -2,8 +2,8 @@
 
 Bi et al., *Bridging the sim2real gap in the table tennis robot with a transformer-based ball states
 predictor*, section III-A. An encoder reads the history; a decoder reads the history again, followed
-by one row of zeros for every future state, and attends to what the encoder made of it. Nothing is
-fed back, so errors do not pile up along the horizon and one pass gives all of it.
+by one row for every future state (of zeros in the paper), and attends to what the encoder made of
+it. Nothing is fed back, so errors do not pile up along the horizon and one pass gives all of it.
 
 The paper leaves open: how the input convolution treats the ends (zeros here), the kernel of the
 blocks' convolutions (1: 12.6 million parameters in the paper's size) and what stands between the
@@ -15,11 +15,12 @@ import math
 
 import torch
 from torch import Tensor, nn
-from torch.nn.functional import gelu, scaled_dot_product_attention
+from torch.nn.functional import gelu, pad, scaled_dot_product_attention
 
 from models.predictors.protocol import FUTURE, HISTORY
 
 INPUTS = 6  # position and spin
+RESIDUALS = 3  # how far a position is off uniform motion
 OUTPUTS = 9  # position, velocity and spin
 
 
@@ -97,13 +98,13 @@ class DecoderLayer(nn.Module):
 class Embedding(nn.Module):
     """Projects rows of measurements to the layers' width and adds where in time they stand."""
 
-    def __init__(self, length: int, width: int) -> None:
+    def __init__(self, inputs: int, length: int, width: int) -> None:
         super().__init__()
-        self.projection = nn.Conv1d(INPUTS, width, kernel_size=3, padding=1)
+        self.projection = nn.Conv1d(inputs, width, kernel_size=3, padding=1)
         self.register_buffer("positions", sinusoids(length, width), persistent=False)
 
     def forward(self, rows: Tensor) -> Tensor:
-        """Return (B, T, width) of (B, T, 6) normalised rows."""
+        """Return (B, T, width) of (B, T, inputs) normalised rows."""
         projected = self.projection(rows.transpose(1, 2)).transpose(1, 2)
         embedded: Tensor = projected + self.positions
         return embedded
@@ -120,8 +121,9 @@ class Transformer(nn.Module):
         decoder_layers: how many.
         states_a_row: future states that one row of the decoder stands for; the paper's is 1. More
             of them make a shorter decoder, and training so much faster.
-        placeholders: what the decoder reads where the future will stand: the paper's ``zeros``, or
-            the ball's ``uniform_motion``.
+        uniform_motion: whether it is told the ball's uniform motion: where that leads, which the
+            decoder reads where the future will stand (the paper's reads zeros), and how far each
+            measurement is off it.
     """
 
     def __init__(
@@ -132,13 +134,14 @@ class Transformer(nn.Module):
         encoder_layers: int,
         decoder_layers: int,
         states_a_row: int,
-        placeholders: str,
+        uniform_motion: bool,
     ) -> None:
         super().__init__()
-        self.placeholders = placeholders
+        self.uniform_motion = uniform_motion
+        inputs = INPUTS + RESIDUALS * uniform_motion
         self.rows = FUTURE // states_a_row
-        self.encoder_embedding = Embedding(HISTORY, width)
-        self.decoder_embedding = Embedding(HISTORY + self.rows, width)
+        self.encoder_embedding = Embedding(inputs, HISTORY, width)
+        self.decoder_embedding = Embedding(inputs, HISTORY + self.rows, width)
         self.encoder = nn.ModuleList(
             EncoderLayer(width, expanded, heads) for _ in range(encoder_layers)
         )
@@ -147,19 +150,23 @@ class Transformer(nn.Module):
         )
         self.projection = nn.Linear(width, states_a_row * OUTPUTS)
 
-    def forward(self, history: Tensor, expected: Tensor) -> Tensor:
+    def forward(self, history: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
         """Return (B, 60, 9) normalised future states.
 
         Args:
             history: (B, 12, 6) normalised measurements.
+            residual: (B, 12, 3) how far they are off uniform motion.
             expected: (B, 60, 6) normalised uniform motion.
         """
+        placeholders = expected[:, FUTURE // self.rows - 1 :: FUTURE // self.rows]
+        if self.uniform_motion:
+            history = torch.cat([history, residual], dim=2)
+            placeholders = pad(placeholders, (0, RESIDUALS))
+        else:
+            placeholders = torch.zeros_like(placeholders)
         encoded = self.encoder_embedding(history)
         for layer in self.encoder:
             encoded = layer(encoded)
-        placeholders = expected[:, FUTURE // self.rows - 1 :: FUTURE // self.rows]
-        if self.placeholders == "zeros":
-            placeholders = torch.zeros_like(placeholders)
         decoded = self.decoder_embedding(torch.cat([history, placeholders], dim=1))
         for layer in self.decoder:
             decoded = layer(decoded, encoded)

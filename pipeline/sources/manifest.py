@@ -59,6 +59,11 @@ class Manifest(BaseModel):
 
     sources: dict[str, SourceRecord]
 
+    @property
+    def labelled_once(self) -> set[str]:
+        """The sources with one spin label a shot."""
+        return {name for name, source in self.sources.items() if source.spin == "per_recording"}
+
     def begins_with_launch(self, recording_id: str) -> bool:
         """Return whether a recording is one shot, seen from its launch on."""
         source, name = recording_id.split("/", 1)

@@ -12,13 +12,14 @@ from pipeline.contracts import (
     FASTEST_SPIN,
     POSITION_COLUMNS,
     SPIN_COLUMNS,
+    STATE_COLUMNS,
     VELOCITY_COLUMNS,
 )
 from pipeline.sources.frame import Frame
 from pipeline.sources.source import RawTable, Refusal
 
 SAMPLE_COLUMNS = ["t", *POSITION_COLUMNS, *SPIN_COLUMNS]
-LAUNCH_COLUMNS = ["id", *POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
+LAUNCH_COLUMNS = ["id", *STATE_COLUMNS]
 SHORTEST_STEP = 1e-6  # s; no camera takes two pictures within it
 ONLY_SAMPLE = "the only sample of its recording"  # which makes no path
 

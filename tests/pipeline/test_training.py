@@ -86,8 +86,9 @@ def test_a_training_that_was_killed_goes_on_to_the_same_result(undisturbed, tmp_
     assert resumed.steps == left  # from the last whole epoch, of three steps each
 
 
-def test_a_training_with_another_rate_at_every_step_goes_on_as_well(tmp_path):
-    settings = changed(BRIEF, decay=None)
+@pytest.mark.parametrize("matrix_learning_rate", [None, 0.01])
+def test_a_training_with_another_rate_at_every_step_goes_on_as_well(tmp_path, matrix_learning_rate):
+    settings = changed(BRIEF, decay=None, matrix_learning_rate=matrix_learning_rate)
     killed, data = schooling(settings, kind=Killed)
     killed.killed_at = 4
     with pytest.raises(RuntimeError, match="killed"):

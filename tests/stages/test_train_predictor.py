@@ -18,7 +18,7 @@ from tests.models.predictors.balls import observed
 from tests.models.predictors.schooling import BRIEF, TINY, changed
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs
 
-NETWORKS = {"small": TINY, "wide": changed(TINY, width=24, states_a_row=1, placeholders="zeros")}
+NETWORKS = {"small": TINY, "wide": changed(TINY, width=24, states_a_row=1, uniform_motion=False)}
 SPLITS = [*["train"] * 4, *["validation"] * 2]
 
 
@@ -34,7 +34,11 @@ def prepared(root, fine_tuning=(), networks=("small",), splits=SPLITS):
     """A run of the stage on made-up shots, beside those that are for testing."""
     write_inputs(root, shots=shots("arena/club", "labelled/more", splits=splits))
     tuning = FineTuningSettings(
-        sources=list(fine_tuning), epochs=1, windows_an_episode=2, learning_rate=0.001
+        sources=list(fine_tuning),
+        epochs=1,
+        windows_an_episode=2,
+        learning_rate=0.001,
+        matrix_learning_rate=None,
     )
     changes = {
         "sources": ["arena"],
@@ -81,7 +85,11 @@ def test_fine_tuning_goes_on_from_the_trained_weights_with_its_own_balls(whole):
     described = read_description(whole.artifact("small_fine_tuned"))
     assert (described.sources, described.starts_from) == (["labelled"], "small")
     assert described.learning.settings == changed(
-        BRIEF, epochs=1, windows_an_episode=2, learning_rate=0.001
+        BRIEF,
+        epochs=1,
+        windows_an_episode=2,
+        learning_rate=0.001,
+        matrix_learning_rate=None,
     )
     before, after = (
         load_network(whole.artifact(name)).state_dict() for name in ("small", "small_fine_tuned")

@@ -7,7 +7,7 @@ from models.arena.recording import ArenaRecording, Point, TrueContacts
 from models.arena.session import recordings
 from models.arena.settings import ArenaSettings
 from models.arena.truth import draw_truth
-from pipeline.contracts import POINTS, POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
+from pipeline.contracts import POINTS, POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
 from pipeline.sources.source import Description, PathKind, RawTable, SourceContext, SourceData
 
 KINDS: dict[str, PathKind] = {
@@ -17,7 +17,6 @@ KINDS: dict[str, PathKind] = {
     "semi_pro": "rally",
     "pro": "rally",
 }
-STATE_COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
 POINT_COLUMNS = list(POINTS.columns)[1:]
 
 

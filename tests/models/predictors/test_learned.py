@@ -17,8 +17,8 @@ class Constant(torch.nn.Module):
         super().__init__()
         self.said = said
 
-    def forward(self, history, expected):
-        self.heard, self.expected = history, expected
+    def forward(self, history, residual, expected):
+        self.heard, self.residual, self.expected = history, residual, expected
         return torch.full((len(history), 60, 9), self.said)
 
 
@@ -47,8 +47,10 @@ def test_its_network_hears_standardised_measurements_and_what_uniform_motion_exp
     outer = fitted(inner)
     LearnedPredictor(outer).predict(history)
     measured = torch.from_numpy(history.states).float(), torch.from_numpy(history.mask)
-    assert torch.equal(inner.heard, outer.normaliser.normalised(*measured))
-    assert torch.equal(inner.expected, outer.normaliser.expected(*measured))
+    motion = uniform_motion(*measured)
+    assert torch.equal(inner.heard, outer.normaliser.normalised(*measured, motion))
+    assert torch.equal(inner.residual, outer.normaliser.residual(*measured, motion))
+    assert torch.equal(inner.expected, outer.normaliser.expected(motion))
     assert not inner.heard[..., 3:].any()
 
 
@@ -74,7 +76,7 @@ def test_a_spin_counts_as_measured_when_one_sample_has_all_of_it():
 
 def test_its_parameters_are_counted_without_the_normaliser_s_statistics():
     width, expanded = TINY.width, TINY.expanded
-    embedding, norm = 6 * 3 * width + width, 2 * width
+    embedding, norm = 9 * 3 * width + width, 2 * width
     attention = 4 * (width**2 + width)
     block = width * expanded + expanded + expanded * width + width
     encoder, decoder = attention + block + 2 * norm, 2 * attention + block + 3 * norm

@@ -15,7 +15,7 @@ from tests.models.predictors.balls import FIRST, observed
 
 ALL = torch.ones(1, 12, 6, dtype=torch.bool)
 HALF_TURN = np.array([-1, -1, 1])
-WEIGHT = [2.0, 1.0, 0.5]  # of position, velocity and spin
+WEIGHT = [3.0, 1.0, 0.5]  # of position, velocity and spin
 
 
 def numbers(largest):
@@ -52,7 +52,7 @@ def test_a_ball_in_uniform_motion_does_not_deviate_from_it(position, velocity, s
     history, future = moving(position, velocity, spin)
     seen = torch.zeros_like(ALL)
     seen[:, sorted(where)] = True
-    deviation = Normaliser().deviation(future, history, seen)
+    deviation = Normaliser().deviation(future, uniform_motion(history, seen))
     torch.testing.assert_close(deviation, torch.zeros_like(deviation), rtol=0, atol=1e-9)
 
 
@@ -63,11 +63,36 @@ def test_a_network_sees_its_way_magnified_and_its_end_from_behind(position, velo
     history, future = moving(position, velocity, spin)
     side = HALF_TURN if velocity[1] > 0 else np.ones(3)
     way = position + 6 * np.outer(HISTORY_TIMES, velocity)
-    seen = Normaliser().normalised(history, ALL)[0]
+    motion = uniform_motion(history, ALL)
+    seen = Normaliser().normalised(history, ALL, motion)[0]
     np.testing.assert_allclose(seen, np.hstack([way, [spin] * 12]) * np.tile(side, 2), atol=1e-9)
-    ahead = Normaliser().expected(history, ALL)[0]
+    ahead = Normaliser().expected(motion)[0]
     expected = future[0][:, [0, 1, 2, 6, 7, 8]] * np.tile(side, 2)
     np.testing.assert_allclose(ahead, expected, atol=1e-9)
+
+
+@settings(deadline=None, max_examples=50)
+@given(numbers(5), numbers(35), st.integers(0, 11), numbers(0.003), st.booleans())
+def test_a_sample_off_uniform_motion_shows_in_units_of_6_mm(position, velocity, at, off, known):
+    assume(abs(velocity[1]) > 1e-3)
+    history, _ = moving(position, velocity, np.zeros(3))
+    motion = uniform_motion(history, ALL)
+    history[0, at, :3] += torch.from_numpy(off)
+    seen = ALL.clone()
+    seen[:, at] = known
+    side = HALF_TURN if velocity[1] > 0 else np.ones(3)
+    expected = np.zeros((12, 3))
+    expected[at] = known * side * off / 0.006
+    residual = Normaliser().residual(history, seen, motion)[0]
+    np.testing.assert_allclose(residual, expected, rtol=0.01, atol=1e-9)
+
+
+def test_an_outlier_is_never_told_as_more_than_five_of_them():
+    history, _ = moving(np.zeros(3), np.array([0.0, -5.0, 0.0]), np.zeros(3))
+    motion = uniform_motion(history, ALL)
+    history[0, 6, :3] += torch.tensor([0.3, -3.0, 30.0])
+    residual = Normaliser().residual(history, ALL, motion)[0]
+    np.testing.assert_allclose(residual[6], [5.0, -5.0, 5.0], rtol=1e-3)
 
 
 @settings(deadline=None, max_examples=30)
@@ -126,8 +151,8 @@ def test_states_come_back_from_their_deviation():
     history, seen, future, measured = measured_balls()
     normaliser = Normaliser()
     normaliser.fit(history, seen, future, measured)
-    deviation = normaliser.deviation(future, history, seen)
-    returned = normaliser.states(deviation, history, seen)
+    motion = uniform_motion(history, seen)
+    returned = normaliser.states(normaliser.deviation(future, motion), motion)
     torch.testing.assert_close(returned, future, rtol=1e-5, atol=1e-4)
 
 
@@ -136,7 +161,8 @@ def test_on_the_windows_it_was_fitted_to_means_are_zero_and_spreads_one_or_the_w
     seen, measured = seen.bool(), measured.bool()
     normaliser = Normaliser()
     normaliser.fit(history, seen, future, measured)
-    ins, outs = normaliser.normalised(history, seen), normaliser.deviation(future, history, seen)
+    motion = uniform_motion(history, seen)
+    ins, outs = normaliser.normalised(history, seen, motion), normaliser.deviation(future, motion)
     means, spreads = moments(ins, seen)
     np.testing.assert_allclose(means, 0, atol=1e-9)
     np.testing.assert_allclose(spreads, 1, atol=1e-9)
@@ -160,16 +186,18 @@ def test_what_was_not_measured_has_no_influence():
     filled.fit(*nonsense)
     for name, value in plain.state_dict().items():
         assert torch.equal(value, filled.state_dict()[name])
-    inputs = nonsense[0], seen
-    assert torch.equal(plain.normalised(history, seen), plain.normalised(*inputs))
-    assert torch.equal(uniform_motion(history, seen), uniform_motion(*inputs))
+    motion = uniform_motion(history, seen)
+    assert torch.equal(motion, uniform_motion(nonsense[0], seen))
+    ins = plain.normalised(history, seen, motion)
+    assert torch.equal(ins, plain.normalised(nonsense[0], seen, motion))
 
 
 def test_what_was_not_measured_is_zero_to_the_network():
     history, seen, future, measured = measured_balls()
     normaliser = Normaliser()
     normaliser.fit(history, seen, future, measured)
-    assert not normaliser.normalised(history, seen)[~seen].any()
+    motion = uniform_motion(history, seen)
+    assert not normaliser.normalised(history, seen, motion)[~seen].any()
 
 
 def test_a_number_that_never_varies_or_was_never_measured_stays_finite():

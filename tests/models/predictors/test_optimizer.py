@@ -1,0 +1,92 @@
+"""Muon and Adam as one: each on its own share, resumed to the last bit."""
+
+import copy
+
+import pytest
+import torch
+from torch import nn
+from torch.optim import Adam
+from torch.optim.lr_scheduler import LambdaLR
+
+from models.predictors.optimizer import MuonAndAdam
+
+RATE, MATRIX_RATE = 0.01, 0.1
+
+
+class Layers(nn.Module):
+    """Two layers and a projection, with a loss that pulls at every weight."""
+
+    def __init__(self):
+        super().__init__()
+        torch.manual_seed(0)
+        self.inner, self.outer = nn.Linear(8, 16), nn.Linear(16, 8)
+        self.projection = nn.Linear(8, 3)
+
+    def backward(self, seed=0):
+        self.zero_grad()
+        rows = torch.randn(32, 8, generator=torch.Generator().manual_seed(seed))
+        self.projection(self.outer(self.inner(rows).tanh())).square().sum().backward()
+
+
+def stepped(layers, optimizer, seeds):
+    for seed in seeds:
+        layers.backward(seed)
+        optimizer.step()
+    return layers.state_dict()
+
+
+def optimizer_of(layers):
+    return MuonAndAdam(layers, RATE, MATRIX_RATE)
+
+
+def test_a_step_turns_a_layers_matrix_in_all_directions_by_about_the_rate():
+    layers = Layers()
+    before = copy.deepcopy(layers.state_dict())
+    after = stepped(layers, optimizer_of(layers), [0])
+    for name, stretch in [("inner", 2**0.5), ("outer", 1.0)]:  # a tall matrix is turned by more
+        change = after[f"{name}.weight"] - before[f"{name}.weight"]
+        # Five rounds of Newton and Schulz bring singular values between about 0.7 and 1.2.
+        turned = torch.linalg.svdvals(change)[:3] / (MATRIX_RATE * stretch)
+        assert turned.min() > 0.6 and turned.max() < 1.3
+
+
+def test_biases_and_the_projection_move_as_under_adam_alone():
+    layers, other = Layers(), Layers()
+    moved = stepped(layers, optimizer_of(layers), [0])
+    expected = stepped(other, Adam(other.parameters(), lr=RATE, betas=(0.9, 0.98), fused=True), [0])
+    for name in moved.keys() - {"inner.weight", "outer.weight"}:
+        assert torch.equal(moved[name], expected[name])
+
+
+def test_it_goes_on_from_its_state_to_the_last_bit():
+    layers = Layers()
+    optimizer = optimizer_of(layers)
+    stepped(layers, optimizer, [0, 1])
+    other = copy.deepcopy(layers)
+    resumed = optimizer_of(other)
+    resumed.load_state_dict(copy.deepcopy(optimizer.state_dict()))
+    undisturbed, continued = stepped(layers, optimizer, [2, 3]), stepped(other, resumed, [2, 3])
+    assert all(torch.equal(undisturbed[name], continued[name]) for name in undisturbed)
+
+
+@pytest.mark.parametrize("loaded", [False, True])
+def test_a_schedule_changes_the_rates_of_both(loaded):
+    layers = Layers()
+    optimizer = optimizer_of(layers)
+    if loaded:
+        optimizer.load_state_dict(optimizer.state_dict())
+    before = copy.deepcopy(layers.state_dict())
+    LambdaLR(optimizer, lambda _: 0.0)
+    after = stepped(layers, optimizer, [0])
+    assert all(torch.equal(before[name], after[name]) for name in before)
+
+
+def test_a_closure_is_called_once_and_its_loss_returned():
+    layers, calls = Layers(), []
+
+    def closure():
+        calls.append(layers.backward())
+        return 3.0
+
+    assert optimizer_of(layers).step(closure) == 3.0
+    assert len(calls) == 1
