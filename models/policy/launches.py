@@ -1,0 +1,157 @@
+"""Launches: balls struck at the far end that a robot has a fair chance to play.
+
+What is drawn, every number independently and evenly unless said otherwise:
+
+- where the ball is struck: x in `STRUCK_ACROSS`, y in `STRUCK_ALONG`, z in `STRUCK_HEIGHT`. That
+  reaches from a serve that has just bounced on the far half to a loop from behind the table;
+- the speed, evenly in its logarithm in `SPEED`, so that half of the balls are under 7.5 m/s;
+- the spin: about the axis across the ball's way in `TOPSPIN` (negative is backspin), about the
+  vertical in `SIDESPIN`, and about the way itself in `CORKSCREW`;
+- where it is aimed to bounce: x in `BOUNCE_ACROSS`, y in `BOUNCE_ALONG`. The elevation is that of
+  the flat arc there in the literature's air, roughly, whichever simulator flies the ball: so all
+  simulators are offered the same strokes, and differ only in those they refuse.
+
+A stroke is kept if under the simulator the ball passes over the net, first bounces on the robot's
+half, and then, before it is gone, comes to a place of `WORKSPACE` that the racket can get to by
+then from its neutral place without haste. That refuses about half of the strokes: of the slow ones
+those that fall short, of the fast ones those that fly long or far aside.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.ball.simulator import Simulator
+from models.ball.state import (
+    BALL_RADIUS,
+    DRAG_FACTOR,
+    MAGNUS_FACTOR,
+    NET_HEIGHT,
+    POSITION,
+    SPIN,
+    STATE_SIZE,
+    VELOCITY,
+)
+from models.policy.incoming import LONGEST, playable
+
+Floats = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
+
+STRUCK_ACROSS = (-0.7, 0.7)  # m
+STRUCK_ALONG = (0.4, 2.4)  # m
+STRUCK_HEIGHT = (0.03, 0.50)  # m
+SPEED = (3.5, 16.0)  # m/s
+TOPSPIN = (-200.0, 300.0)  # rad/s
+SIDESPIN = (-150.0, 150.0)  # rad/s
+CORKSCREW = (-50.0, 50.0)  # rad/s
+BOUNCE_ACROSS = (-0.6, 0.6)  # m
+BOUNCE_ALONG = (-1.3, -0.3)  # m
+
+# Where the racket of the robot strikes well, short of where its arm is stretched (m).
+WORKSPACE = np.array([[-0.75, 0.75], [-2.1, -1.4], [0.0, 0.5]])
+RACKET_HOME = np.array([0.0, -1.64, 0.30])  # m
+RACKET_SPEED = np.array([2.0, 1.2, 1.6])  # m/s across, along, up: 80 % of what it may be told
+SLOW_START = 0.1  # s that it loses by its inertia
+
+# The literature's air (Nakashima 2010), for the aim alone.
+GRAVITY = 9.81  # m/s^2
+DRAG = 0.54 * DRAG_FACTOR  # 1/m
+LIFT = 0.069 * MAGNUS_FACTOR
+
+FLIGHT_TIMES = np.arange(0.0, LONGEST + 0.005, 0.010)  # s; 16 cm of the fastest ball
+MOST_TRIED = 1024  # strokes at once, which fit a processor's cache
+FEWEST_KEPT = 0.02  # share of the strokes tried
+
+
+def draw_launches(simulator: Simulator, count: int, random: np.random.Generator) -> Floats:
+    """Return (count, 9) launch states of balls that the robot can play under ``simulator``.
+
+    Raises:
+        ValueError: hardly any stroke can be played in this simulator.
+    """
+    kept = np.empty((0, STATE_SIZE))
+    tried = 0
+    while len(kept) < count:
+        strokes = draw_strokes(min(32 + 4 * (count - len(kept)), MOST_TRIED), random)
+        kept = np.concatenate([kept, strokes[fair(simulator, strokes)]])
+        tried += len(strokes)
+        if tried >= MOST_TRIED and len(kept) < FEWEST_KEPT * tried:
+            raise ValueError("hardly any stroke lands where the robot could play it: check drag")
+    return kept[:count]
+
+
+def draw_strokes(count: int, random: np.random.Generator) -> Floats:
+    """Return (count, 9) launch states of the documented distribution, before any is refused."""
+    places = (STRUCK_ACROSS, STRUCK_ALONG, STRUCK_HEIGHT, BOUNCE_ACROSS, BOUNCE_ALONG)
+    drawn = np.stack([random.uniform(*limits, size=count) for limits in places], axis=1)
+    struck, targets = drawn[:, :3], drawn[:, 3:]
+    speed = SPEED[0] * (SPEED[1] / SPEED[0]) ** random.random(count)
+    spins = np.stack([random.uniform(*s, size=count) for s in (TOPSPIN, SIDESPIN, CORKSCREW)])
+    ahead, distance = _towards(struck, targets)
+    across = np.cross([0.0, 0.0, 1.0], ahead)
+    slope = _flat_slope(distance, BALL_RADIUS - struck[:, 2], speed, spins[0])[:, None]
+    way = (ahead + slope * [0.0, 0.0, 1.0]) / np.hypot(1.0, slope)
+    strokes = np.empty((count, STATE_SIZE))
+    strokes[:, POSITION] = struck
+    strokes[:, VELOCITY] = speed[:, None] * way
+    axes = np.stack([across, np.broadcast_to([0.0, 0.0, 1.0], ahead.shape), way])
+    strokes[:, SPIN] = np.einsum("kb,kbi->bi", spins, axes)
+    return strokes
+
+
+def fair(simulator: Simulator, launches: Floats) -> Booleans:
+    """Return which of (B, 9) launches a robot has a fair chance to play under ``simulator``."""
+    flight = simulator.fly(launches, FLIGHT_TIMES)
+    between = playable(flight, FLIGHT_TIMES)
+    passed = _over_net(flight.states) & np.isfinite(between[:, 0])
+    chance = np.zeros(len(launches), dtype=bool)
+    chance[passed] = _in_reach(flight.states[passed], between[passed])
+    return chance
+
+
+def _towards(struck: Floats, targets: Floats) -> tuple[Floats, Floats]:
+    """Return (B, 3) horizontal unit vectors from places to targets, and (B,) the distances."""
+    way = np.column_stack([targets - struck[:, :2], np.zeros(len(struck))])
+    distance: Floats = np.linalg.norm(way, axis=1)
+    return way / distance[:, None], distance
+
+
+def _flat_slope(distance: Floats, rise: Floats, speed: Floats, topspin: Floats) -> Floats:
+    """Return the slope of the flatter of two arcs that end ``distance`` ahead, ``rise`` above.
+
+    A parabola whose gravity is what pulls the ball down over the longer time that drag costs it.
+    Where the speed is not enough, that is the slope that reaches furthest.
+    """
+    longer = np.expm1(DRAG * distance) / (DRAG * distance)
+    drop = 0.5 * (GRAVITY + LIFT * topspin * speed) * (distance * longer / speed) ** 2
+    # rise = distance * slope - drop * (1 + slope^2)
+    discriminant = np.maximum(distance**2 - 4 * drop * (drop + rise), 0.0)
+    slope: Floats = 2 * (drop + rise) / (distance + np.sqrt(discriminant))
+    return slope
+
+
+def _over_net(paths: Floats) -> Booleans:
+    """Return which (B, T, 9) paths cross the net's plane above the net."""
+    y, z = paths[..., 1], paths[..., 2]
+    rows, behind = np.arange(len(paths)), np.maximum((y < 0).argmax(axis=1), 1)
+    y0, y1, z0, z1 = y[rows, behind - 1], y[rows, behind], z[rows, behind - 1], z[rows, behind]
+    crosses = (y0 >= 0) & (y1 < 0)
+    height = z0 + (z1 - z0) * y0 / np.where(crosses, y0 - y1, 1.0)
+    passes: Booleans = crosses & (height > NET_HEIGHT + BALL_RADIUS)
+    return passes
+
+
+def _in_reach(paths: Floats, between: Floats) -> Booleans:
+    """Return which (B, T, 9) paths come to where the racket can be by then.
+
+    Args:
+        paths: true states at ``FLIGHT_TIMES``.
+        between: (B, 2) s, bounce and end of the part that can be played.
+    """
+    places = paths[..., POSITION]
+    travel = RACKET_SPEED * np.maximum(FLIGHT_TIMES - SLOW_START, 0.0)[:, None]
+    lower = np.maximum(WORKSPACE[:, 0], RACKET_HOME - travel)
+    upper = np.minimum(WORKSPACE[:, 1], RACKET_HOME + travel)
+    inside = ((lower <= places) & (places <= upper)).all(axis=2)
+    bounced, gone = between[:, :1] < FLIGHT_TIMES, between[:, 1:] <= FLIGHT_TIMES
+    reached: Booleans = (inside & bounced & ~gone).any(axis=1)
+    return reached

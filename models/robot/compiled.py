@@ -1,0 +1,11 @@
+"""The decorator of this package's compiled functions."""
+
+from pathlib import Path
+
+from models.ball import state
+from models.compiling import compiler
+
+_HERE = Path(__file__).parent
+_SOURCES = (_HERE / f"{name}.py" for name in ("constants", "kinematics", "control", "contact"))
+
+compiled = compiler([*_SOURCES, Path(state.__file__)])

@@ -1,0 +1,185 @@
+"""Every number of the robot, in the table frame (models/ball/state.py): SI units throughout.
+
+The arm stands behind the end at y < 0 and plays towards +y. A bridge runs along the table and
+carries a carriage across it; on the carriage stand an upper arm, a forearm, a wrist and the racket.
+Frames of the links are parallel to the table frame when every pitch is zero: x across, y ahead,
+z up. A positive pitch leans a link back and opens the racket's face.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from models.ball.types import Floats, Vector
+
+COMMAND_STEP = 0.020  # s between two commands to the joints: 50 Hz, slow for an industrial drive
+BULLET_STEP = 0.004  # s; five to a command, and a joint turns at most 2 degrees in one
+
+BASE: Vector = (0.0, -1.90, -0.22)  # m: 0.53 m behind the end, 0.54 m above the floor
+UPPER_ARM = 0.35  # m from shoulder to elbow: a stretched arm, 0.82 m, still reaches over the table
+FOREARM = 0.35  # m from elbow to wrist
+BLADE: Vector = (0.0, 0.06, 0.10)  # m from the wrist to the racket's centre
+RACKET_RADIUS = 0.08  # m: a disc for the common blade of 150 mm by 158 mm
+
+# m, the table's slab: its top and the steel frame beneath, which a racket must not pass within one
+# step either.
+TABLE_DEPTH = 0.06
+FLOOR = -0.76  # m: ITTF Law 2.1.1, the playing surface is 0.76 m above the floor
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A homogeneous primitive body in the frame of its link.
+
+    Attributes:
+        size: m; a box's full lengths (x, y, z), or a cylinder's radius and length along its z.
+        mass: kg.
+        position: m, of its centre.
+        pitch: rad about x, from the link's axes to the solid's.
+    """
+
+    shape: Literal["box", "cylinder"]
+    size: tuple[float, ...]
+    mass: float
+    position: Vector = (0.0, 0.0, 0.0)
+    pitch: float = 0.0
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A driven joint and the link that it moves.
+
+    Attributes:
+        axis: of the joint's frame, along which it slides or about which it turns.
+        origin: m, of the joint in the frame of the link before it.
+        pitch: rad about x, from the frame of the link before it to the joint's at zero.
+        lower: end of the joint's range, m or rad; at zero it is in its neutral place.
+        upper: other end of the range, m or rad.
+        speed: fastest that the drive is asked for, m/s or rad/s.
+        force: largest of the drive, N or N m.
+        link: the solids that it moves.
+    """
+
+    name: str
+    kind: Literal["prismatic", "revolute"]
+    axis: Literal["x", "y", "z"]
+    origin: Vector
+    pitch: float
+    lower: float
+    upper: float
+    speed: float
+    force: float
+    link: tuple[Solid, ...]
+
+    @property
+    def mass(self) -> float:
+        """Mass of the link, kg."""
+        return math.fsum(solid.mass for solid in self.link)
+
+
+_HERE: Vector = (0.0, 0.0, 0.0)
+_ALONG_Y = -math.pi / 2  # pitch of a cylinder whose axis is the link's y
+
+# The drives of the gantry accelerate what they carry, 15.05 and 7.05 kg, at 20 and 30 m/s^2: belt
+# axes of that size do. Those of the arm hold 2.4 to 3.0 times what gravity asks of them when all
+# beyond them is stretched out level. Ranges: the bridge stays clear of the table, the carriage
+# spans its width; the arm neither folds into itself nor reaches the floor.
+JOINTS = (
+    Joint(
+        name="bridge",
+        kind="prismatic",
+        axis="y",
+        origin=_HERE,
+        pitch=0.0,
+        lower=-0.35,
+        upper=0.45,
+        speed=2.0,
+        force=300.0,
+        link=(Solid("box", (1.90, 0.08, 0.06), mass=8.0, position=(0.0, 0.0, -0.09)),),
+    ),
+    Joint(
+        name="carriage",
+        kind="prismatic",
+        axis="x",
+        origin=_HERE,
+        pitch=0.0,
+        lower=-0.8,
+        upper=0.8,
+        speed=3.0,
+        force=210.0,
+        link=(Solid("box", (0.16, 0.14, 0.12), mass=4.0),),
+    ),
+    Joint(
+        name="shoulder",
+        kind="revolute",
+        axis="x",
+        origin=_HERE,
+        pitch=0.35,  # leaning back, so that the elbow is behind the racket
+        lower=-1.2,
+        upper=1.2,
+        speed=6.0,
+        force=32.0,
+        link=(Solid("cylinder", (0.04, UPPER_ARM), mass=1.5, position=(0, 0, UPPER_ARM / 2)),),
+    ),
+    Joint(
+        name="elbow",
+        kind="revolute",
+        axis="x",
+        origin=(0.0, 0.0, UPPER_ARM),
+        pitch=-1.7,  # the forearm a little above level
+        lower=-1.5,
+        upper=1.5,
+        speed=6.0,
+        force=9.0,
+        link=(Solid("cylinder", (0.03, FOREARM), mass=1.0, position=(0, 0, FOREARM / 2)),),
+    ),
+    Joint(
+        name="wrist_yaw",
+        kind="revolute",
+        axis="z",
+        origin=(0.0, 0.0, FOREARM),
+        pitch=1.35,  # undoes shoulder and elbow: the axis is upright in neutral
+        lower=-1.3,
+        upper=1.3,
+        speed=8.0,
+        force=0.6,
+        link=(Solid("cylinder", (0.03, 0.06), mass=0.3),),
+    ),
+    Joint(
+        name="wrist_pitch",
+        kind="revolute",
+        axis="x",
+        origin=_HERE,
+        pitch=0.2,  # the face open by 11 degrees, as for a block
+        lower=-1.5,
+        upper=1.5,
+        speed=8.0,
+        force=0.6,
+        link=(
+            Solid("cylinder", (0.010, 0.06), mass=0.05, position=(0, 0.03, 0), pitch=_ALONG_Y),
+            Solid("cylinder", (0.014, 0.06), mass=0.05, position=(0, 0.06, 0)),  # the grip
+            Solid(
+                "cylinder", (RACKET_RADIUS, 0.012), mass=0.15, position=BLADE, pitch=_ALONG_Y
+            ),  # wood and two rubbers
+        ),
+    ),
+)
+
+# The rails on which the bridge runs, on posts from the floor. They do not move.
+BASE_SOLIDS = tuple(
+    solid
+    for x in (-0.90, 0.90)
+    for solid in (
+        Solid("box", (0.06, 0.92, 0.04), mass=5.0, position=(x, 0.05, -0.14)),
+        Solid("box", (0.06, 0.06, 0.38), mass=2.0, position=(x, -0.37, -0.35)),
+        Solid("box", (0.06, 0.06, 0.38), mass=2.0, position=(x, 0.47, -0.35)),
+    )
+)
+
+LOWER: Floats = np.array([joint.lower for joint in JOINTS])  # (6,) m, rad
+UPPER: Floats = np.array([joint.upper for joint in JOINTS])  # (6,) m, rad
+SPEED: Floats = np.array([joint.speed for joint in JOINTS])  # (6,) m/s, rad/s
+FORCE: Floats = np.array([joint.force for joint in JOINTS])  # (6,) N, N m
+NEUTRAL: Floats = np.zeros(len(JOINTS))  # (6,) where the arm waits, the racket at (0, -1.64, 0.30)

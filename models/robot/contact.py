@@ -1,0 +1,135 @@
+"""Contact of ball and racket: swept, so that no ball passes through a blade unseen."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.ball.state import BALL_RADIUS
+from models.ball.types import Floats, Integers, Vector
+from models.robot.compiled import compiled
+from models.robot.constants import RACKET_RADIUS
+from models.robot.kinematics import Racket
+
+Booleans = NDArray[np.bool_]
+
+_UNMOVED = 1e-20  # m^2; along the blade a ball that moves less stays where it is
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Whether and when B balls meet their rackets within a step.
+
+    Attributes:
+        met: (B,).
+        share: (B,) of the step at which they meet, 0 to 1; NaN where they do not.
+        side: (B,) +1 for the racket's face, -1 for its back, 0 where they do not meet.
+    """
+
+    met: Booleans
+    share: Floats
+    side: Integers
+
+
+def meeting(
+    ball_before: ArrayLike, ball_after: ArrayLike, racket_before: Racket, racket_after: Racket
+) -> Meeting:
+    """Return the first contacts within a step.
+
+    A ball meets a racket when its centre is over the blade (at most the blade's radius from the
+    axis), its surface touches the blade's plane, and it comes nearer. One that only clips the rim
+    does not: rubber is on the faces. Seen from the racket the ball moves on a straight line, which
+    is exact to 0.2 mm in steps of 1 ms.
+
+    Args:
+        ball_before: (B, 3) m, the balls' centres at the beginning of the step.
+        ball_after: (B, 3) m, at its end.
+        racket_before: the B rackets at the beginning.
+        racket_after: the B rackets at the end.
+    """
+    before = np.subtract(ball_before, racket_before.position, dtype=np.float64)
+    after = np.subtract(ball_after, racket_after.position, dtype=np.float64)
+    share, side = _meetings(before, after, racket_before.normal, racket_after.normal)
+    return Meeting(side != 0, share, side)
+
+
+@compiled
+def _meetings(
+    before: Floats, after: Floats, first: Floats, last: Floats
+) -> tuple[Floats, Integers]:
+    """Return share and side for (B, 3) balls relative to rackets with these normals."""
+    share, side = np.full(len(before), np.nan), np.zeros(len(before), dtype=np.int64)
+    for k in range(len(before)):
+        a = (before[k, 0], before[k, 1], before[k, 2])
+        b = (after[k, 0], after[k, 1], after[k, 2])
+        n = (first[k, 0], first[k, 1], first[k, 2])
+        m = (last[k, 0], last[k, 1], last[k, 2])
+        share[k], side[k] = _first_contact(a, _turned_back(b, m, n), n)
+    return share, side
+
+
+@compiled
+def _first_contact(a: Vector, b: Vector, n: Vector) -> tuple[float, int]:
+    """Return share and side of the line from a to b towards a blade at the origin."""
+    height, rise = _dot(a, n), _dot(b, n) - _dot(a, n)
+    if rise == 0.0:
+        return math.nan, 0
+    side = -1 if rise > 0.0 else 1
+    # From the touch to where the centre would be in the blade's plane.
+    touch, inside = (side * BALL_RADIUS - height) / rise, -height / rise
+    enter, leave = _over_blade(_level(a, n), _level(b, n))
+    moment = max(touch, enter, 0.0)
+    if moment >= inside or moment > min(leave, 1.0):
+        return math.nan, 0
+    return moment, side
+
+
+@compiled
+def _over_blade(a: Vector, b: Vector) -> tuple[float, float]:
+    """Return the shares between which a line in the blade's plane is within the blade."""
+    along = (b[0] - a[0], b[1] - a[1], b[2] - a[2])
+    square, half = _dot(along, along), _dot(a, along)
+    beyond = _dot(a, a) - RACKET_RADIUS**2
+    if square < _UNMOVED:
+        return (-math.inf, math.inf) if beyond <= 0.0 else (math.inf, -math.inf)
+    inside = half * half - square * beyond
+    if inside < 0.0:
+        return math.inf, -math.inf
+    root = math.sqrt(inside)
+    return (-half - root) / square, (-half + root) / square
+
+
+@compiled
+def _level(a: Vector, n: Vector) -> Vector:
+    """Return the part of a vector that is in the plane with normal n."""
+    height = _dot(a, n)
+    return a[0] - height * n[0], a[1] - height * n[1], a[2] - height * n[2]
+
+
+@compiled
+def _turned_back(b: Vector, m: Vector, n: Vector) -> Vector:
+    """Return b turned as normal m is turned, the shortest way, to become n."""
+    axis = _cross(m, n)
+    once = _cross(axis, b)
+    twice = _cross(axis, once)
+    share = 1.0 / (1.0 + _dot(m, n))
+    return (
+        b[0] + once[0] + share * twice[0],
+        b[1] + once[1] + share * twice[1],
+        b[2] + once[2] + share * twice[2],
+    )
+
+
+@compiled
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled
+def _cross(a: Vector, b: Vector) -> Vector:
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )

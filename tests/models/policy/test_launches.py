@@ -1,0 +1,91 @@
+"""Launches: every one of them can be played, and they are as varied as documented."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial import KDTree
+
+from models.ball.contact import TABLE
+from models.ball.state import BALL_RADIUS, NET_HEIGHT
+from models.policy import launches as documented
+from models.policy.incoming import PATH_TIMES
+from models.policy.launches import draw_launches, draw_strokes, fair
+from models.robot.constants import JOINTS, NEUTRAL
+from models.robot.kinematics import racket
+from tests.models.policy.incoming_balls import TRUTH, VACUUM, WRONG
+
+
+def drawn(count, simulator=TRUTH, seed=0):
+    return draw_launches(simulator, count, np.random.default_rng(seed))
+
+
+@pytest.mark.parametrize("simulator", [TRUTH, WRONG])
+def test_launches_pass_over_the_net_and_bounce_on_the_robots_half(simulator):
+    flight = simulator.fly(drawn(300, simulator), PATH_TIMES)
+    y, z = flight.states[..., 1], flight.states[..., 2]
+    behind = (y < 0).argmax(axis=1)
+    assert (flight.contacts.surface[:, 0] == TABLE).all()
+    assert (flight.contacts.before[:, 0, 1] < 0).all()
+    assert (z[np.arange(300), behind] > NET_HEIGHT + BALL_RADIUS - 0.02).all()  # 1 ms further on
+
+
+def test_launches_come_to_the_racket_between_their_first_bounce_and_their_second():
+    flight = TRUTH.fly(drawn(300), PATH_TIMES)
+    bounce, second = flight.contacts.time[:, 0, None], flight.contacts.time[:, 1, None]
+    between = (bounce < PATH_TIMES) & ~(second <= PATH_TIMES)
+    places, (lower, upper) = flight.states[..., :3], documented.WORKSPACE.T
+    inside = ((lower <= places) & (places <= upper)).all(axis=2)
+    assert (between & inside).any(axis=1).all()
+
+
+def test_launches_are_of_all_speeds_and_spins():
+    launches = drawn(3000)
+    speed = np.linalg.norm(launches[:, 3:6], axis=1)
+    assert speed.min() < 3.7 < 15.5 < speed.max() < 16.0 + 1e-9
+    assert 5.5 < np.median(speed) < 8.5
+    assert launches[:, 6].min() < -180 and launches[:, 6].max() > 280
+    assert np.abs(launches[:, 8]).max() > 140
+    assert np.linalg.norm(launches[:, 6:], axis=1).max() < 340
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), count=st.integers(0, 40))
+def test_the_same_seed_draws_the_same_launches(seed, count):
+    launches = drawn(count, seed=seed)
+    assert launches.shape == (count, 9)
+    np.testing.assert_array_equal(launches, drawn(count, seed=seed))
+    assert fair(TRUTH, launches).all()
+
+
+def test_topspin_turns_the_upper_side_of_the_ball_ahead():
+    strokes = draw_strokes(500, np.random.default_rng(0))
+    top = np.cross(strokes[:, 6:], [0.0, 0.0, 1.0])[:, :2]
+    ahead = np.einsum("bi,bi->b", top, strokes[:, 3:5])
+    share = (ahead > 0).mean()
+    assert abs(share - 300 / 500) < 0.1
+
+
+def test_a_ball_hit_to_where_the_racket_cannot_be_in_time_is_not_fair():
+    fast = np.array([0.7, 1.6, 0.5, 0.0, -15.0, -1.2, 300.0, 0.0, 0.0])
+    slow = np.array([0.0, 1.6, 0.3, 0.0, -5.0, 2.5, 0.0, 0.0, 0.0])
+    middle = fast * [0, 1, 1, 1, 1, 1, 1, 1, 1]
+    assert fair(TRUTH, np.array([fast, middle, slow])).tolist() == [False, True, True]
+
+
+def test_a_hall_without_a_table_has_no_launches():
+    with pytest.raises(ValueError, match="hardly any stroke"):
+        drawn(10, VACUUM)
+
+
+def test_the_workspace_is_where_the_arm_can_hold_its_racket_towards_the_table():
+    assert np.abs(hand(np.asarray(NEUTRAL)[None]).position - documented.RACKET_HOME).max() < 0.01
+    limits = [(joint.lower, joint.upper) for joint in JOINTS]
+    held = hand(np.random.default_rng(0).uniform(*np.transpose(limits), size=(50_000, 6)))
+    places = held.position[held.normal[:, 1] > 0.7]
+    corners = np.stack(np.meshgrid(*documented.WORKSPACE, indexing="ij"), axis=-1).reshape(-1, 3)
+    assert KDTree(places).query(corners)[0].max() < 0.1
+
+
+def hand(joints):
+    return racket(joints, np.zeros_like(joints))

@@ -1,0 +1,73 @@
+"""What the policy sees."""
+
+import numpy as np
+import pytest
+
+from models.ball.simulator import Simulator
+from models.policy.goals import Goals
+from models.policy.observation import CROSSING_SCALE, LIMIT, crossing, observation_size, observe
+from models.robot.constants import LOWER, NEUTRAL, SPEED, UPPER
+from models.robot.kinematics import racket
+
+AIRLESS = Simulator.from_dict({"gravity": {"g": 9.81}})
+RANDOM = np.random.default_rng(5)
+JOINTS = RANDOM.uniform(LOWER, UPPER, (4, 6))
+SPEEDS = RANDOM.uniform(-SPEED, SPEED, (4, 6))
+BALLS = np.tile([0.1, 0.4, 0.3, 0.3, -6.0, 1.0, 50.0, 20.0, 0.0], (4, 3, 1))
+GOALS = Goals(np.tile([0.1, 0.9], (4, 1)), np.full(4, 6.0), np.full(4, 50.0))
+
+
+def seen(kind, forecasts=BALLS, goals=GOALS):
+    return observe(JOINTS, SPEEDS, forecasts, goals, kind)
+
+
+def test_the_crossing_is_where_a_ball_without_air_passes_the_racket():
+    hand = racket(JOINTS, SPEEDS)
+
+    found = crossing(hand, BALLS[:, 0])
+
+    flown = AIRLESS.fly(BALLS[:, 0], found[:, :1]).states[:, 0]
+    np.testing.assert_allclose(flown[:, 1], hand.position[:, 1])
+    apart = (flown[:, :3] - hand.position)[:, [0, 2]]
+    np.testing.assert_allclose(found[:, 1:], np.column_stack([apart, flown[:, 3:6]]))
+
+
+@pytest.mark.parametrize("along", [-8.0, 8.0, 0.0])
+def test_a_ball_far_from_crossing_is_still_seen(along):
+    balls = BALLS.copy()
+    balls[..., 4] = along
+    balls[..., 1] = 40.0 * np.sign(along)
+
+    assert np.isfinite(seen("intercept", balls)).all()
+
+
+def test_strict_is_what_remains_without_the_crossing():
+    strict, more = seen("strict"), seen("intercept")
+
+    np.testing.assert_array_equal(more[:, : strict.shape[1]], strict)
+    expected = crossing(racket(JOINTS, SPEEDS), BALLS[:, 0]) / CROSSING_SCALE
+    np.testing.assert_allclose(more[:, strict.shape[1] :], expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["strict", "intercept"])
+def test_the_size_is_known_beforehand(kind):
+    assert seen(kind).shape == (4, observation_size(3, 4, kind))
+    assert seen(kind).dtype == np.float32
+
+
+def test_joints_are_seen_in_shares_of_what_they_can_do():
+    ends = observe(
+        np.array([LOWER, UPPER]), np.array([SPEED, -SPEED]), BALLS[:2], GOALS[:2], "strict"
+    )
+
+    np.testing.assert_allclose(ends[:, :12], np.outer([-1, 1], [1] * 6 + [-1] * 6), atol=1e-6)
+
+
+def test_the_waiting_racket_is_where_it_is_measured_from():
+    waiting = observe(NEUTRAL[None], np.zeros((1, 6)), BALLS[:1], GOALS[:1], "strict")
+
+    np.testing.assert_allclose(waiting[0, 12:15], 0.0, atol=1e-7)
+
+
+def test_a_forecast_gone_astray_is_bounded():
+    assert np.abs(seen("intercept", 1e9 * BALLS)).max() == LIMIT

@@ -1,0 +1,62 @@
+"""Rewards, worked by hand."""
+
+import numpy as np
+import pytest
+
+from models.policy.goals import Goals
+from models.policy.outcome import Outcome
+from models.policy.reward import contact_reward, effort_reward, miss_reward
+
+
+def outcome(returned=True, distance=0.0, net_height=0.3, speed=6.0, topspin=50.0):
+    return Outcome(
+        returned=np.array([returned]),
+        fault=np.array([""]),
+        landing=np.zeros((1, 2)),
+        distance=np.array([distance]),
+        net_height=np.array([net_height]),
+        speed=np.array([speed]),
+        topspin=np.array([topspin]),
+    )
+
+
+def reward(backhand=False, speed=None, topspin=None, **described):
+    asked = [None if value is None else np.array([value]) for value in (speed, topspin)]
+    goals = Goals(np.zeros((1, 2)), *asked)
+    return contact_reward(outcome(**described), np.array([backhand]), goals)[0]
+
+
+@pytest.mark.parametrize(
+    ("described", "expected"),
+    [
+        ({}, 0.5 + 1.5 + 0.3 + 1.0),
+        ({"returned": False}, 0.5 + 1.5 + 0.3),
+        ({"backhand": True}, 3.3 - 0.5),
+        ({"distance": 0.6}, 0.5 + 1.5 / np.e + 0.3 / 1.6 + 1.0),
+        ({"net_height": 0.2025}, 3.3),
+        ({"net_height": 0.1725}, 3.3 - 0.5 * 0.1),
+        ({"net_height": -8.0, "returned": False}, 2.3 - 0.5),
+        ({"speed": 6.0}, 3.3 + 0.5),
+        ({"speed": 4.5}, 3.3 + 0.5 / np.e),
+        ({"topspin": 100.0}, 3.3 + 0.5 / np.e),
+        ({"topspin": 50.0, "speed": 6.0}, 3.3 + 1.0),
+        ({"topspin": 50.0, "speed": 6.0, "returned": False}, 2.3),
+    ],
+)
+def test_a_stroke_is_worth(described, expected):
+    described = dict(described)
+    asked = {name: described.pop(name) for name in ("speed", "topspin") if name in described}
+
+    assert reward(**asked, **described) == pytest.approx(expected)
+
+
+def test_a_miss_costs_twice_its_distance_and_one_at_most():
+    missed = miss_reward(np.array([0.0, 0.1, 0.5, 3.0, np.inf]))
+
+    np.testing.assert_allclose(missed, [0.0, -0.2, -1.0, -1.0, -1.0])
+
+
+def test_effort_costs():
+    actions = np.array([[0.0] * 5, [1.0, -1.0, 0.0, 0.5, 0.0]])
+
+    np.testing.assert_allclose(effort_reward(actions), [0.0, -0.002 * 2.25])

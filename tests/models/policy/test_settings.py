@@ -1,0 +1,30 @@
+"""The settings: what is refused, and said of it."""
+
+import pytest
+from pydantic import TypeAdapter, ValidationError
+
+from models.policy.settings import GoalSettings, HorizonsMs
+
+GOALS = {"landing_across": (-0.4, 0.4), "landing_along": (0.5, 1.1), "speed": None, "topspin": None}
+
+
+@pytest.mark.parametrize("horizons", [(115, 120, 125), (5, 10, 300)])
+def test_horizons_on_the_predictors_grid_are_taken(horizons):
+    assert TypeAdapter(HorizonsMs).validate_python(horizons) == horizons
+
+
+@pytest.mark.parametrize(
+    "horizons", [(120, 115, 125), (115, 115, 120), (117, 120, 125), (0, 5, 10), (295, 300, 305)]
+)
+def test_horizons_that_no_predictor_gives_are_refused(horizons):
+    with pytest.raises(ValidationError):
+        TypeAdapter(HorizonsMs).validate_python(horizons)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"landing_along": (-0.5, 1.1)}, {"landing_across": (-0.4, 0.9)}, {"speed": (6.0, 4.0)}],
+)
+def test_goals_off_the_far_half_or_the_wrong_way_round_are_refused(wrong):
+    with pytest.raises(ValidationError, match=next(iter(wrong))):
+        GoalSettings(**{**GOALS, **wrong})

@@ -1,0 +1,86 @@
+"""Joint speeds: the racket goes as asked, within every limit."""
+
+import numpy as np
+import pytest
+
+from models.robot.constants import COMMAND_STEP, JOINTS, LOWER, NEUTRAL, SPEED, UPPER
+from models.robot.control import DAMPING, HOMING, joint_speeds
+from models.robot.kinematics import jacobian, racket
+
+RANDOM = np.random.default_rng(5)
+POSES = 0.4 * RANDOM.uniform(LOWER, UPPER, (200, len(JOINTS)))
+VELOCITIES = RANDOM.uniform(-1, 1, (200, 3)) * [1.5, 2.5, 2.0]
+TURNS = RANDOM.uniform(-6, 6, (200, 2))
+
+
+def racket_axes(joints):
+    """The racket's side axis and its upright axis, (B, 3) each: the wrist's pitch axis is one."""
+    side, normal = jacobian(joints)[:, 3:, 5], racket(joints, joints * 0).normal
+    return side, np.cross(side, normal)
+
+
+def task_rows(joints):
+    columns = jacobian(joints)
+    turned = [np.einsum("bi,bij->bj", axis, columns[:, 3:]) for axis in racket_axes(joints)]
+    return np.concatenate([columns[:, :3], np.stack(turned, axis=1)], axis=1)
+
+
+def test_slow_motions_are_the_best_compromise_of_task_effort_and_home():
+    tasks = 0.1 * np.hstack([VELOCITIES, TURNS])
+    speeds = joint_speeds(POSES, tasks[:, :3], tasks[:, 3:])
+    home = HOMING * (NEUTRAL - POSES)
+    for rows, task, wish, found in zip(task_rows(POSES), tasks, home, speeds, strict=True):
+        # The minimum of |rows q - task|^2 + lambda^2 |q - home|^2, by least squares.
+        stacked = np.vstack([rows, np.sqrt(DAMPING) * np.eye(len(JOINTS))])
+        aims = np.concatenate([task, np.sqrt(DAMPING) * wish])
+        np.testing.assert_allclose(found, np.linalg.lstsq(stacked, aims)[0], atol=1e-9)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_from_neutral_the_racket_goes_the_way_that_is_asked(axis):
+    wanted = 0.5 * np.eye(3)[[axis]]
+    speeds = joint_speeds([NEUTRAL], wanted, [[0.0, 0.0]])
+    np.testing.assert_allclose(racket([NEUTRAL], speeds).velocity, wanted, atol=0.08)  # damped
+
+
+@pytest.mark.parametrize(
+    ("turning", "leads"), [([[1.0, 0.0]], [0, 0, 1]), ([[0, 1.0]], [-1, 0, 0])]
+)
+def test_turning_opens_the_face_or_turns_it_aside(turning, leads):
+    speeds = joint_speeds([NEUTRAL], np.zeros((1, 3)), turning)
+    now = racket([NEUTRAL], speeds)
+    assert np.cross(now.turning, now.normal)[0] @ leads > 0.8
+
+
+def test_no_joint_is_asked_for_more_than_its_speed():
+    fast = joint_speeds(POSES, 10 * VELOCITIES, 10 * TURNS)
+    assert (np.abs(fast) <= SPEED * (1 + 1e-12)).all()
+    assert np.max(np.abs(fast) / SPEED, axis=1).mean() > 0.9
+
+
+def test_beyond_the_limits_all_joints_slow_down_alike():
+    once, doubled = (joint_speeds(0 * POSES, k * VELOCITIES, k * TURNS) for k in (20, 40))
+    np.testing.assert_allclose(once, doubled, atol=1e-12)
+
+
+@pytest.mark.parametrize("end", [LOWER, UPPER])
+def test_at_an_end_no_joint_is_driven_beyond(end):
+    poses = np.broadcast_to(end, POSES.shape)
+    after = poses + COMMAND_STEP * joint_speeds(poses, VELOCITIES, TURNS)
+    assert ((after >= LOWER - 1e-12) & (after <= UPPER + 1e-12)).all()
+
+
+def test_left_alone_the_arm_goes_home_while_the_racket_stays():
+    joints, still = POSES.copy(), np.zeros((200, 3))
+    before = racket(joints, joints * 0)
+    for _ in range(10):
+        joints += COMMAND_STEP * joint_speeds(joints, still, still[:, :2])
+    moved = np.linalg.norm(racket(joints, joints * 0).position - before.position, axis=1)
+    closer = np.linalg.norm(joints - NEUTRAL, axis=1) < np.linalg.norm(POSES - NEUTRAL, axis=1)
+    assert closer.all()
+    assert np.median(moved) < 0.01
+
+
+def test_shapes_that_do_not_fit_are_refused():
+    with pytest.raises(ValueError, match=r"turning rates \(200, 2\)"):
+        joint_speeds(POSES, VELOCITIES[:, :2], TURNS)

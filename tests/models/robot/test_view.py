@@ -1,0 +1,47 @@
+"""Pictures: what is in them can be seen, and they are the same each time."""
+
+import numpy as np
+import pytest
+
+from models.robot.constants import NEUTRAL
+from models.robot.view import HEIGHT, WIDTH, frames
+
+POSES = np.tile(NEUTRAL, (2, 1))
+BALLS = np.array([[0.1, 0.8, 0.4], [np.nan, np.nan, np.nan]])
+
+
+@pytest.fixture(scope="module")
+def pictures():
+    return frames(POSES, BALLS)
+
+
+def pixels(picture, dominant, others):
+    """How many pixels are much stronger in one colour than in the others."""
+    values = picture.astype(int)
+    return int((values[..., dominant] > 60 + values[..., others].max(axis=-1)).sum())
+
+
+def test_table_and_racket_are_seen(pictures):
+    assert pictures[0].shape == (HEIGHT, WIDTH, 3)
+    assert pixels(pictures[0], 2, [0, 1]) > 5000
+    assert pixels(pictures[0], 0, [1, 2]) > 100
+
+
+def test_only_a_ball_that_is_there_changes_the_picture(pictures):
+    rows, columns, _ = np.nonzero(pictures[0] != pictures[1])
+    assert 20 < len(set(zip(rows, columns, strict=True))) < 200
+    assert np.ptp(rows) < 12 and np.ptp(columns) < 12
+
+
+def test_a_moved_arm_is_seen_elsewhere(pictures):
+    moved = frames([[0.2, 0.4, 0.3, 0.2, 0.4, 0.1]], [BALLS[0]])[0]
+    assert (moved != pictures[0]).any(axis=-1).sum() > 2000
+
+
+def test_the_same_scene_gives_the_same_picture(pictures):
+    assert frames(POSES[:1], BALLS[:1])[0].tobytes() == pictures[0].tobytes()
+
+
+def test_a_ball_for_every_pose():
+    with pytest.raises(ValueError, match="2 poses"):
+        frames(POSES, BALLS[:1])
