@@ -15,10 +15,10 @@ export DO_NOT_TRACK := true
 PIP := .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real test test-all lint bench ui
+.PHONY: help reproduce real test test-all lint bench bench-learning ui
 
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 14
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
 
 # Written last: an environment without it was left half-made, and is made anew.
 .venv/ready: pyproject.toml constraints.txt
@@ -48,9 +48,13 @@ lint: .venv/ready ## style, types, import arrows
 	mypy
 	lint-imports
 
-bench: .venv/ready ## the ball simulator beside its peers, and what trained predictors cost
+bench: .venv/ready ## the ball simulator and the learning beside their peers, and what predictors cost
 	@python -m tests.bench
+	@python -m tests.bench_policy
 	@test ! -d artifacts/train_predictor || rallygap costs
+
+bench-learning: .venv/ready ## an hour: how long policies take to 90 % returns, beside SB3's defaults
+	@python -m tests.bench_learning
 
 ui: .venv/ready ## the MLflow pages of this repository's runs, on this machine only
 	@rallygap ui

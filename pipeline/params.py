@@ -6,10 +6,25 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    ValidationError,
+    model_validator,
+)
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
+from models.policy.settings import (
+    GoalSettings,
+    HorizonsMs,
+    LearningSettings,
+    ObservationKind,
+    SensorNoise,
+)
 from models.predictors.settings import TrainingSettings, TransformerSettings
 from models.segmentation.settings import ScoringSettings, SegmentSettings
 from pipeline.errors import InputError
@@ -70,6 +85,86 @@ class EvaluatePredictorSettings(Settings):
     """Resamples of the recordings for the confidence intervals; 0 leaves them out."""
 
 
+class PolicyGroupSettings(Settings):
+    """Policies that are trained alike: one for every simulator, triple of horizons and repeat."""
+
+    simulators: Annotated[list[Name], Field(min_length=1)]
+    """Shipped simulators by name."""
+    horizons_ms: Annotated[list[HorizonsMs], Field(min_length=1)]
+    repeats: Annotated[int, Field(ge=1, le=100)]
+    """Policies that differ in nothing but the seed."""
+    observation: ObservationKind
+    goals: GoalSettings
+    learning: LearningSettings
+
+    @model_validator(mode="after")
+    def _names_differ(self) -> "PolicyGroupSettings":
+        """Trained policies are filed by simulator and nearest horizon."""
+        nearest = [horizons[0] for horizons in self.horizons_ms]
+        for names in (self.simulators, nearest):
+            if len(set(names)) < len(names):
+                raise ValueError(f"simulators and nearest horizons must differ: {names}")
+        return self
+
+
+class TrainPolicySettings(Settings):
+    """Which policies learn to return balls, in which simulators, and how."""
+
+    groups: Annotated[dict[Name, PolicyGroupSettings], Field(min_length=1)]
+    trials: Annotated[int, Field(ge=10, le=100_000)]
+    """Balls that a trained policy plays in its own simulator, and has never seen."""
+
+
+Sim2SimProtocol = Literal["first_state", "re_anchored"]
+"""From where a simulator predicts the ball: from its first state on, or from its true state at
+every control tick."""
+
+
+def _each_once(protocols: list[Sim2SimProtocol]) -> list[Sim2SimProtocol]:
+    if len(set(protocols)) < len(protocols):
+        raise ValueError("give each protocol once")
+    return protocols
+
+
+class Sim2SimSettings(Settings):
+    """Which policies play balls of another simulator, and what they are told of them."""
+
+    ground_truth: Name
+    """The shipped simulator that flies the balls."""
+    group: Name
+    """The policies that play, of ``train_policy``."""
+    episodes: Annotated[int, Field(ge=1, le=100_000)]
+    """Balls, the same for every policy."""
+    protocols: Annotated[list[Sim2SimProtocol], Field(min_length=1), AfterValidator(_each_once)]
+    bootstrap_resamples: Annotated[int, Field(ge=0, le=100_000)]
+    """Resamples of the balls for the confidence intervals; 0 leaves them out."""
+
+
+class ToleranceSettings(Settings):
+    """How wrong forecasts are made, to see what policies tolerate."""
+
+    balls: Annotated[int, Field(ge=1, le=100_000)]
+    """Of the simulator that the policies were trained in, the same for all."""
+    errors_cm: Annotated[list[Annotated[float, Field(ge=0, le=100)]], Field(min_length=1)]
+    """Of the forecast positions."""
+
+
+class Sim2RealSettings(Settings):
+    """Which policies measured balls are replayed to, and how launches become such balls."""
+
+    group: Name
+    """The policies that play, of ``train_policy``, ..."""
+    simulator: Name
+    """... and of those the ones from this simulator, with which physics forecasts."""
+    launches: Annotated[int, Field(ge=1, le=100_000)]
+    """Drawn from every source of launches, at most."""
+    noise: SensorNoise
+    """Of what is measured of their flights, and of all balls where their recordings end."""
+    tolerance: ToleranceSettings
+    bootstrap_resamples: Annotated[int, Field(ge=0, le=100_000)]
+    """Resamples of the balls for the confidence intervals; 0 leaves them out."""
+
+
 class ReportSettings(Settings):
     """What the page shows."""
 
@@ -86,6 +181,9 @@ class Params(Settings):
     score_segmentation: ScoringSettings
     train_predictor: TrainPredictorSettings
     evaluate_predictor: EvaluatePredictorSettings
+    train_policy: TrainPolicySettings
+    sim2sim: Sim2SimSettings
+    sim2real: Sim2RealSettings
     report: ReportSettings
 
 

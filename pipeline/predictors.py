@@ -73,7 +73,7 @@ def read_contenders(artifacts: Path, settings: EvaluatePredictorSettings) -> lis
     return [
         *_physics(settings),
         *_oracle(artifacts / "ingest" / "truth.json"),
-        *_trained(artifacts / "train_predictor"),
+        *read_trained(artifacts / "train_predictor"),
     ]
 
 
@@ -90,7 +90,12 @@ def _oracle(path: Path) -> Iterator[Contender]:
         yield Contender(ORACLE, predictor, ORACLE, simulator="the arena's truth")
 
 
-def _trained(folder: Path) -> Iterator[Contender]:
+def read_trained(folder: Path) -> Iterator[Contender]:
+    """Yield all trained predictors of a folder, by name.
+
+    Raises:
+        InputError: there is none, or one is broken.
+    """
     paths = sorted(folder.glob(f"*/{DESCRIPTION}"))
     if not paths:
         raise InputError(folder, "has no trained predictor; run `dvc repro train_predictor`")

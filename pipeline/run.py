@@ -2,13 +2,16 @@
 
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from PIL import Image
 
 from pipeline.artifacts import replacing, write_json
 from pipeline.console import refuse
@@ -19,12 +22,13 @@ from pipeline.provenance import Provenance, content_hash, provenance, repository
 from pipeline.tracking import recorded
 
 FIGURE_DPI = 150
+FRAME_SHOWN, LAST_FRAME_SHOWN = 40, 1000  # ms, of an animation before it begins again
 FINGERPRINT_SHOWN = 12  # characters
 
 
 @dataclass(frozen=True)
 class ReportItem:
-    """A figure or table of a stage's report; ``file`` is relative to the report's folder."""
+    """A figure, animation or table of a report; ``file`` is relative to the report's folder."""
 
     kind: str
     file: str
@@ -102,6 +106,21 @@ class StageRun:
             figure.savefig(temporary, dpi=FIGURE_DPI, metadata={"Software": None})
         self.items.append(item)
 
+    def add_animation(
+        self, frames: Sequence[NDArray[np.uint8]], name: str, *, title: str, caption: str
+    ) -> None:
+        """Put pictures (H, W, 3) RGB into the report as ``figures/<name>.png``, which moves.
+
+        It shows 25 of them a second, over and over. An animated PNG keeps every pixel, and what
+        cannot move it shows the first picture.
+        """
+        item = ReportItem("animation", f"figures/{name}.png", title, caption)
+        first, *others = [Image.fromarray(frame) for frame in frames]
+        shown = [*[FRAME_SHOWN] * len(others), LAST_FRAME_SHOWN]
+        with replacing(self.report(item.file)) as temporary:
+            first.save(temporary, save_all=True, append_images=others, duration=shown, loop=0)
+        self.items.append(item)
+
     def add_table(self, table: pd.DataFrame, name: str, *, title: str, caption: str) -> None:
         """Write a table into the report as ``<name>.csv``, six digits a number."""
         item = ReportItem("table", f"{name}.csv", title, caption)
@@ -136,7 +155,7 @@ class StageRun:
 
     def results(self) -> dict[str, Any]:
         """What tracking records at the end."""
-        figures = [self.report(item.file) for item in self.items if item.kind == "figure"]
+        figures = [self.report(item.file) for item in self.items if item.kind != "table"]
         return {
             "metrics": {**self.metrics, "timings": self.timings},
             "inputs": [asdict(item) for item in self.inputs],

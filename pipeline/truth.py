@@ -43,7 +43,7 @@ def true_windows(windows: Windows, recordings: np.ndarray, truth: Truth, path: P
     Raises:
         InputError: the table is missing or broken.
     """
-    contacts = _read_contacts(path, recordings)
+    contacts = read_contacts(path, recordings)
     future = np.full_like(windows.future, np.nan)
     for name, known in contacts.items():
         rows = recordings == name
@@ -54,7 +54,12 @@ def true_windows(windows: Windows, recordings: np.ndarray, truth: Truth, path: P
     return replace(windows, future=np.where(measured, future, 0.0), measured=measured)
 
 
-def _read_contacts(path: Path, recordings: np.ndarray) -> dict[str, TrueContacts]:
+def read_contacts(path: Path, recordings: np.ndarray) -> dict[str, TrueContacts]:
+    """Read the true contacts of some recordings, by name.
+
+    Raises:
+        InputError: the table is missing or broken.
+    """
     parts = [part[part["recording_id"].isin(recordings)] for part in read_row_groups(path)]
     table = checked(pd.concat(parts, ignore_index=True), TRUE_CONTACTS)
     return {

@@ -6,7 +6,16 @@ from pipeline.figures.page import render_page
 from pipeline.figures.shots import read_shots
 from pipeline.run import StageRun, run_stage
 
-STAGES = ("ingest", "segment", "score_segmentation", "train_predictor", "evaluate_predictor")
+STAGES = (
+    "ingest",
+    "segment",
+    "score_segmentation",
+    "train_predictor",
+    "evaluate_predictor",
+    "train_policy",
+    "sim2sim",
+    "sim2real",
+)
 
 
 def report(run: StageRun) -> None:

@@ -4,13 +4,9 @@
 - `first_state`: a simulator flies the ball from its true launch; the whole flight is forecast at
   once, and errors grow along it. The sim-to-sim protocol of the paper.
 - `re_anchored`: a simulator flies the ball from its true state at each tick.
-- `first_window`: a filter takes in the first 12 measurements, and its simulator flies the ball from
-  there; the whole flight is forecast at once.
-- `every_tick`: a predictor sees the last 12 measurements at each tick. What a robot does.
 
-The first three know the ball from its launch on: ticks start at 0. The others must have seen it:
-ticks start at ``FIRST_WINDOW``. All return the ``forecasts`` of an ``Incoming``: (B, T, H, 9)
-states at the T ticks plus the H horizons.
+Ticks start at the launch. All return the ``forecasts`` of an ``Incoming``: (B, T, H, 9) states at
+the T ticks plus the H horizons. Measured balls are forecast from what was measured: `replay.py`.
 """
 
 import numpy as np
@@ -18,15 +14,10 @@ from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
-from models.policy.incoming import FIRST_WINDOW, PATH_STEP, tick_times
-from models.policy.measurements import Measurements, first_sight, sightings
+from models.policy.incoming import PATH_STEP, tick_times
 from models.policy.settings import HorizonsMs
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import FUTURE, TICK, History, Predictor
 
 Floats = NDArray[np.float64]
-
-WINDOWS_AT_ONCE = 2048  # that a predictor is given, for the memory's sake
 
 
 def exact(path: Floats, horizons: HorizonsMs, start: float = 0.0) -> Floats:
@@ -59,29 +50,6 @@ def re_anchored(simulator: Simulator, path: Floats, horizons: HorizonsMs) -> Flo
     return ahead
 
 
-def first_window(simulator: Simulator, measurements: Measurements, horizons: HorizonsMs) -> Floats:
-    """Return the future as ``simulator`` flies the ball on from its filtered first window.
-
-    The filter's motion is the simulator's, too.
-    """
-    soon = PhysicsPredictor(simulator).predict(first_sight(measurements)).states[:, 0]
-    return _flown(simulator, soon, _instants(horizons, FIRST_WINDOW) - FIRST_WINDOW - TICK)
-
-
-def every_tick(predictor: Predictor, measurements: Measurements, horizons: HorizonsMs) -> Floats:
-    """Return the future as ``predictor`` tells it from the last 12 measurements at each tick.
-
-    Once the cameras have lost the ball, its last complete window is asked for horizons that lie
-    that much further ahead; beyond the end of the forecast the ball stays where that ends.
-    """
-    seen = sightings(measurements)
-    forecast = _predicted(predictor, seen.history)
-    ahead = np.rint(np.array(horizons) / (1000 * TICK)).astype(np.int64) - 1
-    state = np.minimum(seen.age[..., None] + ahead, FUTURE - 1)
-    told: Floats = forecast[seen.latest[..., None], state]
-    return told
-
-
 def _instants(horizons: HorizonsMs, start: float) -> Floats:
     """Return the (T, H) instants that are forecast, s from the launch."""
     instants: Floats = tick_times(start)[:, None] + np.array(horizons) / 1000
@@ -92,10 +60,3 @@ def _flown(simulator: Simulator, states: Floats, instants: Floats) -> Floats:
     """Return (B, T, H, 9) states at (T, H) instants, s from the given (B, 9) states."""
     times, places = np.unique(instants.round(9), return_inverse=True)
     return simulator.fly(states, times).states[:, places.reshape(instants.shape)]
-
-
-def _predicted(predictor: Predictor, history: History) -> Floats:
-    """Return the (S, 60, 9) forecasts from S histories."""
-    starts = range(0, len(history), WINDOWS_AT_ONCE)
-    parts = [history[start : start + WINDOWS_AT_ONCE] for start in starts]
-    return np.concatenate([predictor.predict(part).states for part in parts])

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
 from models.predictors.protocol import FUTURE, TICK
@@ -50,6 +50,41 @@ class GoalSettings(BaseModel):
     topspin: Annotated[tuple[_Topspin, _Topspin], _Range] | None
     """Of the ball just after the racket (rad/s), negative is backspin; null where none is asked
     for."""
+
+
+class LearningSettings(BaseModel):
+    """How a policy learns: soft actor-critic (Haarnoja 2018), in legs that it can resume at."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    legs: Annotated[int, Field(ge=1, le=10_000)]
+    """Parts of the training. Each begins with new balls from a checkpoint of the one before."""
+    ticks: Annotated[int, Field(ge=1, le=10_000_000)]
+    """Of a leg: control ticks of all arms together."""
+    arms: Annotated[int, Field(ge=1, le=1024)]
+    """That play at once."""
+    gradient_steps: Annotated[int, Field(ge=1, le=1000)]
+    """After every tick of all arms."""
+    warm_up: Annotated[int, Field(ge=0)]
+    """Ticks of random actions before the first gradient step, all within the first leg."""
+    batch: Annotated[int, Field(ge=1, le=65_536)]
+    """Transitions a gradient step."""
+    width: Annotated[int, Field(ge=4, le=4096)]
+    """Of the two hidden layers of actor and critics."""
+    learning_rate: Annotated[float, Field(gt=0, le=1)]
+    """Of the first leg."""
+    final_learning_rate: Annotated[float, Field(gt=0, le=1)]
+    """Of the last leg; in between it falls by the same factor from leg to leg."""
+    discount: Annotated[float, Field(gt=0, lt=1)]
+    """Of a tick."""
+    entropy: Annotated[float, Field(gt=0, le=10)]
+    """First weight of the entropy, which is then tuned automatically."""
+
+    @model_validator(mode="after")
+    def _warm_up_in_first_leg(self) -> "LearningSettings":
+        if self.warm_up >= self.ticks:
+            raise ValueError(f"a warm-up of {self.warm_up} ticks does not end within {self.ticks}")
+        return self
 
 
 class SensorNoise(BaseModel):

@@ -21,8 +21,8 @@ from models.robot.kinematics import rows_of_joints
 Image = NDArray[np.uint8]
 
 WIDTH, HEIGHT = 480, 320  # pixels
-EYE, TARGET = (2.7, -3.1, 1.30), (0.05, -0.45, 0.0)  # m: from beside and behind the robot
-FIELD_OF_VIEW = 38.0  # degrees, vertical
+EYE, TARGET = (2.9, -3.3, 1.40), (-0.05, -0.5, 0.1)  # m: from beside and behind the robot
+FIELD_OF_VIEW = 40.0  # degrees, vertical
 _BALL_SCALE = 1.75  # the ball is drawn larger than it is, or it would be three pixels wide
 _OVERSAMPLING = 2  # pixels drawn to one shown, each way: thin lines stay whole
 _LINE = 0.020  # m: ITTF Law 2.1.5; the centre line is drawn a quarter as wide

@@ -1,12 +1,14 @@
-"""What a stage's report holds: its contents.json, and figures and tables as the page shows them."""
+"""What a stage's report holds: its contents.json, and its items as the page shows them."""
 
 import base64
+import io
 import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 import pandas as pd
+from PIL import Image
 from pydantic import BaseModel, ConfigDict
 
 from pipeline.artifacts import read_as
@@ -16,11 +18,11 @@ SHOWN_DIGITS = 4  # of the largest number of a column; the file has them all
 
 
 class Item(BaseModel):
-    """A figure (png) or table (csv); ``file`` is relative to the stage's report folder."""
+    """A figure or animation (png) or table (csv); ``file`` is relative to the report's folder."""
 
     model_config = ConfigDict(extra="forbid")
 
-    kind: Literal["figure", "table"]
+    kind: Literal["figure", "animation", "table"]
     file: str
     title: str
     caption: str
@@ -67,7 +69,22 @@ def read_figure(path: Path) -> str:
     content = _read(path)
     if not content.startswith(b"\x89PNG\r\n\x1a\n"):
         raise InputError(path, "is not a PNG; run its stage again")
-    return f"data:image/png;base64,{base64.b64encode(content).decode()}"
+    return _data_uri(content)
+
+
+def read_first_frame(path: Path) -> str:
+    """Return the first picture of an animated PNG file as a data URI.
+
+    Raises:
+        InputError: if the file is missing or is no PNG.
+    """
+    still = io.BytesIO()
+    try:
+        with Image.open(io.BytesIO(_read(path)), formats=["PNG"]) as animation:
+            animation.save(still, "PNG")
+    except (OSError, SyntaxError):
+        raise InputError(path, "is not a PNG; run its stage again") from None
+    return _data_uri(still.getvalue())
 
 
 def read_columns(path: Path) -> list[Column]:
@@ -87,6 +104,10 @@ def read_columns(path: Path) -> list[Column]:
         Column(str(name), str(values.dtype) in ("Int64", "Float64"), _cells(values))
         for name, values in table.items()
     ]
+
+
+def _data_uri(png: bytes) -> str:
+    return f"data:image/png;base64,{base64.b64encode(png).decode()}"
 
 
 def _read(path: Path) -> bytes:

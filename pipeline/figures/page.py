@@ -7,7 +7,13 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from models.ball import state
-from pipeline.figures.contents import Contents, Item, read_columns, read_figure
+from pipeline.figures.contents import (
+    Contents,
+    Item,
+    read_columns,
+    read_figure,
+    read_first_frame,
+)
 from pipeline.figures.shots import Shot
 from pipeline.figures.style import predictor_colour
 
@@ -50,10 +56,11 @@ def _shown_stage(reports: Path, contents: Contents) -> dict[str, Any]:
 
 def _shown_item(folder: Path, item: Item) -> dict[str, Any]:
     path = folder / item.file
-    if item.kind == "figure":
-        return {**item.model_dump(), "source": read_figure(path)}
-    columns = read_columns(path)
-    return {**item.model_dump(), "columns": columns, "rows": range(len(columns[0].cells))}
+    if item.kind == "table":
+        columns = read_columns(path)
+        return {**item.model_dump(), "columns": columns, "rows": range(len(columns[0].cells))}
+    shown = {**item.model_dump(), "source": read_figure(path)}
+    return shown if item.kind == "figure" else {**shown, "still": read_first_frame(path)}
 
 
 def _viewer(shots: Sequence[Shot]) -> dict[str, Any]:

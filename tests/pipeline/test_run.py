@@ -9,9 +9,11 @@ import sys
 from contextlib import nullcontext
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.figure import Figure
+from PIL import Image, ImageSequence
 
 from pipeline import run as run_module
 from pipeline.artifacts import write_table
@@ -29,6 +31,8 @@ stages:
     params: [seed, segment]
     outs: [artifacts/segment]
 """
+
+FRAMES = np.random.default_rng(0).integers(256, size=(4, 30, 40, 3), dtype=np.uint8)
 
 
 @pytest.fixture
@@ -50,6 +54,7 @@ def segment(run: StageRun) -> None:
     figure = Figure()
     figure.subplots().plot(table["value"])
     run.add_figure(figure, "values", title="Values", caption="Of everything.")
+    run.add_animation(FRAMES, "noise", title="Noise", caption="In motion.")
     run.add_table(table, "values", title="Values", caption="In numbers.")
     run.write_metrics({"a": {"mean": 1 / 3}})
 
@@ -72,8 +77,30 @@ def test_a_run_leaves_artefacts_a_report_and_its_contents(repository):
     assert Path("reports/segment/values.csv").read_text() == "name,value\na,0.333333\nb,2\n"
     assert json.loads(Path("reports/segment/metrics.json").read_text()) == {"a": {"mean": 1 / 3}}
     contents = json.loads(Path("reports/segment/contents.json").read_text())
-    assert [item["file"] for item in contents["items"]] == ["figures/values.png", "values.csv"]
+    shown = [(item["kind"], item["file"]) for item in contents["items"]]
+    assert shown == [
+        ("figure", "figures/values.png"),
+        ("animation", "figures/noise.png"),
+        ("table", "values.csv"),
+    ]
     assert contents["command"] == "python -m stages.segment"
+
+
+def test_an_animation_has_every_pixel_and_rests_on_its_last_frame(repository):
+    run_stage(segment)
+    with Image.open("reports/segment/figures/noise.png") as animation:
+        frames = ImageSequence.Iterator(animation)
+        seen = [(np.asarray(frame), frame.info["duration"]) for frame in frames]
+        assert animation.info["loop"] == 0  # without end
+    np.testing.assert_array_equal([pixels for pixels, _ in seen], FRAMES)
+    assert [duration for _, duration in seen] == [40, 40, 40, 1000]
+
+
+def test_tracking_gets_figures_and_animations(repository):
+    run = StageRun("segment", repository, load_params(Path("params.yaml")))
+    segment(run)
+    names = [Path(path).name for path in run.results()["figures"]]
+    assert names == ["values.png", "noise.png"]
 
 
 def test_the_same_inputs_give_the_same_bytes(repository):

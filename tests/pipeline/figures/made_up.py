@@ -10,6 +10,7 @@ from pipeline.figures.contents import read_contents
 from pipeline.figures.forecast_error import forecast_error_figure
 from pipeline.figures.page import render_page
 from pipeline.figures.shots import Forecast, Shot, read_shots, write_shots
+from pipeline.run import StageRun
 
 HORIZONS = range(100, 301, 5)
 WINDOWS = {"all": (1.0, 412), "with": (1.5, 168), "without": (0.6, 244)}
@@ -58,6 +59,14 @@ def made_up_shots(names=("spindoe/000/00", "spindoe/001/00")) -> list[Shot]:
     ]
 
 
+def moving_dot() -> list[np.ndarray]:
+    """Pictures (40, 60, 3) of a white square that crosses them."""
+    frames = np.zeros((5, 40, 60, 3), dtype=np.uint8)
+    for step, frame in enumerate(frames):
+        frame[15:25, 10 * step : 10 * step + 10] = 255
+    return list(frames)
+
+
 def write_stage(root: Path, stage: str, items: list[dict[str, str]]) -> None:
     """Write a stage's contents.json."""
     command = f"python -m stages.{stage}"
@@ -76,6 +85,8 @@ def make_reports(root: Path, title: str = "Contacts", shot: str = "spindoe/000/0
     contacts.to_csv(reports / "segment" / "contacts.csv", index=False)
     figure = forecast_error_figure(forecast_errors(["position"], ["all"]))
     figure.savefig(reports / "evaluate_predictor" / "figures" / "spindoe.png")
+    run = StageRun("evaluate_predictor", root, params=None)
+    run.add_animation(moving_dot(), "ball", title="Ball", caption="")
     _write_all_contents(root, title)
     write_shots(
         root / "artifacts" / "evaluate_predictor" / "shots.json",
@@ -106,6 +117,8 @@ def _write_all_contents(root: Path, title: str) -> None:
     }
     write_stage(root, "ingest", [{"kind": "table", **sources}])
     write_stage(root, "segment", [{"kind": "table", **contacts}])
-    for stage in ("score_segmentation", "train_predictor"):
+    for stage in ("score_segmentation", "train_predictor", "train_policy", "sim2sim", "sim2real"):
         write_stage(root, stage, [])
-    write_stage(root, "evaluate_predictor", [{"kind": "figure", **errors}])
+    ball = {"file": "figures/ball.png", "title": "Ball", "caption": "A square crosses the picture."}
+    items = [{"kind": "figure", **errors}, {"kind": "animation", **ball}]
+    write_stage(root, "evaluate_predictor", items)

@@ -1,10 +1,21 @@
 """What a stage reports, read for the page."""
 
+import base64
+import io
+
+import numpy as np
 import pytest
+from PIL import Image
 
 from pipeline.errors import InputError
-from pipeline.figures.contents import read_columns, read_contents, read_figure
-from tests.pipeline.figures.made_up import write_stage
+from pipeline.figures.contents import (
+    read_columns,
+    read_contents,
+    read_figure,
+    read_first_frame,
+)
+from pipeline.run import StageRun
+from tests.pipeline.figures.made_up import moving_dot, write_stage
 
 
 def cells(path, text):
@@ -40,7 +51,7 @@ def test_broken_contents_name_the_field(tmp_path):
     items = [{"kind": "film", "file": "a.mp4", "title": "A", "caption": "B"}]
     write_stage(tmp_path, "segment", items)
 
-    with pytest.raises(InputError, match=r"items\.0\.kind: Input should be 'figure' or 'table'"):
+    with pytest.raises(InputError, match=r"items\.0\.kind: .*'figure', 'animation' or 'table'"):
         read_contents(tmp_path / "reports", "segment")
 
 
@@ -56,3 +67,21 @@ def test_figure_that_is_no_png_is_refused(tmp_path):
 
     with pytest.raises(InputError, match="is not a PNG"):
         read_figure(tmp_path / "a.png")
+
+
+def test_first_frame_of_an_animation_stands_still(tmp_path):
+    StageRun("segment", tmp_path, None).add_animation(moving_dot(), "ball", title="", caption="")
+
+    shown = read_first_frame(tmp_path / "reports/segment/figures/ball.png")
+
+    still = Image.open(io.BytesIO(base64.b64decode(shown.partition("base64,")[2])))
+    assert not still.is_animated
+    np.testing.assert_array_equal(np.asarray(still), moving_dot()[0])
+
+
+@pytest.mark.parametrize("content", [b"<svg/>", b"\x89PNG\r\n\x1a\n"])
+def test_animation_that_is_no_png_is_refused(tmp_path, content):
+    (tmp_path / "a.png").write_bytes(content)
+
+    with pytest.raises(InputError, match="is not a PNG"):
+        read_first_frame(tmp_path / "a.png")

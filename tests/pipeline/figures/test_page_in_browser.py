@@ -80,7 +80,7 @@ def test_no_console_message_and_no_request_leaves_the_page(browser, page_file, s
 def test_every_image_decodes(page):
     widths = page.execute_script("return [...document.images].map((image) => image.naturalWidth)")
 
-    assert widths == [1280]
+    assert widths == [1280, 60, 60]
 
 
 @pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
@@ -109,6 +109,25 @@ def test_dark_theme_is_dark(browser, page_file):
         backgrounds[theme] = browser.execute_script(script)
 
     assert backgrounds == {"light": "rgb(251, 251, 250)", "dark": "rgb(21, 25, 29)"}
+
+
+def test_animation_moves_until_it_is_stopped(page):
+    moving, still, box = page.find_elements("css selector", ".animation img, .animation input")
+    before = moving.screenshot_as_png
+    WebDriverWait(page, 10).until(lambda _: moving.screenshot_as_png != before)
+
+    box.click()
+
+    assert still.is_displayed() and not moving.is_displayed()
+
+
+def test_animation_stands_still_for_whoever_wants_less_motion(page):
+    setting = {"name": "prefers-reduced-motion", "value": "reduce"}
+    page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [setting]})
+    moving, still, box = page.find_elements("css selector", ".animation img, .animation input")
+
+    assert still.is_displayed() and not moving.is_displayed()
+    assert not box.is_displayed()
 
 
 def test_view_draws_table_and_every_forecast(page):

@@ -1,0 +1,64 @@
+"""Policy: a trained actor, which plays without the library that trained it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.policy.observation import Observations
+
+Singles = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Policy:
+    """The mean of an actor's actions: layers of weights with rectifiers between them.
+
+    Attributes:
+        layers: (out, in) weights and (out,) biases, from the observation to the action.
+    """
+
+    layers: tuple[tuple[Singles, Singles], ...]
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, Singles]) -> "Policy":
+        """Build a policy from what ``to_arrays`` returned.
+
+        Raises:
+            ValueError: the arrays are not those of a policy.
+        """
+        count = len(arrays) // 2
+        wanted = {f"{part}.{k}" for k in range(count) for part in ("weight", "bias")}
+        if not count or wanted != set(arrays):
+            raise ValueError(f"no policy has the arrays {', '.join(sorted(arrays))}")
+        layers = tuple((arrays[f"weight.{k}"], arrays[f"bias.{k}"]) for k in range(count))
+        inputs = layers[0][0].shape[-1:]
+        for k, (weight, bias) in enumerate(layers):
+            if bias.ndim != 1 or weight.shape != bias.shape + inputs:
+                raise ValueError(f"weight.{k} does not fit the arrays before and after it")
+            inputs = bias.shape
+        return cls(layers)
+
+    def to_arrays(self) -> dict[str, Singles]:
+        """Return the weights by name."""
+        named = {f"weight.{k}": weight for k, (weight, _) in enumerate(self.layers)}
+        return named | {f"bias.{k}": bias for k, (_, bias) in enumerate(self.layers)}
+
+    def act(self, observations: Observations) -> Singles:
+        """Return (B, 5) actions in [-1, 1] for (B, O) observations."""
+        rows = observations
+        for layer in self.layers[:-1]:
+            rows = np.maximum(_mapped(rows, *layer), 0.0)
+        actions: Singles = np.tanh(_mapped(rows, *self.layers[-1]))
+        return actions
+
+
+def _mapped(rows: Singles, weight: Singles, bias: Singles) -> Singles:
+    """Return (B, out) images of (B, in) rows.
+
+    ``@`` would add up in an order that depends on the number of cores, which decides the last bit,
+    and its threads would wait for one another, beside other work a hundred times longer.
+    """
+    images: Singles = np.einsum("bi,oi->bo", rows, weight) + bias
+    return images

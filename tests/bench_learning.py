@@ -1,0 +1,101 @@
+"""Time to 90 % returns beside Stable-Baselines3 as it comes (`make bench-learning`).
+
+Task, seed and budget of control ticks are the same, and so are the balls on which both are watched:
+neither learns on them. Looking costs nothing: the seconds are those of learning alone, of one core.
+Who is not there by the end of the budget is reported with what it reached.
+"""
+
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from models.policy.learning import learn_leg, trained_policy
+from models.policy.policy import Policy
+from models.policy.streams import watched_balls
+from models.policy.trial import play
+from pipeline.costs import one_core
+from tests.bench_policy import LEARNING, SEED, TASK, learner_as_it_comes
+
+GOAL = 0.90  # of the balls returned
+BALLS = 500  # watched; by their luck a rate of 90 % is off by 1.3 % (standard deviation)
+BUDGET = LEARNING.legs * LEARNING.ticks
+
+
+@dataclass(frozen=True)
+class Mark:
+    """How far somebody has come: ticks and seconds of learning, share of balls returned."""
+
+    ticks: int
+    seconds: float
+    returned: float
+
+
+def ours(folder: Path) -> Iterator[Policy]:
+    """Yield the policy after every leg; what legs cost on disk is part of it."""
+    before = None
+    for leg in range(LEARNING.legs):
+        after = folder / str(leg)
+        after.mkdir()
+        yield learn_leg(TASK, LEARNING, SEED, leg, before, after)
+        before = after
+
+
+def theirs() -> Iterator[Policy]:
+    """Yield the policy as often."""
+    learner = learner_as_it_comes()
+    for _ in range(LEARNING.legs):
+        learner.learn(LEARNING.ticks, reset_num_timesteps=False)
+        yield trained_policy(learner)
+
+
+def marks(policies: Iterator[Policy]) -> Iterator[Mark]:
+    """Yield how far somebody has come, until the goal is reached or the budget spent."""
+    ticks, seconds, returned = 0, 0.0, 0.0
+    while ticks < BUDGET and returned < GOAL:
+        start = time.process_time()
+        policy = next(policies)
+        seconds += time.process_time() - start
+        ticks, returned = ticks + LEARNING.ticks, return_rate(policy)
+        yield Mark(ticks, seconds, returned)
+
+
+def return_rate(policy: Policy) -> float:
+    balls, goals = TASK.practice(BALLS, watched_balls(SEED))
+    return float(play(policy, TASK.simulator, balls, goals, TASK.observation)["returned"].mean())
+
+
+def last(name: str, policies: Iterator[Policy], console: Console) -> Mark:
+    """Print every mark; return the last."""
+    for mark in marks(policies):
+        console.print(f"{name}: {mark.ticks:,} ticks, {mark.seconds:,.0f} s, {mark.returned:.1%}")
+    return mark
+
+
+def result(our: Mark, their: Mark) -> Table:
+    """Return both last marks side by side; a ratio to somebody who never got there is a bound."""
+    table = Table(f"to {GOAL:.0%} returns, one core", "rallygap", "SB3 as it comes", "rallygap is")
+    bound = "" if their.returned >= GOAL else "more than "
+    for name in ("ticks", "seconds"):
+        taken, theirs_taken = getattr(our, name), getattr(their, name)
+        ratio = f"{bound}{theirs_taken / taken:.1f} x" if our.returned >= GOAL else "not there"
+        table.add_row(name, f"{taken:,.0f}", f"{theirs_taken:,.0f}", ratio)
+    table.add_row("returned by then", f"{our.returned:.1%}", f"{their.returned:.1%}", "")
+    return table
+
+
+def main() -> None:
+    """Print both courses, then the table."""
+    console = Console()
+    with one_core(), tempfile.TemporaryDirectory() as folder:
+        our = last("rallygap", ours(Path(folder)), console)
+        their = last("SB3 as it comes", theirs(), console)
+    console.print(result(our, their))
+
+
+if __name__ == "__main__":
+    main()

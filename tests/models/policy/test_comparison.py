@@ -1,0 +1,73 @@
+"""Comparison: pairs of the same balls, resampled ball by ball; forecasts measured as they fly."""
+
+import numpy as np
+import pytest
+
+from models.policy.comparison import compare, forecast_error
+from models.policy.forecasts import exact
+from models.policy.incoming import Incoming, tick_times
+from tests.models.policy.incoming_balls import HORIZONS, struck
+
+RESAMPLES = 4000
+
+
+def outcomes(share, policies=1, balls=400, seed=0):
+    return np.random.default_rng(seed).random((policies, balls)) < share
+
+
+def test_shares_difference_and_discordant_balls_by_hand():
+    one = np.array([[1, 1, 1, 0], [1, 1, 0, 0]], dtype=bool)
+    other = np.array([[1, 0, 0, 1], [1, 0, 1, 0]], dtype=bool)
+
+    compared = compare(one, other, RESAMPLES, 0)
+
+    assert compared.one.mean == 5 / 8 and compared.other.mean == 4 / 8
+    assert compared.difference.mean == pytest.approx(1 / 8)
+    assert (compared.gained, compared.lost) == (1, 1)  # the third ball counts once each way
+
+
+def test_what_is_the_same_differs_by_exactly_nothing():
+    same = outcomes(0.9, policies=2)
+
+    compared = compare(same, same, RESAMPLES, 0)
+
+    assert vars(compared.difference) == {"mean": 0.0, "low": 0.0, "high": 0.0}
+    assert compared.one == compared.other
+    assert compared.gained == compared.lost == 0
+
+
+def test_the_interval_is_that_of_paired_balls():
+    one, other = outcomes(0.8, balls=900), outcomes(0.7, balls=900, seed=1)
+    other[:, 450:] = one[:, 450:]  # half of the balls end alike
+
+    found = compare(one, other, RESAMPLES, 0).difference
+
+    margin = 1.96 * np.std(one.astype(float) - other) / np.sqrt(900)
+    assert found.high - found.mean == pytest.approx(margin, rel=0.1)
+    assert found.mean - found.low == pytest.approx(margin, rel=0.1)
+
+
+def test_a_second_policy_that_does_the_same_makes_nothing_surer():
+    one, other = outcomes(0.8), outcomes(0.7, seed=1)
+
+    single = compare(one, other, RESAMPLES, 0)
+
+    assert compare(np.tile(one, (2, 1)), np.tile(other, (2, 1)), RESAMPLES, 0) == single
+
+
+def test_without_resamples_an_interval_is_its_mean():
+    found = compare(outcomes(0.8), outcomes(0.7, seed=1), 0, 0).difference
+
+    assert found.low == found.mean == found.high > 0
+
+
+def test_forecasts_count_until_the_ball_is_gone():
+    _, path, playable = struck()
+    forecasts = exact(path, HORIZONS)
+    forecasts[..., 1, 0] += 0.03
+    forecasts[..., [0, 2], 0] += 0.5  # other horizons
+    forecasts[tick_times(0.0) >= playable[:, 1:]] += 7.0
+
+    told = Incoming(path, playable, 0.0, forecasts)
+
+    assert forecast_error(told, HORIZONS) == pytest.approx(0.03)

@@ -1,0 +1,44 @@
+"""Scores of balls whose ends were made up."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from models.policy.scores import fitted_line, scores
+
+PLAYED = pd.DataFrame(
+    {
+        "hit": [True, True, True, False, True],
+        "returned": [True, True, False, False, True],
+        "distance": [0.1, 0.2, 5.0, np.nan, 0.6],
+        "speed": [4.0, 4.5, 20.0, np.nan, 5.0],
+        "topspin": [-7.0, 3.0, 900.0, np.nan, -7.0],
+        "goal_speed": [4.0, 5.0, 9.0, 9.0, 6.0],
+    }
+)
+
+
+def test_rates_are_of_all_balls_and_all_else_of_the_returns():
+    expected = {"return_rate": 0.6, "hit_rate": 0.8, "landing_error_m": 0.3, "speed_slope": 0.5}
+
+    assert scores(PLAYED) == pytest.approx(expected)
+
+
+def test_what_was_not_asked_for_has_no_slope():
+    assert "topspin_slope" not in scores(PLAYED)
+    assert "topspin_slope" in scores(PLAYED.assign(goal_topspin=1.0))
+
+
+def test_what_cannot_be_told_is_no_number():
+    nothing = scores(PLAYED.assign(returned=False))
+
+    assert nothing["return_rate"] == 0
+    assert np.isnan([nothing["landing_error_m"], nothing["speed_slope"]]).all()
+    assert np.isnan(scores(PLAYED.assign(goal_speed=4.0))["speed_slope"])
+
+
+def test_the_line_is_that_of_the_least_squares():
+    asked = np.array([1.0, 2.0, 3.0, 4.0])
+    off = np.array([0.1, -0.1, -0.1, 0.1])  # sums to zero, also weighted by what was asked
+
+    assert fitted_line(asked, 3.0 - 0.5 * asked + off) == pytest.approx((-0.5, 3.0))

@@ -1,0 +1,142 @@
+"""The stage on policies that chase the forecast ball: the better it is told, the more they hit."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from models.policy.court import ACTIONS
+from models.policy.observation import observation_size
+from models.policy.policy import Policy
+from pipeline.artifacts import read_table
+from pipeline.errors import InputError
+from pipeline.policies import save_policy
+from pipeline.run import StageRun
+from stages.sim2real import sim2real
+from tests.pipeline.measured_shots import params
+from tests.pipeline.replayed import LAUNCH, SETTINGS, SOURCE, launched, replayed, write_replays
+from tests.pipeline.trained_policies import description
+
+PHYSICS, ORACLE = ("physics", "every_tick"), ("oracle", "every_tick")
+
+
+def chaser():
+    """A policy that moves the racket to where the forecast ball would cross its plane."""
+    weights = np.zeros((ACTIONS, observation_size(3, 2, "intercept")), dtype=np.float32)
+    weights[0, -5] = weights[2, -4] = 6.0  # across, up
+    return Policy(((weights, np.zeros(ACTIONS, dtype=np.float32)),))
+
+
+def transferred(root, repeats=(0, 1), horizons=((115, 120, 125),), **changes):
+    """The run and its metrics, on few shots."""
+    shots = [replayed("arena/pro", number) for number in (4, 5)]
+    states = LAUNCH + 0.02 * np.random.default_rng(0).normal(size=(SETTINGS.launches, 9))
+    write_replays(root, shots, sources=("arena", "plain"), launches=launched(*states))
+    for repeat in repeats:
+        for ahead in horizons:
+            trained = description(repeat=repeat, horizons=ahead)
+            save_policy(root / "artifacts" / "train_policy" / trained.name, chaser(), trained)
+    run = StageRun("sim2real", root, params(sim2real=SETTINGS.model_copy(update=changes)))
+    sim2real(run)
+    return run, json.loads(run.report("metrics.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """One run; not to be changed."""
+    return transferred(tmp_path_factory.mktemp("whole"))
+
+
+def table(run, name, *keys):
+    return pd.read_csv(run.report(f"{name}.csv")).set_index(list(keys))
+
+
+def test_metrics_name_set_horizons_predictor_and_protocol(whole):
+    _, metrics = whole
+    assert set(metrics) == {"stroke_pro", "plain", SOURCE}
+    assert set(metrics["stroke_pro"]) == {"115-125"}
+    assert set(metrics["stroke_pro"]["115-125"]) == {"physics", "tiny", "oracle"}
+    assert set(metrics["plain"]["115-125"]) == {"physics", "tiny"}
+    physics = metrics["plain"]["115-125"]["physics"]
+    assert set(physics) == {"first_window", "every_tick"}
+    gained = {"gained_hits", "gained_returns"}
+    assert set(physics["first_window"]) - set(physics["every_tick"]) == gained
+
+
+def test_the_physics_that_flew_the_balls_forecasts_them_best(whole):
+    errors = table(whole[0], "rates", "set", "predictor", "protocol")["forecast_error_cm"]
+    for name in ("stroke_pro", SOURCE):
+        assert errors[name, *ORACLE] < errors[name, *PHYSICS] < errors[name, "tiny", "every_tick"]
+        assert errors[name, *PHYSICS] < errors[name, "physics", "first_window"]
+
+
+def test_who_is_told_well_hits_more(whole):
+    rates = table(whole[0], "rates", "set", "predictor", "protocol")
+    hits = rates.loc[SOURCE]["hits"]
+    assert hits[ORACLE] > hits["tiny", "every_tick"]
+    assert (rates["balls"].loc[SOURCE] == SETTINGS.launches).all()
+
+
+def test_differences_are_between_the_rates_on_the_same_shots(whole):
+    run, metrics = whole
+    rows = table(run, "difference", "set", "predictor", "protocol", "outcome")
+    for name, sets in metrics.items():
+        found = sets["115-125"]
+        gain = rows["difference"][name, "tiny", "every_tick", "hits"]
+        rates = [found[one]["every_tick"]["hit_rate"] for one in ("tiny", "physics")]
+        assert gain == pytest.approx(rates[0] - rates[1], abs=1e-5)
+        assert found["tiny"]["every_tick"]["gained_hits"]["difference"] == pytest.approx(gain)
+
+
+def test_every_trial_of_every_policy_is_kept(whole):
+    run, _ = whole
+    played = read_table(run.artifact("played.parquet"))
+    shots = {"stroke_pro": 2 * 4, "plain": 3 * 3, SOURCE: SETTINGS.launches * 4}
+    assert played.groupby("set").size().to_dict() == {name: 2 * n for name, n in shots.items()}
+    assert set(played["repeat"]) == {0, 1}
+    same = played.groupby(["set", "predictor", "protocol", "ball"])["hit"].nunique()
+    assert (same == 1).all()  # the policies are alike
+
+
+def test_ours_and_the_paper_s_counts_stand_side_by_side(whole):
+    rows = table(whole[0], "transfer", "set", "learned_predictor")
+    assert list(rows.index) == [
+        ("stroke_pro", "tiny"), ("stroke_pro", "the paper's"), ("plain", "tiny"), (SOURCE, "tiny")
+    ]  # fmt: skip
+    assert rows["115-125 ms: learned returns"]["stroke_pro", "the paper's"] == 117
+
+
+def test_sets_tell_what_was_done_to_their_shots(whole):
+    rows = table(whole[0], "replayed", "set")
+    assert rows["replayed"].to_dict() == {"stroke_pro": 2, "plain": 3, SOURCE: SETTINGS.launches}
+    assert rows["spin"]["plain"] == "none" and rows["flown_on_by"]["plain"] == "the literature"
+
+
+def test_a_forecast_that_is_far_off_costs_hits(whole):
+    hits = table(whole[0], "tolerance", "error", "size_cm")["hits"]
+    assert hits["bias", 0.0] == hits["noise", 0.0] > 0
+    assert hits["bias", 40.0] < hits["bias", 0.0]
+    assert len(hits) == 5
+
+
+def test_a_policy_meets_the_same_shots_whoever_else_plays(whole, tmp_path):
+    _, metrics = transferred(tmp_path, (0, 1), ((115, 120, 125), (170, 175, 180)))
+    for name, sets in whole[1].items():
+        assert metrics[name]["115-125"] == sets["115-125"]
+        assert set(metrics[name]) == {"115-125", "170-180"}
+
+
+def test_the_same_inputs_give_the_same_bytes(tmp_path, whole):
+    transferred(tmp_path)
+    once = whole[0].root
+    written = [path for path in once.rglob("*sim2real*/**/*") if path.is_file()]
+    assert {path.suffix for path in written} == {".json", ".csv", ".png", ".parquet"}
+    for path in written:
+        assert path.read_bytes() == (tmp_path / path.relative_to(once)).read_bytes()
+
+
+def test_without_a_policy_from_the_simulator_there_is_one_error_and_no_metrics(tmp_path):
+    with pytest.raises(InputError, match="no policy of small that was trained in imperfect_a"):
+        transferred(tmp_path, simulator="imperfect_a")
+    assert not (tmp_path / "reports").exists()

@@ -1,0 +1,145 @@
+"""The stage on policies that chase the forecast ball: the better it is told, the more they hit."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from models.ball.simulators import shipped
+from models.policy.court import ACTIONS
+from models.policy.observation import observation_size
+from models.policy.policy import Policy
+from pipeline.errors import InputError
+from pipeline.policies import TrainedPolicy, save_policy
+from pipeline.run import StageRun
+from stages.sim2sim import sim2sim
+from tests.pipeline.measured_shots import params
+
+HORIZONS = (115, 120, 125)
+POLICIES = [("imperfect_c", 0), ("imperfect_c", 1), ("ground_truth", 0)]
+
+
+def chaser(haste):
+    """A policy that moves the racket to where the forecast ball would cross its plane."""
+    weights = np.zeros((ACTIONS, observation_size(3, 2, "intercept")), dtype=np.float32)
+    weights[0, -5] = weights[2, -4] = haste  # across, up
+    return Policy(((weights, np.zeros(ACTIONS, dtype=np.float32)),))
+
+
+def save_chaser(root, simulator, repeat, horizons=HORIZONS):
+    group = params().train_policy.groups["sim2sim"]
+    trained = TrainedPolicy(
+        group="sim2sim",
+        simulator=simulator,
+        effects=shipped(simulator).to_dict(),
+        horizons=horizons,
+        observation="intercept",
+        goals=group.goals,
+        learning=group.learning,
+        seed=repeat,
+        repeat=repeat,
+    )
+    save_policy(root / "artifacts/train_policy" / trained.name, chaser(6.0 - 3 * repeat), trained)
+
+
+def judged(root, **changes):
+    """The run and its metrics, on few balls."""
+    few = {"episodes": 24, "bootstrap_resamples": 200, **changes}
+    settings = params().sim2sim.model_copy(update=few)
+    run = StageRun("sim2sim", root, params(sim2sim=settings))
+    sim2sim(run)
+    return run, json.loads(run.report("metrics.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """One run with all policies; not to be changed."""
+    root = tmp_path_factory.mktemp("whole")
+    for simulator, repeat in POLICIES:
+        save_chaser(root, simulator, repeat)
+    return judged(root)
+
+
+def table(run, name, simulator):
+    rows = pd.read_csv(run.report(f"{name}.csv"))
+    return rows[rows["simulator"] == simulator].set_index("protocol")
+
+
+def test_metrics_name_protocol_simulator_horizons_and_predictor(whole):
+    _, metrics = whole
+    assert set(metrics) == {"first_state", "re_anchored"}
+    assert set(metrics["first_state"]) == {"imperfect_c", "ground_truth"}
+    place = metrics["first_state"]["imperfect_c"]
+    assert set(place) == {"115-125"}
+    assert set(place["115-125"]) == {"ground_truth", "imperfect", "difference"}
+    assert set(place["115-125"]["difference"]) == {"mean", "low", "high"}
+    assert set(place["115-125"]["imperfect"]) == {"return_rate", "hit_rate"}
+    assert set(place["115-125"]["imperfect"]["return_rate"]) == {"mean", "std", "per_seed"}
+
+
+def test_identical_simulators_differ_by_exactly_nothing(whole):
+    run, metrics = whole
+    for protocol in metrics.values():
+        place = protocol["ground_truth"]["115-125"]
+        assert place["ground_truth"] == place["imperfect"]
+        assert place["ground_truth"]["return_rate"]["mean"] > 0
+        assert place["difference"] == {"mean": 0.0, "low": 0.0, "high": 0.0}
+    rows = table(run, "difference", "ground_truth")
+    assert (rows[["gained", "lost"]] == 0).all(axis=None)
+
+
+def test_the_truth_is_told_without_error_and_hit_more_often(whole):
+    run, metrics = whole
+    rows = table(run, "return_rate", "imperfect_c").set_index("predictor", append=True)
+    error, hits = rows["forecast_error_m"], rows["hit_rate"]
+    for protocol in metrics:
+        assert error[protocol, "ground_truth"] < 1e-5
+    assert error["first_state", "imperfect"] > 10 * error["re_anchored", "imperfect"] > 0.03
+    assert hits["first_state", "ground_truth"] > hits["first_state", "imperfect"] + 0.1
+    assert abs(hits["first_state", "ground_truth"] - hits["re_anchored", "ground_truth"]) < 0.05
+
+
+def test_policies_of_one_setting_are_taken_together(whole):
+    _, metrics = whole
+    place = metrics["first_state"]["imperfect_c"]["115-125"]
+    for predictor in ("ground_truth", "imperfect"):
+        rate = place[predictor]["return_rate"]
+        assert len(rate["per_seed"]) == 2
+        assert rate["mean"] == pytest.approx(np.mean(rate["per_seed"]), rel=1e-5)
+        assert rate["std"] == pytest.approx(np.std(rate["per_seed"]), abs=1e-6)
+    means = [place[name]["return_rate"]["mean"] for name in ("ground_truth", "imperfect")]
+    assert place["difference"]["mean"] == pytest.approx(means[0] - means[1], abs=1e-5)
+
+
+def test_a_policy_meets_the_same_balls_whoever_else_plays(whole, tmp_path):
+    save_chaser(tmp_path, "ground_truth", 0)
+    save_chaser(tmp_path, "ground_truth", 0, horizons=(170, 175, 180))
+    _, metrics = judged(tmp_path, protocols=["re_anchored"])
+    places = metrics["re_anchored"]["ground_truth"]
+    assert set(places) == {"115-125", "170-180"}
+    assert places["115-125"] == whole[1]["re_anchored"]["ground_truth"]["115-125"]
+
+
+def test_the_same_inputs_give_the_same_bytes(tmp_path):
+    for name in ("once", "again"):
+        save_chaser(tmp_path / name, "imperfect_c", 0)
+        judged(tmp_path / name, episodes=6)
+    written = sorted((tmp_path / "once" / "reports").rglob("*.*"))
+    assert {path.suffix for path in written} == {".json", ".csv", ".png"}
+    for path in written:
+        again = tmp_path / "again" / path.relative_to(tmp_path / "once")
+        assert path.read_bytes() == again.read_bytes()
+
+
+def test_without_policies_of_the_group_there_is_one_error_and_no_metrics(tmp_path):
+    save_chaser(tmp_path, "imperfect_c", 0)
+    with pytest.raises(InputError, match="no policy of the group other"):
+        judged(tmp_path, group="other")
+    assert not (tmp_path / "reports").exists()
+
+
+def test_an_unknown_ground_truth_is_one_error(tmp_path):
+    save_chaser(tmp_path, "imperfect_c", 0)
+    with pytest.raises(InputError, match="no simulator 'perfect' is shipped"):
+        judged(tmp_path, ground_truth="perfect")

@@ -1,0 +1,168 @@
+"""Training as a stage: policies of every group, the same ones every time, or one error."""
+
+from itertools import count
+from types import SimpleNamespace
+
+import pandas as pd
+import pytest
+
+from models.policy import learning
+from models.policy.scores import scores
+from models.policy.streams import unseen_balls
+from models.policy.trial import play
+from pipeline import policy_training
+from pipeline.artifacts import read_json
+from pipeline.errors import InputError
+from pipeline.params import PolicyGroupSettings, TrainPolicySettings
+from pipeline.policies import load_policy
+from pipeline.run import StageRun
+from stages.train_policy import train_policy
+from tests.models.policy.schooling import BRIEF, GOALS
+
+TRIALS = 12
+GROUP = PolicyGroupSettings(
+    simulators=["imperfect_c", "imperfect_a"],
+    horizons_ms=[(115, 120, 125)],
+    repeats=2,
+    observation="intercept",
+    goals=GOALS,
+    learning=BRIEF.model_copy(update={"legs": 1}),
+)
+STYLED = {
+    "simulators": ["imperfect_c"],
+    "horizons_ms": [(170, 175, 180)],
+    "repeats": 1,
+    "observation": "strict",
+    "goals": GOALS.model_copy(update={"speed": (4.0, 7.0)}),
+    "learning": BRIEF.model_copy(update={"legs": 2}),
+}
+GROUPS = {"plain": GROUP, "styled": GROUP.model_copy(update=STYLED)}
+NAMES = [
+    *[f"plain-{simulator}-115ms-{k}" for simulator in GROUP.simulators for k in range(2)],
+    "styled-imperfect_c-170ms-0",
+]
+
+
+def prepared(root, groups=GROUPS):
+    settings = TrainPolicySettings(groups=groups, trials=TRIALS)
+    return StageRun("train_policy", root, SimpleNamespace(train_policy=settings, seed=5), "f" * 64)
+
+
+def in_one_process(patch):
+    """Train in this process, where other processes would take seconds to start."""
+    patch.setenv("LOKY_MAX_CPU_COUNT", "1")
+    patch.setattr(policy_training, "TRIALS", 6)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A run of two groups; not to be changed."""
+    run = prepared(tmp_path_factory.mktemp("whole"))
+    with pytest.MonkeyPatch.context() as patch:
+        in_one_process(patch)
+        train_policy(run)
+    return run
+
+
+def policies(run):
+    return {name: load_policy(run.artifact(name)) for name in NAMES}
+
+
+def written(run):
+    """The stage's outputs, by name."""
+    folders = (run.artifact("."), run.report("."))
+    files = (path for folder in folders for path in folder.rglob("*") if path.is_file())
+    return {path.relative_to(run.root): path.read_bytes() for path in files}
+
+
+def test_there_is_a_policy_for_each_simulator_horizons_and_repeat(whole):
+    assert {path.name for path in whole.artifact(".").iterdir()} == set(NAMES)
+    for name, (_, described) in policies(whole).items():
+        group = GROUPS[described.group]
+        assert described.name == name
+        assert described.horizons == group.horizons_ms[0]
+        assert (described.observation, described.goals) == (group.observation, group.goals)
+        assert described.learning == group.learning
+
+
+def test_a_repeat_has_the_same_seed_everywhere_and_another_than_the_next(whole):
+    seeds = {name: described.seed for name, (_, described) in policies(whole).items()}
+
+    assert seeds["plain-imperfect_c-115ms-0"] != seeds["plain-imperfect_c-115ms-1"]
+    for repeat in "01":
+        assert len({seed for name, seed in seeds.items() if name.endswith(repeat)}) == 1
+
+
+def test_the_report_scores_each_policy_on_unseen_balls_of_its_own_simulator(whole):
+    table = pd.read_csv(whole.report("policies.csv")).set_index("group", append=True)
+
+    for (policy, described), (_, row) in zip(
+        policies(whole).values(), table.iterrows(), strict=True
+    ):
+        task = described.task
+        balls, goals = task.practice(TRIALS, unseen_balls(described.seed))
+        expected = scores(play(policy, task.simulator, balls, goals, task.observation))
+        found = {name: row[name] for name in expected}
+        assert found == pytest.approx(expected, rel=1e-5, nan_ok=True)
+        assert (row["simulator"], row["repeat"]) == (described.simulator, described.repeat)
+        assert row["ticks"] == described.learning.legs * BRIEF.ticks
+
+
+def test_metrics_are_the_table_s_by_group_simulator_and_horizons(whole):
+    table = pd.read_csv(whole.report("policies.csv"))
+    metrics = read_json(whole.report("metrics.json"))
+
+    assert list(metrics) == ["plain", "styled"]
+    assert list(metrics["plain"]) == GROUP.simulators
+    rows = table[(table["group"] == "plain") & (table["simulator"] == "imperfect_c")]
+    found = metrics["plain"]["imperfect_c"]["115-125"]
+    assert found["return_rate"]["per_seed"] == rows["return_rate"].tolist()
+    assert found["return_rate"]["mean"] == pytest.approx(rows["return_rate"].mean(), rel=1e-5)
+    assert found["return_rate"]["std"] == pytest.approx(rows["return_rate"].std(ddof=0), rel=1e-5)
+    assert found["hit_rate"] == pytest.approx(rows["hit_rate"].mean(), rel=1e-5)
+    assert len(metrics["styled"]["imperfect_c"]["170-180"]["return_rate"]["per_seed"]) == 1
+
+
+def test_only_a_group_asked_for_speed_or_topspin_has_a_figure_of_it(whole):
+    files = [
+        "figures/learning.png",
+        "figures/return.png",
+        "figures/achieved_styled.png",
+        "policies.csv",
+    ]
+
+    assert [item.file for item in whole.items] == files
+    assert set(whole.timings) == set(NAMES)
+
+
+def test_a_run_that_was_killed_is_taken_up_to_the_same_bytes(whole, tmp_path, monkeypatch):
+    in_one_process(monkeypatch)
+    clock = SimpleNamespace(process_time=count().__next__)  # a second at every look
+    monkeypatch.setattr(policy_training, "time", clock)
+    with monkeypatch.context() as patch, pytest.raises(RuntimeError, match="killed"):
+        patch.setattr(learning, "learn_leg", killed_in_a_second_leg(learning.learn_leg))
+        train_policy(prepared(tmp_path))
+    again = prepared(tmp_path)
+
+    train_policy(again)
+
+    assert again.timings[NAMES[-1]] == {"training_cpu_s": 2}
+    assert written(again) == written(whole)
+
+
+def killed_in_a_second_leg(learn_leg):
+    def killed(task, settings, seed, leg, before, after):
+        if leg == 1:
+            raise RuntimeError("killed")
+        return learn_leg(task, settings, seed, leg, before, after)
+
+    return killed
+
+
+def test_a_simulator_that_is_not_shipped_is_an_error_that_names_it(tmp_path):
+    unknown = GROUP.model_copy(update={"simulators": ["imperfect_d"]})
+
+    with pytest.raises(InputError, match=r"imperfect_d.*there are: .*imperfect_c"):
+        train_policy(prepared(tmp_path, {"plain": unknown}))
+
+    assert list(tmp_path.rglob("*")) == []

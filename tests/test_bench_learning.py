@@ -1,0 +1,48 @@
+"""The race to 90 % returns ends where it must and is told as it was."""
+
+import io
+from itertools import count
+
+import pytest
+from rich.console import Console
+
+from tests import bench_learning
+from tests.bench_learning import LEARNING, Mark, marks, result
+
+
+def course(monkeypatch, returned):
+    """The marks of somebody who returns these shares of the balls, leg by leg."""
+    monkeypatch.setattr(bench_learning, "return_rate", lambda leg: returned[leg])
+    return list(marks(count()))
+
+
+def shown(our, their):
+    page = io.StringIO()
+    Console(file=page, width=120).print(result(our, their))
+    return page.getvalue()
+
+
+def test_it_ends_with_the_first_leg_that_reaches_the_goal(monkeypatch):
+    found = course(monkeypatch, [0.3, 0.899, 0.9, 0.95])
+    assert [mark.returned for mark in found] == [0.3, 0.899, 0.9]
+    assert [mark.ticks for mark in found] == [LEARNING.ticks * leg for leg in (1, 2, 3)]
+
+
+def test_it_ends_with_the_budget_where_the_goal_is_not_reached(monkeypatch):
+    found = course(monkeypatch, [0.1] * LEARNING.legs)
+    assert len(found) == LEARNING.legs
+    assert found[-1].returned == 0.1
+
+
+@pytest.mark.parametrize(
+    ("our", "their", "told"),
+    [
+        (Mark(64_000, 100.0, 0.91), Mark(96_000, 1500.0, 0.92), " 15.0 x"),
+        (Mark(64_000, 100.0, 0.91), Mark(192_000, 3000.0, 0.42), "more than 30.0 x"),
+        (Mark(192_000, 100.0, 0.89), Mark(96_000, 1500.0, 0.92), "not there"),
+    ],
+)
+def test_a_ratio_is_told_only_as_far_as_it_is_known(our, their, told):
+    seconds = next(line for line in shown(our, their).splitlines() if "seconds" in line)
+    assert told in seconds
+    assert ("more than" in seconds) == told.startswith("more than")
