@@ -4,7 +4,7 @@ What is drawn, every number independently and evenly unless said otherwise:
 
 - where the ball is struck: x in `STRUCK_ACROSS`, y in `STRUCK_ALONG`, z in `STRUCK_HEIGHT`. That
   reaches from a serve that has just bounced on the far half to a loop from behind the table;
-- the speed, evenly in its logarithm in `SPEED`, so that half of the balls are under 7.5 m/s;
+- the speed, evenly in its logarithm in `SPEED`, so that half of the balls are under 6.9 m/s;
 - the spin: about the axis across the ball's way in `TOPSPIN` (negative is backspin), about the
   vertical in `SIDESPIN`, and about the way itself in `CORKSCREW`;
 - where it is aimed to bounce: x in `BOUNCE_ACROSS`, y in `BOUNCE_ALONG`. The elevation is that of
@@ -36,18 +36,18 @@ from models.policy.incoming import LONGEST, playable
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 
-STRUCK_ACROSS = (-0.7, 0.7)  # m
-STRUCK_ALONG = (0.4, 2.4)  # m
+STRUCK_ACROSS = (-0.5, 0.5)  # m
+STRUCK_ALONG = (0.6, 2.2)  # m
 STRUCK_HEIGHT = (0.03, 0.50)  # m
-SPEED = (3.5, 16.0)  # m/s
-TOPSPIN = (-200.0, 300.0)  # rad/s
-SIDESPIN = (-150.0, 150.0)  # rad/s
+SPEED = (4.0, 12.0)  # m/s
+TOPSPIN = (-100.0, 250.0)  # rad/s
+SIDESPIN = (-100.0, 100.0)  # rad/s
 CORKSCREW = (-50.0, 50.0)  # rad/s
-BOUNCE_ACROSS = (-0.6, 0.6)  # m
+BOUNCE_ACROSS = (-0.5, 0.5)  # m
 BOUNCE_ALONG = (-1.3, -0.3)  # m
 
 # Where the racket of the robot strikes well, short of where its arm is stretched (m).
-WORKSPACE = np.array([[-0.75, 0.75], [-2.1, -1.4], [0.0, 0.5]])
+WORKSPACE = np.array([[-0.65, 0.65], [-2.0, -1.5], [0.08, 0.5]])
 RACKET_HOME = np.array([0.0, -1.64, 0.30])  # m
 RACKET_SPEED = np.array([2.0, 1.2, 1.6])  # m/s across, along, up: 80 % of what it may be told
 SLOW_START = 0.1  # s that it loses by its inertia

@@ -79,6 +79,7 @@ def _new(environment: ReturnVecEnv, settings: LearningSettings) -> SAC:
         ent_coef=f"auto_{settings.entropy}",
         gamma=settings.discount,
         gradient_steps=settings.gradient_steps,
+        n_steps=settings.ahead,
         learning_starts=settings.warm_up,
         policy_kwargs={"net_arch": [settings.width] * 2, "optimizer_kwargs": {"fused": True}},
         device="cpu",

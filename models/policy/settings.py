@@ -77,6 +77,8 @@ class LearningSettings(BaseModel):
     """Of the last leg; in between it falls by the same factor from leg to leg."""
     discount: Annotated[float, Field(gt=0, lt=1)]
     """Of a tick."""
+    ahead: Annotated[int, Field(ge=1, le=20)]
+    """Ticks whose rewards count as they came, before the critics say what follows."""
     entropy: Annotated[float, Field(gt=0, le=10)]
     """First weight of the entropy, which is then tuned automatically."""
 
