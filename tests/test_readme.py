@@ -32,6 +32,51 @@ def expected_table(report, of_arena):
     return "\n".join(lines)
 
 
+def expected_sim2sim():
+    """Return rates of a run, and what the ground truth's predictions gain."""
+    rates = pd.read_csv(ROOT / "reports/sim2sim/return_rate.csv")
+    gains = pd.read_csv(ROOT / "reports/sim2sim/difference.csv")
+    lines = [
+        "| protocol | trained in | horizons (ms) | truth | own simulator | difference |",
+        "|---|---|---|---|---|---|",
+    ]
+    for gain in gains.itertuples():
+        setting = (gain.protocol, gain.simulator, gain.horizons_ms)
+        own = rates.set_index(["protocol", "simulator", "horizons_ms", "predictor"])["return_rate"]
+        shares = [100 * own[(*setting, predictor)] for predictor in ("ground_truth", "imperfect")]
+        ends = [100 * end for end in (gain.difference, gain.ci_low, gain.ci_high)]
+        name = f"{gain.protocol} | {gain.simulator[-1].upper()} | {gain.horizons_ms}"
+        mean, low, high = (round(end) for end in ends)
+        cells = f"{shares[0]:.0f} | {shares[1]:.0f} | {mean} ({low} to {high})"
+        lines.append(f"| {name} | {cells} |")
+    return "\n".join(lines)
+
+
+def expected_sim2real():
+    """Hits and returns of a run and of the paper, as many as the shots of each."""
+    shots = pd.read_csv(ROOT / "reports/sim2real/transfer.csv")
+    lines = [
+        "| shots | learned by | horizons (ms) | hits, physics | hits, learned "
+        "| returns, physics | returns, learned |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for row in shots.to_dict("records"):
+        for horizons in ("115-125", "170-180"):
+            counts = [
+                f"{row[f'{horizons} ms: {predictor} {what}']:.0f}"
+                for what in ("hits", "returns")
+                for predictor in ("physics", "learned")
+            ]
+            name = f"{row['set']}, {row['shots']} | {row['learned_predictor']} | {horizons}"
+            lines.append(f"| {name} | {' | '.join(counts)} |")
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("expected", [expected_sim2sim, expected_sim2real])
+def test_the_tables_of_transfer_are_the_committed_run_s(expected):
+    assert expected() in README
+
+
 @pytest.mark.parametrize(("report", "of_arena"), [("reports", True), ("reports/real", False)])
 def test_the_tables_are_the_committed_runs(report, of_arena):
     assert expected_table(report, of_arena) in README

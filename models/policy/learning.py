@@ -87,7 +87,9 @@ def _new(environment: ReturnVecEnv, settings: LearningSettings) -> SAC:
 
 
 def _resumed(environment: ReturnVecEnv, before: Path) -> SAC:
-    learner = SAC.load(before / LEARNER, environment, device="cpu")
+    # Its buffer comes from a file of its own; the class that SAC chose for it would be warned of.
+    own = {"replay_buffer_class": None}
+    learner = SAC.load(before / LEARNER, environment, device="cpu", custom_objects=own)
     learner.load_replay_buffer(before / REPLAY)
     return learner
 
