@@ -5,6 +5,7 @@ import pytest
 
 from models.ball.simulators import shipped
 from models.policy.incoming import PATH_TIMES
+from models.policy.launches import WORKSPACE
 from pipeline.artifacts import read_json, write_json
 from pipeline.errors import InputError
 from pipeline.replays import FROM_NEAR, NO_BOUNCE, UNSEEN, read_replay_sets
@@ -137,10 +138,13 @@ def test_as_many_launches_are_drawn_as_asked_for_and_measured_with_noise(tmp_pat
     assert off.std() == pytest.approx(0.003, rel=0.1)
 
 
-def test_a_ball_reaches_the_robot_as_its_kind_does(sets):
-    assert {name: one.in_reach for name, one in sets.items()} == {
-        name: len(one) for name, one in sets.items()
-    }
+def test_in_reach_are_the_balls_that_pass_the_workspace_while_they_can_be_played(sets):
+    lower, upper = WORKSPACE.T
+    for one in sets.values():
+        places = one.path[..., :3]
+        inside = ((lower <= places) & (places <= upper)).all(axis=2)
+        alive = (one.playable[:, :1] < PATH_TIMES) & (one.playable[:, 1:] > PATH_TIMES)
+        assert 0 < one.in_reach == (inside & alive).any(axis=1).sum()
 
 
 def test_a_hall_without_a_racket_gets_the_literature_s(tmp_path):
@@ -173,4 +177,4 @@ def test_real_shots_come_to_the_robot(tmp_path, real_data):
         bounces = one.path[np.arange(len(one)), (one.playable[:, 0] / 0.001).astype(int)]
         assert (bounces[:, 1] < 0).all() and (np.abs(bounces[:, 0]) < 0.78).all()
         assert np.abs(bounces[:, 2]).max() < 0.06
-        assert one.in_reach > 0.7 * len(one)
+        assert one.in_reach > 0.6 * len(one)
