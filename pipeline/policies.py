@@ -60,6 +60,11 @@ class TrainedPolicy(BaseModel):
         return f"{self.group}-{self.simulator}-{self.horizons[0]}ms-{self.repeat}"
 
     @property
+    def horizons_label(self) -> str:
+        """Its first and last horizon, ms, as reports call them: ``115-125``."""
+        return f"{self.horizons[0]}-{self.horizons[-1]}"
+
+    @property
     def task(self) -> Task:
         """What it was trained for."""
         simulator = Simulator.from_dict(self.effects)

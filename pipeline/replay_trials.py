@@ -7,23 +7,20 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 import pandas as pd
-from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
-from models.policy.comparison import forecast_error
 from models.policy.goals import Goals
 from models.policy.incoming import FIRST_WINDOW, Incoming
 from models.policy.policy import Policy
 from models.policy.replay import Views, every_tick, first_window, predicted
 from models.policy.settings import HorizonsMs
 from models.policy.tolerance import ERRORS
-from models.policy.trial import play
 from models.predictors.protocol import Predictor
 from pipeline.policies import TrainedPolicy
 from pipeline.predictors import one_thread
-from pipeline.progress import progress_bar
 from pipeline.replays import ReplaySet
+from pipeline.trials import try_policy
 
 Floats = NDArray[np.float64]
 Told = Callable[[HorizonsMs], Floats]
@@ -71,14 +68,6 @@ class FirstWindow:
         return partial(first_window, self.simulator, views)
 
 
-class Trial(Protocol):
-    """Something to be played."""
-
-    def results(self) -> pd.DataFrame:
-        """Play; return one row a policy and ball."""
-        ...
-
-
 @dataclass(frozen=True)
 class ReplayTrial:
     """All policies play the shots of a set, told of them by one forecaster."""
@@ -97,17 +86,10 @@ class ReplayTrial:
         return pd.concat(parts, ignore_index=True)
 
     def _played(self, policy: Policy, trained: TrainedPolicy, told: Told) -> pd.DataFrame:
-        shots, horizons = self.shots, trained.horizons
-        incoming = Incoming(shots.path, shots.playable, FIRST_WINDOW, told(horizons))
-        played = play(policy, shots.simulator, incoming, self.goals, trained.observation)
-        return played.assign(
-            set=shots.name,
-            horizons_ms=horizons_label(horizons),
-            repeat=trained.repeat,
-            ball=np.arange(len(shots)),
-            predictor=self.forecaster.name,
-            protocol=self.forecaster.protocol,
-            forecast_error_m=forecast_error(incoming, horizons),
+        shots, forecaster = self.shots, self.forecaster
+        incoming = Incoming(shots.path, shots.playable, FIRST_WINDOW, told(trained.horizons))
+        return try_policy(policy, trained, shots.simulator, incoming, self.goals).assign(
+            set=shots.name, predictor=forecaster.name, protocol=forecaster.protocol
         )
 
 
@@ -139,28 +121,6 @@ class ToleranceTrial:
         balls, goals = task.practice(self.balls, random)
         wrong = ERRORS[self.error](balls.forecasts, self.size, random)
         incoming = Incoming(balls.path, balls.playable, balls.start, wrong)
-        played = play(self.policy, task.simulator, incoming, goals, task.observation)
-        return played[["hit", "returned"]].assign(
-            error=self.error,
-            size_cm=100 * self.size,
-            horizons_ms=horizons_label(task.horizons),
-            repeat=self.trained.repeat,
-            ball=np.arange(self.balls),
+        return try_policy(self.policy, self.trained, task.simulator, incoming, goals).assign(
+            error=self.error, size_cm=100 * self.size
         )
-
-
-def played(trials: Sequence[Trial]) -> pd.DataFrame:
-    """Return the results of all trials, in their order, played on all cores."""
-    tables: list[pd.DataFrame] = []
-    with progress_bar("trials", len(trials)) as advance:
-        # Without memory maps, which torch warns of because it could not write to them.
-        parallel = Parallel(n_jobs=-1, return_as="generator", max_nbytes=None)
-        for table in parallel(delayed(trial.results)() for trial in trials):
-            tables.append(table)
-            advance()
-    return pd.concat(tables, ignore_index=True)
-
-
-def horizons_label(horizons: HorizonsMs) -> str:
-    """Return how reports call a triple of horizons."""
-    return f"{horizons[0]}-{horizons[-1]}"

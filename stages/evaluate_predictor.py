@@ -16,6 +16,7 @@ from pipeline.figures.forecast_error import forecast_error_figure
 from pipeline.figures.shots import MOST_SHOTS, Shot, write_shots
 from pipeline.figures.shots import Forecast as ShownForecast
 from pipeline.measured_sets import MeasuredSet, read_test_sets
+from pipeline.metrics import place, rounded
 from pipeline.predictors import ARENA, Contender, one_thread, read_contenders
 from pipeline.progress import progress
 from pipeline.run import StageRun, run_stage
@@ -99,21 +100,15 @@ def _metrics(errors: pd.DataFrame) -> dict[str, Any]:
     """Return ``{set: {predictor: {quantity: {horizon_ms: {mean, std, n}}}}}`` over all windows."""
     metrics: dict[str, Any] = {}
     for row in errors[errors["bounce"] == "all"].to_dict("records"):
-        place = metrics
-        for key in (_label(row["set"], row["against"]), row["predictor"], row["quantity"]):
-            place = place.setdefault(key, {})
-        numbers = {"mean": _rounded(row["mean"]), "std": _rounded(row["std"]), "n": row["n"]}
-        place[str(row["horizon_ms"])] = numbers
+        label = _label(row["set"], row["against"])
+        keys = (label, row["predictor"], row["quantity"], row["horizon_ms"])
+        numbers = {"mean": rounded(row["mean"]), "std": rounded(row["std"]), "n": row["n"]}
+        place(metrics, keys).update(numbers)
     return metrics
 
 
 def _label(name: str, against: str) -> str:
     return name if against == MEASURED else f"{name}_{against}"
-
-
-def _rounded(value: float) -> float:
-    """Six digits: more would only show the processor's last bits."""
-    return float(f"{value:.6g}")
 
 
 def _add_figures(run: StageRun, one: MeasuredSet, errors: pd.DataFrame) -> None:

@@ -12,6 +12,8 @@ from models.predictors.physics import PhysicsPredictor
 from pipeline.artifacts import write_table
 from pipeline.errors import InputError
 from pipeline.figures.sim2real import tolerance_figure, transfer_figure
+from pipeline.metrics import place, rounded
+from pipeline.outcomes import differences, rates
 from pipeline.policies import TrainedPolicy, load_policies
 from pipeline.predictors import ORACLE, Contender, read_trained
 from pipeline.replay_trials import (
@@ -20,19 +22,14 @@ from pipeline.replay_trials import (
     Forecaster,
     ReplayTrial,
     ToleranceTrial,
-    played,
 )
 from pipeline.replays import ReplaySet, read_replay_sets
 from pipeline.run import StageRun, run_stage
 from pipeline.simulators import load_simulator
-from pipeline.transfer import (
-    FORECASTER,
-    PHYSICS,
-    SETTING,
-    differences,
-    in_the_form_of_the_paper,
-    rates,
-)
+from pipeline.transfer import BASELINE, PHYSICS, SETTING, in_the_form_of_the_paper
+from pipeline.trials import play_all
+
+KEYS = [*SETTING, *BASELINE]  # what tells two experiments apart
 
 Policies = list[tuple[Policy, TrainedPolicy]]
 
@@ -44,9 +41,9 @@ def sim2real(run: StageRun) -> None:
     for one in sets:
         run.log_input(one.name, run.input("segment", "episodes.parquet"), len(one))
     learned = list(read_trained(run.input("train_predictor", "")))
-    replayed = played([trial for one in sets for trial in _replays(run, one, policies, learned)])
+    replayed = play_all([trial for one in sets for trial in _replays(run, one, policies, learned)])
     write_table(run.artifact("played.parquet"), replayed)
-    tolerated = played(_spoilt(run, policies))
+    tolerated = play_all(_spoilt(run, policies))
     _report_transfer(run, replayed, [one.name for one in learned])
     _report_sets(run, sets)
     _report_tolerance(run, tolerated)
@@ -98,10 +95,10 @@ def _stream(run: StageRun) -> list[int]:
 
 def _report_transfer(run: StageRun, replayed: pd.DataFrame, learned: list[str]) -> None:
     resamples = run.params.sim2real.bootstrap_resamples
-    table = rates(replayed, [*SETTING, *FORECASTER], resamples, run.seed)
-    errors = replayed.groupby([*SETTING, *FORECASTER], sort=False)["forecast_error_m"].mean()
+    table = rates(replayed, KEYS, resamples, run.seed)
+    errors = replayed.groupby(KEYS, sort=False)["forecast_error_m"].mean()
     table["forecast_error_cm"] = 100 * errors.to_numpy()
-    gains = differences(replayed, resamples, run.seed)
+    gains = differences(replayed, SETTING, BASELINE, resamples, run.seed)
     run.write_metrics(_metrics(table, gains))
     run.add_figure(
         transfer_figure(table),
@@ -194,25 +191,20 @@ def _metrics(table: pd.DataFrame, gains: pd.DataFrame) -> dict[str, Any]:
 
     Numbers are those of the tables, and of ``gained_returns`` and ``gained_hits`` over physics.
     """
-    keys = [*SETTING, *FORECASTER]
     metrics: dict[str, Any] = {}
     for row in table.to_dict("records"):
-        _place(metrics, row, keys).update(_rounded(row, keys))
+        place(metrics, _keys(row)).update(_numbers(row))
     for row in gains.to_dict("records"):
-        gain = _rounded(row, [*keys, "outcome"])
-        _place(metrics, row, keys)[f"gained_{row['outcome']}"] = gain
+        place(metrics, [*_keys(row), f"gained_{row['outcome']}"]).update(_numbers(row))
     return metrics
 
 
-def _place(metrics: dict[str, Any], row: dict[Any, Any], keys: list[str]) -> dict[str, Any]:
-    for key in keys:
-        metrics = metrics.setdefault(row[key], {})
-    return metrics
+def _keys(row: dict[Any, Any]) -> list[str]:
+    return [row[key] for key in KEYS]
 
 
-def _rounded(row: dict[Any, Any], keys: list[str]) -> dict[str, float]:
-    """Return the numbers of a row; six digits: more would only show the processor's last bits."""
-    return {name: float(f"{value:.6g}") for name, value in row.items() if name not in keys}
+def _numbers(row: dict[Any, Any]) -> dict[str, float]:
+    return {name: rounded(value) for name, value in row.items() if name not in (*KEYS, "outcome")}
 
 
 if __name__ == "__main__":

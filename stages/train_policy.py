@@ -11,6 +11,7 @@ from models.policy.scores import scores
 from models.policy.streams import unseen_balls
 from models.robot.view import frames
 from pipeline.figures.learning import achieved_figure, learning_figure
+from pipeline.metrics import over_seeds, place, rounded
 from pipeline.policies import TrainedPolicy, save_policy
 from pipeline.policy_training import TRIALS, Graduate, Pupil, train_policies, try_policies
 from pipeline.run import StageRun, run_stage
@@ -89,7 +90,7 @@ def _labels(description: TrainedPolicy) -> dict[str, Any]:
     return {
         "group": description.group,
         "simulator": description.simulator,
-        "horizons_ms": f"{description.horizons[0]}-{description.horizons[-1]}",
+        "horizons_ms": description.horizons_label,
         "repeat": description.repeat,
     }
 
@@ -101,22 +102,12 @@ def _metrics(results: pd.DataFrame) -> dict[str, Any]:
     """
     metrics: dict[str, Any] = {}
     for setting, rows in results.groupby(SETTING, sort=False):
-        place = metrics
-        for name in setting:
-            place = place.setdefault(str(name), {})
-        rates, others = rows["return_rate"], rows.loc[:, "hit_rate":].mean().dropna()
-        place["return_rate"] = {
-            "mean": _rounded(rates.mean()),
-            "std": _rounded(rates.std(ddof=0)),
-            "per_seed": [_rounded(rate) for rate in rates],
-        }
-        place.update({str(name): _rounded(value) for name, value in others.items()})
+        others = rows.loc[:, "hit_rate":].mean().dropna()
+        place(metrics, setting).update(
+            return_rate=over_seeds(rows["return_rate"].tolist()),
+            **{str(name): rounded(value) for name, value in others.items()},
+        )
     return metrics
-
-
-def _rounded(value: float) -> float:
-    """Six digits: more would only show the processor's last bits."""
-    return float(f"{value:.6g}")
 
 
 def _add_animation(run: StageRun, one: Graduate, played: pd.DataFrame) -> None:

@@ -11,6 +11,7 @@ from models.policy.settings import HorizonsMs
 from models.predictors.errors import spread
 
 Booleans = NDArray[np.bool_]
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -27,44 +28,55 @@ class Comparison:
     """What becomes of the same balls with one predictor and with another.
 
     Attributes:
-        one: share of the balls that succeed with the one.
-        other: with the other.
-        difference: of the shares, one minus other, ball by ball: a hard ball is hard for both.
+        difference: of the shares of balls that succeed, one minus other, ball by ball: a hard ball
+            is hard for both.
         gained: balls that succeed more often with the one, all policies taken together.
         lost: balls that succeed more often with the other.
     """
 
-    one: Interval
-    other: Interval
     difference: Interval
     gained: int
     lost: int
 
 
-def compare(one: Booleans, other: Booleans, resamples: int, seed: int) -> Comparison:
-    """Compare two predictors on the same balls.
+def intervals(trials: Floats, resamples: int, seed: int) -> list[Interval]:
+    """Return the means of K quantities over all trials, with their intervals.
 
     Args:
-        one: (R, B) whether each of B balls succeeds, for example is returned, with the one
-            predictor under each of R policies.
-        other: (R, B) the same with the other.
+        trials: (R, B, K) the quantities of each of B balls under each of R policies.
         resamples: of the balls, each with what all policies make of it; without any the intervals
             are their means.
         seed: of the resamples.
     """
-    first, second = one.astype(np.float64), other.astype(np.float64)
-    trials = np.stack([first, second, first - second], axis=2).reshape(-1, 3)
-    balls = np.tile(np.arange(one.shape[1]), len(one))
-    found = spread(trials, balls, resamples, np.random.default_rng(seed))
+    policies, count, quantities = trials.shape
+    balls = np.tile(np.arange(count), policies)
+    generator = np.random.default_rng(seed)
+    found = spread(trials.reshape(-1, quantities), balls, resamples, generator)
     ends = np.stack([found.mean, found.low, found.high], axis=1).tolist()
-    more = (first - second).sum(axis=0)
-    return Comparison(
-        one=Interval(*ends[0]),
-        other=Interval(*ends[1]),
-        difference=Interval(*ends[2]),
-        gained=int((more > 0).sum()),
-        lost=int((more < 0).sum()),
-    )
+    return [Interval(*three) for three in ends]
+
+
+def compare(one: Booleans, other: Booleans, resamples: int, seed: int) -> list[Comparison]:
+    """Compare two predictors on the same balls, by each of K ways to succeed.
+
+    Args:
+        one: (R, B, K) whether each of B balls succeeds, for example is returned, with the one
+            predictor under each of R policies.
+        other: (R, B, K) the same with the other.
+        resamples: of the balls, as in ``intervals``.
+        seed: of the resamples.
+    """
+    apart = one.astype(np.float64) - other
+    more = apart.sum(axis=0)
+    return [
+        Comparison(difference, gained=int(gained), lost=int(lost))
+        for difference, gained, lost in zip(
+            intervals(apart, resamples, seed),
+            (more > 0).sum(axis=0),
+            (more < 0).sum(axis=0),
+            strict=True,
+        )
+    ]
 
 
 def forecast_error(incoming: Incoming, horizons: HorizonsMs) -> float:

@@ -33,6 +33,10 @@ def test_the_same_policy_gives_the_same_bytes(tmp_path):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "other" / name).read_bytes()
 
 
+def test_reports_call_horizons_by_the_first_and_the_last():
+    assert description(horizons=(170, 175, 180)).horizons_label == "170-180"
+
+
 def test_a_policy_knows_what_it_was_trained_for():
     task = description(simulator="imperfect_a", horizons=(170, 175, 180)).task
 

@@ -1,57 +1,11 @@
-"""The tables of sim-to-real, by hand."""
+"""The transfer table of sim-to-real, by hand."""
 
-import numpy as np
 import pandas as pd
-import pytest
 
 from pipeline import paper
-from pipeline.transfer import THE_PAPER, differences, in_the_form_of_the_paper, rates
-
-KEYS = ["set", "horizons_ms", "predictor", "protocol"]
-
-
-def trials(returned, repeat=0, predictor="physics", protocol="every_tick", **other):
-    """Trials of one policy on as many balls; the returned ones and the last were hit."""
-    balls = np.arange(len(returned))
-    columns = {
-        "set": "stroke_pro", "horizons_ms": "115-125", "repeat": repeat, "predictor": predictor,
-        "protocol": protocol, "ball": balls, "returned": np.array(returned, dtype=bool),
-    }  # fmt: skip
-    hit = columns["returned"] | (balls == balls[-1])
-    return pd.DataFrame({**columns, "hit": hit, **other})
-
-
-def everything():
-    """Two policies, three forecasters, two horizons."""
-    parts = [
-        trials([1, 0, 0, 0], 0), trials([1, 1, 0, 0], 1),
-        trials([1, 1, 1, 0], 0, "transformer"), trials([1, 0, 1, 0], 1, "transformer"),
-        trials([0, 0, 0, 0], 0, "physics", "first_window"),
-        trials([1, 0, 0, 0], 1, "physics", "first_window"),
-    ]  # fmt: skip
-    near = pd.concat(parts)
-    return pd.concat([near, near.assign(horizons_ms="170-180")], ignore_index=True)
-
-
-def test_counts_are_means_over_policies_and_rates_over_all_trials():
-    table = rates(everything(), KEYS, 200, 0).set_index(KEYS)
-    row = table.loc[("stroke_pro", "115-125", "physics", "every_tick")]
-    assert (row["balls"], row["hits"], row["returns"]) == (4, 2.5, 1.5)
-    assert (row["hit_rate"], row["return_rate"]) == (5 / 8, 3 / 8)
-    assert row["return_rate_low"] < 3 / 8 < row["return_rate_high"]
-    assert len(table) == 6
-
-
-def test_differences_are_those_to_physics_at_every_tick_on_the_same_balls():
-    table = differences(everything(), 200, 0)
-    found = table.query("horizons_ms == '170-180' and outcome == 'returns'")
-    assert list(zip(found["predictor"], found["protocol"], strict=True)) == [
-        ("transformer", "every_tick"), ("physics", "first_window")
-    ]  # fmt: skip
-    gain = found.iloc[0]
-    assert gain["difference"] == pytest.approx(2 / 8)
-    assert (gain["gained"], gain["lost"]) == (1, 0)  # a ball gained once and lost once is neither
-    assert gain["ci_low"] <= gain["difference"] <= gain["ci_high"]
+from pipeline.outcomes import rates
+from pipeline.transfer import THE_PAPER, in_the_form_of_the_paper
+from tests.pipeline.played_trials import KEYS, everything, trials
 
 
 def test_the_paper_s_numbers_stand_below_ours():

@@ -1,6 +1,11 @@
 """Policies as files and their trainings, short and small, for the tests of what uses them."""
 
+import numpy as np
+
 from models.ball.simulators import shipped
+from models.policy.court import ACTIONS
+from models.policy.observation import observation_size
+from models.policy.policy import Policy
 from pipeline.policies import TrainedPolicy, save_policy
 from tests.models.policy.schooling import BRIEF, GOALS, drawn_policy
 
@@ -27,3 +32,10 @@ def save_drawn(folder, seed=0, **changes):
     policy, described = drawn_policy(seed), description(**changes)
     save_policy(folder / described.name, policy, described)
     return policy, described
+
+
+def chaser(haste=6.0):
+    """A policy that moves the racket to where the forecast ball would cross its plane."""
+    weights = np.zeros((ACTIONS, observation_size(3, 2, "intercept")), dtype=np.float32)
+    weights[0, -5] = weights[2, -4] = haste  # across, up
+    return Policy(((weights, np.zeros(ACTIONS, dtype=np.float32)),))

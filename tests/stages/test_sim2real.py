@@ -6,9 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.policy.court import ACTIONS
-from models.policy.observation import observation_size
-from models.policy.policy import Policy
 from pipeline.artifacts import read_table
 from pipeline.errors import InputError
 from pipeline.policies import save_policy
@@ -16,16 +13,9 @@ from pipeline.run import StageRun
 from stages.sim2real import sim2real
 from tests.pipeline.measured_shots import params
 from tests.pipeline.replayed import LAUNCH, SETTINGS, SOURCE, launched, replayed, write_replays
-from tests.pipeline.trained_policies import description
+from tests.pipeline.trained_policies import chaser, description
 
 PHYSICS, ORACLE = ("physics", "every_tick"), ("oracle", "every_tick")
-
-
-def chaser():
-    """A policy that moves the racket to where the forecast ball would cross its plane."""
-    weights = np.zeros((ACTIONS, observation_size(3, 2, "intercept")), dtype=np.float32)
-    weights[0, -5] = weights[2, -4] = 6.0  # across, up
-    return Policy(((weights, np.zeros(ACTIONS, dtype=np.float32)),))
 
 
 def transferred(root, repeats=(0, 1), horizons=((115, 120, 125),), **changes):

@@ -6,39 +6,21 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.ball.simulators import shipped
-from models.policy.court import ACTIONS
-from models.policy.observation import observation_size
-from models.policy.policy import Policy
 from pipeline.errors import InputError
-from pipeline.policies import TrainedPolicy, save_policy
+from pipeline.policies import save_policy
 from pipeline.run import StageRun
 from stages.sim2sim import sim2sim
 from tests.pipeline.measured_shots import params
+from tests.pipeline.trained_policies import chaser, description
 
 HORIZONS = (115, 120, 125)
 POLICIES = [("imperfect_c", 0), ("imperfect_c", 1), ("ground_truth", 0)]
 
 
-def chaser(haste):
-    """A policy that moves the racket to where the forecast ball would cross its plane."""
-    weights = np.zeros((ACTIONS, observation_size(3, 2, "intercept")), dtype=np.float32)
-    weights[0, -5] = weights[2, -4] = haste  # across, up
-    return Policy(((weights, np.zeros(ACTIONS, dtype=np.float32)),))
-
-
 def save_chaser(root, simulator, repeat, horizons=HORIZONS):
-    group = params().train_policy.groups["sim2sim"]
-    trained = TrainedPolicy(
-        group="sim2sim",
-        simulator=simulator,
-        effects=shipped(simulator).to_dict(),
-        horizons=horizons,
-        observation="intercept",
-        goals=group.goals,
-        learning=group.learning,
-        seed=repeat,
-        repeat=repeat,
+    goals = params().train_policy.groups["sim2sim"].goals
+    trained = description(
+        group="sim2sim", simulator=simulator, horizons=horizons, goals=goals, repeat=repeat
     )
     save_policy(root / "artifacts/train_policy" / trained.name, chaser(6.0 - 3 * repeat), trained)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.policy.comparison import compare, forecast_error
+from models.policy.comparison import compare, forecast_error, intervals
 from models.policy.forecasts import exact
 from models.policy.incoming import Incoming, tick_times
 from tests.models.policy.incoming_balls import HORIZONS, struck
@@ -12,27 +12,27 @@ RESAMPLES = 4000
 
 
 def outcomes(share, policies=1, balls=400, seed=0):
-    return np.random.default_rng(seed).random((policies, balls)) < share
+    """Return (R, B, 1): there is one way to succeed."""
+    return np.random.default_rng(seed).random((policies, balls, 1)) < share
 
 
-def test_shares_difference_and_discordant_balls_by_hand():
+def test_difference_and_discordant_balls_by_hand():
     one = np.array([[1, 1, 1, 0], [1, 1, 0, 0]], dtype=bool)
     other = np.array([[1, 0, 0, 1], [1, 0, 1, 0]], dtype=bool)
 
-    compared = compare(one, other, RESAMPLES, 0)
+    forth, back = compare(np.dstack([one, other]), np.dstack([other, one]), RESAMPLES, 0)
 
-    assert compared.one.mean == 5 / 8 and compared.other.mean == 4 / 8
-    assert compared.difference.mean == pytest.approx(1 / 8)
-    assert (compared.gained, compared.lost) == (1, 1)  # the third ball counts once each way
+    assert forth.difference.mean == 1 / 8
+    assert (forth.gained, forth.lost) == (1, 1)  # the third ball counts once each way
+    assert back.difference.mean == -1 / 8
 
 
 def test_what_is_the_same_differs_by_exactly_nothing():
     same = outcomes(0.9, policies=2)
 
-    compared = compare(same, same, RESAMPLES, 0)
+    (compared,) = compare(same, same, RESAMPLES, 0)
 
     assert vars(compared.difference) == {"mean": 0.0, "low": 0.0, "high": 0.0}
-    assert compared.one == compared.other
     assert compared.gained == compared.lost == 0
 
 
@@ -40,7 +40,7 @@ def test_the_interval_is_that_of_paired_balls():
     one, other = outcomes(0.8, balls=900), outcomes(0.7, balls=900, seed=1)
     other[:, 450:] = one[:, 450:]  # half of the balls end alike
 
-    found = compare(one, other, RESAMPLES, 0).difference
+    found = compare(one, other, RESAMPLES, 0)[0].difference
 
     margin = 1.96 * np.std(one.astype(float) - other) / np.sqrt(900)
     assert found.high - found.mean == pytest.approx(margin, rel=0.1)
@@ -48,15 +48,24 @@ def test_the_interval_is_that_of_paired_balls():
 
 
 def test_a_second_policy_that_does_the_same_makes_nothing_surer():
-    one, other = outcomes(0.8), outcomes(0.7, seed=1)
+    single = outcomes(0.8).astype(float)
 
-    single = compare(one, other, RESAMPLES, 0)
+    double = np.tile(single, (2, 1, 1))
 
-    assert compare(np.tile(one, (2, 1)), np.tile(other, (2, 1)), RESAMPLES, 0) == single
+    assert intervals(double, RESAMPLES, 0) == intervals(single, RESAMPLES, 0)
+
+
+def test_a_quantity_has_the_same_interval_whatever_else_is_asked():
+    one, other = outcomes(0.8).astype(float), outcomes(0.7, seed=1).astype(float)
+
+    together = intervals(np.dstack([one, other]), RESAMPLES, 0)
+
+    assert together == [intervals(each, RESAMPLES, 0)[0] for each in (one, other)]
+    assert together[0].low < one.mean() == together[0].mean < together[0].high
 
 
 def test_without_resamples_an_interval_is_its_mean():
-    found = compare(outcomes(0.8), outcomes(0.7, seed=1), 0, 0).difference
+    (found,) = intervals(outcomes(0.8).astype(float), 0, 0)
 
     assert found.low == found.mean == found.high > 0
 

@@ -1,0 +1,27 @@
+"""Metrics: numbers under what they belong to, as a report's metrics.json keeps them."""
+
+from collections.abc import Hashable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+
+def rounded(value: float) -> float:
+    """Return six digits: more would only show the processor's last bits."""
+    return float(f"{value:.6g}")
+
+
+def place(metrics: dict[str, Any], keys: Iterable[Hashable]) -> dict[str, Any]:
+    """Return the metrics under ``keys``, one within the other; what is not there yet is made."""
+    for key in keys:
+        metrics = metrics.setdefault(str(key), {})
+    return metrics
+
+
+def over_seeds(values: Sequence[float]) -> dict[str, Any]:
+    """Return mean, standard deviation and each of the values of what differs in its seed alone."""
+    return {
+        "mean": rounded(float(np.mean(values))),
+        "std": rounded(float(np.std(values))),
+        "per_seed": [rounded(value) for value in values],
+    }
