@@ -15,7 +15,7 @@ export DO_NOT_TRACK := true
 PIP := .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real test test-all lint bench bench-learning ui
+.PHONY: help reproduce real test test-all lint bench ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
@@ -48,12 +48,10 @@ lint: .venv/ready ## style, types, import arrows
 	mypy
 	lint-imports
 
-bench: .venv/ready ## the ball simulator and the learning beside their peers, and what predictors cost
+bench: .venv/ready ## half an hour: the ball simulator and the learning beside their peers, and what predictors cost
 	@python -m tests.bench
 	@python -m tests.bench_policy
 	@test ! -d artifacts/train_predictor || rallygap costs
-
-bench-learning: .venv/ready ## an hour: how long policies take to 90 % returns, beside SB3's defaults
 	@python -m tests.bench_learning
 
 ui: .venv/ready ## the MLflow pages of this repository's runs, on this machine only

@@ -120,9 +120,7 @@ def main() -> None:
         name = f"control ticks/s, {arms} arms to 1"
         table.add_row(name, f"{speed:,.0f}", f"{one:,.0f}", f"{speed / one:.1f} x")
     table.add_row("gradient steps/s", f"{steps:,.0f}", f"{plain:,.0f}", f"{steps / plain:.1f} x")
-    console = Console()
-    console.print(table)
-    console.print("how long both take to 90 % returns: make bench-learning (about an hour)")
+    Console().print(table)
 
 
 if __name__ == "__main__":

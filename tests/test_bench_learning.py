@@ -1,6 +1,7 @@
 """The race to 90 % returns ends where it must and is told as it was."""
 
 import io
+import math
 from itertools import count
 
 import pytest
@@ -10,10 +11,10 @@ from tests import bench_learning
 from tests.bench_learning import LEARNING, Mark, marks, result
 
 
-def course(monkeypatch, returned):
+def course(monkeypatch, returned, legs=None, patience=math.inf):
     """The marks of somebody who returns these shares of the balls, leg by leg."""
     monkeypatch.setattr(bench_learning, "return_rate", lambda leg: returned[leg])
-    return list(marks(count()))
+    return list(marks(iter(range(legs)) if legs else count(), patience))
 
 
 def shown(our, their):
@@ -28,10 +29,13 @@ def test_it_ends_with_the_first_leg_that_reaches_the_goal(monkeypatch):
     assert [mark.ticks for mark in found] == [LEARNING.ticks * leg for leg in (1, 2, 3)]
 
 
-def test_it_ends_with_the_budget_where_the_goal_is_not_reached(monkeypatch):
-    found = course(monkeypatch, [0.1] * LEARNING.legs)
-    assert len(found) == LEARNING.legs
-    assert found[-1].returned == 0.1
+def test_it_ends_with_the_last_leg_where_the_goal_is_not_reached(monkeypatch):
+    found = course(monkeypatch, [0.1] * 5, legs=3)
+    assert [mark.returned for mark in found] == [0.1] * 3
+
+
+def test_it_ends_when_the_patience_does(monkeypatch):
+    assert len(course(monkeypatch, [0.1] * 5, patience=1e-9)) == 1
 
 
 @pytest.mark.parametrize(
