@@ -18,7 +18,7 @@ from stable_baselines3.common.logger import Logger
 
 from models.policy.court import ACTIONS
 from models.policy.environment import ReturnEnv, ReturnVecEnv
-from models.policy.learning import LEARNER, REPLAY, learn_leg
+from models.policy.learning import LEARNER, REPLAY, learn_leg, spare_weights
 from models.policy.task import Task
 from pipeline.costs import one_core
 from pipeline.params import load_params
@@ -102,6 +102,7 @@ def our_learner() -> SAC:
         learn_leg(TASK, LEARNING.model_copy(update=short), SEED, 0, None, left)
         learner = SAC.load(left / LEARNER, device="cpu")
         learner.load_replay_buffer(left / REPLAY)
+    learner.critic.register_forward_pre_hook(spare_weights)
     return learner
 
 

@@ -48,6 +48,7 @@ def learn_leg(
     learner.learning_rate, learner.lr_schedule = rate, lambda _: rate
     learner.set_random_seed(own_seed)
     learner.set_logger(Logger(None, []))  # or every leg would leave a folder of logs
+    learner.critic.register_forward_pre_hook(spare_weights)
     learner.learn(settings.ticks, reset_num_timesteps=False)
     environment.close()
     learner.save(after / LEARNER, exclude=["lr_schedule"])
@@ -68,6 +69,15 @@ def trained_policy(learner: SAC) -> Policy:
     actor = learner.policy.actor
     maps = [part for part in (*actor.latent_pi, actor.mu) if isinstance(part, nn.Linear)]
     return Policy(tuple((_array(part.weight), _array(part.bias)) for part in maps))
+
+
+def spare_weights(critic: nn.Module, inputs: tuple[Tensor, Tensor]) -> None:
+    """Before critics judge (observations, actions), let them learn only if the actor does not.
+
+    Where an action has a gradient, it is the actor that learns. SAC would work out the gradients of
+    the critics' weights, too, and throw them away: a twentieth of a gradient step.
+    """
+    critic.requires_grad_(not inputs[1].requires_grad)
 
 
 def _new(environment: ReturnVecEnv, settings: LearningSettings) -> SAC:

@@ -6,8 +6,15 @@ import numpy as np
 import pytest
 import torch
 from stable_baselines3 import SAC
+from stable_baselines3.common.logger import Logger
 
-from models.policy.learning import LEARNER, learn_leg, learning_rate, trained_policy
+from models.policy.learning import (
+    LEARNER,
+    learn_leg,
+    learning_rate,
+    spare_weights,
+    trained_policy,
+)
 from models.policy.observation import LIMIT
 from tests.models.policy.schooling import BRIEF, TASK, same
 
@@ -52,6 +59,23 @@ def test_a_leg_goes_on_with_all_that_was_learned_from(schooled, tmp_path):
     assert BRIEF.arms * learner.replay_buffer.size() == 2 * BRIEF.ticks
     steps = (BRIEF.ticks - BRIEF.warm_up + BRIEF.ticks) // BRIEF.arms * BRIEF.gradient_steps
     assert learner._n_updates == pytest.approx(steps, abs=BRIEF.gradient_steps)
+
+
+def test_sparing_the_critics_changes_nothing_of_what_is_learned(schooled):
+    plain, spared = (SAC.load(schooled[0] / LEARNER) for _ in range(2))
+    spared.critic.register_forward_pre_hook(spare_weights)
+    for learner in (plain, spared):
+        learner.load_replay_buffer(schooled[0] / "replay.pkl")
+        learner.set_logger(Logger(None, []))
+        learner.set_random_seed(5)
+        learner.train(3, BRIEF.batch)
+
+    pairs = zip(
+        plain.policy.state_dict().values(), spared.policy.state_dict().values(), strict=True
+    )
+    assert all(torch.equal(*pair) for pair in pairs)
+    before = SAC.load(schooled[0] / LEARNER)
+    assert not same(trained_policy(plain), trained_policy(before))
 
 
 def test_the_learning_rate_falls_by_the_same_factor_from_leg_to_leg():
