@@ -24,6 +24,7 @@ REPORTED = (
     "hit",
     "returned",
     "fault",
+    "goal_reward",
     "nearest",
     "time",
     "backhand",

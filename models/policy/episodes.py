@@ -9,7 +9,7 @@ from models.ball.simulator import Simulator
 from models.policy.encounter import Encounters
 from models.policy.goals import Goals
 from models.policy.outcome import judge
-from models.policy.reward import FAULT, contact_reward, miss_reward
+from models.policy.reward import FAULT, contact_reward, goal_reward, miss_reward
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
@@ -32,6 +32,7 @@ class Episodes:
         fault: (E,) why it was not returned: ``missed``, ``before_bounce`` (the racket met it too
             early), ``arm_on_table``, ``net`` or ``out``; empty for a return.
         reward: (E,) that the end brought.
+        goal_reward: (E,) the part of it that depends on the goal.
         nearest: (E,) m between the centres of ball and racket at their nearest, while the ball
             could be played; infinite if it never could.
         time: (E,) s from the launch to the hit; from here on NaN without a hit.
@@ -50,6 +51,7 @@ class Episodes:
     returned: Booleans
     fault: Strings
     reward: Floats
+    goal_reward: Floats
     nearest: Floats
     time: Floats
     after: Floats
@@ -87,7 +89,11 @@ def concluded(
     returned, fault = hit.copy(), endings.copy()
     returned[hit], fault[hit] = outcome.returned, outcome.fault
     reward = np.where(endings == MISSED, miss_reward(nearest), -FAULT)
-    reward[hit] = contact_reward(outcome, hits.backhand, goals[hit])
+    of_goals = np.zeros(len(endings))
+    of_goals[hit] = goal_reward(
+        outcome.landing, outcome.speed, outcome.topspin, outcome.returned, goals[hit]
+    )
+    reward[hit] = contact_reward(outcome, hits.backhand) + of_goals[hit]
     return Episodes(
         arms,
         goals,
@@ -95,6 +101,7 @@ def concluded(
         returned,
         fault,
         reward,
+        of_goals,
         nearest,
         time=_spread(hit, times),
         after=_spread(hit, after),

@@ -13,7 +13,9 @@ from stable_baselines3.common.logger import Logger
 from torch import Tensor, nn
 
 from models.policy.environment import ReturnVecEnv
+from models.policy.observation import goal_columns
 from models.policy.policy import Policy, Singles
+from models.policy.retelling import RetoldReplay
 from models.policy.settings import LearningSettings
 from models.policy.streams import leg_seed
 from models.policy.task import Task
@@ -43,7 +45,7 @@ def learn_leg(
     environment = ReturnVecEnv(
         task.simulator, task.practice, task.observation, settings.arms, own_seed
     )
-    learner = _new(environment, settings) if before is None else _resumed(environment, before)
+    learner = _new(environment, task, settings) if before is None else _resumed(environment, before)
     rate = learning_rate(settings, leg)
     learner.learning_rate, learner.lr_schedule = rate, lambda _: rate
     learner.set_random_seed(own_seed)
@@ -80,7 +82,7 @@ def spare_weights(critic: nn.Module, inputs: tuple[Tensor, Tensor]) -> None:
     critic.requires_grad_(not inputs[1].requires_grad)
 
 
-def _new(environment: ReturnVecEnv, settings: LearningSettings) -> SAC:
+def _new(environment: ReturnVecEnv, task: Task, settings: LearningSettings) -> SAC:
     return SAC(
         "MlpPolicy",
         environment,
@@ -89,17 +91,19 @@ def _new(environment: ReturnVecEnv, settings: LearningSettings) -> SAC:
         ent_coef=f"auto_{settings.entropy}",
         gamma=settings.discount,
         gradient_steps=settings.gradient_steps,
-        n_steps=settings.ahead,
         learning_starts=settings.warm_up,
+        replay_buffer_class=RetoldReplay,
+        replay_buffer_kwargs={
+            "goals": task.goals,
+            "columns": goal_columns(len(task.horizons), task.goals.count),
+        },
         policy_kwargs={"net_arch": [settings.width] * 2, "optimizer_kwargs": {"fused": True}},
         device="cpu",
     )
 
 
 def _resumed(environment: ReturnVecEnv, before: Path) -> SAC:
-    # Its buffer comes from a file of its own; the class that SAC chose for it would be warned of.
-    own = {"replay_buffer_class": None}
-    learner = SAC.load(before / LEARNER, environment, device="cpu", custom_objects=own)
+    learner = SAC.load(before / LEARNER, environment, device="cpu")
     learner.load_replay_buffer(before / REPLAY)
     return learner
 

@@ -17,6 +17,7 @@ LIMIT = 5.0  # on every number: a forecast gone astray must not blow up the netw
 _MIDDLE, _HALF_RANGE = 0.5 * (UPPER + LOWER), 0.5 * (UPPER - LOWER)
 _HOME = racket(NEUTRAL[None], NEUTRAL[None]).position[0]
 
+OWN = 2 * len(NEUTRAL) + 9  # numbers of the robot itself
 RACKET_REACH = 0.5  # m around neutral
 RACKET_SPEED = 3.0  # m/s
 
@@ -74,8 +75,13 @@ def crossing(hand: Racket, balls: Floats) -> Floats:
     return np.column_stack([time, across, above, velocity[:, 0], velocity[:, 1], falling])
 
 
+def goal_columns(horizons: int, goals: int) -> slice:
+    """Return where in an observation the goal stands."""
+    first = OWN + horizons * STATE_SIZE
+    return slice(first, first + goals)
+
+
 def observation_size(horizons: int, goals: int, kind: ObservationKind) -> int:
     """Return how many numbers an observation has."""
-    own = 2 * len(NEUTRAL) + 9
     crossings = len(CROSSING_SCALE) if kind == "intercept" else 0
-    return own + horizons * STATE_SIZE + goals + crossings
+    return OWN + horizons * STATE_SIZE + goals + crossings

@@ -15,36 +15,50 @@ Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 
 CONTACT = 0.5  # for touching the ball at all
-LANDING, LANDING_SCALE = 1.5, 0.6  # m: the slope that a landing on the table feels
+LANDING, LANDING_SCALE = 3.0, 0.6  # m: the slope that a landing on the table feels
 FAR, FAR_SCALE = 0.3, 1.0  # m: the slope that is left for balls metres away
 NET, NET_DEPTH = 0.5, 0.3  # m below the clearance at which the whole penalty is due
 NET_CLEARANCE = NET_HEIGHT + BALL_RADIUS + 0.03  # m: 3 cm of air between ball and net
 RETURN = 1.0
 BACKHAND = 0.5  # penalty: one face for all balls is found sooner than two
 
-# Goals that not every policy is given; a goal met is worth half a return.
-SPEED, SPEED_SCALE = 0.5, 1.5  # m/s
-TOPSPIN, TOPSPIN_SCALE = 0.5, 50.0  # rad/s
+# Goals that not every policy is given. Worth more than a landing, or they are not learned at all.
+SPEED, SPEED_SCALE = 4.0, 1.5  # m/s
+TOPSPIN, TOPSPIN_SCALE = 4.0, 100.0  # rad/s
 
 NEAREST_SLOPE = 2.0  # 1/m: a ball missed by half a metre or more is missed altogether
 FAULT = 1.0  # penalty: as bad as the worst miss, or the policy would seek it
 EFFORT = 0.002  # a tick, times the squared action: five full actions cost 0.01
 
 
-def contact_reward(outcome: Outcome, backhand: Booleans, goals: Goals) -> Floats:
-    """Return the (B,) rewards of balls that were struck.
+def contact_reward(outcome: Outcome, backhand: Booleans) -> Floats:
+    """Return what (B,) strokes are worth whatever their goals, ``backhand`` (B,) if by the back."""
+    low = NET * np.clip((NET_CLEARANCE - outcome.net_height) / NET_DEPTH, 0.0, 1.0)
+    worth: Floats = CONTACT - low - BACKHAND * backhand + RETURN * outcome.returned
+    return worth
+
+
+def goal_reward(
+    landing: Floats, speed: Floats, topspin: Floats, returned: Booleans, goals: Goals
+) -> Floats:
+    """Return what (B,) strokes are worth besides, under any goals.
 
     Args:
-        outcome: of the (B,) balls.
-        backhand: (B,) whether the racket's back met the ball.
+        landing: (B, 2) m, where the balls landed.
+        speed: (B,) m/s just after the racket.
+        topspin: (B,) rad/s just after the racket.
+        returned: (B,) whether they landed as they must.
         goals: (B,) that were to be reached.
     """
-    landing = LANDING * np.exp(-outcome.distance / LANDING_SCALE)
-    far = FAR / (1.0 + outcome.distance / FAR_SCALE)
-    low = NET * np.clip((NET_CLEARANCE - outcome.net_height) / NET_DEPTH, 0.0, 1.0)
-    returned = RETURN + _style(outcome, goals)
-    total: Floats = CONTACT + landing + far - low - BACKHAND * backhand
-    return total + np.where(outcome.returned, returned, 0.0)
+    distance = np.linalg.norm(landing - goals.landing, axis=1)
+    near = LANDING * np.exp(-distance / LANDING_SCALE) + FAR / (1.0 + distance / FAR_SCALE)
+    style = np.zeros(len(distance))
+    if goals.speed is not None:
+        style += SPEED * np.exp(-np.abs(speed - goals.speed) / SPEED_SCALE)
+    if goals.topspin is not None:
+        style += TOPSPIN * np.exp(-np.abs(topspin - goals.topspin) / TOPSPIN_SCALE)
+    worth: Floats = near + np.where(returned, style, 0.0)
+    return worth
 
 
 def miss_reward(nearest: Floats) -> Floats:
@@ -57,13 +71,3 @@ def effort_reward(actions: Floats) -> Floats:
     """Return the (B,) rewards of (B, 5) actions: calm arms are preferred."""
     effort: Floats = -EFFORT * (actions**2).sum(axis=1)
     return effort
-
-
-def _style(outcome: Outcome, goals: Goals) -> Floats:
-    """Return how well the speed and the topspin that were asked for are met."""
-    style = np.zeros(len(outcome.speed))
-    if goals.speed is not None:
-        style += SPEED * np.exp(-np.abs(outcome.speed - goals.speed) / SPEED_SCALE)
-    if goals.topspin is not None:
-        style += TOPSPIN * np.exp(-np.abs(outcome.topspin - goals.topspin) / TOPSPIN_SCALE)
-    return style

@@ -51,6 +51,11 @@ class GoalSettings(BaseModel):
     """Of the ball just after the racket (rad/s), negative is backspin; null where none is asked
     for."""
 
+    @property
+    def count(self) -> int:
+        """How many numbers a goal has."""
+        return 2 + (self.speed is not None) + (self.topspin is not None)
+
 
 class LearningSettings(BaseModel):
     """How a policy learns: soft actor-critic (Haarnoja 2018), in legs that it can resume at."""
@@ -77,8 +82,6 @@ class LearningSettings(BaseModel):
     """Of the last leg; in between it falls by the same factor from leg to leg."""
     discount: Annotated[float, Field(gt=0, lt=1)]
     """Of a tick."""
-    ahead: Annotated[int, Field(ge=1, le=20)]
-    """Ticks whose rewards count as they came, before the critics say what follows."""
     entropy: Annotated[float, Field(gt=0, le=10)]
     """First weight of the entropy, which is then tuned automatically."""
 

@@ -5,14 +5,14 @@ import pytest
 
 from models.policy.goals import Goals
 from models.policy.outcome import Outcome
-from models.policy.reward import contact_reward, effort_reward, miss_reward
+from models.policy.reward import contact_reward, effort_reward, goal_reward, miss_reward
 
 
 def outcome(returned=True, distance=0.0, net_height=0.3, speed=6.0, topspin=50.0):
     return Outcome(
         returned=np.array([returned]),
         fault=np.array([""]),
-        landing=np.zeros((1, 2)),
+        landing=np.array([[distance, 0.0]]),
         distance=np.array([distance]),
         net_height=np.array([net_height]),
         speed=np.array([speed]),
@@ -22,25 +22,27 @@ def outcome(returned=True, distance=0.0, net_height=0.3, speed=6.0, topspin=50.0
 
 def reward(backhand=False, speed=None, topspin=None, **described):
     asked = [None if value is None else np.array([value]) for value in (speed, topspin)]
-    goals = Goals(np.zeros((1, 2)), *asked)
-    return contact_reward(outcome(**described), np.array([backhand]), goals)[0]
+    goals, played = Goals(np.zeros((1, 2)), *asked), outcome(**described)
+    whatever_the_goal = contact_reward(played, np.array([backhand]))[0]
+    for_the_goal = goal_reward(played.landing, played.speed, played.topspin, played.returned, goals)
+    return whatever_the_goal + for_the_goal[0]
 
 
 @pytest.mark.parametrize(
     ("described", "expected"),
     [
-        ({}, 0.5 + 1.5 + 0.3 + 1.0),
-        ({"returned": False}, 0.5 + 1.5 + 0.3),
-        ({"backhand": True}, 3.3 - 0.5),
-        ({"distance": 0.6}, 0.5 + 1.5 / np.e + 0.3 / 1.6 + 1.0),
-        ({"net_height": 0.2025}, 3.3),
-        ({"net_height": 0.1725}, 3.3 - 0.5 * 0.1),
-        ({"net_height": -8.0, "returned": False}, 2.3 - 0.5),
-        ({"speed": 6.0}, 3.3 + 0.5),
-        ({"speed": 4.5}, 3.3 + 0.5 / np.e),
-        ({"topspin": 100.0}, 3.3 + 0.5 / np.e),
-        ({"topspin": 50.0, "speed": 6.0}, 3.3 + 1.0),
-        ({"topspin": 50.0, "speed": 6.0, "returned": False}, 2.3),
+        ({}, 0.5 + 3.0 + 0.3 + 1.0),
+        ({"returned": False}, 0.5 + 3.0 + 0.3),
+        ({"backhand": True}, 4.8 - 0.5),
+        ({"distance": 0.6}, 0.5 + 3.0 / np.e + 0.3 / 1.6 + 1.0),
+        ({"net_height": 0.2025}, 4.8),
+        ({"net_height": 0.1725}, 4.8 - 0.5 * 0.1),
+        ({"net_height": -8.0, "returned": False}, 3.8 - 0.5),
+        ({"speed": 6.0}, 4.8 + 4.0),
+        ({"speed": 4.5}, 4.8 + 4.0 / np.e),
+        ({"topspin": 150.0}, 4.8 + 4.0 / np.e),
+        ({"topspin": 50.0, "speed": 6.0}, 4.8 + 8.0),
+        ({"topspin": 50.0, "speed": 6.0, "returned": False}, 3.8),
     ],
 )
 def test_a_stroke_is_worth(described, expected):
