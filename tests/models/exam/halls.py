@@ -1,0 +1,34 @@
+"""Trials for the tests: the nominal simulator, and cameras and bounces without any error."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from models.arena.cameras import SlowError
+from models.arena.scatter import BounceScatter
+from models.ball.simulators import shipped
+from models.exam.launches import launches
+from models.exam.trial import CAMERAS, Trial
+
+NOMINAL = shipped("literature")
+NO_SCATTER = BounceScatter(restitution=0.0, friction=0.0)
+PERFECT = replace(
+    CAMERAS,
+    position_noise=0.0,
+    spin_noise=0.0,
+    dropouts=0.0,
+    outliers=0.0,
+    slow_error=SlowError(share=0.0, time=0.05),
+)
+
+
+def trial(**settings):
+    return Trial("trial", NOMINAL, **settings)
+
+
+def ideal(**settings):
+    return trial(cameras=PERFECT, scatter=NO_SCATTER, **settings)
+
+
+def drawn(shots=100, directions=2, seed=0):
+    return launches(NOMINAL, shots, directions, np.random.default_rng(seed))

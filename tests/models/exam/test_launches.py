@@ -1,0 +1,65 @@
+"""Launches: varied strokes over the table, from both sides."""
+
+import numpy as np
+
+from tests.models.exam.halls import NOMINAL, drawn
+
+LAUNCHES = drawn(shots=600)
+CONTACTS = NOMINAL.fly(LAUNCHES.states, [0.0, 2.0]).contacts
+
+
+def bounces_seen():
+    return (CONTACTS.time < LAUNCHES.durations[:, None]).sum(axis=1)
+
+
+def test_speeds_and_spins_range_widely():
+    speed = np.linalg.norm(LAUNCHES.states[:, 3:6], axis=1)
+    spin = np.abs(LAUNCHES.states[:, 6:])
+
+    assert speed.min() >= 4.0
+    assert speed.max() <= 15.0
+    assert np.percentile(speed, 97) > 3 * np.percentile(speed, 3)
+    assert np.linalg.norm(LAUNCHES.states[:, 6:], axis=1).max() <= 400.0
+    assert (spin.max(axis=0) > 300.0).all()
+
+
+def test_most_shots_bounce_once_some_not_and_some_twice():
+    share = np.bincount(bounces_seen(), minlength=4) / len(LAUNCHES.states)
+
+    assert 0.6 < share[1] < 0.9
+    assert 0.03 < share[0] < 0.15
+    assert 0.05 < share[2] < 0.3
+    assert share[3] == 0
+
+
+def test_flights_before_and_after_the_bounce_last_about_equally_long():
+    once = bounces_seen() == 1
+    before = CONTACTS.time[once, 0]
+
+    assert 0.25 < np.median(before) < 0.35
+    assert 0.25 < np.median(LAUNCHES.durations[once] - before) < 0.35
+
+
+def test_balls_clear_the_net():
+    times = LAUNCHES.durations[:, None] * np.linspace(0, 1, 2000)
+    y, z = np.moveaxis(NOMINAL.fly(LAUNCHES.states, times).states[..., 1:3], -1, 0)
+
+    over = np.abs(y) < 0.02
+
+    assert over.any(axis=1).mean() > 0.5
+    assert z[over].min() > 0.1525 + 0.02
+
+
+def test_two_directions_are_played_equally_often_and_one_is_towards_the_robot():
+    one = drawn(directions=1).states
+
+    assert (LAUNCHES.states[:, 4] > 0).mean() == 0.5
+    assert (one[:, 4] < 0).all()
+
+
+def test_the_same_seed_gives_the_same_launches():
+    again, other = drawn(shots=600), drawn(shots=600, seed=1)
+
+    assert (again.states == LAUNCHES.states).all()
+    assert (again.durations == LAUNCHES.durations).all()
+    assert (other.states != LAUNCHES.states).all()
