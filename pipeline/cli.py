@@ -86,6 +86,27 @@ def effects() -> None:
 
 
 @app.command()
+def diagnose(
+    data: Annotated[Path, typer.Argument(help="the folder of the recordings")],
+    simulator: Annotated[str, typer.Option(help="a shipped one's name, or a YAML file")],
+    out: Annotated[Path, typer.Option(help="the folder to write to")],
+    source: Annotated[str, typer.Option(help="the adapter that reads the recordings")] = "csv",
+    level: Annotated[
+        float, typer.Option(min=1e-4, max=0.5, help="chance of a false name without a gap")
+    ] = 0.003,
+) -> None:
+    """Say where recordings and a simulator disagree, why, and by how much."""
+    from pipeline.diagnosis import diagnose_folder
+
+    findings = diagnose_folder(data, source, simulator, level, out)
+    for sentence in findings.sentences:
+        typer.echo(sentence)
+    for limit in findings.verdict.limits:
+        typer.echo(f"Limit: {limit}.")
+    typer.echo(f"All of it: {out / 'report.html'}")
+
+
+@app.command()
 def costs() -> None:
     """Measure what the predictors of the last run cost on this machine; write reports/costs."""
     from rich.console import Console

@@ -19,7 +19,7 @@ from pipeline.figures.style import predictor_colour
 
 SHOTS_STAGE = "evaluate_predictor"  # the stage whose run forecast the shots
 
-_TEMPLATES = Environment(
+TEMPLATES = Environment(
     loader=FileSystemLoader(Path(__file__).parent / "templates"),
     autoescape=True,
     undefined=StrictUndefined,
@@ -39,7 +39,7 @@ def render_page(reports: Path, contents: Sequence[Contents], shots: Sequence[Sho
     Raises:
         InputError: if a figure or table that the contents name is missing or broken.
     """
-    return _TEMPLATES.get_template("page.html").render(
+    return TEMPLATES.get_template("page.html").render(
         stages=[_shown_stage(reports, stage) for stage in contents],
         shot_stage=next(stage for stage in contents if stage.stage == SHOTS_STAGE),
         viewer=_viewer(shots) if shots else None,

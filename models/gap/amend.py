@@ -1,0 +1,66 @@
+"""Amend: the simulator with the causes that a verdict names, and where they come from."""
+
+from collections.abc import Iterator
+
+from models.ball.simulator import Simulator
+from models.gap.hypotheses import Hypothesis, hypotheses
+from models.gap.verdict import Cause, Verdict, component_of, name_of
+
+
+def amended(simulator: Simulator, verdict: Verdict) -> Simulator:
+    """Return the simulator with the estimates of all causes in it.
+
+    Of causes that the shots cannot tell apart it takes the one that explains most, since on balls
+    like these any does as well.
+    """
+    for cause in verdict.effects:
+        simulator = _hypothesis(simulator, cause).at(simulator, _within_bounds(simulator, cause))
+    return simulator
+
+
+def amended_yaml(simulator: Simulator, verdict: Verdict, data: str) -> str:
+    """Return the amended simulator's YAML; every change says where it comes from.
+
+    Args:
+        simulator: as it was.
+        verdict: on it.
+        data: name of the data set.
+    """
+    result = amended(simulator, verdict)
+    notes: dict[str, list[str]] = {}
+    for cause in verdict.effects:
+        effect = _hypothesis(simulator, cause).effect
+        notes.setdefault(effect, []).append(provenance(cause, verdict, data))
+    return "\n".join(_lines(result, notes)) + "\n"
+
+
+def provenance(cause: Cause, verdict: Verdict, data: str) -> str:
+    """Return in words where an amendment comes from."""
+    was = f"was {cause.nominal:g}" if cause.kind == "wrong_value" else "was missing"
+    low, high = cause.interval
+    others = [name for name in cause.possible if name != cause.name]
+    doubt = f"; could be {', '.join(others)}" if others else ""
+    return (
+        f"{cause.parameter}: {was}; {data} says {cause.estimate:.5g} {cause.unit} "
+        f"(95 % {low:.5g} to {high:.5g}); verdict {verdict.verdict}{doubt}"
+    )
+
+
+def _lines(simulator: Simulator, notes: dict[str, list[str]]) -> Iterator[str]:
+    for effect, values in simulator.to_dict().items():
+        yield from (f"# {note}" for note in notes.get(effect, []))
+        yield f"{effect}: {{{', '.join(f'{name}: {value!r}' for name, value in values.items())}}}"
+
+
+def _hypothesis(simulator: Simulator, cause: Cause) -> Hypothesis:
+    return next(
+        one
+        for one in hypotheses(simulator)
+        if (name_of(one), component_of(one), one.parameter)
+        == (cause.name, cause.component, cause.parameter)
+    )
+
+
+def _within_bounds(simulator: Simulator, cause: Cause) -> float:
+    low, high = _hypothesis(simulator, cause).declaration.bounds
+    return min(max(cause.estimate, low), high)

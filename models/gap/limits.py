@@ -1,0 +1,66 @@
+"""Limits: what data cannot decide, why, and which experiment would."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from models.ball.catalogue import catalogue
+from models.gap.shots import Shots
+from models.gap.verdict import Cause
+
+FEW = 20  # shots
+TABLE = {"restitution", "friction"}
+ONE_WAY = 0.9  # of the shots in the same direction
+
+
+def limits(shots: Shots, causes: Sequence[Cause], blind_to: Sequence[str]) -> tuple[str, ...]:
+    """Return in words what shots cannot decide, and what would split the classes of causes."""
+    blind = set(blind_to) >= TABLE
+    table = ["no bounces: nothing of the table can be judged; let balls bounce"] if blind else []
+    return (
+        *_of_shots(shots),
+        *table,
+        *(_split(one, shots) for one in causes if len(one.possible) > 1),
+    )
+
+
+def _of_shots(shots: Shots) -> Iterator[str]:
+    if len(shots) < FEW:
+        yield f"{len(shots)} shots: small effects stay hidden; record {FEW} or more"
+    if not shots.labelled.any():
+        yield "no spin labels: spin sensors cannot be judged, and lift only by its curves"
+    if _one_way(shots):
+        yield "all shots go one way: wind, tilts and drag look alike; shoot both ways"
+
+
+def _split(cause: Cause, shots: Shots) -> str:
+    return f"{' or '.join(cause.possible)}: to tell them apart, {experiment(cause, shots)}"
+
+
+def experiment(cause: Cause, shots: Shots) -> str:
+    """Return what to do so that the members of a cause's class part."""
+    phases = {_acts(name) for name in cause.possible}
+    if "sensor" in phases:
+        return "film a scale, a clock or a ball of known spin with the same cameras"
+    if _one_way(shots):
+        return "shoot both ways"
+    if not shots.labelled.any():
+        return "measure the spin"
+    if (shots.labelled.sum(axis=1) <= 1).all():
+        return "measure the spin after the bounce, too"
+    if phases == {"contact"}:
+        return "let balls bounce at a wider range of falls, slips and spins"
+    if "gravity" in cause.possible:
+        return "weigh the ball, and drop a still one"
+    return "shoot at a wider range of speeds and spins"
+
+
+def _acts(name: str) -> str:
+    return catalogue()[name].acts if name in catalogue() else "contact"
+
+
+def _one_way(shots: Shots) -> bool:
+    last = shots.valid.sum(axis=1) - 1
+    end = shots.positions[np.arange(len(shots)), last]
+    towards = np.sign((end - shots.positions[:, 0])[:, 1]).mean()
+    return bool(abs(towards) > 2 * ONE_WAY - 1)

@@ -1,0 +1,132 @@
+"""Name: from shots and a simulator to the causes of the gap between them.
+
+The shots are fitted about the simulator as it is; the linearised evidence for every hypothesis
+gives the best explanation (explain.py), whose values are then refitted exactly; about this better
+simulator the evidence is taken anew, until the explanation stays. Before that, two causes that have
+no derivative are looked for: labels that read backwards (signs.py), and lift where no spin was
+measured (lift.py).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.ball.simulator import Simulator
+from models.gap.evidence import Evidence
+from models.gap.explain import Explainer, Explanation, Places, explained, from_nominal
+from models.gap.hypotheses import Hypothesis, hypotheses
+from models.gap.lift import lift
+from models.gap.refit import Refitted, refit
+from models.gap.shots import Shots
+from models.gap.signs import Signs, no_signs, signs
+
+MOST_ROUNDS = 3
+
+SIGNS = "spin_sign_flip"
+LIFT = Hypothesis("magnus", "cm")
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of shots.
+
+    Attributes:
+        simulator: that they may contradict.
+        level: chance of a false name in a set without any gap.
+        withheld: effects of the catalogue that are not in question.
+    """
+
+    simulator: Simulator
+    level: float
+    withheld: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Named:
+    """What was found.
+
+    Attributes:
+        found: the shots about the simulator with the causes in it.
+        first: the evidence before causes were looked for.
+        explainer: weighs explanations about departures from the simulator as it was.
+        explanation: the causes.
+        signs: which labels read backwards.
+    """
+
+    found: Refitted
+    first: Evidence
+    explainer: Explainer
+    explanation: Explanation
+    signs: Signs
+
+    @property
+    def simulator(self) -> Simulator:
+        """The simulator with the estimates of all causes, signs of labels aside."""
+        return with_estimates(self.explainer, self.explanation.causes)
+
+
+def name(shots: Shots, question: Question) -> Named:
+    """Name the causes of the gap between shots and a simulator."""
+    base, turned = refit(shots, question.simulator, ()), no_signs(shots)
+    if SIGNS not in question.withheld:
+        turned = signs(shots, base)
+    named = _with_signs(shots, question, turned, None if turned.significant else base)
+    # A simulator that lacks a cause may mistake signs; the one that has it decides.
+    if SIGNS not in question.withheld and named.explanation.causes:
+        again = turned.corrected(signs(turned.righted(shots), named.found))
+        if again != turned:
+            named = _with_signs(shots, question, again, None if again.significant else base)
+    return named
+
+
+def _with_signs(shots: Shots, question: Question, turned: Signs, base: Refitted | None) -> Named:
+    shots = turned.righted(shots)
+    base = base or refit(shots, question.simulator, ())
+    first = from_nominal(base, question.simulator, question.withheld)
+    return _explained(shots, question, _lifted(shots, question) or base, first, turned)
+
+
+def with_estimates(explainer: Explainer, causes: Places) -> Simulator:
+    """Return the nominal simulator with the estimates of some causes, within their bounds."""
+    simulator = explainer.nominal
+    if causes:
+        _, estimates = explainer.gains(np.array([causes]))
+        for k, change in zip(causes, estimates[0], strict=True):
+            hypothesis = explainer.evidence.columns[k]
+            value = hypothesis.value(explainer.nominal) + float(change)
+            bounded = float(np.clip(value, *hypothesis.declaration.bounds))
+            simulator = hypothesis.at(simulator, bounded)
+    return simulator
+
+
+def _lifted(shots: Shots, question: Question) -> Refitted | None:
+    """Return the shots with lift, where unlabelled spins bend them and the simulator has none."""
+    simulator = question.simulator
+    known = LIFT.effect in (*simulator.effects, *question.withheld)
+    if known or shots.labelled.any():
+        return None
+    own = tuple(one for one in hypotheses(simulator) if one.listed(simulator))
+    found = lift(shots, refit(shots, simulator, own))
+    if found.p_value > question.level:
+        return None
+    # The simulator's own values go back to where they were: they have to earn their change.
+    lifted = LIFT.at(simulator, LIFT.value(found.with_lift.simulator))
+    return refit(shots, lifted, (LIFT,))
+
+
+def _explained(
+    shots: Shots, question: Question, base: Refitted, first: Evidence, turned: Signs
+) -> Named:
+    """Explain and refit in turn until the explanation stays."""
+    found, earlier = base, [base.free]
+    for _ in range(MOST_ROUNDS):
+        evidence = from_nominal(found, question.simulator, question.withheld)
+        explainer = Explainer(evidence, question.simulator, question.level)
+        always = tuple(k for k, one in enumerate(evidence.columns) if one in base.free)
+        explanation = explained(explainer, always)
+        causes = tuple(evidence.columns[k] for k in explanation.causes)
+        if causes in earlier:
+            break
+        earlier.append(causes)
+        found = refit(shots, with_estimates(explainer, explanation.causes), causes, begin=found)
+    return Named(found, first, explainer, explanation, turned)

@@ -1,0 +1,203 @@
+"""Noise: what the sensor adds, how bounces scatter, and what is known of spins beforehand.
+
+- A coordinate errs by white noise plus an error that changes slowly, an Ornstein-Uhlenbeck process
+  (``slow`` m, correlation falls to 1/e in ``slow_time`` s). Outliers have their white variance
+  divided by the probability that they are none.
+- A component of a spin label errs by ``label`` times the spin in every row, and by ``label_common``
+  times the spin in all rows of a shot alike.
+- Kicks at bounces (motion.py) are Gaussian of zero mean, with a size each way.
+- States have hardly any prior, spins without a label neither. Lift is a product of spin and C_M, so
+  a prior that pulls all spins to zero would pull C_M up, and a mean spin that is not zero would
+  pass for gravity.
+
+``Grams`` keeps the whitened Gram matrices apart by what their scale depends on, so that all but the
+positions' noise can be changed at no cost.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.ball import state
+from models.ball.types import Floats
+from models.compiling import compiler
+from models.gap.linear import Linearised
+
+OUTLIERS = 0.02  # share of outliers expected
+OUTLIER_SIZE = 0.1  # m, their spread
+# A state may be anything up to these: m, m/s, rad/s, a component.
+ANY_PLACE, ANY_SPEED, ANY_SPIN = 100.0, 1000.0, 1e4
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Sizes of all that is random.
+
+    Attributes:
+        white: of a coordinate, m.
+        slow: of its slow error, m.
+        slow_time: in which the slow error's correlation falls to 1/e, s.
+        label: of a component of a label, as a share of the spin, in every row by itself.
+        label_common: the same for all rows of a shot.
+        scatter: of a bounce upwards, along the slip and across, as a share of the normal speed.
+    """
+
+    white: float = 0.003
+    slow: float = 0.001
+    slow_time: float = 0.05
+    label: float = 0.05
+    label_common: float = 0.02
+    scatter: tuple[float, float, float] = (0.02, 0.02, 0.02)
+
+    @property
+    def position(self) -> float:
+        """Standard deviation of a coordinate, m."""
+        return float(np.hypot(self.white, self.slow))
+
+
+@dataclass(frozen=True)
+class Grams:
+    """Gram matrices (B, C, C) of linearised shots, C = E + K + 1 columns.
+
+    Attributes:
+        positions: in the metric of the positions' noise.
+        apart: of labels less their mean, in units of the spin.
+        mean: of the labels' mean, times their number.
+        counts: (B,) labels a shot.
+        unknowns: (B, E) where the shots are linearised.
+        trust: (B,) in whole shots: the inverse of a factor on the variance of all that they say.
+    """
+
+    positions: Floats
+    apart: Floats
+    mean: Floats
+    counts: Floats
+    unknowns: Floats
+    trust: Floats
+
+    def total(self, noise: Noise) -> Floats:
+        """Return (B, C, C) in the metric of all noise, priors included as measurements."""
+        common = noise.label**2 + self.counts * noise.label_common**2
+        gram = self.positions + self.apart / noise.label**2 + self.mean / common[:, None, None]
+        precision, own = self.precision(noise), np.arange(self.unknowns.shape[1])
+        gram[:, own, own] += precision
+        pull = precision * self.unknowns
+        pull[:, : state.STATE_SIZE] = 0.0
+        gram[:, own, -1] -= pull
+        gram[:, -1, own] -= pull
+        gram[:, -1, -1] += (pull * self.unknowns).sum(axis=1)
+        return gram * self.trust[:, None, None]
+
+    def precision(self, noise: Noise) -> Floats:
+        """Return (B, E) the precision of each unknown's prior."""
+        return prior_precision(self.counts == 0, self.unknowns.shape[1], noise, ANY_SPIN)
+
+    def label_determinants(self, noise: Noise) -> Floats:
+        """Return (B,) logarithms of the determinants of labels' errors, in units of the spin."""
+        n = self.counts
+        common = np.log(noise.label**2 + n * noise.label_common**2)
+        determinants = 3 * ((n - 1) * np.log(noise.label**2) + common)
+        return np.where(n > 0, determinants, 0.0)
+
+
+def grams(linear: Linearised, noise: Noise, weights: Floats, trust: Floats) -> Grams:
+    """Return the Gram matrices of linearised shots.
+
+    Args:
+        linear: the shots.
+        noise: of which the positions' part counts.
+        weights: (B, N) probabilities that samples are no outliers.
+        trust: (B,) in whole shots.
+    """
+    white, _ = whitened(linear.positions, linear, noise, weights)
+    labels = linear.labels
+    counts = linear.labelled.sum(axis=1).astype(np.float64)
+    mean = labels.sum(axis=1, keepdims=True) / np.maximum(counts, 1.0)[:, None, None, None]
+    apart = np.where(linear.labelled[..., None, None], labels - mean, 0.0)
+    return Grams(
+        gram(white),
+        gram(apart),
+        gram(mean) * counts[:, None, None],
+        counts,
+        linear.unknowns,
+        trust,
+    )
+
+
+def gram(rows: Floats) -> Floats:
+    """Return (B, C, C) products of the columns of (B, N, 3, C) rows."""
+    flat = rows.reshape(len(rows), -1, rows.shape[-1])
+    products: Floats = np.swapaxes(flat, 1, 2) @ flat
+    return products
+
+
+def whitened(
+    rows: Floats, linear: Linearised, noise: Noise, weights: Floats
+) -> tuple[Floats, Floats]:
+    """Return (B, N, 3, C) rows of positions in the metric of their noise.
+
+    The innovations of a Kalman filter that follows the slow error are white. Second come the (B,)
+    logarithms of the noise's determinants.
+    """
+    flat = np.ascontiguousarray(rows).reshape(*rows.shape[:2], -1)
+    usable = np.where(linear.sampled, weights, 0.0)
+    innovations, determinants = _innovations(
+        flat, linear.shots.times, usable, noise.white, noise.slow, noise.slow_time
+    )
+    return innovations.reshape(rows.shape), determinants
+
+
+def prior_precision(unlabelled: NDArray[np.bool_], size: int, noise: Noise, spin: float) -> Floats:
+    """Return (B, size) the precision of the prior of each shot's unknowns.
+
+    Args:
+        unlabelled: (B,) whether a shot has no spin label.
+        size: number of unknowns.
+        noise: with the size of kicks.
+        spin: size of a component of a spin without a label, rad/s.
+    """
+    anything = np.repeat([ANY_PLACE, ANY_SPEED, ANY_SPIN], 3) ** -2.0
+    precision = np.zeros((len(unlabelled), size))
+    precision[:, : state.STATE_SIZE] = anything
+    precision[unlabelled, state.SPIN] = spin**-2
+    bounces = (size - state.STATE_SIZE) // 3
+    precision[:, state.STATE_SIZE :] = np.tile(np.array(noise.scatter) ** -2.0, bounces)
+    return precision
+
+
+def inlier_probability(residuals: Floats, noise: Noise) -> Floats:
+    """Return (B, N) probabilities that (B, N, 3) residuals are no outliers'."""
+    ratio = noise.position / OUTLIER_SIZE
+    distance = (residuals**2).sum(axis=-1) / noise.position**2 * (1 - ratio**2)
+    odds = OUTLIERS / (1 - OUTLIERS) * ratio**3 * np.exp(np.minimum(distance / 2, 300.0))
+    probability: Floats = 1 / (1 + odds)
+    return probability
+
+
+@compiler([Path(__file__)])
+def _innovations(
+    rows: Floats, times: Floats, weights: Floats, white: float, slow: float, slow_time: float
+) -> tuple[Floats, Floats]:
+    count, length, width = rows.shape
+    out = np.zeros_like(rows)
+    determinants = np.zeros(count)
+    for b in range(count):
+        expected = np.zeros(width)
+        variance, last = slow * slow, times[b, 0]
+        for i in range(length):
+            if weights[b, i] < 1e-6:
+                continue
+            memory = np.exp(-(times[b, i] - last) / slow_time)
+            last = times[b, i]
+            variance = memory * memory * variance + (1.0 - memory * memory) * slow * slow
+            total = variance + white * white / weights[b, i]
+            determinants[b] += 3.0 * np.log(total)
+            scale, gain = 1.0 / np.sqrt(total), variance / total
+            for c in range(width):
+                innovation = rows[b, i, c] - memory * expected[c]
+                out[b, i, c] = scale * innovation
+                expected[c] = memory * expected[c] + gain * innovation
+            variance *= 1.0 - gain
+    return out, determinants

@@ -1,0 +1,155 @@
+"""Shots: measured balls, each from a launch or a stroke on, through its bounces, to its end.
+
+Everything the gap workflow knows of the world is in here: times and positions as the sensor gave
+them, and spin labels where there are any. Shots differ in length, so arrays are padded.
+"""
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from models.ball.types import Floats
+
+Bools = NDArray[np.bool_]
+
+POSITION_COLUMNS = ["px", "py", "pz"]
+SPIN_COLUMNS = ["wx", "wy", "wz"]
+
+
+@dataclass(frozen=True)
+class Shots:
+    """B shots of at most N samples and L spin labels each.
+
+    Padding repeats a shot's last sample; padded labels are NaN.
+
+    Attributes:
+        times: (B, N) s on the sensor's clock, rising within a shot.
+        positions: (B, N, 3) m.
+        valid: (B, N) which of them are samples and which padding.
+        label_times: (B, L) s on the same clock, NaN where there is no label.
+        labels: (B, L, 3) rad/s, NaN where there is none.
+        names: (B,) of the shots.
+        groups: (B,) the recording that each is from.
+    """
+
+    times: Floats
+    positions: Floats
+    valid: Bools
+    label_times: Floats
+    labels: Floats
+    names: NDArray[Any]
+    groups: NDArray[Any]
+
+    @classmethod
+    def from_arrays(
+        cls,
+        times: Sequence[ArrayLike],
+        positions: Sequence[ArrayLike],
+        labels: Sequence[ArrayLike] | None = None,
+        label_times: Sequence[ArrayLike] | None = None,
+        names: Sequence[Hashable] | None = None,
+        groups: Sequence[Hashable] | None = None,
+    ) -> "Shots":
+        """Build shots from one array a shot.
+
+        Rows of labels with a NaN are dropped. A label repeated in every row of a shot is one
+        measurement, of the spin at the first of these rows.
+
+        Args:
+            times: (N_s,) s for every shot s.
+            positions: (N_s, 3) m.
+            labels: (L_s, 3) rad/s; none where left out.
+            label_times: (L_s,) s; those of the samples where left out.
+            names: of the shots; their numbers where left out.
+            groups: their recordings; each its own where left out.
+
+        Raises:
+            ValueError: shapes that do not fit, positions that are not finite, no sample in a shot,
+                or times that do not rise.
+        """
+        count = len(times)
+        moments = [np.asarray(one, dtype=np.float64) for one in times]
+        places = [np.asarray(one, dtype=np.float64).reshape(-1, 3) for one in positions]
+        seen = [np.empty((0, 3))] * count if labels is None else labels
+        when = moments if label_times is None else label_times
+        when = when if labels is not None else [np.empty(0)] * count
+        spins = [_distinct(t, w) for t, w in zip(when, seen, strict=True)]
+        _check(moments, places)
+        called = list(range(count)) if names is None else list(names)
+        return cls(
+            _padded(moments, repeat=True),
+            _padded(places, repeat=True),
+            _padded([np.ones(len(one)) for one in moments]) == 1.0,
+            _padded([t for t, _ in spins]),
+            _padded([w for _, w in spins]),
+            np.array(called),
+            np.array(called if groups is None else list(groups)),
+        )
+
+    @classmethod
+    def from_table(cls, samples: pd.DataFrame) -> "Shots":
+        """Build shots from a table of samples, one shot an episode.
+
+        Args:
+            samples: with columns recording_id, episode_id, t (s), px, py, pz (m) and wx, wy, wz
+                (rad/s, NaN without a label), in the order of time within an episode.
+        """
+        parts = [part for _, part in samples.groupby("episode_id", sort=False)]
+        return cls.from_arrays(
+            [part["t"].to_numpy() for part in parts],
+            [part[POSITION_COLUMNS].to_numpy() for part in parts],
+            [part[SPIN_COLUMNS].to_numpy() for part in parts],
+            names=[part["episode_id"].iloc[0] for part in parts],
+            groups=[part["recording_id"].iloc[0] for part in parts],
+        )
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def __getitem__(self, index: Any) -> "Shots":
+        """Return the shots at ``index``: a slice, an array of numbers or a mask."""
+        return Shots(*(getattr(self, field.name)[index] for field in fields(self)))
+
+    @property
+    def labelled(self) -> Bools:
+        """(B, L) where there is a spin label."""
+        there: Bools = np.isfinite(self.label_times)
+        return there
+
+
+def _distinct(times: ArrayLike, labels: ArrayLike) -> tuple[Floats, Floats]:
+    moments = np.asarray(times, dtype=np.float64)
+    spins = np.asarray(labels, dtype=np.float64).reshape(-1, 3)
+    if len(moments) != len(spins):
+        raise ValueError(f"{len(spins)} labels at {len(moments)} times")
+    there = np.isfinite(spins).all(axis=1)
+    moments, spins = moments[there], spins[there]
+    if len(spins) > 1 and (spins == spins[0]).all():
+        return moments[:1], spins[:1]
+    return moments, spins
+
+
+def _check(times: list[Floats], positions: list[Floats]) -> None:
+    for number, (t, p) in enumerate(zip(times, positions, strict=True)):
+        if len(t) == 0 or len(t) != len(p):
+            raise ValueError(f"shot {number} has {len(t)} times and {len(p)} positions")
+        if not (np.isfinite(t).all() and np.isfinite(p).all()):
+            raise ValueError(f"shot {number} has a time or a position that is not finite")
+        if (np.diff(t) <= 0).any():
+            raise ValueError(f"the times of shot {number} do not rise")
+
+
+def _padded(parts: list[Floats], repeat: bool = False) -> Floats:
+    """Return (B, longest, ...): NaN beyond the end of a part, or its last entry repeated."""
+    longest = max((len(part) for part in parts), default=0)
+    shape = parts[0].shape[1:] if parts else ()
+    padded = np.full((len(parts), longest, *shape), np.nan)
+    for row, part in zip(padded, parts, strict=True):
+        row[: len(part)] = part
+        if repeat:
+            row[len(part) :] = part[-1]
+    return padded

@@ -1,0 +1,144 @@
+"""The verdict: what one data set says of the gap between a simulator and measured balls."""
+
+import json
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from models.gap.hypotheses import Hypothesis
+
+AXES = ("x", "y", "z")
+
+Answer = Literal["no_gap", "named", "ambiguous", "unknown"]
+Kind = Literal["wrong_value", "missing_effect"]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, populate_by_name=True)
+
+
+class Cause(_Part):
+    """One cause of the gap.
+
+    Attributes:
+        name: of the effect, or of the number where an effect has several, such as restitution.
+        component: the axis of an effect that has one number an axis.
+        kind: whether the simulator has the effect with a wrong value, or lacks it.
+        parameter: the number, as the simulator's YAML calls it.
+        unit: of all values.
+        nominal: what the simulator says, neutral where it lacks the effect.
+        estimate: what the shots say.
+        interval: 95 % of it.
+        p_value: chance that the largest of all hypotheses looks as large without any gap.
+        gap_share: of all that is wrong.
+        possible: the names that these shots cannot tell from it, its own first.
+    """
+
+    name: str
+    component: str | None
+    kind: Kind
+    parameter: str
+    unit: str
+    nominal: float
+    estimate: float
+    interval: tuple[float, float]
+    p_value: float
+    gap_share: float
+    possible: tuple[str, ...] = Field(alias="class")
+
+
+class Unexplained(_Part):
+    """What no catalogued effect explains.
+
+    Attributes:
+        share: of all that is wrong.
+        p_value: chance of so much structure in what is left, were there none.
+        where: the phase that shows most of it, where it is significant.
+        lead: a sparse formula for it; a lead, not a name.
+    """
+
+    share: float
+    p_value: float
+    where: Literal["flight", "table", "sensor"] | None = None
+    lead: str | None = None
+
+
+class Where(_Part):
+    """Shares of the gap that arise in flight, at the table and in the sensor."""
+
+    flight: float
+    table: float
+    sensor: float
+
+
+class Gap(_Part):
+    """Errors of predictions on shots that naming never saw.
+
+    Attributes:
+        horizons_ms: after the last sample that a prediction may use.
+        before_mm: root mean square error of the simulator as it was.
+        after_mm: of the amended simulator.
+        floor_mm: of a simulator without fault, by the noise and scatter found.
+        removable_closed: share of the gap between before and floor that closed; None where there is
+            none to close.
+        interval: 95 % of it, by shots drawn at random.
+    """
+
+    horizons_ms: tuple[int, ...]
+    before_mm: tuple[float, ...]
+    after_mm: tuple[float, ...]
+    floor_mm: tuple[float, ...]
+    removable_closed: float | None
+    interval: tuple[float, float] | None
+
+
+class Verdict(_Part):
+    """What one data set says.
+
+    Attributes:
+        verdict: in one word.
+        effects: the causes.
+        unexplained: what is left.
+        where: it arises.
+        gap: on shots that naming never saw; None where there are too few.
+        detectable: smallest size of every effect that these shots would show, each in its unit.
+        blind_to: effects of which they show nothing.
+        limits: in words, what these data cannot decide, why, and what would.
+    """
+
+    verdict: Answer
+    effects: tuple[Cause, ...]
+    unexplained: Unexplained
+    where: Where
+    gap: Gap | None
+    detectable: dict[str, float]
+    blind_to: tuple[str, ...]
+    limits: tuple[str, ...] = Field(default=(), exclude=True)
+
+    def to_json(self) -> str:
+        """Return the content of ``verdict.json``."""
+        return json.dumps(self.model_dump(mode="json", by_alias=True), indent=2) + "\n"
+
+    @classmethod
+    def from_json(cls, text: str) -> "Verdict":
+        """Return the verdict of a ``verdict.json``."""
+        return cls.model_validate_json(text)
+
+
+def name_of(hypothesis: Hypothesis) -> str:
+    """Return the catalogue's name of what a number is about."""
+    if component_of(hypothesis) or len(hypothesis.siblings) == 1:
+        return hypothesis.effect
+    return hypothesis.parameter
+
+
+def component_of(hypothesis: Hypothesis) -> str | None:
+    """Return the axis that a number belongs to, if it does."""
+    several = len(hypothesis.siblings) > 1
+    return hypothesis.parameter if several and hypothesis.parameter in AXES else None
+
+
+def label_of(hypothesis: Hypothesis) -> str:
+    """Return a name that no other number has, such as ``wind.x``."""
+    component = component_of(hypothesis)
+    return f"{hypothesis.effect}.{component}" if component else name_of(hypothesis)

@@ -1,0 +1,170 @@
+"""Diagnose a folder of recordings: read, cut, compare with a simulator, write the verdict down."""
+
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from rich.console import Console
+from rich.progress import Progress
+
+from models.ball.simulator import Simulator
+from models.gap.amend import amended_yaml
+from models.gap.diagnose import HELD_OUT, diagnose
+from models.gap.verdict import Verdict
+from pipeline.artifacts import write_text
+from pipeline.errors import InputError
+from pipeline.figures.gap import causes_figure, error_figure, where_figure
+from pipeline.figures.gap_page import Illustration, render_gap_page
+from pipeline.figures.style import apply_style
+from pipeline.findings import Findings
+from pipeline.shots import MeasuredShots, read_shots
+from pipeline.simulators import load_simulator
+
+TABLE = "table_bounce"
+FIGURES = "figures"
+ILLUSTRATIONS = {
+    "causes": Illustration(
+        "causes",
+        "How far from the simulator",
+        "Every cause's estimate with its 95 % interval, in the smallest size that these shots show "
+        "almost surely beside the other causes; less, in the pale band, might stay hidden.",
+    ),
+    "where": Illustration(
+        "where",
+        "Flight, table, measurement",
+        "Shares of the gap by where its causes act.",
+    ),
+    "errors": Illustration(
+        "errors",
+        "Prediction error over the horizon",
+        "Of shots that naming never saw, each predicted from its first twelve samples: with the "
+        "simulator as it was, amended, and without any gap.",
+    ),
+}
+# Phases and their usual shares of the time, by which the bar tells what is left.
+PHASES = {"reading and cutting": 15, "comparing": 75, "writing": 10}
+
+Phase = Callable[[str], AbstractContextManager[None]]
+
+
+def diagnose_folder(data: Path, source: str, simulator: str, level: float, out: Path) -> Findings:
+    """Diagnose the recordings of a folder and write what was found.
+
+    ``out`` gets verdict.json, amended.yaml, report.html and figures/*.png, all of them or none.
+
+    Args:
+        data: folder with the files of the source.
+        source: name of the adapter that reads them.
+        simulator: name of a shipped one, or path of a YAML file.
+        level: chance of a false name where there is no gap.
+        out: folder to write to.
+
+    Raises:
+        InputError: any of these cannot be used, or there are too few shots.
+    """
+    _check_out(out)
+    compared = load_simulator(simulator)
+    with _phases() as phase:
+        with phase("reading and cutting"):
+            measured = read_shots(data, source)
+            _check_enough(measured, data)
+            _check_table(measured, compared, simulator)
+        with phase("comparing"):
+            verdict = diagnose(measured.shots, compared, level)
+        findings = Findings(measured, compared, simulator, level, verdict)
+        with phase("writing"):
+            write_findings(findings, out)
+    return findings
+
+
+def write_findings(findings: Findings, out: Path) -> None:
+    """Write verdict, amended simulator, page and figures, all of them or none.
+
+    Raises:
+        InputError: the folder cannot be written to.
+    """
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=out, prefix=".rallygap.") as name:
+            _write_all(findings, Path(name))
+            _replace_all(Path(name), out)
+    except OSError as error:
+        raise InputError(out, f"cannot be written to: {error.strerror}") from None
+
+
+def figures_of(verdict: Verdict) -> dict[str, Figure]:
+    """Return the figures that a verdict has something for, by name."""
+    figures = {}
+    if verdict.effects:
+        figures["causes"] = causes_figure(verdict)
+    if verdict.verdict != "no_gap":
+        figures["where"] = where_figure(verdict.where)
+    if verdict.gap:
+        figures["errors"] = error_figure(verdict.gap)
+    return figures
+
+
+def _write_all(findings: Findings, folder: Path) -> None:
+    amended = amended_yaml(findings.simulator, findings.verdict, findings.measured.name)
+    pictures = folder / FIGURES
+    pictures.mkdir()
+    apply_style()
+    figures = figures_of(findings.verdict)
+    for name, figure in figures.items():
+        # The name of the drawing program would change with its version.
+        figure.savefig(pictures / f"{name}.png", metadata={"Software": None})
+    shown = [ILLUSTRATIONS[name] for name in figures]
+    write_text(folder / "verdict.json", findings.verdict.to_json())
+    write_text(folder / "amended.yaml", amended)
+    write_text(folder / "report.html", render_gap_page(findings, amended, pictures, shown))
+
+
+def _replace_all(folder: Path, out: Path) -> None:
+    """Move all files to where they belong; figures of an earlier verdict go, all else stays."""
+    (out / FIGURES).mkdir(exist_ok=True)
+    for name in ILLUSTRATIONS:
+        (out / FIGURES / f"{name}.png").unlink(missing_ok=True)
+    for path in sorted(folder.rglob("*.*")):
+        path.replace(out / path.relative_to(folder))
+
+
+def _check_out(out: Path) -> None:
+    if out.exists() and not out.is_dir():
+        raise InputError(out, "is a file; give a folder to write to")
+
+
+def _check_enough(measured: MeasuredShots, data: Path) -> None:
+    count = len(measured.shots)
+    if count < HELD_OUT:
+        problem = (
+            f"{count} of its {measured.episodes} episodes are unbroken shots of more than twelve "
+            f"samples; give at least {HELD_OUT}, in the table's frame, in m and s"
+        )
+        raise InputError(data, problem)
+
+
+def _check_table(measured: MeasuredShots, compared: Simulator, simulator: str) -> None:
+    if measured.bounces and TABLE not in compared.effects:
+        problem = (
+            f"is missing, but {measured.bounces} of the shots bounce; add such as "
+            f"{TABLE}: {{restitution: 0.93, friction: 0.25}}"
+        )
+        raise InputError(simulator, problem, field=TABLE)
+
+
+@contextmanager
+def _phases() -> Iterator[Phase]:
+    """Yield what draws on stderr how far the phases have come; silent where nobody looks."""
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("", total=sum(PHASES.values()))
+
+        @contextmanager
+        def phase(name: str) -> Iterator[None]:
+            bar.update(task, description=name)
+            yield
+            bar.advance(task, PHASES[name])
+
+        yield phase

@@ -1,0 +1,139 @@
+"""Findings: a verdict with what it is about, and what it says in words."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from models.ball.catalogue import catalogue
+from models.ball.simulator import Simulator
+from models.gap.hypotheses import Hypothesis, hypotheses
+from models.gap.limits import experiment
+from models.gap.verdict import Cause, Gap, Verdict, label_of
+from pipeline.shots import MeasuredShots
+
+TYPICAL_MS = 200  # the horizon that is spoken of, where shots are that long
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What was found.
+
+    Attributes:
+        measured: the shots.
+        simulator: that they were compared with.
+        called: how the user calls it.
+        level: chance of a false name where there is no gap.
+        verdict: on them.
+    """
+
+    measured: MeasuredShots
+    simulator: Simulator
+    called: str
+    level: float
+    verdict: Verdict
+
+    @property
+    def numbers(self) -> dict[str, Hypothesis]:
+        """Every number in question by its label, such as ``wind.x``."""
+        return {label_of(one): one for one in hypotheses(self.simulator)}
+
+    @property
+    def sentences(self) -> list[str]:
+        """The verdict in a few plain sentences, the most important first."""
+        return [
+            self._answer(),
+            *(self._cause(one) for one in self.verdict.effects),
+            *self._unexplained(),
+            *self._where(),
+            *([self._errors(self.verdict.gap)] if self.verdict.gap else []),
+            self._sight(),
+        ]
+
+    def title(self, name: str) -> str:
+        """Return in words what the number with a label is about."""
+        return catalogue()[self.numbers[name].effect].title
+
+    def splits(self, cause: Cause) -> str:
+        """Return the experiment that tells a cause from the others of its class, if any."""
+        return experiment(cause, self.measured.shots) if len(cause.possible) > 1 else ""
+
+    def _answer(self) -> str:
+        shots = f"{len(self.measured.shots)} shots of {self.measured.name}"
+        causes = len(self.verdict.effects)
+        several = "one cause" if causes == 1 else f"{causes} causes"
+        doubtful = "which has" if causes == 1 else "of which some have"
+        return {
+            "no_gap": f"No gap: {shots} agree with {self.called} as far as they can tell.",
+            "named": f"Named: {shots} differ from {self.called} by {several}.",
+            "ambiguous": f"Ambiguous: {shots} differ from {self.called} by {several}, "
+            f"{doubtful} more than one possible name.",
+            "unknown": f"Unknown: {shots} differ from {self.called} by something that no effect "
+            "of the catalogue explains.",
+        }[self.verdict.verdict]
+
+    def _cause(self, cause: Cause) -> str:
+        low, high = (number(value) for value in cause.interval)
+        found = f"{with_unit(cause.estimate, cause.unit)} (95 %: {low} to {high})"
+        share = f"{percent(cause.gap_share)} of the gap"
+        others = ", ".join(one for one in cause.possible if one != cause.name)
+        doubt = f" It could also be {others}; to decide, {self.splits(cause)}." if others else ""
+        if cause.kind == "missing_effect":
+            return f"{self._called(cause)} is missing: {found}, {share}.{doubt}"
+        return f"{self._called(cause)} is {found} and not {number(cause.nominal)}, {share}.{doubt}"
+
+    def _called(self, cause: Cause) -> str:
+        return f"{label(cause)} ({self.title(label(cause))})"
+
+    def _unexplained(self) -> Iterator[str]:
+        left = self.verdict.unexplained
+        if left.where:
+            place = PLACES[left.where]
+            yield f"What has no name acts {place}, {percent(left.share)} of the gap."
+            yield f"A lead and not a name: {left.lead}."
+
+    def _where(self) -> Iterator[str]:
+        if self.verdict.verdict != "no_gap":
+            shares = self.verdict.where.model_dump()
+            parts = [f"{percent(share)} {PLACES[place]}" for place, share in shares.items()]
+            yield f"The gap arises {', '.join(parts[:2])} and {parts[2]}."
+
+    def _errors(self, gap: Gap) -> str:
+        reached = [k for k, ms in enumerate(gap.horizons_ms) if ms <= TYPICAL_MS]
+        k = max(reached, default=0)
+        before, after, floor = (
+            f"{values[k]:.1f}" for values in (gap.before_mm, gap.after_mm, gap.floor_mm)
+        )
+        when = f"Predictions {gap.horizons_ms[k]} ms ahead of shots that naming never saw"
+        if not self.verdict.effects:
+            return f"{when} err by {before} mm; without any gap they would err by {floor} mm."
+        return (
+            f"{when} err by {after} mm with the amended simulator, by {before} mm with the one "
+            f"as it was; without any gap they would err by {floor} mm."
+        )
+
+    def _sight(self) -> str:
+        shown, blind = len(self.verdict.detectable), self.verdict.blind_to
+        sight = f"Of {shown + len(blind)} numbers in question these shots can show {shown}"
+        return f"{sight}; they are blind to {', '.join(blind)}." if blind else f"{sight}."
+
+
+PLACES = {"flight": "in flight", "table": "at the table", "sensor": "in the measurement"}
+
+
+def label(cause: Cause) -> str:
+    """Return how a cause is called, such as ``wind.x``."""
+    return f"{cause.name}.{cause.component}" if cause.component else cause.name
+
+
+def number(value: float) -> str:
+    """Return a number with the digits worth reading."""
+    return f"{value:.4g}"
+
+
+def with_unit(value: float, unit: str) -> str:
+    """Return a number with its unit, if it has one."""
+    return number(value) if unit == "1" else f"{number(value)} {unit}"
+
+
+def percent(share: float) -> str:
+    """Return a share as people read it."""
+    return f"{100 * share:.0f} %"

@@ -1,0 +1,82 @@
+"""Explanations: the fewest causes that suffice, and their rivals, in a linear world."""
+
+import numpy as np
+import pytest
+
+from models.ball.simulator import Simulator
+from models.gap.evidence import Evidence
+from models.gap.explain import Explainer, explained
+from models.gap.hypotheses import Hypothesis
+
+NOMINAL = Simulator.from_dict({"gravity": {"g": 9.81}, "drag": {"cd": 0.5}})
+COLUMNS = (
+    Hypothesis("gravity", "g"),
+    Hypothesis("drag", "cd"),
+    Hypothesis("wind", "x"),
+    Hypothesis("wind", "y"),
+    Hypothesis("wind", "z"),
+    Hypothesis("buoyancy", "b"),
+)
+G, CD, X, Y, Z, B = range(6)
+LEVEL = 0.003
+
+
+def explainer(effect, seed=0, shots=60):
+    """A world of 10 measurements a shot; columns G and B are alike, X is Y + Z, nearly."""
+    random = np.random.default_rng(seed)
+    rows = random.standard_normal((shots, 10, 6))
+    rows[..., B] = 2 * rows[..., G]
+    rows[..., X] = rows[..., Y] + rows[..., Z] + 0.05 * rows[..., X]
+    measured = rows @ np.asarray(effect, dtype=float) + random.standard_normal((shots, 10))
+    scores = np.einsum("bri,br->bi", rows, measured)
+    listed = np.array([one.listed(NOMINAL) for one in COLUMNS])
+    evidence = Evidence(COLUMNS, listed, scores, np.swapaxes(rows, 1, 2) @ rows)
+    return Explainer(evidence, NOMINAL, LEVEL)
+
+
+def effect(**values):
+    return [values.get(name, 0.0) for name in ("g", "cd", "x", "y", "z", "b")]
+
+
+def test_nothing_needs_no_cause():
+    assert all(explained(explainer(effect(), seed)).causes == () for seed in range(20))
+
+
+def test_two_causes_are_found_with_their_sizes():
+    weighing = explainer(effect(y=0.4, cd=-0.3))
+    found = explained(weighing)
+    assert found.causes == (CD, Y)
+    assert max(found.p_values.values()) < LEVEL
+    _, estimates = weighing.gains(np.array([found.causes]))
+    assert estimates[0] == pytest.approx([-0.3, 0.4], abs=0.15)
+
+
+def test_one_cause_goes_before_two_that_explain_as_much():
+    assert explained(explainer(effect(x=0.5))).causes == (X,)
+    assert explained(explainer(effect(y=0.5, z=0.5))).causes == (X,)
+    assert explained(explainer(effect(y=0.5))).causes == (Y,)
+
+
+def test_what_the_simulators_own_numbers_could_absorb_is_no_missing_effect():
+    weighing = explainer(effect(b=0.5))
+    assert explained(weighing).causes == (G,)
+    assert B not in weighing.tests(())
+
+
+def test_rivals_are_those_that_explain_as_much_in_its_place():
+    weighing = explainer(effect(g=0.5, z=1.0))
+    assert explained(weighing).causes == (G, Z)
+    assert weighing.rivals(G, (G, Z)) == (G, B)
+    assert weighing.rivals(Z, (G, Z)) == (Z,)
+
+
+def test_values_that_cannot_be_explain_nothing():
+    weighing = explainer(effect(cd=-0.9))
+    assert weighing.gains(np.array([[CD]]))[0][0] == -np.inf
+    assert weighing.gains(np.array([[Y]]))[0][0] > -np.inf
+
+
+def test_what_rests_on_one_shot_is_no_cause():
+    weighing = explainer(effect())
+    weighing.evidence.scores[7, Y] += 120.0
+    assert explained(weighing).causes == ()

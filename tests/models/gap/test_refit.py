@@ -1,0 +1,91 @@
+"""Refit: values come back, and a hidden effect leads the evidence."""
+
+import numpy as np
+import pytest
+
+from models.gap.evidence import familywise
+from models.gap.hypotheses import Hypothesis
+from models.gap.refit import refit
+from tests.models.gap.hidden import NOMINAL, measured, own
+
+# About three times what 100 shots can show.
+HIDDEN = {
+    ("clock_rate", "d"): 0.026,
+    ("frame_tilt", "x"): 0.004,
+    ("frame_tilt", "y"): 0.004,
+    ("lift_saturation", "kappa"): 0.15,
+    ("linear_drag", "k1"): 0.046,
+    ("position_scale", "s"): 0.024,
+    ("side_force", "cy"): 0.005,
+    ("slip_dependent_friction", "c"): 0.0095,
+    ("speed_dependent_drag", "c"): 0.029,
+    ("speed_dependent_latency", "tau"): 3.5e-4,
+    ("speed_dependent_restitution", "c"): 0.05,
+    ("spin_axis_bias", "x"): 0.055,
+    ("spin_axis_bias", "y"): 0.023,
+    ("spin_axis_bias", "z"): 0.023,
+    ("spin_decay", "c"): 0.0073,
+    ("spin_dependent_drag", "c"): 0.021,
+    ("spin_dependent_restitution", "c"): 0.0147,
+    ("spin_gain", "s"): 0.026,
+    ("table_height", "h"): 0.00114,
+    ("table_tilt", "x"): 0.0032,
+    ("table_tilt", "y"): 0.0014,
+    ("tangential_elasticity", "et"): 0.27,
+    ("wind", "x"): 0.055,
+    ("wind", "y"): 0.03,
+    ("wind", "z"): 0.17,
+}
+QUICK = [("side_force", "cy"), ("table_tilt", "x"), ("spin_axis_bias", "z")]
+FAR = {"drag": {"cd": 0.4}, "table_bounce": {"restitution": 0.9, "friction": 0.25}}
+
+
+def leader(evidence):
+    """The missing effect of the largest significant gain, and its test."""
+    places = [k for k in evidence.decidable(evidence.free) if not evidence.listed[k]]
+    tests = [evidence.tested([k], evidence.free) for k in places]
+    significant = familywise(tests) < 0.003
+    gains = [test.gain * sure for test, sure in zip(tests, significant, strict=True)]
+    best = int(np.argmax(gains))
+    return evidence.columns[places[best]], tests[best]
+
+
+def check_leads(effect, parameter, count):
+    hypothesis = Hypothesis(effect, parameter)
+    size = HIDDEN[effect, parameter] * np.sqrt(100 / count)
+    shots = measured(hypothesis.at(NOMINAL, size), count=count, seed=2)
+    evidence = refit(shots, NOMINAL, own(NOMINAL)).evidence
+    first, test = leader(evidence)
+    assert test.gain > 60.0
+    places = [evidence.columns.index(one) for one in (hypothesis, first)]
+    assert first == hypothesis or evidence.likeness(*places, evidence.free) > 0.99
+
+
+@pytest.mark.parametrize(("effect", "parameter"), QUICK)
+def test_a_hidden_effect_leads(effect, parameter):
+    check_leads(effect, parameter, count=40)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("effect", "parameter"), HIDDEN)
+def test_every_hidden_effect_or_one_of_its_class_leads(effect, parameter):
+    check_leads(effect, parameter, count=100)
+
+
+def test_wrong_values_come_back_within_their_errors():
+    shots = measured(count=40)
+    far = NOMINAL
+    for effect, values in FAR.items():
+        far = far.amended(effect, **values)
+    found = refit(shots, far, own(far))
+    for hypothesis in own(NOMINAL):
+        place = found.evidence.columns.index(hypothesis)
+        test = found.evidence.tested([place], found.evidence.free)
+        off = hypothesis.value(found.simulator) - hypothesis.value(NOMINAL)
+        assert abs(off) < 3.5 * test.standard_error[0]
+
+
+def test_nothing_is_significant_in_a_clean_set():
+    evidence = refit(measured(count=40, seed=6), NOMINAL, own(NOMINAL)).evidence
+    tests = [evidence.tested([k], evidence.free) for k in evidence.decidable(evidence.free)]
+    assert familywise(tests).min() > 0.003
