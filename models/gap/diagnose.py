@@ -97,7 +97,7 @@ def _typical_spin(named: Named) -> float:
 def _verdict(
     named: Named, left: Leftover | None, p_value: float, shots: Shots, question: Question
 ) -> Verdict:
-    explained = _gain(named.explainer, named.explanation.causes)
+    explained = named.explainer.gain(named.explanation.causes)
     whole = max(explained + (left.gain if left else 0.0), 1e-12)
     causes = [*_causes(named, whole), *_signs(named.signs)]
     sizes, blind = detectable(named.first)
@@ -188,15 +188,11 @@ def _where(causes: Sequence[Cause], left: Leftover | None, unexplained: float) -
     return Where(**{phase: share / total for phase, share in shares.items()})
 
 
-def _gain(explainer: Explainer, causes: Places) -> float:
-    return float(explainer.gains(np.array([causes]))[0][0]) if causes else 0.0
-
-
 def _shapley(explainer: Explainer, causes: Places) -> dict[int, float]:
     """Return each cause's part of the gain: the mean of what it adds to all orders of others."""
     count = len(causes)
     gains = {
-        frozenset(some): max(_gain(explainer, tuple(some)), 0.0)
+        frozenset(some): max(explainer.gain(tuple(some)), 0.0)
         for size in range(count + 1)
         for some in itertools.combinations(causes, size)
     }

@@ -185,10 +185,11 @@ class Evidence:
     def decidable(self, beside: Sequence[int]) -> tuple[int, ...]:
         """Return the places of hypotheses that the shots can tell from all that is beside them."""
         return tuple(
-            k for k in np.flatnonzero(self.seen).tolist() if self._decides(self.tested([k], beside))
+            k for k in np.flatnonzero(self.seen).tolist() if self.decides(self.tested([k], beside))
         )
 
-    def _decides(self, test: Tested) -> bool:
+    def decides(self, test: Tested) -> bool:
+        """Return whether the shots can decide about the one hypothesis that is tested."""
         (k,) = test.block
         information = test.information[0, 0]
         reach = np.ptp(self.columns[k].declaration.bounds)

@@ -100,7 +100,7 @@ class Explainer:
             barred: hypotheses that are not.
         """
         free = [k for k in self.candidates if k not in always and k not in set(barred)]
-        beam, best, worth = [always], always, self._gain(always)
+        beam, best, worth = [always], always, self.gain(always)
         for size in range(len(always) + 1, len(always) + MOST_CAUSES + 1):
             grown = {tuple(sorted((*one, k))) for one in beam for k in free if k not in one}
             if not grown:
@@ -114,7 +114,8 @@ class Explainer:
                 best, worth = beam[0], leader
         return best
 
-    def _gain(self, one: Places) -> float:
+    def gain(self, one: Places) -> float:
+        """Return what one set of hypotheses gains in twice the log likelihood."""
         return float(self.gains(np.array([one]))[0][0]) if one else 0.0
 
     def _preferred(self, sets: Indices, gains: Floats) -> Floats:
@@ -138,7 +139,7 @@ class Explainer:
         return decided
 
     def _decides(self, k: int, test: Tested) -> bool:
-        return self.evidence._decides(test) or bool(self.evidence.listed[k])
+        return self.evidence.decides(test) or bool(self.evidence.listed[k])
 
     def rivals(self, k: int, causes: Places) -> Places:
         """Return the class of a cause: the hypotheses that in its place explain about as much."""
@@ -148,7 +149,7 @@ class Explainer:
             return (k,)
         sets = np.array([(*others, one) for one in seen])
         gains, _ = self.gains(sets)
-        close = gains > self._gain(causes) - self.price
+        close = gains > self.gain(causes) - self.price
         return (k, *(one for one, near in zip(seen, close, strict=True) if near))
 
 
