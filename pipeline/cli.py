@@ -98,7 +98,8 @@ def diagnose(
     """Say where recordings and a simulator disagree, why, and by how much."""
     from pipeline.diagnosis import diagnose_folder
 
-    findings = diagnose_folder(data, source, simulator, level, out)
+    findings = diagnose_folder(data, source, simulator, level, out, say=typer.echo)
+    typer.echo()
     for sentence in findings.sentences:
         typer.echo(sentence)
     for limit in findings.verdict.limits:

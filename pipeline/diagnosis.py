@@ -1,24 +1,23 @@
 """Diagnose a folder of recordings: read, cut, compare with a simulator, write the verdict down."""
 
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable
 from pathlib import Path
 
 from matplotlib.figure import Figure
-from rich.console import Console
-from rich.progress import Progress
 
 from models.ball.simulator import Simulator
 from models.gap.amend import amended_yaml
-from models.gap.diagnose import HELD_OUT, diagnose
+from models.gap.diagnose import HELD_OUT, Sight, diagnose
 from models.gap.verdict import Verdict
 from pipeline.artifacts import write_text
 from pipeline.errors import InputError
-from pipeline.figures.gap import causes_figure, error_figure, where_figure
+from pipeline.figures.gap import causes_figure, error_figure
 from pipeline.figures.gap_page import Illustration, render_gap_page
+from pipeline.figures.gap_parting import growth_figure, parting_figure
 from pipeline.figures.style import apply_style
-from pipeline.findings import Findings
+from pipeline.findings import Findings, sight_lines
+from pipeline.phase_bar import phase_bar
 from pipeline.shots import MeasuredShots, read_shots
 from pipeline.simulators import load_simulator
 
@@ -31,10 +30,21 @@ ILLUSTRATIONS = {
         "Every cause's estimate with its 95 % interval, in the smallest size that these shots show "
         "almost surely beside the other causes; less, in the pale band, might stay hidden.",
     ),
-    "where": Illustration(
-        "where",
-        "Flight, table, measurement",
-        "Shares of the gap by where its causes act.",
+    "parting": Illustration(
+        "parting",
+        "How simulated and measured balls part",
+        "Both start alike at the twelfth sample; noise and scatter are left out. Left: the bands "
+        "are what vanishes when flight, table or measurement is replaced by the measured one; a "
+        "phase's share is its band's part of the area. Right: the mean of all shots along the "
+        "ball's course, across it (to the right) and up, with 95 % intervals.",
+    ),
+    "growth": Illustration(
+        "growth",
+        "Against what it grows",
+        "What every shot says of its own parting, no law assumed: means of bins with 95 % "
+        "intervals, against the axes that tell most. Above: the part of the shots' variance that "
+        "goes with the axis, and the chance that any axis tells as much where none does; pale "
+        "where it is above 5 %. Axes that go together, such as place and direction, tell the same.",
     ),
     "errors": Illustration(
         "errors",
@@ -46,10 +56,15 @@ ILLUSTRATIONS = {
 # Phases and their usual shares of the time, by which the bar tells what is left.
 PHASES = {"reading and cutting": 15, "comparing": 75, "writing": 10}
 
-Phase = Callable[[str], AbstractContextManager[None]]
 
-
-def diagnose_folder(data: Path, source: str, simulator: str, level: float, out: Path) -> Findings:
+def diagnose_folder(
+    data: Path,
+    source: str,
+    simulator: str,
+    level: float,
+    out: Path,
+    say: Callable[[str], None] = lambda line: None,
+) -> Findings:
     """Diagnose the recordings of a folder and write what was found.
 
     ``out`` gets verdict.json, amended.yaml, report.html and figures/*.png, all of them or none.
@@ -60,21 +75,28 @@ def diagnose_folder(data: Path, source: str, simulator: str, level: float, out: 
         simulator: name of a shipped one, or path of a YAML file.
         level: chance of a false name where there is no gap.
         out: folder to write to.
+        say: is told what the shots can show, line by line, before causes are looked for.
 
     Raises:
         InputError: any of these cannot be used, or there are too few shots.
     """
     _check_out(out)
     compared = load_simulator(simulator)
-    with _phases() as phase:
-        with phase("reading and cutting"):
+    with phase_bar(PHASES) as bar:
+        with bar.phase("reading and cutting"):
             measured = read_shots(data, source)
             _check_enough(measured, data)
             _check_table(measured, compared, simulator)
-        with phase("comparing"):
-            verdict = diagnose(measured.shots, compared, level)
+
+        def shown(sight: Sight) -> None:
+            with bar.aside():
+                for line in sight_lines(measured, compared, sight):
+                    say(line)
+
+        with bar.phase("comparing"):
+            verdict = diagnose(measured.shots, compared, level, progress=bar.reached, sight=shown)
         findings = Findings(measured, compared, simulator, level, verdict)
-        with phase("writing"):
+        with bar.phase("writing"):
             write_findings(findings, out)
     return findings
 
@@ -99,8 +121,10 @@ def figures_of(verdict: Verdict) -> dict[str, Figure]:
     figures = {}
     if verdict.effects:
         figures["causes"] = causes_figure(verdict)
-    if verdict.verdict != "no_gap":
-        figures["where"] = where_figure(verdict.where)
+    if verdict.located and verdict.located.parting.any():
+        figures["parting"] = parting_figure(verdict.located)
+    if verdict.located and verdict.located.growth:
+        figures["growth"] = growth_figure(verdict.located)
     if verdict.gap:
         figures["errors"] = error_figure(verdict.gap)
     return figures
@@ -152,19 +176,3 @@ def _check_table(measured: MeasuredShots, compared: Simulator, simulator: str) -
             f"{TABLE}: {{restitution: 0.93, friction: 0.25}}"
         )
         raise InputError(simulator, problem, field=TABLE)
-
-
-@contextmanager
-def _phases() -> Iterator[Phase]:
-    """Yield what draws on stderr how far the phases have come; silent where nobody looks."""
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("", total=sum(PHASES.values()))
-
-        @contextmanager
-        def phase(name: str) -> Iterator[None]:
-            bar.update(task, description=name)
-            yield
-            bar.advance(task, PHASES[name])
-
-        yield phase

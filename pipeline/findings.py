@@ -5,12 +5,14 @@ from dataclasses import dataclass
 
 from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
+from models.gap.diagnose import Sight
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.limits import experiment
 from models.gap.verdict import Cause, Gap, Verdict, label_of
 from pipeline.shots import MeasuredShots
 
 TYPICAL_MS = 200  # the horizon that is spoken of, where shots are that long
+TELLING = 0.05  # chance up to which an axis is spoken of
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,7 @@ class Findings:
     @property
     def numbers(self) -> dict[str, Hypothesis]:
         """Every number in question by its label, such as ``wind.x``."""
-        return {label_of(one): one for one in hypotheses(self.simulator)}
+        return numbers(self.simulator)
 
     @property
     def sentences(self) -> list[str]:
@@ -44,7 +46,8 @@ class Findings:
             *(self._cause(one) for one in self.verdict.effects),
             *self._unexplained(),
             *self._where(),
-            *([self._errors(self.verdict.gap)] if self.verdict.gap else []),
+            *self._growth(),
+            *(self._errors(self.verdict.gap) if self.verdict.gap else ()),
             self._sight(),
         ]
 
@@ -91,29 +94,63 @@ class Findings:
             yield f"A lead and not a name: {left.lead}."
 
     def _where(self) -> Iterator[str]:
-        if self.verdict.verdict != "no_gap":
-            shares = self.verdict.where.model_dump()
+        shares = self.verdict.where.model_dump()
+        if any(shares.values()):
             parts = [f"{percent(share)} {PLACES[place]}" for place, share in shares.items()]
             yield f"The gap arises {', '.join(parts[:2])} and {parts[2]}."
 
-    def _errors(self, gap: Gap) -> str:
+    def _growth(self) -> Iterator[str]:
+        located = self.verdict.located
+        if located and located.growth and located.growth[0].p_value <= TELLING:
+            most = located.growth[0]
+            yield (
+                f"How far balls part differs most with the {most.axis}: {percent(most.share)} of "
+                f"its variance, {chance(most.p_value)}."
+            )
+
+    def _errors(self, gap: Gap) -> Iterator[str]:
         reached = [k for k, ms in enumerate(gap.horizons_ms) if ms <= TYPICAL_MS]
         k = max(reached, default=0)
         before, after, floor = (
-            f"{values[k]:.1f}" for values in (gap.before_mm, gap.after_mm, gap.floor_mm)
+            f"{values[k]:.1f} mm" for values in (gap.before_mm, gap.after_mm, gap.floor_mm)
         )
-        when = f"Predictions {gap.horizons_ms[k]} ms ahead of shots that naming never saw"
+        when = f"Predictions {gap.horizons_ms[k]} ms ahead of shots that naming never saw err"
+        yield self._compared(when, before, after, floor)
+        if gap.landing:
+            before, after, floor = (
+                f"{place:.1f} mm and {time:.2f} ms" for place, time in gap.landing.sizes
+            )
+            yield self._compared("Where and when they land, predictions err", before, after, floor)
+
+    def _compared(self, what: str, before: str, after: str, floor: str) -> str:
+        without = f"without any gap they would err by {floor}"
         if not self.verdict.effects:
-            return f"{when} err by {before} mm; without any gap they would err by {floor} mm."
+            return f"{what} by {before}; {without}."
         return (
-            f"{when} err by {after} mm with the amended simulator, by {before} mm with the one "
-            f"as it was; without any gap they would err by {floor} mm."
+            f"{what} by {after} with the amended simulator, by {before} with the one as it was; "
+            f"{without}."
         )
 
     def _sight(self) -> str:
         shown, blind = len(self.verdict.detectable), self.verdict.blind_to
         sight = f"Of {shown + len(blind)} numbers in question these shots can show {shown}"
         return f"{sight}; they are blind to {', '.join(blind)}." if blind else f"{sight}."
+
+
+def numbers(simulator: Simulator) -> dict[str, Hypothesis]:
+    """Return every number in question by its label, such as ``wind.x``."""
+    return {label_of(one): one for one in hypotheses(simulator)}
+
+
+def sight_lines(measured: MeasuredShots, simulator: Simulator, sight: Sight) -> Iterator[str]:
+    """Yield in words what shots can show, before anything is looked for in them."""
+    sizes, blind = sight
+    known, width = numbers(simulator), max(map(len, sizes), default=0)
+    yield f"{len(measured.shots)} shots of {measured.name} can show, from this size on:"
+    for name, size in sizes.items():
+        yield f"  {name:<{width}}  {with_unit(size, known[name].declaration.unit)}"
+    if blind:
+        yield f"They are blind to {', '.join(blind)}."
 
 
 PLACES = {"flight": "in flight", "table": "at the table", "sensor": "in the measurement"}
@@ -137,3 +174,8 @@ def with_unit(value: float, unit: str) -> str:
 def percent(share: float) -> str:
     """Return a share as people read it."""
     return f"{100 * share:.0f} %"
+
+
+def chance(p_value: float) -> str:
+    """Return the chance of an axis as people write it."""
+    return "p below 0.001" if p_value < 1e-3 else f"p = {p_value:.2g}"

@@ -25,7 +25,7 @@ from pipeline.contracts import (
 from pipeline.episodes import MeasuredEpisode, read_episodes
 from pipeline.errors import InputError
 from pipeline.sources.intake import Intake, in_batches
-from pipeline.sources.manifest import Manifest
+from pipeline.sources.manifest import Manifest, read_manifest
 from pipeline.sources.registry import registry
 from pipeline.sources.settings import IngestSettings
 from pipeline.sources.source import Source, SourceContext
@@ -85,6 +85,23 @@ def read_shots(folder: Path, source: str) -> MeasuredShots:
         bounces=sum(bool(one.episode.arc.any()) for one in chosen),
         noise=settings.noise,
     )
+
+
+def read_training_shots(artifacts: Path) -> dict[str, list[MeasuredEpisode]]:
+    """Return the shots of every source that predictors learn from, too: others are for tests.
+
+    Args:
+        artifacts: the folder of all stages' artefacts.
+
+    Raises:
+        InputError: an artefact is missing or broken.
+    """
+    manifest = read_manifest(artifacts / "ingest" / "manifest.json")
+    episodes = read_episodes(artifacts / "segment", manifest.labelled_once, splits=("train",))
+    chosen: dict[str, list[MeasuredEpisode]] = {one.source: [] for one in episodes}
+    for one in filter(is_shot, episodes):
+        chosen[one.source].append(one)
+    return dict(sorted(chosen.items()))
 
 
 def shots_of(episodes: Sequence[MeasuredEpisode]) -> Shots:

@@ -6,7 +6,7 @@ could show, so they come from a function that the exam is given (``Question.pose
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 from zlib import crc32
 
 import numpy as np
@@ -43,6 +43,8 @@ INDEPENDENT_EVERY = 3  # one trial in three comes from the independent world
 LABELS: tuple[SpinLabels, ...] = ("per_row", "per_shot", "none")
 FAULTY = replace(CAMERAS, outliers=0.03, dropouts=0.10, slow_error=SlowError(share=0.6, time=0.05))
 STAMP = 0.001  # s, the resolution of the time stamps of faulty cameras
+
+Asked = TypeVar("Asked")  # a question, or what belongs to one
 
 Name = tuple[str, str]  # effect and parameter
 # The least sizes of some parameters, each with the others free, that a trial of these settings can
@@ -93,12 +95,14 @@ class Question:
         trial: all but the causes.
         asked: the (effect, parameter) to hide; none in a clean set.
         multiple: of the detectable size.
+        cell: of the sweeps that it belongs to, empty in other groups.
     """
 
     group: str
     trial: Trial
     asked: tuple[Name, ...] = ()
     multiple: float = MULTIPLE
+    cell: str = ""
 
     def posed(self, detectable: Detectable) -> Trial | None:
         """Return the trial, or None where no possible value of a parameter is that large."""
@@ -134,7 +138,7 @@ def exam(nominal: Simulator, seed: int, counts: Counts | None = None) -> list[Qu
     ]
 
 
-def spread(questions: Sequence[Question], count: int) -> list[Question]:
+def spread(questions: Sequence[Asked], count: int) -> list[Asked]:
     """Return ``count`` questions spread evenly over an exam: a smaller one of the same kind."""
     places = np.linspace(0, len(questions) - 1, min(count, len(questions)))
     return [questions[int(place)] for place in places.round()]
@@ -175,7 +179,7 @@ def _question(
     independent = number % INDEPENDENT_EVERY == 0 and all(supports(effect) for effect, _ in asked)
     world: World = "independent" if independent else "catalogue"
     trial = Trial(name, nominal, world=world, seed=_seed(seed, name), **settings)
-    return Question(group, trial, asked, multiple)
+    return Question(group, trial, asked, multiple, detail)
 
 
 def _sweeps(nominal: Simulator, seed: int, counts: Counts) -> Iterator[Question]:

@@ -16,27 +16,32 @@ from scipy.optimize import Bounds, minimize
 from models.ball.state import SPIN, STATE_SIZE
 from models.ball.types import Floats
 from models.gap.linear import Linearised
-from models.gap.marginal import marginal, visible
+from models.gap.marginal import coefficients, marginal, visible
 from models.gap.noise import Grams, Noise, gram, grams, inlier_probability, whitened
 from models.gap.shots import Bools
 
 STANDS_OUT = 2.5  # standard errors
 MOST_SHOTS = 40  # of which the positions' noise is estimated
-ROUNDS = 2
+MOST_ROUNDS = 2
+SETTLED = 0.03  # relative change of the positions' noise after which there is no other round
 DOUBTFUL = (5.0, 15.0)  # standard deviations: from where a shot is trusted less, and not at all
 NORMAL_SPREAD = 1.4826  # standard deviation over median deviation of a normal
 LEAST_TRUST = 1e-4
+LEAST_MISFIT = 1e-6  # a degree of freedom, where shots fit exactly
 MOST_SPIN = 1500.0  # rad/s
 MOST_KICK = 0.5  # of the normal speed
-# What is plausible: m, m, s; shares of the spin; shares of the normal speed.
+# What is plausible: m, m, s, s; shares of the spin; shares of the normal speed.
 LIMITS = {
     "white": (1e-5, 0.1),
     "slow": (1e-5, 0.1),
     "slow_time": (0.01, 0.5),
+    "timing": (1e-6, 5e-3),
     "label": (1e-3, 1.0),
     "label_common": (1e-3, 1.0),
     "scatter": (1e-3, 0.5),
 }
+# Where a search begins at the least: near zero, logarithms of sizes change nothing.
+BEGIN = {"slow": 3e-4, "timing": 1e-4, "label_common": 5e-3, "scatter": 3e-3}
 
 
 @dataclass(frozen=True)
@@ -66,25 +71,39 @@ class Components:
 def components(linear: Linearised, noise: Noise, weights: Floats) -> Components:
     """Estimate the noise of linearised shots, from a first guess of it and of outliers."""
     trust = np.ones(len(weights))
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
+        before = noise.position
         parts = grams(linear, noise, weights, trust)
-        rest = _unexplained(linear, parts.total(noise))
-        weights = np.where(linear.sampled, inlier_probability(rest, noise), 0.0)
+        noise, weights = _inliers(linear, _unexplained(linear, parts.total(noise), noise), noise)
         noise = _of_positions(linear, parts, noise, weights)
         parts = grams(linear, noise, weights, np.ones(len(weights)))
         trust = _trust(linear, parts.total(noise))
         noise = _of_the_rest(replace(parts, trust=trust), noise)
+        if abs(noise.position - before) < SETTLED * before:
+            break
     return Components(noise, weights, trust, replace(parts, trust=trust).total(noise))
 
 
-def _unexplained(linear: Linearised, total: Floats) -> Floats:
-    """Return (B, N, 3) residuals after the unknowns and what stands out of the hypotheses."""
+def _unexplained(linear: Linearised, total: Floats, noise: Noise) -> Floats:
+    """Return (B, N, 3) residuals, steadied, after the unknowns and what stands out of the rest."""
     value = _standing_out(total, linear.own)
-    coefficients = _coefficients(total, linear.own, value)
-    rest: Floats = linear.positions[..., -1] - np.einsum(
-        "bnic,bc->bni", linear.positions[..., :-1], coefficients
+    inner = coefficients(total, linear.own, value)
+    changes = np.concatenate([inner, np.broadcast_to(value, (len(inner), len(value)))], axis=1)
+    rest = linear.positions[..., -1] - np.einsum(
+        "bnic,bc->bni", linear.positions[..., :-1], changes
     )
-    return rest
+    return noise.steadied(rest[..., None], linear.velocities)[..., 0]
+
+
+def _inliers(linear: Linearised, rest: Floats, noise: Noise) -> tuple[Noise, Floats]:
+    """Return (B, N) probabilities that samples are no outliers, and the noise they are judged in.
+
+    It is at least as large as the typical residual: were it not, all samples might be outliers.
+    """
+    if linear.sampled.any():
+        typical = NORMAL_SPREAD * float(np.median(np.abs(rest[linear.sampled])))
+        noise = noise.widened(max(typical / noise.position, 1.0))
+    return noise, np.where(linear.sampled, inlier_probability(rest, noise), 0.0)
 
 
 def _standing_out(total: Floats, own: int) -> Floats:
@@ -94,13 +113,6 @@ def _standing_out(total: Floats, own: int) -> Floats:
     scores = directions.T @ left.scores.sum(axis=0)
     values: Floats = directions @ np.where(np.abs(scores) > STANDS_OUT, scores, 0.0)
     return values
-
-
-def _coefficients(total: Floats, own: int, value: Floats) -> Floats:
-    """Return (B, E + K) the unknowns' best changes beside given values of the hypotheses."""
-    right = total[:, :own, -1] - total[:, :own, own:-1] @ value
-    inner = np.linalg.solve(total[:, :own, :own], right[..., None])[..., 0]
-    return np.concatenate([inner, np.broadcast_to(value, (len(total), len(value)))], axis=1)
 
 
 def _of_positions(linear: Linearised, parts: Grams, noise: Noise, weights: Floats) -> Noise:
@@ -122,7 +134,7 @@ def _of_positions(linear: Linearised, parts: Grams, noise: Noise, weights: Float
         weighted = parts.trust[some] * (determinants + left.determinants)
         return float((weighted + left.misfit).sum())
 
-    return _most_likely(criterion, noise, ("white", "slow", "slow_time"))
+    return _most_likely(criterion, noise, ("white", "slow", "slow_time", "timing"))
 
 
 def _few(linear: Linearised, some: Floats, value: Floats) -> Linearised:
@@ -131,8 +143,14 @@ def _few(linear: Linearised, some: Floats, value: Floats) -> Linearised:
     positions = linear.positions[some]
     residual = positions[..., -1] - positions[..., own:-1] @ value
     columns = np.concatenate([positions[..., :own], residual[..., None]], axis=-1)
-    shots, sampled = linear.shots[some], linear.sampled[some]
-    return replace(linear, shots=shots, columns=(), positions=columns, sampled=sampled)
+    return replace(
+        linear,
+        shots=linear.shots[some],
+        columns=(),
+        positions=columns,
+        velocities=linear.velocities[some],
+        sampled=linear.sampled[some],
+    )
 
 
 def _of_the_rest(parts: Grams, noise: Noise) -> Noise:
@@ -162,7 +180,7 @@ def _most_likely(
     criterion: Callable[[Noise], float], noise: Noise, names: tuple[str, ...]
 ) -> Noise:
     """Return noise with the named sizes at which ``criterion`` is least, within ``LIMITS``."""
-    sizes = [np.atleast_1d(getattr(noise, name)) for name in names]
+    sizes = [np.atleast_1d(np.maximum(getattr(noise, one), BEGIN.get(one, 0.0))) for one in names]
     ends = np.cumsum([len(size) for size in sizes])
     limits = np.log([LIMITS[name] for name, size in zip(names, sizes, strict=True) for _ in size])
 
@@ -210,7 +228,8 @@ def _plausible(linear: Linearised) -> Bools:
 
 def _relative(misfit: Floats, rows: Floats) -> Floats:
     """Return weights by how many standard deviations a shot's misfit is beyond the typical one."""
-    ratio = misfit / rows / np.median(misfit / rows)
+    typical = max(float(np.median(misfit / rows)), LEAST_MISFIT)
+    ratio = misfit / rows / typical
     spread = np.maximum(NORMAL_SPREAD * np.median(np.abs(ratio - 1.0)), np.sqrt(2.0 / rows))
     low, high = DOUBTFUL
     trust: Floats = np.clip((high - (ratio - 1.0) / spread) / (high - low), LEAST_TRUST, 1.0)

@@ -8,22 +8,24 @@ always free): with ``theta = A_nn^-1 U_n`` and ``C = A_kn A_nn^-1``,
 
 are the efficient scores and their information. ``U = sum e_s`` gives the estimate ``I^-1 U`` and
 the gain of twice the log likelihood ``U'I^-1 U``, by which hypotheses are ranked. Whether a gain is
-significant is left to the shots themselves: ``U'(sum d_s d_s')^-1 U`` holds whatever correlation
-the noise has within a shot. Here ``d_s = e_s - I_s (I - I_s)^-1 (U - e_s)`` is how far a shot is
-from what the others say of it, ``I_s`` its part of the information, so that an effect which shots
-show unequally does not pass for their scatter. Its null distribution is that of the same figure
-with the scores' signs drawn at random, a shot's at once; the same signs for all blocks give that of
-the largest, so that many may be tested.
+significant is left to the shots themselves, whatever correlation the noise has within a shot. Here
+``d_s = e_s - I_s (I - I_s)^-1 (U - e_s)`` is how far a shot is from what the others say of it,
+``I_s`` its part of the information, so that an effect which shots show unequally does not pass for
+their scatter. The variance of U is ``sum d_s d_s'`` with as many degrees of freedom as shots, all
+alike, would say as much, less one. Where that is a handful, their spread may be small by chance; so
+it is averaged with the information, which is the variance by the noise as it was found and counts
+as much as a few shots (an empirical Bayes variance). The test is Hotelling's; of many tests each
+chance is that of the least of as many.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm
+from scipy.stats import f as fisher
+from scipy.stats import t as student
 
 from models.ball.types import Floats
 from models.gap.components import Components
@@ -34,9 +36,10 @@ from models.gap.marginal import marginal
 Indices = NDArray[np.int64]
 
 DETECTABLE = 5.8  # standard errors
-SIGN_FLIPS = 20_000
+CONFIDENCE = 0.95  # of intervals
 FOLDS = 5
-FEWEST_SUPPORTERS = 4.0  # shots
+NOISE_DEGREES = 8.0  # of freedom, that the noise as it was found is worth
+FEWEST_SUPPORTERS = 4.0  # shots, of what is said to be detectable
 LEAST_INFORMATION = 1e-7  # of a hypothesis alone, that its own part beside the others must have
 
 
@@ -92,27 +95,6 @@ class Tested:
             gain += float(2 * said @ score - said @ information @ said)
         return gain
 
-    def studentised(self, signs: Floats) -> Floats:
-        """Return (R,) squared test statistics of shots whose scores have (R, B) signs.
-
-        With ``B_s = I_s (I - I_s)^-1`` a surprise is ``d_s = (1 + B_s) e_s - B_s U``; their sum of
-        squares is written out in U, so that it follows the signs at the cost of a few products.
-        """
-        others = _regular(self.information - self.shares)
-        pull = np.swapaxes(np.linalg.solve(others, self.shares), 1, 2)
-        lone = self.scores + np.einsum("sij,sj->si", pull, self.scores)
-        total = signs @ self.scores
-        size = len(self.block)
-        products = np.einsum("si,sjk->sijk", lone, pull).reshape(len(lone), -1)
-        mixed = (signs @ products).reshape(-1, size, size, size)
-        crossed = np.einsum("rijk,rk->rij", mixed, total)
-        pulled = np.einsum("sij,skl->ikjl", pull, pull)
-        square = np.einsum("ikjl,rj,rl->rik", pulled, total, total)
-        spread = lone.T @ lone - crossed - np.swapaxes(crossed, 1, 2) + square
-        solved = np.linalg.solve(_regular(spread), total[..., None])[..., 0]
-        squares: Floats = (total * solved).sum(axis=1)
-        return squares
-
     @cached_property
     def supporters(self) -> float:
         """How many shots, all alike, would say as much: no verdict rests on one or two."""
@@ -120,14 +102,42 @@ class Tested:
         return float(shares.sum() ** 2 / np.maximum((shares**2).sum(), 1e-300))
 
     @cached_property
-    def extremity(self) -> float:
-        """How many standard deviations of a normal the test amounts to.
+    def surprises(self) -> Floats:
+        """(B, D) how far each shot's score is from what the others say of it."""
+        others = _regular(self.information - self.shares)
+        rest = self.scores.sum(axis=0) - self.scores
+        said = np.linalg.solve(others, rest[..., None])
+        surprises: Floats = self.scores - (self.shares @ said)[..., 0]
+        return surprises
 
-        The spread between shots and the noise as it was found must both allow it: where only a
-        handful of shots show an effect, their spread alone may be small by chance.
-        """
-        between = self.studentised(np.ones((1, len(self.scores))))[0]
-        return float(_normal_size(min(between, self.gain), len(self.block)))
+    @cached_property
+    def degrees(self) -> float:
+        """Degrees of freedom of the variance."""
+        return max(self.supporters - 1.0, 0.0) + NOISE_DEGREES
+
+    @cached_property
+    def variance(self) -> Floats:
+        """(D, D) of the sum of the scores, by the shots' spread and by the noise."""
+        share = NOISE_DEGREES / self.degrees
+        between = self.surprises.T @ self.surprises
+        variance: Floats = (1 - share) * between + share * self.information
+        return variance
+
+    @cached_property
+    def chance(self) -> float:
+        """Of so large a gain where there is no effect."""
+        total, size = self.scores.sum(axis=0), len(self.block)
+        squared = float(total @ np.linalg.solve(_regular(self.variance), total))
+        rest = max(self.degrees - size + 1, 1.0)
+        return float(fisher.sf(squared * rest / (size * self.degrees), size, rest))
+
+    @cached_property
+    def margin(self) -> Floats:
+        """(D,) by which each estimate may be off, either way, with 95 % confidence."""
+        inverse = np.linalg.inv(_regular(self.information))
+        errors = np.sqrt(np.diag(inverse @ self.variance @ inverse))
+        margin: Floats = errors * student.isf((1 - CONFIDENCE) / 2, self.degrees)
+        return margin
 
 
 @dataclass(frozen=True)
@@ -182,20 +192,29 @@ class Evidence:
         shares = a[:, k][:, :, k] - mixing @ a[:, n][:, :, k] - across @ mixing.T
         return Tested(tuple(k), rest[:, k] - rest[:, n] @ mixing.T, shares)
 
-    def decidable(self, beside: Sequence[int]) -> tuple[int, ...]:
-        """Return the places of hypotheses that the shots can tell from all that is beside them."""
+    def decidable(
+        self, beside: Sequence[int], fewest: float = FEWEST_SUPPORTERS
+    ) -> tuple[int, ...]:
+        """Return the places of hypotheses that the shots can tell from all that is beside them.
+
+        Args:
+            beside: what is free.
+            fewest: supporters of a hypothesis.
+        """
         return tuple(
-            k for k in np.flatnonzero(self.seen).tolist() if self.decides(self.tested([k], beside))
+            k
+            for k in np.flatnonzero(self.seen).tolist()
+            if self.decides(self.tested([k], beside), fewest)
         )
 
-    def decides(self, test: Tested) -> bool:
+    def decides(self, test: Tested, fewest: float = FEWEST_SUPPORTERS) -> bool:
         """Return whether the shots can decide about the one hypothesis that is tested."""
         (k,) = test.block
         information = test.information[0, 0]
         reach = np.ptp(self.columns[k].declaration.bounds)
         own_part = information > LEAST_INFORMATION * self.total[k, k]
         within = information * reach**2 > DETECTABLE**2
-        return bool(own_part and within and test.supporters > FEWEST_SUPPORTERS)
+        return bool(own_part and within and test.supporters > fewest)
 
     def likeness(self, one: int, other: int, beside: Sequence[int]) -> float:
         """Return the correlation of two hypotheses' signatures, 1 where no data like these differ.
@@ -211,29 +230,11 @@ class Evidence:
         return DETECTABLE * float(self.tested([k], beside).standard_error[0])
 
 
-def familywise(tests: Sequence[Tested], seed: int = 0) -> Floats:
-    """Return each test's probability that the most extreme of all is as extreme by chance.
-
-    The blocks may differ in size; they are compared by their probabilities under chi squared.
-    """
-    generator = np.random.default_rng(seed)
-    signs = generator.choice([-1.0, 1.0], size=(SIGN_FLIPS, len(tests[0].scores)))
-    largest = np.zeros(SIGN_FLIPS)
-    for test in tests:
-        size = _normal_size(test.studentised(signs), len(test.block))
-        largest = np.maximum(largest, size)
-    largest.sort()
-    found = np.array([test.extremity for test in tests])
-    above = SIGN_FLIPS - np.searchsorted(largest, found * (1 - 1e-9))
-    chances: Floats = (1 + above) / (1 + SIGN_FLIPS)
-    return chances
-
-
-def _normal_size(squares: Any, degrees: int) -> Any:
-    """Return the size of a standard normal that is as rare as a chi squared of these degrees."""
-    if degrees == 1:
-        return np.sqrt(np.maximum(squares, 0.0))
-    return -norm.ppf(np.maximum(chi2.sf(squares, degrees), 1e-300) / 2)
+def familywise(tests: Sequence[Tested]) -> Floats:
+    """Return each test's chance that the most extreme of all is as extreme where nothing is."""
+    chances = np.array([test.chance for test in tests])
+    of_least: Floats = -np.expm1(len(tests) * np.log1p(-np.minimum(chances, 1 - 1e-12)))
+    return of_least
 
 
 def _regular(matrix: Floats) -> Floats:

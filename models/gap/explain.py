@@ -23,6 +23,7 @@ from models.gap.shots import Bools
 MOST_CAUSES = 5
 BEAM = 150  # sets of a size that are carried on
 MOST_ALIKE = 100.0  # by how much others may inflate the variance of a cause's value
+WITNESSES = 2.5  # shots that must say as much as all: no name rests on one or two
 BEYOND = 3.0  # standard errors that an estimate may lie outside of what makes physical sense
 
 Places = tuple[int, ...]
@@ -63,7 +64,7 @@ class Explainer:
     @property
     def candidates(self) -> Places:
         """Hypotheses that these shots could show if nothing else were wrong."""
-        return self.evidence.decidable(())
+        return self.evidence.decidable((), WITNESSES)
 
     @property
     def price(self) -> float:
@@ -139,17 +140,21 @@ class Explainer:
         return decided
 
     def _decides(self, k: int, test: Tested) -> bool:
-        return self.evidence.decides(test) or bool(self.evidence.listed[k])
+        return self.evidence.decides(test, WITNESSES) or bool(self.evidence.listed[k])
 
     def rivals(self, k: int, causes: Places) -> Places:
-        """Return the class of a cause: the hypotheses that in its place explain about as much."""
+        """Return the class of a cause: the hypotheses that in its place explain about as much.
+
+        One is excluded that explains less by the square of a deviation that a normal number
+        exceeds with the chance ``level``; so no rival excludes the true cause with a larger one.
+        """
         others = tuple(one for one in causes if one != k)
         seen = [one for one in np.flatnonzero(self.evidence.seen).tolist() if one not in causes]
         if not seen:
             return (k,)
         sets = np.array([(*others, one) for one in seen])
         gains, _ = self.gains(sets)
-        close = gains > self.gain(causes) - self.price
+        close = gains > self.gain(causes) - norm.isf(self.level) ** 2
         return (k, *(one for one, near in zip(seen, close, strict=True) if near))
 
 

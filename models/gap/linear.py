@@ -31,6 +31,7 @@ class Linearised:
         positions: (B, N, 3, E + K + 1) columns of the positions, zero in padding.
         labels: (B, L, 3, E + K + 1) columns of the spin labels, zero where there is none, in units
             of the fitted spin.
+        velocities: (B, N, 3) of the balls at the samples, m/s.
         sampled: (B, N) which samples are used.
         labelled: (B, L) which labels are used.
     """
@@ -41,6 +42,7 @@ class Linearised:
     unknowns: Floats
     positions: Floats
     labels: Floats
+    velocities: Floats
     sampled: Bools
     labelled: Bools
 
@@ -68,11 +70,14 @@ def linearise(
     labels = _joined(inner.labels, outer.labels, np.nan_to_num(shots.labels) - view.labels)
     start = shots.times[:, :1]
     sampled = shots.valid & view.smooth(shots.times - start, KINK)
+    sampled &= np.isfinite(positions).all(axis=(2, 3))
     positions[~sampled] = 0.0
     labelled = shots.labelled & view.smooth(shots.label_times - start, JUMP)
     labels[~labelled] = 0.0
     labels /= label_units(view.labels)[..., None, None]
-    return Linearised(shots, simulator, columns, unknowns, positions, labels, sampled, labelled)
+    return Linearised(
+        shots, simulator, columns, unknowns, positions, labels, view.velocities, sampled, labelled
+    )
 
 
 def label_units(spins: Floats) -> Floats:

@@ -42,6 +42,13 @@ def marginal(grams: Floats, own: int) -> Marginal:
     return Marginal(left[:, :-1, :-1], left[:, :-1, -1], left[:, -1, -1], determinants)
 
 
+def coefficients(grams: Floats, own: int, values: Floats) -> Floats:
+    """Return (B, own) the unknowns' best changes where hypotheses change by given (K,) values."""
+    right = grams[:, :own, -1] - grams[:, :own, own:-1] @ values
+    best = np.linalg.solve(grams[:, :own, :own], right[..., None])[..., 0]
+    return np.asarray(best, dtype=np.float64)
+
+
 def visible(information: Floats) -> Floats:
     """Return (K, D) directions in which data of this (K, K) information say something.
 

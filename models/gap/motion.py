@@ -11,6 +11,7 @@ Derivatives are differences of exact flights, all unknowns of all shots flown in
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,12 +72,27 @@ class Moments:
         samples = shots.times - start
         unions = [np.union1d(s, w) for s, w in zip(samples, labels, strict=True)]
         longest = max(len(union) for union in unions)
+        times = np.array([np.pad(one, (0, longest - len(one)), mode="edge") for one in unions])
         pairs = list(zip(unions, samples, labels, strict=True))
-        return cls(
-            np.array([np.pad(union, (0, longest - len(union)), mode="edge") for union in unions]),
-            np.array([np.searchsorted(union, s) for union, s, _ in pairs]),
-            np.array([np.searchsorted(union, w) for union, _, w in pairs]).reshape(labels.shape),
-        )
+        places = np.array([np.searchsorted(union, s) for union, s, _ in pairs])
+        if np.array_equal(times, samples):
+            places = np.tile(np.arange(longest), (len(times), 1))
+        spins = [np.searchsorted(union, w) for union, _, w in pairs]
+        return cls(times, places, np.array(spins).reshape(labels.shape))
+
+    @cached_property
+    def _all_samples(self) -> bool:
+        """Whether there are no moments but those of the samples, in their order."""
+        count = self.samples.shape[1]
+        return self.times.shape[1] == count and bool((self.samples == np.arange(count)).all())
+
+    def at_samples(self, rows: Floats) -> Floats:
+        """Return (B, N, ...) those of (B, T, ...) rows that belong to samples."""
+        if self._all_samples:
+            return rows
+        places = self.samples.reshape(*self.samples.shape, *(1,) * (rows.ndim - 2))
+        found: Floats = np.take_along_axis(rows, places, axis=1)
+        return found
 
     def __getitem__(self, rows: Indices) -> "Moments":
         return Moments(self.times[rows], self.samples[rows], self.labels[rows])
@@ -97,12 +113,14 @@ class Seen:
     Attributes:
         positions: (B, N, 3) m, or (B, N, 3, C).
         labels: (B, L, 3) rad/s, or (B, L, 3, C).
+        velocities: (B, N, 3) of the balls, m/s.
         contacts: (B, M) when balls met something, s from the first sample, NaN where they did not.
         until: (B,) when they first met an edge or the net, and then all is open; NaN if never.
     """
 
     positions: Floats
     labels: Floats
+    velocities: Floats
     contacts: Floats
     until: Floats
 
@@ -132,15 +150,16 @@ def seen(simulator: Simulator, moments: Moments, unknowns: Floats) -> Seen:
     times = moments.times / clock
     path, contacts, until = _path(simulator, unknowns, times)
     spins = np.take_along_axis(path[..., SPIN], moments.labels[..., None], axis=1)
-    velocities = np.take_along_axis(path[..., VELOCITY], moments.samples[..., None], axis=1)
+    velocities = moments.at_samples(path[..., VELOCITY])
     delay = sensor._quantity(simulator, "delay", View(np.linalg.norm(velocities, axis=-1)))
     if np.any(delay):
-        sampled = np.take_along_axis(times, moments.samples, axis=1)
+        sampled = moments.at_samples(times)
         places = _path_in_any_order(simulator, unknowns, sampled - delay)[..., POSITION]
     else:
-        places = np.take_along_axis(path[..., POSITION], moments.samples[..., None], axis=1)
+        places = moments.at_samples(path[..., POSITION])
     positions = sensor._quantity(simulator, "position_gain") * places
-    return Seen(positions, _labels(simulator, spins), clock * contacts, clock * until)
+    labels = _labels(simulator, spins)
+    return Seen(positions, labels, velocities, clock * contacts, clock * until)
 
 
 def by_unknowns(simulator: Simulator, moments: Moments, unknowns: Floats, view: Seen) -> Seen:
@@ -166,6 +185,7 @@ def by_unknowns(simulator: Simulator, moments: Moments, unknowns: Floats, view: 
     return Seen(
         differences(ahead.positions, view.positions),
         differences(ahead.labels, view.labels),
+        view.velocities,
         view.contacts,
         _until_parted(view, *contacts),
     )
@@ -178,17 +198,18 @@ def by_hypotheses(
     view: Seen,
     columns: tuple[Hypothesis, ...],
 ) -> Seen:
-    """Return the derivatives of what is seen by each of the C ``columns``."""
+    """Return the derivatives of what is seen, which is ``view``, by each of the C ``columns``."""
     positions = np.zeros((*view.positions.shape, len(columns)))
     labels = np.zeros((*view.labels.shape, len(columns)))
     contacts = []
     for column, hypothesis in enumerate(columns):
-        for value, weight in hypothesis.nodes(simulator):
-            other = seen(hypothesis.at(simulator, value), moments, unknowns)
-            positions[..., column] += weight * other.positions
-            labels[..., column] += weight * other.labels
-            contacts.append(other.contacts)
-    return Seen(positions, labels, view.contacts, _until_parted(view, *contacts))
+        value, other = hypothesis.value(simulator), hypothesis.nearby(simulator)
+        there = seen(hypothesis.at(simulator, other), moments, unknowns)
+        positions[..., column] = (there.positions - view.positions) / (other - value)
+        labels[..., column] = (there.labels - view.labels) / (other - value)
+        contacts.append(there.contacts)
+    until = _until_parted(view, *contacts)
+    return Seen(positions, labels, view.velocities, view.contacts, until)
 
 
 def _until_parted(view: Seen, *others: Floats) -> Floats:

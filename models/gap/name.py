@@ -7,6 +7,7 @@ no derivative are looked for: labels that read backwards (signs.py), and lift wh
 measured (lift.py).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,9 +66,18 @@ class Named:
         return with_estimates(self.explainer, self.explanation.causes)
 
 
-def name(shots: Shots, question: Question) -> Named:
-    """Name the causes of the gap between shots and a simulator."""
+def name(
+    shots: Shots, question: Question, begun: Callable[[Evidence], None] = lambda first: None
+) -> Named:
+    """Name the causes of the gap between shots and a simulator.
+
+    Args:
+        shots: measured.
+        question: what is asked of them.
+        begun: is told the evidence before causes are looked for.
+    """
     base, turned = refit(shots, question.simulator, ()), no_signs(shots)
+    begun(from_nominal(base, question.simulator, question.withheld))
     if SIGNS not in question.withheld:
         turned = signs(shots, base)
     named = _with_signs(shots, question, turned, None if turned.significant else base)

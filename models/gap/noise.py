@@ -14,11 +14,12 @@
 positions' noise can be changed at no cost.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import expit
 
 from models.ball import state
 from models.ball.types import Floats
@@ -27,6 +28,8 @@ from models.gap.linear import Linearised
 
 OUTLIERS = 0.02  # share of outliers expected
 OUTLIER_SIZE = 0.1  # m, their spread
+LARGEST_NOISE = 0.3  # of the spread of outliers; beyond, outliers spread more
+NO_WEIGHT = 1e-6
 # A state may be anything up to these: m, m/s, rad/s, a component.
 ANY_PLACE, ANY_SPEED, ANY_SPIN = 100.0, 1000.0, 1e4
 
@@ -39,6 +42,7 @@ class Noise:
         white: of a coordinate, m.
         slow: of its slow error, m.
         slow_time: in which the slow error's correlation falls to 1/e, s.
+        timing: of a time stamp, s.
         label: of a component of a label, as a share of the spin, in every row by itself.
         label_common: the same for all rows of a shot.
         scatter: of a bounce upwards, along the slip and across, as a share of the normal speed.
@@ -50,11 +54,31 @@ class Noise:
     label: float = 0.05
     label_common: float = 0.02
     scatter: tuple[float, float, float] = (0.02, 0.02, 0.02)
+    timing: float = 1e-4
 
     @property
     def position(self) -> float:
-        """Standard deviation of a coordinate, m."""
+        """Standard deviation of a coordinate, m, that of the time stamps aside."""
         return float(np.hypot(self.white, self.slow))
+
+    def steady(self, velocities: Floats) -> Floats:
+        """Return (...) the size of errors across (..., 3) velocities, in that of errors along."""
+        squares = np.einsum("...i,...i->...", velocities, velocities)
+        share: Floats = 1 / np.sqrt(1.0 + squares * (self.timing / self.white) ** 2)
+        return share
+
+    def steadied(self, rows: Floats, velocities: Floats) -> Floats:
+        """Return (B, N, 3, C) rows of positions shrunk along (B, N, 3) velocities.
+
+        Their errors are then alike in all directions.
+        """
+        squares = np.einsum("bni,bni->bn", velocities, velocities)
+        less = (1 - self.steady(velocities)) / np.maximum(squares, 1e-12)
+        return _shrunk(np.ascontiguousarray(rows), np.ascontiguousarray(velocities), less)
+
+    def widened(self, factor: float) -> "Noise":
+        """Return noise whose positions err by so many times as much."""
+        return replace(self, white=factor * self.white, slow=factor * self.slow)
 
 
 @dataclass(frozen=True)
@@ -141,11 +165,18 @@ def whitened(
     The innovations of a Kalman filter that follows the slow error are white. Second come the (B,)
     logarithms of the noise's determinants.
     """
-    flat = np.ascontiguousarray(rows).reshape(*rows.shape[:2], -1)
+    steadied = noise.steadied(rows, linear.velocities)
     usable = np.where(linear.sampled, weights, 0.0)
     innovations, determinants = _innovations(
-        flat, linear.shots.times, usable, noise.white, noise.slow, noise.slow_time
+        steadied.reshape(*rows.shape[:2], -1),
+        linear.shots.times,
+        usable,
+        noise.white,
+        noise.slow,
+        noise.slow_time,
     )
+    counted = usable >= NO_WEIGHT
+    determinants -= 2 * np.where(counted, np.log(noise.steady(linear.velocities)), 0.0).sum(axis=1)
     return innovations.reshape(rows.shape), determinants
 
 
@@ -168,12 +199,44 @@ def prior_precision(unlabelled: NDArray[np.bool_], size: int, noise: Noise, spin
 
 
 def inlier_probability(residuals: Floats, noise: Noise) -> Floats:
-    """Return (B, N) probabilities that (B, N, 3) residuals are no outliers'."""
-    ratio = noise.position / OUTLIER_SIZE
-    distance = (residuals**2).sum(axis=-1) / noise.position**2 * (1 - ratio**2)
-    odds = OUTLIERS / (1 - OUTLIERS) * ratio**3 * np.exp(np.minimum(distance / 2, 300.0))
-    probability: Floats = 1 / (1 + odds)
+    """Return (B, N) probabilities that (B, N, 3) residuals, steadied, are no outliers'."""
+    inlier, outlier = _log_densities(residuals, noise)
+    probability: Floats = expit(inlier - outlier)
     return probability
+
+
+def surprise(residuals: Floats, noise: Noise) -> Floats:
+    """Return (B, N) twice the negative log likelihoods of (B, N, 3) residuals, steadied.
+
+    Outliers cost no more than they do; a residual of zero costs about nothing.
+    """
+    surprises: Floats = -2.0 * np.logaddexp(*_log_densities(residuals, noise))
+    return surprises
+
+
+def _log_densities(residuals: Floats, noise: Noise) -> tuple[Floats, Floats]:
+    """Return logarithms of the densities of inliers and outliers, times the shares of both."""
+    ratio = min(noise.position / OUTLIER_SIZE, LARGEST_NOISE)
+    distance = (residuals**2).sum(axis=-1) / noise.position**2
+    inlier = np.log(1 - OUTLIERS) - distance / 2
+    return inlier, np.log(OUTLIERS * ratio**3) - distance * ratio**2 / 2
+
+
+@compiler([Path(__file__)])
+def _shrunk(rows: Floats, directions: Floats, less: Floats) -> Floats:
+    """Return (B, N, 3, C) rows less, along (B, N, 3) directions d, (B, N) times d d'."""
+    count, length, _, width = rows.shape
+    out = np.empty_like(rows)
+    for b in range(count):
+        for i in range(length):
+            x, y, z = directions[b, i]
+            for c in range(width):
+                along = x * rows[b, i, 0, c] + y * rows[b, i, 1, c] + z * rows[b, i, 2, c]
+                along *= less[b, i]
+                out[b, i, 0, c] = rows[b, i, 0, c] - along * x
+                out[b, i, 1, c] = rows[b, i, 1, c] - along * y
+                out[b, i, 2, c] = rows[b, i, 2, c] - along * z
+    return out
 
 
 @compiler([Path(__file__)])
@@ -187,7 +250,7 @@ def _innovations(
         expected = np.zeros(width)
         variance, last = slow * slow, times[b, 0]
         for i in range(length):
-            if weights[b, i] < 1e-6:
+            if weights[b, i] < NO_WEIGHT:
                 continue
             memory = np.exp(-(times[b, i] - last) / slow_time)
             last = times[b, i]

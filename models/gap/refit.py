@@ -1,14 +1,17 @@
 """Refit: values of chosen hypotheses that make the shots most likely, exactly.
 
-Gauss-Newton on the marginal likelihood: shots are fitted anew and linearised about the simulator as
-it is now, the chosen values take the step that the scores ask for, and so on. The evidence for all
-other hypotheses is then that about the refitted simulator.
+Gauss-Newton on the marginal likelihood: shots are linearised about the simulator as it is now, the
+chosen values take the step that the scores ask for, the unknowns of the shots the one that goes
+with it, and so on. A step after which the shots fit worse was too long and is shortened. Values
+stay within their bounds; a weak prior keeps those of which the shots say nothing where they are.
+The evidence for all other hypotheses is then that about the refitted simulator.
 """
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
@@ -16,14 +19,18 @@ from models.gap.components import Components, components
 from models.gap.evidence import Evidence
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.linear import Linearised, linearise
-from models.gap.marginal import marginal, visible
-from models.gap.noise import Noise, grams
+from models.gap.marginal import coefficients, marginal
+from models.gap.noise import Grams, Noise, grams
 from models.gap.shot_fit import ShotFit, fit_shots, refit_shots
 from models.gap.shots import Shots
 
 MOST_STEPS = 6
 CLOSE = 0.2  # standard errors of a step after which no other is taken
 FAR = 3.0  # standard errors of a step after which the noise is estimated anew
+PRIOR = 1 / 6  # of a value's range: its standard deviation before the shots are seen
+SHORTER = (1.0, 0.25, 0.05)  # parts of a step that are tried
+WORSE = 1.01  # times the cost up to which a step is taken: shots alone know no slow errors
+FOLLOWING = 3  # iterations of shots whose unknowns went along
 
 
 @dataclass(frozen=True)
@@ -64,7 +71,8 @@ def refit(
     """
     for hypothesis in free:
         simulator = hypothesis.at(simulator, hypothesis.value(simulator))
-    fit = fit_shots(shots, simulator) if begin is None else _resumed(begin)
+    start = values = _values(simulator, free)
+    fit = fit_shots(shots, simulator) if begin is None else _resumed(begin, simulator)
     known = begin is not None
     trust = np.ones(len(shots)) if begin is None else begin.components.trust
     for _ in range(MOST_STEPS if free else 0):
@@ -72,10 +80,13 @@ def refit(
         if not known:
             found = components(linear, fit.noise, fit.weights)
             fit, trust = replace(fit, weights=found.weights, noise=found.noise), found.trust
-        total = grams(linear, fit.noise, fit.weights, trust).total(fit.noise)
-        step, error = _step(total, linear.own, free)
-        simulator = _moved(simulator, free, step)
-        fit = refit_shots(shots, simulator, fit.unknowns, fit.noise)
+        parts = grams(linear, fit.noise, fit.weights, trust)
+        step, error = _step(parts.total(fit.noise), linear.own, free, values, start)
+        moved = _moved(linear, parts, fit, step)
+        if moved is None:
+            break
+        simulator, fit = moved
+        values = _values(simulator, free)
         if (np.abs(step) <= CLOSE * error).all():
             break
         known = bool((np.abs(step) < FAR * error).all())
@@ -91,31 +102,51 @@ def fitted(shots: Shots, simulator: Simulator, noise: Noise) -> Refitted:
     return Refitted(simulator, (), linear, Components.known(linear, noise, fit.weights))
 
 
-def _resumed(begin: Refitted) -> ShotFit:
-    return ShotFit(begin.linear.unknowns, begin.components.weights, begin.components.noise)
+def _values(simulator: Simulator, free: tuple[Hypothesis, ...]) -> Floats:
+    return np.array([one.value(simulator) for one in free])
 
 
-def _step(total: Floats, own: int, free: tuple[Hypothesis, ...]) -> tuple[Floats, Floats]:
-    """Return the step of the free values, and their standard errors.
-
-    Values of which the shots say nothing within their range stay where they are.
-    """
-    left = marginal(total, own)
-    information, score = left.information.sum(axis=0), left.scores.sum(axis=0)
-    ranges = np.array([np.ptp(one.declaration.bounds) for one in free])
-    told = np.ones(len(free), dtype=bool)
-    for _ in free:
-        directions = visible(information * np.outer(told, told))
-        error = np.sqrt((directions**2).sum(axis=1))
-        if (error < ranges).all():
-            break
-        told &= error < ranges
-    step: Floats = directions @ (directions.T @ score)
-    return step, error
-
-
-def _moved(simulator: Simulator, free: tuple[Hypothesis, ...], step: Floats) -> Simulator:
-    for hypothesis, change in zip(free, step, strict=True):
-        value = hypothesis.value(simulator) + float(change)
-        simulator = hypothesis.at(simulator, float(np.clip(value, *hypothesis.declaration.bounds)))
+def _with_values(simulator: Simulator, free: tuple[Hypothesis, ...], values: Floats) -> Simulator:
+    for hypothesis, value in zip(free, values, strict=True):
+        simulator = hypothesis.at(simulator, float(value))
     return simulator
+
+
+def _resumed(begin: Refitted, simulator: Simulator) -> ShotFit:
+    """Return shots fitted about a simulator near that of an earlier refit."""
+    linear, known = begin.linear, begin.components
+    change = _values(simulator, linear.columns) - _values(begin.simulator, linear.columns)
+    unknowns = linear.unknowns + coefficients(known.grams, linear.own, change)
+    return refit_shots(linear.shots, simulator, unknowns, known.noise, FOLLOWING)
+
+
+def _step(
+    total: Floats, own: int, free: tuple[Hypothesis, ...], values: Floats, start: Floats
+) -> tuple[Floats, Floats]:
+    """Return the best step of the free values within their bounds, and their standard errors."""
+    left = marginal(total, own)
+    bounds = np.array([one.declaration.bounds for one in free])
+    scale = PRIOR * np.ptp(bounds, axis=1)
+    # In units of the prior's standard deviations, whose precision is one.
+    information = left.information.sum(axis=0) * np.outer(scale, scale) + np.eye(len(free))
+    score = left.scores.sum(axis=0) * scale - (values - start) / scale
+    root = np.linalg.cholesky(information)
+    low, high = ((bounds - values[:, None]) / scale[:, None]).T
+    found = lsq_linear(root.T, np.linalg.solve(root, score), (low, high))
+    return scale * found.x, scale * np.sqrt(np.diag(np.linalg.inv(information)))
+
+
+def _moved(
+    linear: Linearised, parts: Grams, fit: ShotFit, step: Floats
+) -> tuple[Simulator, ShotFit] | None:
+    """Return the simulator after as much of a step as fits no worse, and the shots about it."""
+    shots, free, noise = linear.shots, linear.columns, fit.noise
+    values, total = _values(linear.simulator, free), parts.total(noise)
+    here = refit_shots(shots, linear.simulator, fit.unknowns, noise, 0)
+    for part in SHORTER:
+        simulator = _with_values(linear.simulator, free, values + part * step)
+        unknowns = fit.unknowns + coefficients(total, linear.own, part * step)
+        there = refit_shots(shots, simulator, unknowns, noise, FOLLOWING)
+        if parts.trust @ there.cost <= WORSE * (parts.trust @ here.cost):
+            return simulator, there
+    return None

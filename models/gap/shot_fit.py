@@ -14,7 +14,7 @@ from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.linear import ballistic_unknowns, label_units
 from models.gap.motion import JUMP, Indices, Moments, Seen, bounces, by_unknowns, seen
-from models.gap.noise import Noise, inlier_probability, prior_precision
+from models.gap.noise import Noise, inlier_probability, prior_precision, surprise
 from models.gap.shots import Bools, Shots
 
 MOST_KICKS = 2  # bounces of a shot that may scatter
@@ -23,13 +23,18 @@ FALL = np.array([0.0, 0.0, -9.81])
 # Noise (m), horizon (s) and iterations of each stage.
 STAGES = ((0.03, FIRST_HORIZON, 3), (0.03, np.inf, 3), (0.01, np.inf, 2))
 DAMPING = 1e-3  # to begin with
-ENOUGH = 0.01  # change of -2 log likelihood at which a shot's fit has settled
+# Change of -2 log likelihood at which a shot's fit has settled: what is left of it is linear.
+ENOUGH = 0.1
 MOST_ITERATIONS = 10
 SPIN = 300.0  # rad/s, about a component of a spin without a label
 # The noise is guessed by its large errors, though not by outliers: where the simulator is wrong
 # about bounces, the samples after them must not pass for outliers.
 MOST, NORMAL_MOST = 0.9, 1.645  # quantile of a standard normal's size
 LEAST_NOISE = 1e-4  # m
+NORMAL_SPREAD = 1.4826  # standard deviation over median size of a normal
+FAR = 2.0  # times the noise that residuals typically are, from where the noise must shrink first
+# What unknowns may be, so that no flight diverges: m, m/s, rad/s, and kicks.
+WORLD, MOST_KICK = np.repeat([1e4, 150.0, 5000.0], 3), 3.0
 
 
 @dataclass(frozen=True)
@@ -40,11 +45,13 @@ class ShotFit:
         unknowns: (B, 9 + 3 K) states at the first sample, and kicks.
         weights: (B, N) probabilities that samples are no outliers; 0 in padding.
         noise: with which they were fitted.
+        cost: (B,) twice the negative log likelihoods, where outliers cost no more than they do.
     """
 
     unknowns: Floats
     weights: Floats
     noise: Noise
+    cost: Floats
 
 
 def fit_shots(shots: Shots, simulator: Simulator) -> ShotFit:
@@ -61,19 +68,37 @@ def fit_shots(shots: Shots, simulator: Simulator) -> ShotFit:
     return refit_shots(shots, simulator, ballistic_unknowns(unknowns, kicks), noise)
 
 
-def refit_shots(shots: Shots, simulator: Simulator, unknowns: Floats, noise: Noise) -> ShotFit:
-    """Fit the unknowns of shots from where they are."""
+def refit_shots(
+    shots: Shots,
+    simulator: Simulator,
+    unknowns: Floats,
+    noise: Noise,
+    iterations: int = MOST_ITERATIONS,
+) -> ShotFit:
+    """Fit the unknowns of shots from where they are.
+
+    Args:
+        shots: measured.
+        simulator: to fit them with.
+        unknowns: (B, 9 + 3 K) where to start.
+        noise: by which labels and samples are weighed.
+        iterations: at most; few are enough near the best fit.
+    """
     problem = _Problem.of(shots, simulator, noise, np.inf)
-    fitted = problem.solved(unknowns, MOST_ITERATIONS)
-    return ShotFit(fitted, problem.at(fitted).weights, noise)
+    far = problem.typical(unknowns) / noise.position
+    if far > FAR:
+        wide = _Problem.of(shots, simulator, noise.widened(far), np.inf)
+        unknowns = wide.solved(unknowns, iterations)
+    fitted = problem.solved(unknowns, iterations)
+    return problem.found(fitted)
 
 
 @dataclass(frozen=True)
 class _Point:
     """Where a fit is: unknowns, what they predict, and how far that is off.
 
-    Residuals are those of positions in m; errors those of labels in units of their noise, which
-    ``scale`` (B, L) converts to, zero where there is no label.
+    Residuals are those of positions in m, steadied; errors those of labels in units of their
+    noise, which ``scale`` (B, L) converts to, zero where there is no label.
     """
 
     unknowns: Floats
@@ -108,12 +133,14 @@ class _Problem:
         )
 
     def solved(self, unknowns: Floats, iterations: int) -> Floats:
-        unknowns, damping = unknowns.copy(), np.full(len(unknowns), DAMPING)
+        reach = np.concatenate([WORLD, np.full(unknowns.shape[1] - len(WORLD), MOST_KICK)])
+        unknowns, damping = np.clip(unknowns, -reach, reach), np.full(len(unknowns), DAMPING)
         moving = np.arange(len(unknowns))
         for _ in range(iterations):
             some = self[moving]
             point = some.at(unknowns[moving])
-            trial = some.at(point.unknowns + some._step(point, damping[moving]))
+            step = some._step(point, damping[moving])
+            trial = some.at(np.clip(point.unknowns + step, -reach, reach))
             gain = some._cost(point, point.weights) - some._cost(trial, point.weights)
             better = gain >= 0.0
             unknowns[moving[better]] = trial.unknowns[better]
@@ -123,9 +150,23 @@ class _Problem:
                 break
         return unknowns
 
+    def found(self, unknowns: Floats) -> ShotFit:
+        """Return where a fit has come to."""
+        point = self.at(unknowns)
+        cost = np.where(self.used, surprise(point.residual, self.noise), 0.0).sum(axis=1)
+        cost += (point.errors**2).sum(axis=(1, 2))
+        cost += (self._precision(unknowns) * unknowns**2).sum(axis=1)
+        return ShotFit(unknowns, point.weights, self.noise, cost)
+
+    def typical(self, unknowns: Floats) -> float:
+        """Return the standard deviation of a normal with residuals of this median size, m."""
+        sizes = np.abs(self.at(unknowns).residual[self.used])
+        return NORMAL_SPREAD * float(np.median(sizes))
+
     def at(self, unknowns: Floats) -> _Point:
         view = seen(self.simulator, self.moments, unknowns)
-        residual = np.where(self.used[..., None], self.shots.positions - view.positions, 0.0)
+        miss = np.where(self.used[..., None], self.shots.positions - view.positions, 0.0)
+        residual = self.noise.steadied(miss[..., None], view.velocities)[..., 0]
         used = self.shots.labelled & view.smooth(self.label_times, JUMP)
         scale = used / (label_units(view.labels) * self._label_error()[:, None])
         errors = np.nan_to_num(self.shots.labels - view.labels) * scale[..., None]
@@ -138,14 +179,14 @@ class _Problem:
         error: Floats = np.sqrt(self.noise.label**2 + count * self.noise.label_common**2)
         return error
 
-    def _precision(self, size: int) -> Floats:
+    def _precision(self, unknowns: Floats) -> Floats:
         labelled = np.asarray(self.shots.labelled.any(axis=1))
-        return prior_precision(~labelled, size, self.noise, SPIN)
+        return prior_precision(~labelled, unknowns.shape[1], self.noise, SPIN)
 
     def _cost(self, point: _Point, weights: Floats) -> Floats:
         cost = (weights[..., None] * point.residual**2).sum(axis=(1, 2)) / self.noise.position**2
         cost += (point.errors**2).sum(axis=(1, 2))
-        prior = self._precision(point.unknowns.shape[1])
+        prior = self._precision(point.unknowns)
         total: Floats = cost + (prior * point.unknowns**2).sum(axis=1)
         return total
 
@@ -153,15 +194,16 @@ class _Problem:
         count, size = point.unknowns.shape
         slopes = by_unknowns(self.simulator, self.moments, point.unknowns, point.view)
         scale = np.sqrt(point.weights)[..., None] / self.noise.position
+        paths = self.noise.steadied(slopes.positions, point.view.velocities)
         rows = np.concatenate(
             [
-                (slopes.positions * scale[..., None]).reshape(count, -1, size),
+                (paths * scale[..., None]).reshape(count, -1, size),
                 (slopes.labels * point.scale[..., None, None]).reshape(count, -1, size),
             ],
             axis=1,
         )
         misses = (point.residual * scale).reshape(count, -1), point.errors.reshape(count, -1)
-        prior = self._precision(size)
+        prior = self._precision(point.unknowns)
         normal = np.swapaxes(rows, 1, 2) @ rows + prior[:, :, None] * np.eye(size)
         gradient = np.einsum("bre,br->be", rows, np.concatenate(misses, axis=1))
         diagonal = np.einsum("bii->bi", normal)

@@ -16,6 +16,9 @@ from models.ball.types import Floats
 
 Bools = NDArray[np.bool_]
 
+# What no ball of a table tennis hall does: m from the table, s in one shot, rad/s.
+FARTHEST, LONGEST, FASTEST = 1e4, 20.0, 1e5
+
 POSITION_COLUMNS = ["px", "py", "pz"]
 SPIN_COLUMNS = ["wx", "wy", "wz"]
 
@@ -69,7 +72,7 @@ class Shots:
 
         Raises:
             ValueError: shapes that do not fit, positions that are not finite, no sample in a shot,
-                or times that do not rise.
+                times that do not rise, or numbers that no ball can have made.
         """
         count = len(times)
         moments = [np.asarray(one, dtype=np.float64) for one in times]
@@ -78,7 +81,7 @@ class Shots:
         when = moments if label_times is None else label_times
         when = when if labels is not None else [np.empty(0)] * count
         spins = [_distinct(t, w) for t, w in zip(when, seen, strict=True)]
-        _check(moments, places)
+        _check(moments, places, [w for _, w in spins])
         called = list(range(count)) if names is None else list(names)
         return cls(
             _padded(moments, repeat=True),
@@ -133,14 +136,18 @@ def _distinct(times: ArrayLike, labels: ArrayLike) -> tuple[Floats, Floats]:
     return moments, spins
 
 
-def _check(times: list[Floats], positions: list[Floats]) -> None:
-    for number, (t, p) in enumerate(zip(times, positions, strict=True)):
+def _check(times: list[Floats], positions: list[Floats], labels: list[Floats]) -> None:
+    for number, (t, p, w) in enumerate(zip(times, positions, labels, strict=True)):
         if len(t) == 0 or len(t) != len(p):
             raise ValueError(f"shot {number} has {len(t)} times and {len(p)} positions")
         if not (np.isfinite(t).all() and np.isfinite(p).all()):
             raise ValueError(f"shot {number} has a time or a position that is not finite")
         if (np.diff(t) <= 0).any():
             raise ValueError(f"the times of shot {number} do not rise")
+        if np.abs(p).max() > FARTHEST or t[-1] - t[0] > LONGEST:
+            raise ValueError(f"shot {number} goes beyond {FARTHEST:g} m or {LONGEST:g} s")
+        if np.abs(w).max(initial=0.0) > FASTEST:
+            raise ValueError(f"a spin label of shot {number} is above {FASTEST:g} rad/s")
 
 
 def _padded(parts: list[Floats], repeat: bool = False) -> Floats:

@@ -60,29 +60,6 @@ def arcs(simulator: Simulator, unknowns: Floats, times: Floats) -> list[Arc]:
     return found
 
 
-def response(found: list[Arc], forcing: Floats) -> Floats:
-    """Return the (B, T, 3, D) changes of positions by D forcings.
-
-    Args:
-        found: arcs of the balls.
-        forcing: (B, T, 9, D) rates of change of the state.
-    """
-    changes = np.zeros((*forcing.shape[:2], 3, forcing.shape[3]))
-    for arc in found:
-        kept = arc.inside & (np.abs(np.linalg.det(arc.propagator)) > LEAST_VOLUME)
-        propagator = np.where(kept[..., None, None], arc.propagator, np.eye(STATE_SIZE))
-        rate = np.linalg.solve(propagator, forcing[arc.rows])
-        rate = np.where(kept[..., None, None], rate, 0.0)
-        # The trapezoid; before the first moment of an arc its rate is that of this moment.
-        last = np.concatenate([rate[:, :1], rate[:, :-1]], axis=1)
-        last = np.where(np.roll(kept, 1, axis=1)[..., None, None], last, rate)
-        source = np.cumsum(arc.steps[..., None, None] * (rate + last) / 2, axis=1)
-        reached = (arc.inside | arc.beyond)[..., None, None]
-        change = arc.propagator[:, :, :3] @ source
-        changes[arc.rows] += np.where(reached, change, 0.0)
-    return changes
-
-
 def _arc(
     simulator: Simulator,
     start: Floats,

@@ -3,9 +3,10 @@
 import json
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, InstanceOf
 
 from models.gap.hypotheses import Hypothesis
+from models.gap.located import Located
 
 AXES = ("x", "y", "z")
 
@@ -71,6 +72,41 @@ class Where(_Part):
     sensor: float
 
 
+class Landing(_Part):
+    """Errors of predictions of where and when balls land, root mean square.
+
+    Attributes:
+        shots: that land.
+        before_mm: of places, by the simulator as it was.
+        after_mm: by the amended simulator.
+        floor_mm: by a simulator without fault.
+        before_ms: of times, by the simulator as it was.
+        after_ms: by the amended simulator.
+        floor_ms: by a simulator without fault.
+        closer_mm: by how much places got better, 95 %, by shots drawn at random in pairs.
+        closer_ms: by how much times got better.
+    """
+
+    shots: int
+    before_mm: float
+    after_mm: float
+    floor_mm: float
+    before_ms: float
+    after_ms: float
+    floor_ms: float
+    closer_mm: tuple[float, float]
+    closer_ms: tuple[float, float]
+
+    @property
+    def sizes(self) -> tuple[tuple[float, float], ...]:
+        """Errors in mm and in ms: before, after and at the floor."""
+        return (
+            (self.before_mm, self.before_ms),
+            (self.after_mm, self.after_ms),
+            (self.floor_mm, self.floor_ms),
+        )
+
+
 class Gap(_Part):
     """Errors of predictions on shots that naming never saw.
 
@@ -82,6 +118,7 @@ class Gap(_Part):
         removable_closed: share of the gap between before and floor that closed; None where there is
             none to close.
         interval: 95 % of it, by shots drawn at random.
+        landing: errors where and when balls land; None where too few do.
     """
 
     horizons_ms: tuple[int, ...]
@@ -90,6 +127,7 @@ class Gap(_Part):
     floor_mm: tuple[float, ...]
     removable_closed: float | None
     interval: tuple[float, float] | None
+    landing: Landing | None = None
 
 
 class Verdict(_Part):
@@ -104,6 +142,7 @@ class Verdict(_Part):
         detectable: smallest size of every effect that these shots would show, each in its unit.
         blind_to: effects of which they show nothing.
         limits: in words, what these data cannot decide, why, and what would.
+        located: how far balls part, and against what that grows; not in the file.
     """
 
     verdict: Answer
@@ -114,6 +153,7 @@ class Verdict(_Part):
     detectable: dict[str, float]
     blind_to: tuple[str, ...]
     limits: tuple[str, ...] = Field(default=(), exclude=True)
+    located: InstanceOf[Located] | None = Field(default=None, exclude=True)
 
     def to_json(self) -> str:
         """Return the content of ``verdict.json``."""

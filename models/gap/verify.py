@@ -3,11 +3,13 @@
 A shot is fitted on its first ``SEEN`` samples (and their labels) alone, once about each simulator,
 and flown on by the same simulator. Its error at a horizon, counted from the last of these samples,
 is the root mean square distance to the measured positions within ``WINDOW`` of it; outliers do not
-count, the same for both simulators. The floor is what a simulator without fault would err: by the
-launch that twelve noisy samples tell, by the scatter of bounces and by the sensor, each of the size
-found in naming.
+count, the same for both simulators. Its error at landing is how far its first bounce is, in place
+and in time, from that of the whole path as fitted, kicks and all. The floor is what a simulator
+without fault would err: by the launch that twelve noisy samples tell, by the scatter of bounces and
+by the sensor, each of the size found in naming.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +17,7 @@ import numpy as np
 from models.ball.simulator import Simulator
 from models.ball.state import SPIN, STATE_SIZE
 from models.ball.types import Floats
+from models.gap.landing import landings, spread
 from models.gap.linear import ballistic_unknowns, linearise
 from models.gap.motion import Moments, bounces, by_unknowns, seen
 from models.gap.noise import Noise, grams, prior_precision
@@ -22,31 +25,36 @@ from models.gap.refit import Refitted
 from models.gap.shot_fit import MOST_KICKS, fit_shots, refit_shots
 from models.gap.shot_fit import SPIN as UNLABELLED_SPIN
 from models.gap.shots import Bools, Shots
-from models.gap.verdict import Gap
+from models.gap.verdict import Gap, Landing
 
 SEEN = 12  # samples
 HORIZONS = np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4])  # s
 WINDOW = 0.0125  # s
-FEWEST = 3  # shots with samples at a horizon
+FEWEST = 3  # shots with samples at a horizon, or that land
 INLIER = 0.5
+LATE = 0.2  # s after a shot's last sample, until when predictions may land
 DRAWS = 2000
 
 
 @dataclass(frozen=True)
 class Errors:
-    """Mean square errors of B shots at H horizons, m^2, NaN where a shot has no samples.
+    """Mean square errors of B shots at H horizons and at landing, NaN where a shot has none.
 
     Attributes:
         horizons: (H,) s.
-        before: (B, H) of the simulator as it was.
+        before: (B, H) m^2 of the simulator as it was.
         after: (B, H) of the amended one.
         floor: (B, H) of one without fault.
+        places: (3, B) m^2 at landing, in the same order.
+        times: (3, B) s^2.
     """
 
     horizons: Floats
     before: Floats
     after: Floats
     floor: Floats
+    places: Floats
+    times: Floats
 
 
 def errors(
@@ -55,41 +63,93 @@ def errors(
     """Return the errors of two simulators' predictions.
 
     Args:
-        about: shots that naming never saw, fitted whole, which tells the outliers.
+        about: shots that naming never saw, fitted whole, which tells outliers and landings.
         before: the simulator as it was.
         after: amended.
         noise: as naming found it.
         spin: typical component of a spin, rad/s, which unlabelled shots err by.
     """
-    shots = about.linear.shots
-    long = shots.valid.sum(axis=1) > SEEN
-    usable = (shots.valid & (about.components.weights > INLIER))[long]
-    shots = shots[long]
-    squares = [_squares(shots, simulator, noise) for simulator in (before, after)]
-    squares.append(_expected(shots, after, noise, spin))
-    return Errors(HORIZONS, *(_at_horizons(shots, one, usable) for one in squares))
+    long = about.linear.shots.valid.sum(axis=1) > SEEN
+    shots, unknowns = about.linear.shots[long], about.linear.unknowns[long]
+    usable = (about.linear.shots.valid & (about.components.weights > INLIER))[long]
+    simulators = before, after
+    launches = [_launches(shots, one, noise) for one in simulators]
+    told = _launch_errors(first_samples(shots, SEEN), after, launches[1], noise, spin)
+    squares = [
+        *(_squares(shots, one, states) for one, states in zip(simulators, launches, strict=True)),
+        _expected(shots, after, launches[1], noise, told),
+    ]
+    ends = shots.times[:, -1] - shots.times[:, 0]
+    true = landings(about.simulator, unknowns[:, :STATE_SIZE], ends)
+    apart = [
+        landings(one, states, ends + LATE).apart(true)
+        for one, states in zip(simulators, launches, strict=True)
+    ]
+    landed = np.stack([*np.square(apart), spread(after, launches[1], ends + LATE, told)], axis=1)
+    landed[:, :, ~np.isfinite(landed).all(axis=(0, 1))] = np.nan
+    return Errors(
+        HORIZONS, *(at_horizons(shots, one, usable, HORIZONS) for one in squares), *landed
+    )
 
 
 def gap(found: Errors, seed: int = 0) -> Gap | None:
-    """Return the errors over the horizon, and the share of the removable gap that closed."""
+    """Return the errors over the horizon and at landing, and how much of the gap closed."""
     reached = np.isfinite(found.before).sum(axis=0) >= FEWEST
     if not reached.any():
         return None
     parts = np.stack([found.before, found.after, found.floor])[..., reached]
-    before, after, floor = _root_mean_square(parts)
-    shots = parts.shape[1]
-    drawn = np.random.default_rng(seed).integers(shots, size=(DRAWS, shots))
-    closed = [_closed(_root_mean_square(parts[:, rows])) for rows in drawn]
-    share = _closed(np.stack([before, after, floor]))
-    low, high = np.nanquantile(closed, [0.025, 0.975]) if np.isfinite(closed).any() else (0, 0)
+    sizes = _root_mean_square(parts)
+    before, after, floor = (_thousandths(values) for values in sizes)
+    share = _closed(sizes)
     return Gap(
         horizons_ms=tuple(round(1000 * h) for h in found.horizons[reached]),
-        before_mm=_millimetres(before),
-        after_mm=_millimetres(after),
-        floor_mm=_millimetres(floor),
+        before_mm=before,
+        after_mm=after,
+        floor_mm=floor,
         removable_closed=float(share) if np.isfinite(share) else None,
-        interval=(float(low), float(high)) if np.isfinite(share) else None,
+        interval=_interval(parts, _closed, seed) if np.isfinite(share) else None,
+        landing=_landing(found, seed),
     )
+
+
+def _landing(found: Errors, seed: int) -> Landing | None:
+    squares = np.stack([found.places, found.times], axis=2)
+    squares = squares[:, np.isfinite(squares).all(axis=(0, 2))]
+    if squares.shape[1] < FEWEST:
+        return None
+    sizes = _root_mean_square(squares)
+    return Landing(
+        shots=squares.shape[1],
+        **{
+            f"{name}_{unit}": value
+            for name, row in zip(("before", "after", "floor"), sizes, strict=True)
+            for unit, value in zip(("mm", "ms"), _thousandths(row), strict=True)
+        },
+        closer_mm=_interval(1e6 * squares[..., :1], _closer, seed),
+        closer_ms=_interval(1e6 * squares[..., 1:], _closer, seed),
+    )
+
+
+def _interval(parts: Floats, figure: Callable[[Floats], float], seed: int) -> tuple[float, float]:
+    """Return 95 % of a figure of (3, B, H) squares, by shots drawn at random in pairs."""
+    shots = parts.shape[1]
+    drawn = np.random.default_rng(seed).integers(shots, size=(DRAWS, shots))
+    figures = [figure(_root_mean_square(parts[:, rows])) for rows in drawn]
+    known = np.isfinite(figures).any()
+    low, high = np.nanquantile(figures, [0.025, 0.975]) if known else (0.0, 0.0)
+    return round(float(low), 6), round(float(high), 6)
+
+
+def _closer(sizes: Floats) -> float:
+    """Return by how much errors fell."""
+    before, after, _ = sizes.sum(axis=1)
+    return float(before - after)
+
+
+def last_seen(shots: Shots) -> Floats:
+    """Return (B, 1) times of the last samples that predictions see, s."""
+    place = min(SEEN, shots.times.shape[1]) - 1
+    return shots.times[:, place : place + 1]
 
 
 def first_samples(shots: Shots, count: int) -> Shots:
@@ -108,34 +168,60 @@ def first_samples(shots: Shots, count: int) -> Shots:
     )
 
 
-def _launches(shots: Shots, simulator: Simulator, noise: Noise) -> tuple[Shots, Floats]:
-    """Return the first samples, and the (B, 9) states that they tell."""
+def at_horizons(shots: Shots, values: Floats, usable: Bools, horizons: Floats) -> Floats:
+    """Return (B, H, ...) means of (B, N, ...) values about horizons, NaN where there are none.
+
+    Args:
+        shots: B of them.
+        values: at their samples.
+        usable: (B, N) samples that count.
+        horizons: (H,) s from the last sample that a prediction sees.
+    """
+    since = shots.times - last_seen(shots)
+    near = usable[:, None] & (np.abs(since[:, None] - horizons[:, None]) <= WINDOW)
+    count = near.sum(axis=2)
+    shares = near / np.where(count > 0, count, np.nan)[..., None]
+    means: Floats = np.einsum("bhn,bn...->bh...", shares, values, optimize=True)
+    return means
+
+
+def _launches(shots: Shots, simulator: Simulator, noise: Noise) -> Floats:
+    """Return the (B, 9) states that the first samples tell."""
     early = first_samples(shots, SEEN)
     fit = fit_shots(early, simulator)
-    known = refit_shots(early, simulator, ballistic_unknowns(fit.unknowns, 0), noise)
-    return early, known.unknowns
+    return refit_shots(early, simulator, ballistic_unknowns(fit.unknowns, 0), noise).unknowns
 
 
-def _squares(shots: Shots, simulator: Simulator, noise: Noise) -> Floats:
-    _, states = _launches(shots, simulator, noise)
+def _squares(shots: Shots, simulator: Simulator, states: Floats) -> Floats:
     view = seen(simulator, Moments.of(shots), states)
     squares: Floats = ((shots.positions - view.positions) ** 2).sum(axis=2)
     return squares
 
 
-def _expected(shots: Shots, simulator: Simulator, noise: Noise, spin: float) -> Floats:
-    """Return (B, N) expected squares of the errors of a simulator without fault."""
-    early, states = _launches(shots, simulator, noise)
+def _expected(
+    shots: Shots, simulator: Simulator, states: Floats, noise: Noise, told: Floats
+) -> Floats:
+    """Return (B, N) expected squares of the errors of a simulator without fault.
+
+    Args:
+        shots: B of them.
+        simulator: without fault.
+        states: (B, 9) of their launches.
+        noise: of positions, and scatter.
+        told: (B, 9, 9) covariance of the launches.
+    """
     moments = Moments.of(shots)
     kicks = min(int(bounces(simulator, moments, states).max(initial=0)), MOST_KICKS)
     unknowns = ballistic_unknowns(states, kicks)
-    slopes = by_unknowns(simulator, moments, unknowns, seen(simulator, moments, unknowns)).positions
+    view = seen(simulator, moments, unknowns)
+    slopes = by_unknowns(simulator, moments, unknowns, view).positions
     covariance = np.zeros((len(shots), unknowns.shape[1], unknowns.shape[1]))
-    covariance[:, :STATE_SIZE, :STATE_SIZE] = _launch_errors(early, simulator, states, noise, spin)
+    covariance[:, :STATE_SIZE, :STATE_SIZE] = told
     scatter = np.arange(STATE_SIZE, unknowns.shape[1])
     covariance[:, scatter, scatter] = np.tile(np.array(noise.scatter) ** 2, kicks)
     launch: Floats = np.einsum("bnie,bef,bnif->bn", slopes, covariance, slopes, optimize=True)
-    return launch + 3 * noise.position**2
+    stamps: Floats = noise.timing**2 * (view.velocities**2).sum(axis=2)
+    return launch + 3 * noise.position**2 + stamps
 
 
 def _launch_errors(
@@ -157,16 +243,6 @@ def _launch_errors(
     return covariance
 
 
-def _at_horizons(shots: Shots, squares: Floats, usable: Bools) -> Floats:
-    """Return (B, H) means of (B, N) squares about the horizons."""
-    since = shots.times - shots.times[:, SEEN - 1 : SEEN]
-    near = usable[:, None] & (np.abs(since[:, None] - HORIZONS[:, None]) <= WINDOW)
-    count = near.sum(axis=2)
-    total = (near * squares[:, None]).sum(axis=2)
-    means: Floats = np.where(count > 0, total / np.maximum(count, 1), np.nan)
-    return means
-
-
 def _root_mean_square(squares: Floats) -> Floats:
     there = np.isfinite(squares)
     count = np.maximum(there.sum(axis=1), 1)
@@ -180,5 +256,5 @@ def _closed(parts: Floats) -> float:
     return float((before - after) / (before - floor)) if before > floor else np.nan
 
 
-def _millimetres(values: Floats) -> tuple[float, ...]:
+def _thousandths(values: Floats) -> tuple[float, ...]:
     return tuple(round(1000 * float(value), 3) for value in values)

@@ -1,14 +1,13 @@
-"""A verdict in pictures: the causes, where the gap arises, how far it closes."""
+"""A verdict in pictures: the causes, and how far the gap closes."""
 
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.gap.verdict import Cause, Gap, Verdict, Where
+from models.gap.verdict import Cause, Gap, Verdict
 from pipeline.figures.style import FIGURE_WIDTH, INK, MUTED
-from pipeline.findings import PLACES, label, number, percent, with_unit
+from pipeline.findings import label, number, with_unit
 
 KIND_COLOURS = {"wrong_value": "#0f7fc4", "missing_effect": "#d55e00"}
 KIND_NAMES = {"wrong_value": "wrong value", "missing_effect": "missing effect"}
@@ -55,22 +54,6 @@ def causes_figure(verdict: Verdict) -> Figure:
     handles, names = axes.get_legend_handles_labels()
     unique = dict(zip(names, handles, strict=True))
     figure.legend(unique.values(), unique.keys(), loc="outside upper left", ncols=3)
-    return figure
-
-
-def where_figure(where: Where) -> Figure:
-    """Draw what share of the gap arises in flight, at the table and in the measurement."""
-    shares = where.model_dump()
-    figure = Figure(figsize=(FIGURE_WIDTH, 1.9))
-    axes = figure.subplots()
-    heights = 100 * np.array(list(shares.values()))
-    axes.barh([PLACES[place] for place in shares], heights, color="#0f7fc4", height=0.6)
-    for row, share in enumerate(shares.values()):
-        axes.annotate(percent(share), (100 * share, row), (4, 0), va="center", **_OFFSET)
-    axes.invert_yaxis()
-    axes.set_xlim(0, 108)
-    axes.grid(axis="y", visible=False)
-    axes.set_xlabel("share of the gap (%)")
     return figure
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from models.gap.located import Located
 from pipeline.figures.contents import Column, read_figure
 from pipeline.figures.gap import KIND_NAMES
 from pipeline.figures.page import TEMPLATES
@@ -36,13 +37,15 @@ def render_gap_page(
     Raises:
         InputError: a figure is missing.
     """
-    verdict = findings.verdict
+    verdict, located = findings.verdict, findings.verdict.located
     return TEMPLATES.get_template("gap.html").render(
         answer=verdict.verdict.replace("_", " "),
         sentences=findings.sentences,
         figures={one.name: _shown(one, folder) for one in illustrations},
         causes=_table(_causes(findings)) if verdict.effects else None,
+        growth=_table(_growth(located)) if located and located.growth else None,
         errors=_table(_errors(findings)) if verdict.gap else None,
+        closer=_closer(findings),
         detectable=_table(_detectable(findings)),
         blind=[f"{name}: {findings.title(name)}" for name in verdict.blind_to],
         limits=verdict.limits,
@@ -80,15 +83,44 @@ def _causes(findings: Findings) -> dict[str, list[str]]:
     }
 
 
+def _growth(located: Located) -> dict[str, list[str]]:
+    return {
+        "axis": [one.axis for one in located.growth],
+        "bins ": [str(len(one.counts)) for one in located.growth],
+        "share of the variance ": [percent(one.share) for one in located.growth],
+        "p ": [_chance(one.p_value) for one in located.growth],
+    }
+
+
 def _errors(findings: Findings) -> dict[str, list[str]]:
     gap = findings.verdict.gap
     assert gap is not None  # the page has this table only where there is a gap
-    return {
-        "horizon (ms) ": [str(one) for one in gap.horizons_ms],
-        "before (mm) ": [f"{one:.1f}" for one in gap.before_mm],
-        "after (mm) ": [f"{one:.1f}" for one in gap.after_mm],
-        "floor (mm) ": [f"{one:.1f}" for one in gap.floor_mm],
-    }
+    rows = [
+        (f"{horizon} ms ahead", *(f"{size:.1f} mm" for size in sizes))
+        for horizon, *sizes in zip(
+            gap.horizons_ms, gap.before_mm, gap.after_mm, gap.floor_mm, strict=True
+        )
+    ]
+    if gap.landing:
+        places, times = zip(*gap.landing.sizes, strict=True)
+        rows.append(("where they land", *(f"{size:.1f} mm" for size in places)))
+        rows.append(("when they land", *(f"{size:.2f} ms" for size in times)))
+    names = ("prediction", "before ", "after ", "floor ")
+    return dict(zip(names, map(list, zip(*rows, strict=True)), strict=True))
+
+
+def _closer(findings: Findings) -> str:
+    """Return in words by how much landings got better."""
+    landing = findings.verdict.gap.landing if findings.verdict.gap else None
+    if not landing:
+        return ""
+    low, high = landing.closer_mm
+    sooner, later = landing.closer_ms
+    return (
+        f"Of {landing.shots} balls that land, the amended simulator is nearer to the place by "
+        f"{low:.1f} to {high:.1f} mm and to the time by {sooner:.2f} to {later:.2f} ms "
+        "(95 %, shots drawn at random in pairs)."
+    )
 
 
 def _detectable(findings: Findings) -> dict[str, list[str]]:

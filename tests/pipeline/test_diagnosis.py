@@ -17,8 +17,8 @@ from tests.pipeline.verdicts import findings, verdict
 
 ROOT = Path(__file__).parents[2]
 WIND = {"wind": {"x": 0.6}}
-FILES = ["amended.yaml", "figures/causes.png", "figures/errors.png", "figures/where.png"]
-FILES += ["report.html", "verdict.json"]
+FILES = ["amended.yaml", "figures/causes.png", "figures/errors.png", "figures/growth.png"]
+FILES += ["figures/parting.png", "report.html", "verdict.json"]
 
 
 def files(folder):
@@ -43,7 +43,10 @@ def windy(tmp_path_factory):
 def test_a_hidden_effect_is_named_on_the_terminal_and_in_the_file(windy):
     shown, out = windy
     assert (shown.returncode, shown.stderr) == (0, "")
-    assert shown.stdout.startswith("Named: 36 shots of hall differ from literature by one cause.")
+    sight, found = shown.stdout.split("\n\n")
+    assert sight.startswith("36 shots of hall can show, from this size on:")
+    assert "\n  wind.x " in sight
+    assert found.startswith("Named: 36 shots of hall differ from literature by one cause.")
     content = json.loads((out / "verdict.json").read_text())
     assert [(one["name"], one["component"]) for one in content["effects"]] == [("wind", "x")]
     assert content["effects"][0]["estimate"] == pytest.approx(0.6, rel=0.1)
@@ -62,7 +65,7 @@ def test_clean_recordings_have_no_gap(tmp_path):
     found = diagnose_folder(folder, "csv", NOMINAL, 0.003, tmp_path / "out")
     assert found.verdict.verdict == "no_gap"
     assert files(tmp_path / "out") == [
-        "amended.yaml", "figures/errors.png", "report.html", "verdict.json",
+        "amended.yaml", "figures/errors.png", "figures/growth.png", "report.html", "verdict.json",
     ]  # fmt: skip
     assert load_simulator(str(tmp_path / "out/amended.yaml")) == load_simulator(NOMINAL)
 

@@ -1,6 +1,7 @@
 """Findings in words: what a reader learns first."""
 
 from models.gap.verdict import Unexplained
+from pipeline.findings import sight_lines
 from tests.pipeline.verdicts import GRAVITY, WIND, findings, verdict
 
 
@@ -36,6 +37,30 @@ def test_what_has_no_name_is_said_with_its_place_and_a_lead():
     said = text("unknown", (), unexplained=left)
     assert "no effect of the catalogue explains" in said
     assert "acts at the table, 60 % of the gap. A lead and not a name: +0.1 [slip]." in said
+
+
+def test_where_it_arises_and_what_it_differs_with_is_said():
+    said = text()
+    assert "The gap arises 100 % in flight, 0 % at the table and 0 % in the measurement." in said
+    assert "differs most with the speed at launch: 40 % of its variance, p below 0.001." in said
+
+
+def test_landings_are_said_in_place_and_time():
+    said = text()
+    assert "land, predictions err by 14.0 mm and 1.90 ms with the amended simulator" in said
+    assert "by 31.0 mm and 4.00 ms with the one as it was" in said
+
+
+def test_what_shots_can_show_is_said_before_anything_is_looked_for():
+    found = findings()
+    sight = found.verdict.detectable, found.verdict.blind_to
+    assert list(sight_lines(found.measured, found.simulator, sight)) == [
+        "4 shots of hall can show, from this size on:",
+        "  wind.x    0.04 m/s",
+        "  gravity   0.06 m/s^2",
+        "  friction  0.012",
+        "They are blind to buoyancy, kp.",
+    ]
 
 
 def test_shots_too_short_to_predict_are_no_obstacle():

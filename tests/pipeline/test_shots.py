@@ -9,7 +9,8 @@ from models.exam.trial import CAMERAS
 from models.predictors.windows import Episode
 from pipeline.episodes import MeasuredEpisode
 from pipeline.errors import InputError
-from pipeline.shots import is_shot, read_shots
+from pipeline.shots import is_shot, read_shots, read_training_shots, shots_of
+from tests.pipeline.measured_shots import shot_tables, write_inputs
 from tests.pipeline.recorded import write_recordings
 
 
@@ -81,3 +82,18 @@ def test_launches_without_a_path_are_refused(tmp_path):
 def test_a_missing_folder_is_named(tmp_path):
     with pytest.raises(InputError, match=r"hall: is not a folder.* files of csv"):
         read_shots(tmp_path / "hall", "csv")
+
+
+def test_training_shots_are_those_that_predictors_learn_from(tmp_path):
+    kept = [shot_tables("labelled", 3, split="train"), shot_tables("plain", 4, split="train")]
+    others = [
+        shot_tables("labelled", 4, split="validation"),
+        shot_tables("labelled", 5, split="replay"),
+        shot_tables("labelled", 6, split="train", unbroken=False),
+    ]
+    write_inputs(tmp_path, shots=[*kept, *others], sources=("labelled", "plain"))
+    found = read_training_shots(tmp_path / "artifacts")
+    names = {source: [one.episode_id for one in members] for source, members in found.items()}
+    assert names == {"labelled": ["labelled/3/00"], "plain": ["plain/4/00"]}
+    labelled, plain = (shots_of(members) for members in found.values())
+    assert labelled.labelled.sum() == 1 and not plain.labelled.any()

@@ -3,8 +3,10 @@
 import numpy as np
 
 from models.ball.simulators import shipped
+from models.gap.growth import Growth
+from models.gap.located import Located
 from models.gap.shots import Shots
-from models.gap.verdict import Cause, Gap, Unexplained, Verdict, Where
+from models.gap.verdict import Cause, Gap, Landing, Unexplained, Verdict, Where
 from pipeline.findings import Findings
 from pipeline.shots import MeasuredShots
 
@@ -18,6 +20,51 @@ GAP = Gap(
     floor_mm=(4.5, 7.0, 11.0),
     removable_closed=0.9,
     interval=(0.8, 1.0),
+    landing=Landing(
+        shots=30,
+        before_mm=31.0,
+        after_mm=14.0,
+        floor_mm=12.0,
+        before_ms=4.0,
+        after_ms=1.9,
+        floor_ms=1.5,
+        closer_mm=(11.0, 24.0),
+        closer_ms=(1.2, 3.1),
+    ),
+)
+SPEEDS = np.array([5.0, 7.0, 9.0])
+
+
+def growth(axis="speed at launch", kinds=(), p_value=2e-4, centres=SPEEDS):
+    """Made-up growth: 1 mm along, 2 across and 3 up a bin."""
+    means = 0.001 * np.outer(np.arange(len(centres)), [1, 2, 3])
+    return Growth(
+        axis=axis,
+        unit="" if kinds else "m/s",
+        centres=centres,
+        kinds=kinds,
+        means=means,
+        errors=np.full(means.shape, 5e-4),
+        counts=np.full(len(centres), 9),
+        share=0.4,
+        p_value=p_value,
+    )
+
+
+LOCATED = Located(
+    horizons=np.array([0.1, 0.2, 0.3]),
+    parting=np.array([0.002, 0.006, 0.012]),
+    shares={
+        "flight": np.array([1.0, 0.5, 0.5]),
+        "table": np.array([0.0, 0.5, 0.25]),
+        "sensor": np.array([0.0, 0.0, 0.25]),
+    },
+    time=growth("time since launch", centres=np.array([100.0, 200.0, 300.0])),
+    growth=(
+        growth(),
+        growth("direction of play", ("towards −y", "towards +y"), 0.3, np.array([0.0, 1.0])),
+    ),
+    looked_at=0.3,
 )
 WIND = Cause(
     name="wind",
@@ -56,6 +103,7 @@ def verdict(answer="named", causes=(WIND,), **changes):
         "detectable": {"wind.x": 0.04, "gravity": 0.06, "friction": 0.012},
         "blind_to": ("buoyancy", "kp"),
         "limits": ("all shots go one way: shoot both ways",),
+        "located": LOCATED if causes else None,
     }
     return Verdict(verdict=answer, effects=tuple(causes), **{**parts, **changes})
 

@@ -1,11 +1,14 @@
 """Variance components: the sizes of noise and scatter come out as they went in."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from models.gap.components import components
 from models.gap.hypotheses import hypotheses
 from models.gap.linear import linearise
+from models.gap.noise import Noise
 from models.gap.shot_fit import fit_shots
 from tests.models.gap.hidden import NOMINAL, measured
 
@@ -23,6 +26,26 @@ def test_noise_and_scatter_are_found():
     assert noise.label == pytest.approx(0.04, rel=0.05)
     assert noise.label_common < 0.01
     assert noise.scatter == pytest.approx((0.015, 0.03, 0.01), rel=0.35)
+
+
+def test_rounded_time_stamps_are_told_from_white_noise():
+    shots = measured(count=40)
+    stamps = np.where(shots.valid, shots.times, np.nan)
+    random = np.random.default_rng(1)
+    stamps += random.uniform(-5e-4, 5e-4, stamps.shape)
+    last = np.nanmax(stamps, axis=1, keepdims=True)
+    noise = found(replace(shots, times=np.where(shots.valid, stamps, last))).noise
+    assert noise.timing == pytest.approx(1e-3 / np.sqrt(12), rel=0.1)
+    assert noise.white == pytest.approx(0.003, rel=0.05)
+
+
+def test_a_guess_by_which_all_samples_are_outliers_is_put_right():
+    shots = measured(count=20)
+    fit = fit_shots(shots, NOMINAL)
+    linear = linearise(shots, NOMINAL, fit.unknowns, hypotheses(NOMINAL))
+    known = components(linear, Noise(white=1e-5, slow=1e-5), np.zeros_like(fit.weights))
+    assert known.noise.white == pytest.approx(0.003, rel=0.1)
+    assert known.weights[linear.sampled].mean() > 0.9
 
 
 def test_a_missing_effect_does_not_pass_for_scatter_or_slow_errors():

@@ -1,5 +1,7 @@
 """Evidence: closed forms, chances under no effect, and what must not matter."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import kstest
@@ -13,7 +15,7 @@ from models.gap.noise import Noise, grams
 from models.gap.shots import Shots
 
 SIGMA = 0.003
-NOISE = Noise(white=SIGMA, slow=1e-9)
+NOISE = Noise(white=SIGMA, slow=1e-9, timing=0.0)
 GRAVITY = (Hypothesis("gravity", "g"),)
 
 
@@ -98,19 +100,57 @@ def chance(evidence, blocks=((2,), (3,), (4, 5))):
     return familywise([evidence.tested(block, evidence.free) for block in blocks])
 
 
+def believed(evidence):
+    """The same evidence where the noise is believed to be what it is."""
+    return replace(evidence, scores=evidence.scores / 4, information=evidence.information / 4)
+
+
+def shown_by(evidence, shots):
+    """Evidence of which the third number shows in some shots alone."""
+    shown = np.ones((len(evidence.scores), evidence.scores.shape[1]))
+    shown[:, 2] = np.isin(np.arange(len(shown)), shots)
+    information = evidence.information * shown[:, :, None] * shown[:, None]
+    return replace(evidence, scores=evidence.scores * shown, information=information)
+
+
 def test_chances_are_uniform_where_there_is_no_effect():
     random = np.random.default_rng(0)
-    least = [_few_flips(random) for _ in range(120)]
+    least = [chance(believed(drawn(random))).min() for _ in range(120)]
     assert kstest(least, "uniform").pvalue > 0.01
 
 
-def _few_flips(random):
-    """The family's chance by the shots' spread alone, so of a believed noise that is right."""
-    evidence = drawn(random)
-    right = Evidence(
-        evidence.columns, evidence.listed, evidence.scores / 4, evidence.information / 4
-    )
-    return chance(right).min()
+def test_surprises_of_shots_alike_are_their_distances_from_the_mean():
+    scores = np.array([1.0, 4.0, -2.0, 0.0])[:, None]
+    test = Evidence(GRAVITY, np.array([False]), scores, np.ones((4, 1, 1))).tested([0], [])
+    assert test.supporters == pytest.approx(4.0)
+    assert test.surprises == pytest.approx(4 / 3 * (scores - scores.mean()))
+    between = (test.surprises**2).sum()
+    assert test.variance == pytest.approx((3 * between + 8 * 4) / 11)
+
+
+def test_what_six_shots_in_sixty_say_plainly_is_heard():
+    random = np.random.default_rng(4)
+    evidence = believed(shown_by(drawn(random, shots=60, effect=3.0), range(0, 60, 10)))
+    test = evidence.tested([2], evidence.free)
+    assert 2.5 < test.supporters < 6.1
+    assert familywise([test])[0] < 1e-4
+    assert abs(test.estimate[0] - 3.0) < test.margin[0]
+
+
+def test_one_shot_that_is_far_off_says_nothing():
+    evidence = believed(shown_by(drawn(np.random.default_rng(5), shots=60), range(0, 60, 10)))
+    evidence.scores[10, 2] += 12 * np.sqrt(evidence.information[10, 2, 2])
+    test = evidence.tested([2], evidence.free)
+    assert test.gain > 20.0
+    assert test.chance > 0.01
+
+
+def test_margins_hold_the_truth_as_often_as_they_say():
+    random, inside = np.random.default_rng(6), []
+    for _ in range(150):
+        test = drawn(random, shots=20, effect=0.5).tested([2], [0, 1])
+        inside.append(abs(test.estimate[0] - 0.5) < test.margin[0])
+    assert 0.88 < np.mean(inside) < 0.99
 
 
 def test_a_noise_believed_too_small_does_not_make_effects():

@@ -1,14 +1,17 @@
 """Noise: whitening and Gram matrices against dense covariance matrices."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 
 from models.gap.hypotheses import Hypothesis
 from models.gap.linear import ballistic_unknowns, linearise
 from models.gap.noise import ANY_SPIN, Noise, grams, inlier_probability, whitened
 from tests.models.gap.hidden import NOMINAL, launches, measured
 
-NOISE = Noise(0.003, 0.002, 0.04, 0.05, 0.03, (0.01, 0.02, 0.03))
+NOISE = Noise(0.003, 0.002, 0.04, 0.05, 0.03, (0.01, 0.02, 0.03), timing=0.0)
 COLUMNS = (Hypothesis("drag", "cd"), Hypothesis("spin_gain", "s"))
 SHOTS = measured(count=3, seconds=0.3)
 UNKNOWNS = ballistic_unknowns(launches(3, np.random.default_rng(0)), 1)
@@ -22,6 +25,27 @@ def covariance(shot):
     t = SHOTS.times[shot, used]
     slow = NOISE.slow**2 * np.exp(-np.abs(t[:, None] - t) / NOISE.slow_time)
     return slow + np.diag(NOISE.white**2 / WEIGHTS[shot, used])
+
+
+def test_stamps_that_err_are_errors_along_the_velocity():
+    noise = replace(NOISE, timing=4e-4)
+    rows, determinants = whitened(LINEAR.positions, LINEAR, noise, SHOTS.valid * 1.0)
+    for shot in range(3):
+        used = LINEAR.sampled[shot]
+        velocities = LINEAR.velocities[shot, used]
+        speeds = np.linalg.norm(velocities, axis=1)
+        grown = np.hypot(1.0, noise.timing * speeds / noise.white)
+        turns = velocities[..., None] * velocities[:, None] / speeds[:, None, None] ** 2
+        stretch = block_diag(*(np.eye(3) + (grown - 1)[:, None, None] * turns))
+        t = SHOTS.times[shot, used]
+        slow = noise.slow**2 * np.exp(-np.abs(t[:, None] - t) / noise.slow_time)
+        steady = np.kron(slow + noise.white**2 * np.eye(len(t)), np.eye(3))
+        dense = stretch @ steady @ stretch
+        columns = LINEAR.positions[shot, used].reshape(3 * len(t), -1)
+        white = rows[shot].reshape(-1, rows.shape[-1])
+        expected = columns.T @ np.linalg.solve(dense, columns)
+        assert white.T @ white == pytest.approx(expected, rel=1e-8, abs=1e-8)
+        assert determinants[shot] == pytest.approx(np.linalg.slogdet(dense)[1])
 
 
 def test_whitened_rows_have_the_products_of_the_dense_covariance():

@@ -85,6 +85,22 @@ def test_wrong_values_come_back_within_their_errors():
         assert abs(off) < 3.5 * test.standard_error[0]
 
 
+def test_values_of_which_shots_say_nothing_stay():
+    shots = measured(count=8, seconds=0.15, labels=None)
+    found = refit(shots, NOMINAL, own(NOMINAL)).simulator
+    assert found.effects["table_bounce"] == NOMINAL.effects["table_bounce"]
+    assert found.effects["drag"]["cd"] == pytest.approx(0.5, abs=0.25)
+
+
+def test_a_start_about_which_nothing_fits_is_no_trap():
+    shots = measured(count=20)
+    start = NOMINAL.amended("gravity", g=2.0).amended("drag", cd=1.4)
+    free = (Hypothesis("gravity", "g"), Hypothesis("drag", "cd"))
+    found = refit(shots, start, free).simulator
+    assert found.effects["gravity"]["g"] == pytest.approx(9.81, abs=0.1)
+    assert found.effects["drag"]["cd"] == pytest.approx(0.5, abs=0.02)
+
+
 def test_nothing_is_significant_in_a_clean_set():
     evidence = refit(measured(count=40, seed=6), NOMINAL, own(NOMINAL)).evidence
     tests = [evidence.tested([k], evidence.free) for k in evidence.decidable(evidence.free)]

@@ -83,6 +83,7 @@ def test_the_file_has_the_promised_keys_and_comes_back():
     ]  # fmt: skip
     assert list(content["gap"]) == [
         "horizons_ms", "before_mm", "after_mm", "floor_mm", "removable_closed", "interval",
+        "landing",
     ]  # fmt: skip
     assert Verdict.from_json(VERDICT.to_json()).effects == VERDICT.effects
 

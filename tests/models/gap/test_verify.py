@@ -12,6 +12,13 @@ NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.
 WRONG = NOMINAL.amended("drag", cd=0.2)
 
 
+def made_up(*sizes):
+    """Errors of four shots, the same at both horizons and, in m and in s, at landing."""
+    squares = [np.full((4, 2), size**2) for size in sizes]
+    landed = np.repeat(np.square([sizes]).T, 4, axis=1)
+    return Errors(np.array([0.1, 0.2]), *squares, places=landed, times=landed)
+
+
 def about(count):
     return fitted(measured(count=count), NOMINAL, NOISE)
 
@@ -23,27 +30,45 @@ def test_a_perfect_simulator_reaches_the_floor():
     assert after == pytest.approx(floor, rel=0.12)
     assert found.removable_closed == pytest.approx(1.0, abs=0.15)
     assert found.before_mm[-1] > 1.5 * found.after_mm[-1]
+    landing = found.landing
+    assert landing.after_mm == pytest.approx(landing.floor_mm, rel=0.15)
+    assert landing.after_ms == pytest.approx(landing.floor_ms, rel=0.15)
+    assert landing.closer_mm[0] > 0.0
+    assert landing.closer_ms[0] > 0.0
 
 
 def test_no_change_closes_nothing():
     found = gap(errors(about(12), WRONG, WRONG, NOISE, 150.0))
     assert found.before_mm == found.after_mm
     assert found.removable_closed == 0.0
+    assert found.landing.closer_mm == found.landing.closer_ms == (0.0, 0.0)
 
 
 def test_the_share_is_a_ratio_of_sums():
-    squares = [np.full((4, 2), size**2) for size in (0.005, 0.003, 0.001)]
-    found = gap(Errors(np.array([0.1, 0.2]), *squares))
+    found = gap(made_up(0.005, 0.003, 0.001))
     assert found.horizons_ms == (100, 200)
     assert found.before_mm == (5.0, 5.0)
     assert found.removable_closed == pytest.approx(0.5)
     assert found.interval == pytest.approx((0.5, 0.5))
 
 
+def test_landings_are_compared_shot_by_shot():
+    landing = gap(made_up(0.005, 0.003, 0.001)).landing
+    assert landing.sizes == ((5.0, 5.0), (3.0, 3.0), (1.0, 1.0))
+    assert landing.closer_mm == landing.closer_ms == pytest.approx((2.0, 2.0))
+    assert landing.shots == 4
+
+
+def test_too_few_landings_are_not_spoken_of():
+    found = made_up(0.005, 0.003, 0.001)
+    found.places[0, 1:3] = np.nan
+    assert gap(found).landing is None
+
+
 def test_horizons_that_few_shots_reach_are_left_out():
-    squares = np.full((4, 2), 1e-6)
-    squares[2:, 1] = np.nan
-    assert gap(Errors(np.array([0.1, 0.2]), squares, squares, squares)).horizons_ms == (100,)
+    found = made_up(0.005, 0.003, 0.001)
+    found.before[2:, 1] = np.nan
+    assert gap(found).horizons_ms == (100,)
 
 
 def test_a_prediction_sees_the_first_samples_alone():

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from models.gap.verdict import Where
-from pipeline.figures.gap import KIND_COLOURS, causes_figure, error_figure, where_figure
+from pipeline.figures.gap import KIND_COLOURS, causes_figure, error_figure
 from tests.pipeline.verdicts import GAP, GRAVITY, WIND, verdict
 
 
@@ -27,13 +26,6 @@ def test_intervals_of_causes_are_drawn():
 def test_without_causes_there_is_nothing_to_draw():
     with pytest.raises(ValueError, match="without causes"):
         causes_figure(verdict("no_gap", ()))
-
-
-def test_shares_are_drawn_from_flight_to_measurement():
-    axes = where_figure(Where(flight=0.5, table=0.3, sensor=0.2)).axes[0]
-    assert [bar.get_width() for bar in axes.patches] == pytest.approx([50, 30, 20])
-    texts = [text.get_text() for text in axes.texts]
-    assert texts == ["50 %", "30 %", "20 %"]
 
 
 def test_errors_are_drawn_over_the_horizon():

@@ -48,6 +48,23 @@ def test_causes_have_a_row_with_class_and_experiment(rendered):
     assert re.findall(r"<td[^>]*>([^<]*)</td>", row) == cells
 
 
+def test_where_it_arises_has_figures_and_all_axes(rendered):
+    page = rendered(findings(BOTH))
+    section = page[page.index('<section id="where"') : page.index('<section id="errors"')]
+    assert section.count("<img ") == 2
+    row = '<td>speed at launch</td><td class="number">3</td><td class="number">40 %</td>'
+    assert row in section
+
+
+def test_errors_are_listed_over_the_horizon_and_at_landing(rendered):
+    page = rendered(findings(BOTH))
+    rows = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in page.split("<tr>")]
+    assert ["200 ms ahead", "21.0 mm", "8.0 mm", "7.0 mm"] in rows
+    assert ["where they land", "31.0 mm", "14.0 mm", "12.0 mm"] in rows
+    assert ["when they land", "4.00 ms", "1.90 ms", "1.50 ms"] in rows
+    assert "nearer to the place by 11.0 to 24.0 mm and to the time by 1.20 to 3.10 ms" in page
+
+
 def test_what_data_cannot_show_and_what_it_rests_on_is_listed(rendered):
     page = rendered(findings())
     assert re.search(r"<td>wind.x</td><td>[^<]+</td><td class=\"number\">0.04</td>", page)

@@ -1,0 +1,40 @@
+"""The methods that the exam compares, each asked the same of the same recordings."""
+
+from collections.abc import Sequence
+
+from models.ball.simulator import Simulator
+from models.exam.finding import Finding, Found, Method, shots_of
+from models.exam.identification import identification
+from models.exam.sindy import sindy, sindy_ensemble
+from models.exam.trial import Recording
+from models.gap.amend import amended
+from models.gap.diagnose import diagnose
+from models.gap.hypotheses import hypotheses
+from models.gap.verdict import Cause, name_of
+
+__all__ = ["METHODS", "Finding", "Found", "Method"]
+
+
+def rallygap(
+    recordings: Sequence[Recording], nominal: Simulator, withheld: tuple[str, ...]
+) -> Finding:
+    """Find causes by the gap workflow."""
+    verdict = diagnose(shots_of(recordings), nominal, withheld=withheld)
+    causes = tuple(_found(cause, nominal) for cause in verdict.effects)
+    return Finding(verdict.verdict, causes, amended(nominal, verdict))
+
+
+def _found(cause: Cause, nominal: Simulator) -> Found:
+    names = (one for one in hypotheses(nominal) if one.parameter == cause.parameter)
+    effect = next(one.effect for one in names if name_of(one) == cause.name)
+    return Found(
+        cause.name, effect, cause.parameter, cause.estimate, cause.interval, cause.possible
+    )
+
+
+METHODS: dict[str, Method] = {
+    "rallygap": rallygap,
+    "sindy": sindy,
+    "sindy_ensemble": sindy_ensemble,
+    "identification": identification,
+}

@@ -1,0 +1,74 @@
+"""Landing: where and when balls first meet the table, as a sensor sees it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.ball import sensor
+from models.ball.quantities import View
+from models.ball.simulator import Simulator
+from models.ball.state import STATE_SIZE, VELOCITY
+from models.ball.types import Floats
+from models.gap.motion import STATE_STEPS, first_bounce
+
+ON_TABLE = slice(0, 2)  # components of a place
+
+
+@dataclass(frozen=True)
+class Landings:
+    """First bounces of B balls, NaN for those that never bounce.
+
+    Attributes:
+        places: (B, 2) m, across the table and along it.
+        times: (B,) s from the first sample.
+    """
+
+    places: Floats
+    times: Floats
+
+    def apart(self, others: "Landings") -> tuple[Floats, Floats]:
+        """Return (B,) m and (B,) s, how far landings are from others."""
+        return np.linalg.norm(self.places - others.places, axis=1), np.abs(
+            self.times - others.times
+        )
+
+
+def landings(simulator: Simulator, states: Floats, ends: Floats) -> Landings:
+    """Return where and when balls land.
+
+    Args:
+        simulator: with its sensor effects.
+        states: (B, 9) at the first sample.
+        ends: (B,) s after it until when they are followed.
+    """
+    flight = simulator.fly(states, np.stack([np.zeros(len(ends)), ends], axis=1))
+    there, moment, before, _ = first_bounce(flight)
+    speed = np.linalg.norm(before[:, VELOCITY], axis=1)
+    delay = sensor._quantity(simulator, "delay", View(speed))
+    places, times = np.full((len(states), 2), np.nan), np.full(len(states), np.nan)
+    places[there] = sensor._quantity(simulator, "position_gain") * before[:, ON_TABLE]
+    times[there] = sensor._quantity(simulator, "clock_gain") * (moment + delay)
+    return Landings(places, times)
+
+
+def spread(
+    simulator: Simulator, states: Floats, ends: Floats, covariance: Floats
+) -> tuple[Floats, Floats]:
+    """Return (B,) m^2 and s^2: expected squares by which landings differ by their launch's errors.
+
+    Args:
+        simulator: with its sensor effects.
+        states: (B, 9) at the first sample.
+        ends: (B,) s after it until when they are followed.
+        covariance: (B, 9, 9) of the states.
+    """
+    shifted = (states + np.diag(STATE_STEPS)[:, None]).reshape(-1, STATE_SIZE)
+    here, ahead = (
+        landings(simulator, states, ends),
+        landings(simulator, shifted, np.tile(ends, STATE_SIZE)),
+    )
+    rows = np.concatenate([here.places, here.times[:, None]], axis=1)
+    moved = np.concatenate([ahead.places, ahead.times[:, None]], axis=1)
+    slopes = (moved.reshape(STATE_SIZE, *rows.shape) - rows) / STATE_STEPS[:, None, None]
+    variance = np.einsum("ebi,bef,fbi->bi", slopes, covariance, slopes, optimize=True)
+    return variance[:, ON_TABLE].sum(axis=1), variance[:, 2]

@@ -1,0 +1,96 @@
+"""Degenerate shots: whatever finite numbers come, there is a verdict, and it is one that can be."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from models.ball.simulator import Simulator
+from models.gap.diagnose import diagnose
+from models.gap.shots import Shots
+from tests.models.gap.hidden import NOMINAL, measured
+
+FALL = Simulator.from_dict({"gravity": {"g": 9.81}})
+BOUNCE = FALL.amended("table_bounce", restitution=0.92, friction=0.25)
+
+
+@pytest.fixture(scope="module")
+def shots():
+    return measured(count=6, seconds=0.4)
+
+
+@pytest.fixture(scope="module")
+def bare():
+    return measured(count=6, seconds=0.4, labels=None)
+
+
+def checked(shots, simulator=NOMINAL):
+    """The verdict, if its numbers are finite and its estimates and shares can be."""
+    verdict = diagnose(shots, simulator)
+    assert not re.search("NaN|Infinity", verdict.to_json())
+    for one in verdict.effects:
+        assert one.interval[0] <= one.estimate <= one.interval[1]
+        assert 0.0 <= one.gap_share <= 1.0 + 1e-9
+    assert 0.0 <= verdict.unexplained.share <= 1.0
+    return verdict
+
+
+def first(shots, count):
+    """The first samples of every shot."""
+    cut = [slice(0, min(count, n)) for n in shots.valid.sum(axis=1)]
+    return Shots.from_arrays(
+        [t[some] for t, some in zip(shots.times, cut, strict=True)],
+        [p[some] for p, some in zip(shots.positions, cut, strict=True)],
+    )
+
+
+@pytest.mark.parametrize("count", [1, 3, 13])
+def test_few_samples(shots, count):
+    assert checked(first(shots, count)).verdict == "no_gap"
+
+
+def test_all_shots_equal(shots):
+    assert checked(shots[np.zeros(6, dtype=int)]).effects == ()
+
+
+def test_no_noise_at_all():
+    exact = {"noise": 0.0, "label": 0.0, "scatter": (0.0, 0.0, 0.0)}
+    assert checked(measured(count=6, seconds=0.4, **exact)).verdict == "no_gap"
+
+
+def test_noise_larger_than_the_table():
+    assert checked(measured(count=6, seconds=0.4, noise=2.0)).effects == ()
+
+
+def test_a_ball_that_does_not_move(shots):
+    checked(replace(shots, positions=np.ones_like(shots.positions)))
+
+
+def test_positions_in_millimetres(bare):
+    checked(replace(bare, positions=1000 * bare.positions))
+
+
+def test_labels_in_some_shots_only(shots):
+    without = np.arange(6) % 2 == 0
+    times = np.where(without[:, None], np.nan, shots.label_times)
+    labels = np.where(without[:, None, None], np.nan, shots.labels)
+    assert checked(replace(shots, label_times=times, labels=labels)).verdict == "no_gap"
+
+
+@pytest.mark.parametrize("factor", [0.0, 100.0])
+def test_labels_that_cannot_be(shots, factor):
+    checked(replace(shots, labels=factor * shots.labels))
+
+
+def test_simulators_without_most_effects(shots, bare):
+    checked(shots, FALL)
+    checked(bare, BOUNCE)
+    checked(bare, Simulator.from_dict({}))
+
+
+def test_numbers_that_no_ball_makes_are_refused():
+    with pytest.raises(ValueError, match="shot 0 goes beyond 10000 m or 20 s"):
+        Shots.from_arrays([[0.0, 0.01]], [np.full((2, 3), 1e200)])
+    with pytest.raises(ValueError, match="a spin label of shot 0 is above 100000 rad/s"):
+        Shots.from_arrays([[0.0]], [np.zeros((1, 3))], [np.full((1, 3), 1e6)])
