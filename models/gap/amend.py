@@ -11,9 +11,9 @@ def amended(simulator: Simulator, verdict: Verdict) -> Simulator:
     """Return the simulator with the estimates of all causes in it.
 
     Of causes that the shots cannot tell apart it takes the one that explains most, since on balls
-    like these any does as well.
+    like these any does as well. Causes with which it predicts other shots worse are left out.
     """
-    for cause in verdict.effects:
+    for cause in _taken(verdict):
         simulator = _hypothesis(simulator, cause).at(simulator, _within_bounds(simulator, cause))
     return simulator
 
@@ -28,7 +28,7 @@ def amended_yaml(simulator: Simulator, verdict: Verdict, data: str) -> str:
     """
     result = amended(simulator, verdict)
     notes: dict[str, list[str]] = {}
-    for cause in verdict.effects:
+    for cause in _taken(verdict):
         effect = _hypothesis(simulator, cause).effect
         notes.setdefault(effect, []).append(provenance(cause, verdict, data))
     return "\n".join(_lines(result, notes)) + "\n"
@@ -44,6 +44,10 @@ def provenance(cause: Cause, verdict: Verdict, data: str) -> str:
         f"{cause.parameter}: {was}; {data} says {cause.estimate:.5g} {cause.unit} "
         f"(95 % {low:.5g} to {high:.5g}); verdict {verdict.verdict}{doubt}"
     )
+
+
+def _taken(verdict: Verdict) -> tuple[Cause, ...]:
+    return () if verdict.gap and verdict.gap.worse else verdict.effects
 
 
 def _lines(simulator: Simulator, notes: dict[str, list[str]]) -> Iterator[str]:

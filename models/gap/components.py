@@ -17,11 +17,13 @@ from models.ball.state import SPIN, STATE_SIZE
 from models.ball.types import Floats
 from models.gap.linear import Linearised
 from models.gap.marginal import coefficients, marginal, visible
+from models.gap.motion import Indices
 from models.gap.noise import Grams, Noise, gram, grams, inlier_probability, whitened
-from models.gap.shots import Bools
+from models.gap.shots import Bools, evenly
 
 STANDS_OUT = 2.5  # standard errors
-MOST_SHOTS = 40  # of which the positions' noise is estimated
+MOST_SHOTS = 40  # of which the positions' noise is estimated ...
+MOST_BOUNCING = 70  # ... and label errors and scatter
 MOST_ROUNDS = 2
 SETTLED = 0.03  # relative change of the positions' noise after which there is no other round
 DOUBTFUL = (5.0, 15.0)  # standard deviations: from where a shot is trusted less, and not at all
@@ -60,6 +62,10 @@ class Components:
     trust: Floats
     grams: Floats
 
+    def __getitem__(self, rows: Indices) -> "Components":
+        """Return what is known of some of the shots."""
+        return Components(self.noise, self.weights[rows], self.trust[rows], self.grams[rows])
+
     @classmethod
     def known(cls, linear: Linearised, noise: Noise, weights: Floats) -> "Components":
         """Return what follows from a noise that is known; which shots to trust among it."""
@@ -78,7 +84,8 @@ def components(linear: Linearised, noise: Noise, weights: Floats) -> Components:
         noise = _of_positions(linear, parts, noise, weights)
         parts = grams(linear, noise, weights, np.ones(len(weights)))
         trust = _trust(linear, parts.total(noise))
-        noise = _of_the_rest(replace(parts, trust=trust), noise)
+        some = evenly(len(weights), MOST_BOUNCING)
+        noise = _of_the_rest(replace(parts, trust=trust)[some], noise)
         if abs(noise.position - before) < SETTLED * before:
             break
     return Components(noise, weights, trust, replace(parts, trust=trust).total(noise))
@@ -117,7 +124,7 @@ def _standing_out(total: Floats, own: int) -> Floats:
 
 def _of_positions(linear: Linearised, parts: Grams, noise: Noise, weights: Floats) -> Noise:
     """Return noise with the positions' part that makes some of the shots most likely."""
-    some = np.unique(np.linspace(0, len(weights) - 1, MOST_SHOTS).round().astype(int))
+    some = evenly(len(weights), MOST_SHOTS)
     value = _standing_out(parts.total(noise), linear.own)
     shots = _few(linear, some, value)
     trust = parts.trust[some, None, None]
@@ -137,20 +144,12 @@ def _of_positions(linear: Linearised, parts: Grams, noise: Noise, weights: Float
     return _most_likely(criterion, noise, ("white", "slow", "slow_time", "timing"))
 
 
-def _few(linear: Linearised, some: Floats, value: Floats) -> Linearised:
+def _few(linear: Linearised, some: Indices, value: Floats) -> Linearised:
     """Return some shots with their unknowns' columns and what the hypotheses leave, alone."""
-    own = linear.own
-    positions = linear.positions[some]
-    residual = positions[..., -1] - positions[..., own:-1] @ value
-    columns = np.concatenate([positions[..., :own], residual[..., None]], axis=-1)
-    return replace(
-        linear,
-        shots=linear.shots[some],
-        columns=(),
-        positions=columns,
-        velocities=linear.velocities[some],
-        sampled=linear.sampled[some],
-    )
+    few, own = linear[some], linear.own
+    residual = few.positions[..., -1] - few.positions[..., own:-1] @ value
+    columns = np.concatenate([few.positions[..., :own], residual[..., None]], axis=-1)
+    return replace(few, columns=(), positions=columns)
 
 
 def _of_the_rest(parts: Grams, noise: Noise) -> Noise:

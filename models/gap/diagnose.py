@@ -1,9 +1,7 @@
 """Diagnose: from shots and a simulator to a verdict."""
 
-import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import factorial
 
 import numpy as np
 
@@ -11,12 +9,13 @@ from models.ball.simulator import Simulator
 from models.ball.state import SPIN
 from models.gap.bounded import within
 from models.gap.evidence import Evidence
-from models.gap.explain import Explainer, Places
-from models.gap.limits import limits
+from models.gap.explain import Places
+from models.gap.limits import WANDERING, limits, misled
 from models.gap.locate import locate
 from models.gap.located import Located
 from models.gap.name import SIGNS, Named, Question, name
 from models.gap.refit import fitted
+from models.gap.shares import shares
 from models.gap.shot_fit import refit_shots
 from models.gap.shots import Shots
 from models.gap.signs import Signs, no_signs, signs
@@ -24,6 +23,7 @@ from models.gap.unknown import PHASES, Leftover, leftover
 from models.gap.verdict import (
     Answer,
     Cause,
+    Gap,
     Unexplained,
     Verdict,
     Where,
@@ -39,7 +39,6 @@ HELD_OUT = 3  # one shot in so many
 NAMED, FITTED, LOOKED = 0.6, 0.75, 0.9
 
 
-Gains = dict[frozenset[int], float]
 Sight = tuple[dict[str, float], tuple[str, ...]]  # sizes that shots show, and what they do not
 
 
@@ -86,7 +85,7 @@ def diagnose(
     progress(LOOKED)
     if (fresh.valid.sum(axis=1) > SEEN).any():
         after = errors(about, simulator, named.simulator, noise, _typical_spin(named))
-        verdict = verdict.model_copy(update={"gap": gap(after)})
+        verdict = judged(verdict, gap(after))
     progress(1.0)
     return verdict
 
@@ -127,8 +126,9 @@ def _typical_spin(named: Named) -> float:
 def _verdict(
     named: Named, left: Leftover | None, p_value: float, shots: Shots, question: Question
 ) -> Verdict:
-    gains, turned = _gains(named.explainer, named.explanation.causes), _gain_of_signs(named)
-    whole = max(gains[frozenset(named.explanation.causes)] + turned, 1e-12)
+    gains = shares(named.explainer.scales, named.explanation.causes)
+    turned = _gain_of_signs(named)
+    whole = max(sum(gains.values()) + turned, 1e-12)
     whole += left.gain if left else 0.0
     causes = [*_causes(named, gains, whole), *_signs(named.signs, turned / whole)]
     sizes, blind = _sight(named.first, named.signs, question)
@@ -140,30 +140,39 @@ def _verdict(
     )
     located = locate(named.found, question.simulator, question.withheld)
     return Verdict(
-        verdict=_answer(causes, left is not None),
+        verdict=_answer(causes, left is not None, named.settled),
         effects=tuple(causes),
         unexplained=unexplained,
         where=_where(located, turned / whole),
         gap=None,
         detectable=sizes,
         blind_to=blind,
-        limits=limits(shots, causes, blind),
+        limits=(*limits(shots, causes, blind), *(() if named.settled else (WANDERING,))),
         located=located,
     )
 
 
-def _answer(causes: Sequence[Cause], unknown: bool) -> Answer:
+def judged(verdict: Verdict, found: Gap | None) -> Verdict:
+    """Return the verdict after shots that naming never saw: causes that mislead are no names."""
+    verdict = verdict.model_copy(update={"gap": found})
+    if not (found and found.worse and verdict.effects):
+        return verdict
+    said = (*verdict.limits, misled(found))
+    return verdict.model_copy(update={"verdict": "unknown", "limits": said})
+
+
+def _answer(causes: Sequence[Cause], unknown: bool, settled: bool) -> Answer:
     if unknown:
         return "unknown"
     if not causes:
         return "no_gap"
-    return "ambiguous" if any(len(one.possible) > 1 for one in causes) else "named"
+    single = settled and all(len(one.possible) == 1 for one in causes)
+    return "named" if single else "ambiguous"
 
 
-def _causes(named: Named, gains: Gains, whole: float) -> list[Cause]:
+def _causes(named: Named, gains: dict[int, float], whole: float) -> list[Cause]:
     places = named.explanation.causes
-    shares = _shapley(gains, places)
-    return [_cause(named, k, places, shares[k] / whole) for k in places]
+    return [_cause(named, k, places, gains[k] / whole) for k in places]
 
 
 def _cause(named: Named, k: int, causes: Places, share: float) -> Cause:
@@ -230,27 +239,3 @@ def _where(located: Located | None, turned: float) -> Where:
     parts["sensor"] += turned
     total = max(sum(parts.values()), 1e-12)
     return Where(**{phase: part / total for phase, part in parts.items()})
-
-
-def _gains(explainer: Explainer, causes: Places) -> Gains:
-    """Return what the best explanation within every set of causes gains: more never explain less.
-
-    Some of them alone may gain nothing, where they would need impossible values.
-    """
-    best: Gains = {frozenset(): 0.0}
-    for size in range(1, len(causes) + 1):
-        for some in map(frozenset, itertools.combinations(causes, size)):
-            less = max(best[some - {k}] for k in some)
-            best[some] = max(explainer.gain(tuple(sorted(some))), less)
-    return best
-
-
-def _shapley(gains: Gains, causes: Places) -> dict[int, float]:
-    """Return each cause's part of the gain: the mean of what it adds to all orders of others."""
-    count = len(causes)
-    parts = dict.fromkeys(causes, 0.0)
-    for some, gain in gains.items():
-        for k in set(causes) - some:
-            orders = factorial(len(some)) * factorial(count - len(some) - 1) / factorial(count)
-            parts[k] += orders * (gains[some | {k}] - gain)
-    return parts

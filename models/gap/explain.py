@@ -10,21 +10,21 @@ a spin sensor whose gain just fits it.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.stats import norm
 
 from models.ball.simulator import Simulator
-from models.ball.types import Floats
 from models.gap.evidence import Evidence, Indices, Tested, familywise
 from models.gap.refit import Refitted
-from models.gap.shots import Bools
+from models.gap.scales import Scales
 
-MOST_CAUSES = 5
-BEAM = 150  # sets of a size that are carried on
-MOST_ALIKE = 100.0  # by how much others may inflate the variance of a cause's value
+AT_ONCE = 5  # causes by which explanations about one fit may grow
+BEAM = 150  # sets of a size that are carried on, at most ...
+WORK = 750  # ... and of so many causes in all
 WITNESSES = 2.5  # shots that must say as much as all: no name rests on one or two
-BEYOND = 3.0  # standard errors that an estimate may lie outside of what makes physical sense
+ALIKE = 1e-3  # of twice the log likelihood, which the simulator's own numbers have as an advantage
 
 Places = tuple[int, ...]
 
@@ -61,68 +61,58 @@ class Explainer:
     nominal: Simulator
     level: float
 
-    @property
+    @cached_property
+    def scales(self) -> Scales:
+        """What weighs sets of hypotheses."""
+        return Scales.of(self.evidence, self.nominal)
+
+    @cached_property
     def candidates(self) -> Places:
         """Hypotheses that these shots could show if nothing else were wrong."""
         return self.evidence.decidable((), WITNESSES)
 
-    @property
+    @cached_property
     def price(self) -> float:
         """What a hypothesis must gain to be worth its place."""
         return float(norm.isf(self.level / (2 * max(len(self.candidates), 1))) ** 2)
 
-    def gains(self, sets: Indices) -> tuple[Floats, Floats]:
-        """Return the (R,) gains of (R, S) sets of hypotheses, and their (R, S) estimates."""
-        total, scores = self.evidence.total, self.evidence.scores.sum(axis=0)
-        inner = total[sets[:, :, None], sets[:, None, :]]
-        size = sets.shape[1]
-        inner = inner + 1e-9 * np.einsum("rii->ri", inner)[..., None] * np.eye(size)
-        estimates = np.linalg.solve(inner, scores[sets][..., None])[..., 0]
-        gains = (estimates * scores[sets]).sum(axis=1)
-        return np.where(self._possible(sets, inner, estimates), gains, -np.inf), estimates
-
-    def _possible(self, sets: Indices, inner: Floats, estimates: Floats) -> Bools:
-        """Return which (R,) sets have values that make sense, and are told apart."""
-        columns = self.evidence.columns
-        start = np.array([one.value(self.nominal) for one in columns])[sets]
-        bounds = np.array([one.declaration.bounds for one in columns])[sets]
-        variance = np.maximum(np.einsum("rii->ri", np.linalg.inv(inner)), 0.0)
-        value, error = start + estimates, BEYOND * np.sqrt(variance)
-        within = (value > bounds[..., 0] - error) & (value < bounds[..., 1] + error)
-        apart = variance * np.einsum("rii->ri", inner) < MOST_ALIKE
-        possible: Bools = (within & apart).all(axis=1)
-        return possible
-
-    def best(self, always: Places, barred: Iterable[int]) -> Places:
+    def best(self, always: Places, barred: Iterable[int], most: int) -> Places:
         """Return the explanation of the largest worth, by beam search.
 
         Args:
             always: hypotheses that are part of it.
             barred: hypotheses that are not.
+            most: hypotheses that it may have.
         """
         free = [k for k in self.candidates if k not in always and k not in set(barred)]
-        beam, best, worth = [always], always, self.gain(always)
-        for size in range(len(always) + 1, len(always) + MOST_CAUSES + 1):
-            grown = {tuple(sorted((*one, k))) for one in beam for k in free if k not in one}
-            if not grown:
-                break
-            sets = np.array(sorted(grown))
-            gains, _ = self.gains(sets)
-            order = np.argsort(-self._preferred(sets, gains), kind="stable")[:BEAM]
-            beam = [tuple(sets[place].tolist()) for place in order]
-            leader = float(gains[order[0]]) - self.price * (size - len(always))
+        beam, best, worth = np.array([always], dtype=np.int64), always, self.gain(always)
+        for size in range(len(always) + 1, min(most, len(always) + len(free)) + 1):
+            beam, leader = self._grown(beam, free)
+            leader -= self.price * (size - len(always))
             if leader > worth:
-                best, worth = beam[0], leader
+                best, worth = tuple(beam[0].tolist()), leader
         return best
+
+    def _grown(self, beam: Indices, free: Sequence[int]) -> tuple[Indices, float]:
+        """Return the best sets of one more hypothesis, best first, and the gain of the first.
+
+        Of sets exactly alike those with the simulator's own numbers go first.
+        """
+        listed = self.evidence.listed
+        gains = self.scales.grown(beam, free)
+        preferred = gains + ALIKE * (listed[beam].sum(axis=1)[:, None] + listed[free])
+        order = np.argsort(-preferred, axis=None, kind="stable")
+        parents, further = np.unravel_index(order, gains.shape)
+        sets = np.sort(np.column_stack([beam[parents], np.array(free)[further]]), axis=1)
+        sets = sets[(np.diff(sets, axis=1) > 0).all(axis=1)]
+        width = min(BEAM, max(WORK // sets.shape[1], 1))
+        sets = sets[: width * sets.shape[1]]  # a set has as many parents as members, at most
+        _, first = np.unique(sets, axis=0, return_index=True)
+        return sets[np.sort(first)[:width]], float(gains.flat[order[0]])
 
     def gain(self, one: Places) -> float:
         """Return what one set of hypotheses gains in twice the log likelihood."""
-        return float(self.gains(np.array([one]))[0][0]) if one else 0.0
-
-    def _preferred(self, sets: Indices, gains: Floats) -> Floats:
-        """Return gains by which to rank: of those exactly alike the simulator's own go first."""
-        preferred: Floats = gains + 1e-3 * self.evidence.listed[sets].sum(axis=1)
-        return preferred
+        return float(self.scales.gains(np.array([one]))[0][0]) if one else 0.0
 
     def beside(self, k: int, causes: Places) -> Places:
         """Return what is free when a hypothesis is tested beside the causes.
@@ -153,7 +143,7 @@ class Explainer:
         if not seen:
             return (k,)
         sets = np.array([(*others, one) for one in seen])
-        gains, _ = self.gains(sets)
+        gains, _ = self.scales.gains(sets)
         close = gains > self.gain(causes) - norm.isf(self.level) ** 2
         return (k, *(one for one, near in zip(seen, close, strict=True) if near))
 
@@ -166,16 +156,17 @@ class Explanation:
     p_values: dict[int, float]
 
 
-def explained(explainer: Explainer, always: Places = ()) -> Explanation:
+def explained(explainer: Explainer, always: Places = (), most: int = AT_ONCE) -> Explanation:
     """Return the best explanation all of whose causes are significant and hold on other shots.
 
     Args:
         explainer: weighs them.
         always: causes that are known.
+        most: causes that it may have.
     """
     barred: set[int] = set()
     while True:
-        causes = explainer.best(always, barred)
+        causes = explainer.best(always, barred, most)
         tests = explainer.tests(causes)
         chances = dict(zip(tests, familywise(list(tests.values())), strict=True)) if tests else {}
         chances |= {k: 1.0 for k in causes if k in tests and tests[k].held_out_gain <= 0.0}

@@ -6,11 +6,15 @@ import numpy as np
 
 from models.ball.catalogue import catalogue
 from models.gap.shots import Shots
-from models.gap.verdict import Cause
+from models.gap.verdict import Cause, Gap
 
 FEW = 20  # shots
 TABLE = {"restitution", "friction"}
 ONE_WAY = 0.9  # of the shots in the same direction
+WANDERING = (
+    "other causes are found whenever those found before are put into the simulator: these shots "
+    "tell that it is wrong, not by what; record more shots, other ones, and their spins"
+)
 
 
 def limits(shots: Shots, causes: Sequence[Cause], blind_to: Sequence[str]) -> tuple[str, ...]:
@@ -21,6 +25,16 @@ def limits(shots: Shots, causes: Sequence[Cause], blind_to: Sequence[str]) -> tu
         *_of_shots(shots),
         *table,
         *(_split(one, shots) for one in causes if len(one.possible) > 1),
+    )
+
+
+def misled(gap: Gap) -> str:
+    """Return in words that causes explain the shots they were found on, and no others."""
+    before, after = (np.mean(sizes) for sizes in (gap.before_mm, gap.after_mm))
+    return (
+        f"with the causes in it the simulator errs by {after:.1f} mm and not {before:.1f} mm on "
+        "shots that naming never saw: they stand for something else, and it stays as it was; "
+        "record more shots, other ones, and their spins"
     )
 
 

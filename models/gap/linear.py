@@ -15,7 +15,7 @@ from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
 from models.gap.hypotheses import Hypothesis
-from models.gap.motion import JUMP, KINK, Moments, by_hypotheses, by_unknowns, seen
+from models.gap.motion import JUMP, KINK, Indices, Moments, by_hypotheses, by_unknowns, seen
 from models.gap.shots import Bools, Shots
 
 
@@ -45,6 +45,12 @@ class Linearised:
     velocities: Floats
     sampled: Bools
     labelled: Bools
+
+    def __getitem__(self, rows: Indices) -> "Linearised":
+        """Return some of the shots."""
+        parts = ("unknowns", "positions", "labels", "velocities", "sampled", "labelled")
+        some = {name: getattr(self, name)[rows] for name in parts}
+        return replace(self, shots=self.shots[rows], **some)
 
     @property
     def own(self) -> int:

@@ -2,9 +2,11 @@
 
 The shots are fitted about the simulator as it is; the linearised evidence for every hypothesis
 gives the best explanation (explain.py), whose values are then refitted exactly; about this better
-simulator the evidence is taken anew, until the explanation stays. Before that, two causes that have
-no derivative are looked for: labels that read backwards (signs.py), and lift where no spin was
-measured (lift.py).
+simulator noise, scatter and evidence are taken anew, until the explanation stays. Explanations grow
+by a few causes a round, since about a simulator that is far off the evidence for many at once is
+poor; every round weighs all sets afresh, so that what stood in for causes not yet known goes again.
+Before that, two causes that have no derivative are looked for: labels that read backwards
+(signs.py), and lift where no spin was measured (lift.py).
 """
 
 from collections.abc import Callable
@@ -14,14 +16,15 @@ import numpy as np
 
 from models.ball.simulator import Simulator
 from models.gap.evidence import Evidence
-from models.gap.explain import Explainer, Explanation, Places, explained, from_nominal
+from models.gap.explain import AT_ONCE, Explainer, Explanation, Places, explained, from_nominal
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.lift import lift
 from models.gap.refit import Refitted, refit
-from models.gap.shots import Shots
+from models.gap.shots import Shots, evenly
 from models.gap.signs import Signs, no_signs, signs
 
-MOST_ROUNDS = 3
+MOST_ROUNDS = 8
+MOST_SHOTS = 70  # of which causes are looked for first; all of them only look once more
 
 SIGNS = "spin_sign_flip"
 LIFT = Hypothesis("magnus", "cm")
@@ -48,16 +51,18 @@ class Named:
 
     Attributes:
         found: the shots about the simulator with the causes in it.
-        first: the evidence before causes were looked for.
         explainer: weighs explanations about departures from the simulator as it was.
         explanation: the causes.
+        settled: whether they stayed when the shots were refitted with them.
+        first: the evidence before causes were looked for.
         signs: which labels read backwards.
     """
 
     found: Refitted
-    first: Evidence
     explainer: Explainer
     explanation: Explanation
+    settled: bool
+    first: Evidence
     signs: Signs
 
     @property
@@ -77,7 +82,8 @@ def name(
         begun: is told the evidence before causes are looked for.
     """
     base, turned = refit(shots, question.simulator, ()), no_signs(shots)
-    begun(from_nominal(base, question.simulator, question.withheld))
+    as_read = from_nominal(base, question.simulator, question.withheld)
+    begun(as_read)
     if SIGNS not in question.withheld:
         turned = signs(shots, base)
     named = _with_signs(shots, question, turned, None if turned.significant else base)
@@ -85,7 +91,8 @@ def name(
     if SIGNS not in question.withheld and named.explanation.causes:
         again = turned.corrected(signs(turned.righted(shots), named.found))
         if again != turned:
-            named = _with_signs(shots, question, again, None if again.significant else base)
+            first = named.first if again.significant else as_read
+            named = _resumed(named, again.righted(shots), question, first, again)
     return named
 
 
@@ -96,11 +103,19 @@ def _with_signs(shots: Shots, question: Question, turned: Signs, base: Refitted 
     return _explained(shots, question, _lifted(shots, question) or base, first, turned)
 
 
+def _resumed(
+    named: Named, shots: Shots, question: Question, first: Evidence, turned: Signs
+) -> Named:
+    """Return the causes where labels have other signs, from where those found before have led."""
+    begin = refit(shots, named.simulator, _hypotheses(named.explainer, named.explanation))
+    return Named(*_settled(begin, question, ()), first=first, signs=turned)
+
+
 def with_estimates(explainer: Explainer, causes: Places) -> Simulator:
     """Return the nominal simulator with the estimates of some causes, within their bounds."""
     simulator = explainer.nominal
     if causes:
-        _, estimates = explainer.gains(np.array([causes]))
+        _, estimates = explainer.scales.gains(np.array([causes]))
         for k, change in zip(causes, estimates[0], strict=True):
             hypothesis = explainer.evidence.columns[k]
             value = hypothesis.value(explainer.nominal) + float(change)
@@ -127,16 +142,40 @@ def _lifted(shots: Shots, question: Question) -> Refitted | None:
 def _explained(
     shots: Shots, question: Question, base: Refitted, first: Evidence, turned: Signs
 ) -> Named:
-    """Explain and refit in turn until the explanation stays."""
-    found, earlier = base, [base.free]
-    for _ in range(MOST_ROUNDS):
+    """Explain the shots: where there are many, some of them first, which is most of the way."""
+    few = base[evenly(len(shots), MOST_SHOTS)]
+    found, explainer, explanation, settled = _settled(few, question, base.free)
+    if len(shots) > MOST_SHOTS:
+        causes = _hypotheses(explainer, explanation)
+        near = with_estimates(explainer, explanation.causes)
+        begin = base if causes == base.free else refit(shots, near, causes)
+        found, explainer, explanation, settled = _settled(begin, question, base.free)
+    return Named(found, explainer, explanation, settled, first, turned)
+
+
+def _settled(
+    found: Refitted, question: Question, always: tuple[Hypothesis, ...]
+) -> tuple[Refitted, Explainer, Explanation, bool]:
+    """Explain and refit in turn until the explanation stays; last comes whether it does.
+
+    Args:
+        found: shots about a simulator nearby.
+        question: what is asked of them.
+        always: causes that are known.
+    """
+    earlier = [found.free]
+    while True:
         evidence = from_nominal(found, question.simulator, question.withheld)
         explainer = Explainer(evidence, question.simulator, question.level)
-        always = tuple(k for k, one in enumerate(evidence.columns) if one in base.free)
-        explanation = explained(explainer, always)
-        causes = tuple(evidence.columns[k] for k in explanation.causes)
-        if causes in earlier:
-            break
+        known = tuple(k for k, one in enumerate(evidence.columns) if one in always)
+        explanation = explained(explainer, known, len(found.free) + AT_ONCE)
+        causes = _hypotheses(explainer, explanation)
+        if causes in earlier or len(earlier) > MOST_ROUNDS:
+            return found, explainer, explanation, causes in earlier
         earlier.append(causes)
-        found = refit(shots, with_estimates(explainer, explanation.causes), causes, begin=found)
-    return Named(found, first, explainer, explanation, turned)
+        near = with_estimates(explainer, explanation.causes)
+        found = refit(found.linear.shots, near, causes, begin=found)
+
+
+def _hypotheses(explainer: Explainer, explanation: Explanation) -> tuple[Hypothesis, ...]:
+    return tuple(explainer.evidence.columns[k] for k in explanation.causes)

@@ -14,7 +14,7 @@
 positions' noise can be changed at no cost.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -100,6 +100,10 @@ class Grams:
     counts: Floats
     unknowns: Floats
     trust: Floats
+
+    def __getitem__(self, rows: NDArray[np.int64]) -> "Grams":
+        """Return those of some of the shots."""
+        return Grams(*(getattr(self, field.name)[rows] for field in fields(self)))
 
     def total(self, noise: Noise) -> Floats:
         """Return (B, C, C) in the metric of all noise, priors included as measurements."""

@@ -20,13 +20,15 @@ from models.gap.evidence import Evidence
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.linear import Linearised, linearise
 from models.gap.marginal import coefficients, marginal
+from models.gap.motion import Indices
 from models.gap.noise import Grams, Noise, grams
 from models.gap.shot_fit import ShotFit, fit_shots, refit_shots
 from models.gap.shots import Shots
 
-MOST_STEPS = 6
+MOST_STEPS = 6  # from scratch ...
+FEW_STEPS = 3  # ... and from a simulator nearby: the next linearisation takes one more
 CLOSE = 0.2  # standard errors of a step after which no other is taken
-FAR = 3.0  # standard errors of a step after which the noise is estimated anew
+FAR = 3.0  # standard errors of a step from scratch after which the noise is estimated anew
 PRIOR = 1 / 6  # of a value's range: its standard deviation before the shots are seen
 SHORTER = (1.0, 0.25, 0.05)  # parts of a step that are tried
 WORSE = 1.01  # times the cost up to which a step is taken: shots alone know no slow errors
@@ -48,6 +50,10 @@ class Refitted:
     free: tuple[Hypothesis, ...]
     linear: Linearised
     components: Components
+
+    def __getitem__(self, rows: Indices) -> "Refitted":
+        """Return some of the shots, about the same simulator in the same noise."""
+        return replace(self, linear=self.linear[rows], components=self.components[rows])
 
     @cached_property
     def evidence(self) -> Evidence:
@@ -73,9 +79,10 @@ def refit(
         simulator = hypothesis.at(simulator, hypothesis.value(simulator))
     start = values = _values(simulator, free)
     fit = fit_shots(shots, simulator) if begin is None else _resumed(begin, simulator)
+    steps = MOST_STEPS if begin is None else FEW_STEPS
     known = begin is not None
     trust = np.ones(len(shots)) if begin is None else begin.components.trust
-    for _ in range(MOST_STEPS if free else 0):
+    for _ in range(steps if free else 0):
         linear = linearise(shots, simulator, fit.unknowns, free)
         if not known:
             found = components(linear, fit.noise, fit.weights)
@@ -89,7 +96,7 @@ def refit(
         values = _values(simulator, free)
         if (np.abs(step) <= CLOSE * error).all():
             break
-        known = bool((np.abs(step) < FAR * error).all())
+        known = begin is not None or bool((np.abs(step) < FAR * error).all())
     linear = linearise(shots, simulator, fit.unknowns, hypotheses(simulator))
     return Refitted(simulator, free, linear, components(linear, fit.noise, fit.weights))
 

@@ -124,6 +124,12 @@ class Shots:
         return there
 
 
+def evenly(count: int, most: int) -> NDArray[np.int64]:
+    """Return places of at most so many of ``count`` shots, spread evenly."""
+    places: NDArray[np.int64] = np.unique(np.linspace(0, count - 1, most).round().astype(np.int64))
+    return places
+
+
 def _distinct(times: ArrayLike, labels: ArrayLike) -> tuple[Floats, Floats]:
     moments = np.asarray(times, dtype=np.float64)
     spins = np.asarray(labels, dtype=np.float64).reshape(-1, 3)

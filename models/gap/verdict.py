@@ -119,6 +119,9 @@ class Gap(_Part):
             none to close.
         interval: 95 % of it, by shots drawn at random.
         landing: errors where and when balls land; None where too few do.
+        before_interval_mm: 95 % of each of ``before_mm``, by shots drawn at random in pairs.
+        after_interval_mm: 95 % of each of ``after_mm``, by the same shots.
+        closer_mm: 95 % of by how much errors fell, their mean over horizons, by the same shots.
     """
 
     horizons_ms: tuple[int, ...]
@@ -128,6 +131,14 @@ class Gap(_Part):
     removable_closed: float | None
     interval: tuple[float, float] | None
     landing: Landing | None = None
+    before_interval_mm: tuple[tuple[float, float], ...] = ()
+    after_interval_mm: tuple[tuple[float, float], ...] = ()
+    closer_mm: tuple[float, float] | None = None
+
+    @property
+    def worse(self) -> bool:
+        """Whether the amended simulator predicts worse, beyond chance."""
+        return self.closer_mm is not None and self.closer_mm[1] < 0.0
 
 
 class Verdict(_Part):

@@ -9,7 +9,6 @@ without fault would err: by the launch that twelve noisy samples tell, by the sc
 by the sensor, each of the size found in naming.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,6 +21,7 @@ from models.gap.linear import ballistic_unknowns, linearise
 from models.gap.motion import Moments, bounces, by_unknowns, seen
 from models.gap.noise import Noise, grams, prior_precision
 from models.gap.refit import Refitted
+from models.gap.resampled import interval, resampled, root_mean_squares
 from models.gap.shot_fit import MOST_KICKS, fit_shots, refit_shots
 from models.gap.shot_fit import SPIN as UNLABELLED_SPIN
 from models.gap.shots import Bools, Shots
@@ -33,7 +33,6 @@ WINDOW = 0.0125  # s
 FEWEST = 3  # shots with samples at a horizon, or that land
 INLIER = 0.5
 LATE = 0.2  # s after a shot's last sample, until when predictions may land
-DRAWS = 2000
 
 
 @dataclass(frozen=True)
@@ -97,18 +96,21 @@ def gap(found: Errors, seed: int = 0) -> Gap | None:
     reached = np.isfinite(found.before).sum(axis=0) >= FEWEST
     if not reached.any():
         return None
-    parts = np.stack([found.before, found.after, found.floor])[..., reached]
-    sizes = _root_mean_square(parts)
+    squares = np.stack([found.before, found.after, found.floor])[..., reached]
+    sizes, drawn = root_mean_squares(squares), resampled(squares, seed)
     before, after, floor = (_thousandths(values) for values in sizes)
-    share = _closed(sizes)
+    share = float(_closed(sizes))
     return Gap(
         horizons_ms=tuple(round(1000 * h) for h in found.horizons[reached]),
         before_mm=before,
         after_mm=after,
         floor_mm=floor,
-        removable_closed=float(share) if np.isfinite(share) else None,
-        interval=_interval(parts, _closed, seed) if np.isfinite(share) else None,
+        removable_closed=share if np.isfinite(share) else None,
+        interval=interval(_closed(drawn)) if np.isfinite(share) else None,
         landing=_landing(found, seed),
+        before_interval_mm=tuple(interval(row) for row in 1e3 * drawn[:, 0].T),
+        after_interval_mm=tuple(interval(row) for row in 1e3 * drawn[:, 1].T),
+        closer_mm=interval(1e3 * _closer(drawn)),
     )
 
 
@@ -117,7 +119,7 @@ def _landing(found: Errors, seed: int) -> Landing | None:
     squares = squares[:, np.isfinite(squares).all(axis=(0, 2))]
     if squares.shape[1] < FEWEST:
         return None
-    sizes = _root_mean_square(squares)
+    sizes, drawn = root_mean_squares(squares), resampled(squares, seed)
     return Landing(
         shots=squares.shape[1],
         **{
@@ -125,25 +127,26 @@ def _landing(found: Errors, seed: int) -> Landing | None:
             for name, row in zip(("before", "after", "floor"), sizes, strict=True)
             for unit, value in zip(("mm", "ms"), _thousandths(row), strict=True)
         },
-        closer_mm=_interval(1e6 * squares[..., :1], _closer, seed),
-        closer_ms=_interval(1e6 * squares[..., 1:], _closer, seed),
+        closer_mm=interval(1e3 * _closer(drawn[..., :1])),
+        closer_ms=interval(1e3 * _closer(drawn[..., 1:])),
     )
 
 
-def _interval(parts: Floats, figure: Callable[[Floats], float], seed: int) -> tuple[float, float]:
-    """Return 95 % of a figure of (3, B, H) squares, by shots drawn at random in pairs."""
-    shots = parts.shape[1]
-    drawn = np.random.default_rng(seed).integers(shots, size=(DRAWS, shots))
-    figures = [figure(_root_mean_square(parts[:, rows])) for rows in drawn]
-    known = np.isfinite(figures).any()
-    low, high = np.nanquantile(figures, [0.025, 0.975]) if known else (0.0, 0.0)
-    return round(float(low), 6), round(float(high), 6)
+def _closer(sizes: Floats) -> Floats:
+    """Return by how much errors (..., 3, H) before, after and at the floor fell, their mean."""
+    closer: Floats = (sizes[..., 0, :] - sizes[..., 1, :]).mean(axis=-1)
+    return closer
 
 
-def _closer(sizes: Floats) -> float:
-    """Return by how much errors fell."""
-    before, after, _ = sizes.sum(axis=1)
-    return float(before - after)
+def _closed(sizes: Floats) -> Floats:
+    """Return the ratio of sums over horizons of (..., 3, H) errors before, after and at the floor.
+
+    It is NaN where there is nothing to close.
+    """
+    before, after, floor = np.moveaxis(sizes.sum(axis=-1), -1, 0)
+    removable = np.where(before > floor, before - floor, np.nan)
+    closed: Floats = (before - after) / removable
+    return closed
 
 
 def last_seen(shots: Shots) -> Floats:
@@ -241,19 +244,6 @@ def _launch_errors(
     middle = measured + (pull**2 * true)[:, None] * np.eye(STATE_SIZE)
     covariance: Floats = inverse @ middle @ inverse
     return covariance
-
-
-def _root_mean_square(squares: Floats) -> Floats:
-    there = np.isfinite(squares)
-    count = np.maximum(there.sum(axis=1), 1)
-    roots: Floats = np.sqrt(np.where(there, squares, 0.0).sum(axis=1) / count)
-    return roots
-
-
-def _closed(parts: Floats) -> float:
-    """Return the ratio of sums over horizons of (3, H) errors before, after and at the floor."""
-    before, after, floor = parts.sum(axis=1)
-    return float((before - after) / (before - floor)) if before > floor else np.nan
 
 
 def _thousandths(values: Floats) -> tuple[float, ...]:

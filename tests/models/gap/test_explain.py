@@ -47,7 +47,7 @@ def test_two_causes_are_found_with_their_sizes():
     found = explained(weighing)
     assert found.causes == (CD, Y)
     assert max(found.p_values.values()) < LEVEL
-    _, estimates = weighing.gains(np.array([found.causes]))
+    _, estimates = weighing.scales.gains(np.array([found.causes]))
     assert estimates[0] == pytest.approx([-0.3, 0.4], abs=0.15)
 
 
@@ -72,11 +72,43 @@ def test_rivals_are_those_that_explain_as_much_in_its_place():
 
 def test_values_that_cannot_be_explain_nothing():
     weighing = explainer(effect(cd=-0.9))
-    assert weighing.gains(np.array([[CD]]))[0][0] == -np.inf
-    assert weighing.gains(np.array([[Y]]))[0][0] > -np.inf
+    assert weighing.scales.gains(np.array([[CD]]))[0][0] == -np.inf
+    assert weighing.scales.gains(np.array([[Y]]))[0][0] > -np.inf
 
 
 def test_what_rests_on_one_shot_is_no_cause():
     weighing = explainer(effect())
     weighing.evidence.scores[7, Y] += 120.0
     assert explained(weighing).causes == ()
+
+
+def random_world(causes, columns=40, shots=60, seed=0):
+    """A world of numbers that look somewhat alike, ``causes`` of which are 10 errors off."""
+    random = np.random.default_rng(seed)
+    mixed = np.eye(columns) + 0.25 * random.standard_normal((columns, columns))
+    rows = random.standard_normal((shots, 10, columns)) @ mixed
+    information = np.swapaxes(rows, 1, 2) @ rows
+    errors = np.sqrt(np.diag(np.linalg.inv(information.sum(axis=0))))
+    values = np.isin(np.arange(columns), causes) * 10 * errors
+    measured = rows @ values + random.standard_normal((shots, 10))
+    names = tuple(Hypothesis("wind", "xyz"[k % 3]) for k in range(columns))
+    listed = np.zeros(columns, dtype=bool)
+    evidence = Evidence(names, listed, np.einsum("bri,br->bi", rows, measured), information)
+    return Explainer(evidence, NOMINAL, LEVEL)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_twenty_causes_are_all_found_and_no_other(seed):
+    causes = tuple(range(1, 40, 2))
+    weighing = random_world(causes, seed=seed)
+    assert explained(weighing, most=25).causes == causes
+
+
+def test_sets_grow_by_what_they_gain_with_one_more():
+    scales = random_world((1, 2, 3)).scales
+    sets, further = np.array([[1, 5], [2, 7]]), [0, 3, 7]
+    gains = scales.grown(sets, further)
+    assert gains[1, 2] == -np.inf  # a member already
+    for row, column in ((0, 0), (0, 1), (0, 2), (1, 0), (1, 1)):
+        whole, _ = scales.gains(np.array([[*sets[row], further[column]]]))
+        assert gains[row, column] == pytest.approx(whole[0], rel=1e-8)

@@ -7,6 +7,7 @@ import yaml
 
 from models.ball.simulator import Simulator
 from models.gap.amend import amended, amended_yaml
+from models.gap.diagnose import judged
 from models.gap.hypotheses import Hypothesis
 from models.gap.verdict import (
     Cause,
@@ -83,7 +84,7 @@ def test_the_file_has_the_promised_keys_and_comes_back():
     ]  # fmt: skip
     assert list(content["gap"]) == [
         "horizons_ms", "before_mm", "after_mm", "floor_mm", "removable_closed", "interval",
-        "landing",
+        "landing", "before_interval_mm", "after_interval_mm", "closer_mm",
     ]  # fmt: skip
     assert Verdict.from_json(VERDICT.to_json()).effects == VERDICT.effects
 
@@ -108,3 +109,19 @@ def test_an_amended_file_is_a_simulator_and_says_where_its_changes_come_from():
 def test_estimates_stay_within_what_makes_sense():
     far = VERDICT.model_copy(update={"effects": (cause("spin_decay", "c", -0.1),)})
     assert amended(NOMINAL, far).effects["spin_decay"]["c"] == 0.0
+
+
+def test_causes_with_which_other_shots_are_predicted_worse_are_no_names():
+    worse = VERDICT.gap.model_copy(update={"after_mm": (11.0,), "closer_mm": (-3.0, -1.0)})
+    verdict = judged(VERDICT, worse)
+    assert verdict.verdict == "unknown"
+    assert verdict.effects == VERDICT.effects
+    assert "11.0 mm and not 9.0 mm" in verdict.limits[-1]
+    assert amended(NOMINAL, verdict) == NOMINAL
+    assert Simulator.from_dict(yaml.safe_load(amended_yaml(NOMINAL, verdict, "my_data"))) == NOMINAL
+
+
+@pytest.mark.parametrize("closer", [(-1.0, 3.0), (1.0, 3.0), None])
+def test_other_shots_leave_names_that_do_not_mislead(closer):
+    fair = VERDICT.gap.model_copy(update={"closer_mm": closer})
+    assert judged(VERDICT, fair) == VERDICT.model_copy(update={"gap": fair})

@@ -81,3 +81,25 @@ def test_a_prediction_sees_the_first_samples_alone():
         <= np.broadcast_to(last, early.labelled.shape)[early.labelled]
     )
     assert early.labelled.sum() == 3 * SEEN
+
+
+def test_intervals_tell_what_shots_drawn_anew_would_err():
+    found = made_up(0.005, 0.003, 0.001)
+    found.before[:2] *= 1.5
+    told = gap(found)
+    for low, high in told.before_interval_mm:
+        assert 5.0 <= low < told.before_mm[0] < high <= 5.0 * np.sqrt(1.5)
+    assert told.after_interval_mm == ((3.0, 3.0), (3.0, 3.0))
+    assert told.closer_mm[0] >= 2.0
+
+
+@pytest.mark.parametrize(("after", "worse"), [(0.006, True), (0.005, False), (0.003, False)])
+def test_predictions_that_got_worse_are_seen(after, worse):
+    assert gap(made_up(0.005, after, 0.001)).worse == worse
+
+
+def test_predictions_that_got_worse_by_chance_are_not_worse():
+    found = made_up(0.005, 0.005, 0.001)
+    found.after[:] *= np.array([0.8, 1.1, 1.3, 0.9])[:, None]
+    assert found.after.mean() > found.before.mean()
+    assert not gap(found).worse

@@ -1,0 +1,65 @@
+"""Name: many causes at once, and none that is not there."""
+
+import pytest
+
+from models.arena.truth import draw_truth
+from models.ball.simulator import Simulator
+from models.ball.simulators import shipped
+from models.gap import name as naming
+from models.gap.diagnose import diagnose
+from models.gap.limits import WANDERING
+from models.gap.name import Question, name
+from models.gap.verdict import label_of
+from tests.models.gap.hidden import NOMINAL, measured
+
+SIX = {
+    "drag": {"cd": 0.42},
+    "wind": {"x": 0.3},
+    "side_force": {"cy": 0.025},
+    "spin_dependent_drag": {"c": 0.1},
+    "table_height": {"h": 0.006},
+    "table_tilt": {"y": 0.0075},
+}
+
+
+def ball_and_table(simulator):
+    """A simulator without what no unbroken shot meets."""
+    effects = simulator.to_dict()
+    rackets = ("racket_bounce", "net")
+    return Simulator.from_dict({name: effects[name] for name in effects if name not in rackets})
+
+
+def test_six_causes_at_ten_times_their_size_are_all_named(monkeypatch):
+    monkeypatch.setattr(naming, "MOST_SHOTS", 30)  # so that the others look once more
+    hall = NOMINAL
+    for effect, values in SIX.items():
+        hall = hall.amended(effect, **values)
+    found = name(measured(hall, count=40, seed=1005), Question(NOMINAL, 0.003))
+    columns = found.explainer.evidence.columns
+    causes = [columns[k] for k in found.explanation.causes]
+    assert sorted(map(label_of, causes)) == [
+        "drag", "side_force", "spin_dependent_drag", "table_height", "table_tilt.y", "wind.x",
+    ]  # fmt: skip
+    for one in causes:
+        assert one.value(found.simulator) == pytest.approx(one.value(hall), rel=0.15)
+
+
+def test_causes_that_do_not_stay_are_ambiguous(monkeypatch):
+    monkeypatch.setattr(naming, "MOST_ROUNDS", 0)
+    hall = NOMINAL.amended("side_force", cy=0.03)
+    verdict = diagnose(measured(hall, count=18, seed=1006), NOMINAL)
+    assert verdict.verdict == "ambiguous"
+    assert [one.possible for one in verdict.effects] == [("side_force",)]
+    assert verdict.limits[-1] == WANDERING
+
+
+@pytest.mark.slow
+def test_the_causes_of_a_hall_are_named_and_no_others():
+    hall = ball_and_table(draw_truth(1001).simulator)
+    nominal = ball_and_table(shipped("imperfect_c"))
+    verdict = diagnose(measured(hall, count=90, seed=1001), nominal)
+    listed = nominal.to_dict()
+    wrong = [one for one in verdict.effects if one.name not in (*hall.effects, *listed)]
+    assert not [one.name for one in wrong if one.name not in ("restitution", "friction")]
+    assert len(verdict.effects) >= 9
+    assert verdict.gap.removable_closed == pytest.approx(1.0, abs=0.15)
