@@ -48,6 +48,7 @@ class Findings:
             *self._where(),
             *self._growth(),
             *(self._errors(self.verdict.gap) if self.verdict.gap else ()),
+            *self._refused(),
             self._sight(),
         ]
 
@@ -130,6 +131,13 @@ class Findings:
             f"{what} by {after} with the amended simulator, by {before} with the one as it was; "
             f"{without}."
         )
+
+    def _refused(self) -> Iterator[str]:
+        if self.verdict.gap and self.verdict.gap.worse:
+            yield (
+                "With these causes the simulator predicts worse than before, so they are not "
+                "believed: amended.yaml is the simulator as it was."
+            )
 
     def _sight(self) -> str:
         shown, blind = len(self.verdict.detectable), self.verdict.blind_to

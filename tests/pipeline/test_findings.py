@@ -2,7 +2,7 @@
 
 from models.gap.verdict import Unexplained
 from pipeline.findings import sight_lines
-from tests.pipeline.verdicts import GRAVITY, WIND, findings, verdict
+from tests.pipeline.verdicts import GAP, GRAVITY, WIND, findings, verdict
 
 
 def text(*arguments, **changes):
@@ -37,6 +37,13 @@ def test_what_has_no_name_is_said_with_its_place_and_a_lead():
     said = text("unknown", (), unexplained=left)
     assert "no effect of the catalogue explains" in said
     assert "acts at the table, 60 % of the gap. A lead and not a name: +0.1 [slip]." in said
+
+
+def test_causes_that_predict_worse_are_said_to_be_refused():
+    worse = GAP.model_copy(update={"closer_mm": (-9.0, -2.0)})
+    refused = "amended.yaml is the simulator as it was"
+    assert refused in text("unknown", gap=worse)
+    assert refused not in text("named")
 
 
 def test_where_it_arises_and_what_it_differs_with_is_said():
