@@ -7,12 +7,13 @@ a method has answered.
 
 import time
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from models.exam.design import Question
-from models.exam.finding import Finding, Found, Method
+from models.exam.finding import Finding, Method
 from models.exam.recordings import SealedTruth, held
 from models.exam.removable import RemovableGap
 from models.exam.sheet import Answered, Hidden, Named, Sheet
@@ -78,22 +79,11 @@ def _answered(finding: Finding | Exception, gap: RemovableGap | None) -> Answere
     try:
         if isinstance(finding, Exception):
             raise finding
-        causes = tuple(_named(one) for one in finding.causes)
+        causes = tuple(Named(**asdict(one)) for one in finding.causes)
         after = gap.left(finding.amended) if gap else None
         return Answered(answer=finding.answer, causes=causes, after_mm=after)
     except Exception as error:  # what is no number, or cannot be flown, is no answer
         return Answered(answer=None, error=f"{type(error).__name__}: {error}")
-
-
-def _named(found: Found) -> Named:
-    return Named(
-        name=found.name,
-        effect=found.effect,
-        parameter=found.parameter,
-        estimate=found.estimate,
-        interval=found.interval,
-        possible=found.possible,
-    )
 
 
 def _hidden(cause: HiddenCause, trial: Trial, sight: Sight) -> Hidden:
