@@ -22,9 +22,10 @@ NET_CLEARANCE = NET_HEIGHT + BALL_RADIUS + 0.03  # m: 3 cm of air between ball a
 RETURN = 1.0
 BACKHAND = 0.5  # penalty: one face for all balls is found sooner than two
 
-# Goals that not every policy is given. Worth more than a landing, or they are not learned at all.
-SPEED, SPEED_SCALE = 4.0, 1.5  # m/s
-TOPSPIN, TOPSPIN_SCALE = 4.0, 100.0  # rad/s
+# Goals that not every policy is given. Worth far more than a landing and falling off soon, or they
+# are hardly followed: to strike faster, an arm must give up certainty of where the ball lands.
+SPEED, SPEED_SCALE = 12.0, 0.8  # m/s
+TOPSPIN, TOPSPIN_SCALE = 8.0, 60.0  # rad/s
 
 NEAREST_SLOPE = 2.0  # 1/m: a ball missed by half a metre or more is missed altogether
 FAULT = 1.0  # penalty: as bad as the worst miss, or the policy would seek it

@@ -70,7 +70,7 @@ def test_equal_parameters_need_no_flags():
 
 
 def test_an_unknown_profile_is_refused_with_the_known_ones():
-    with pytest.raises(InputError, match=r"smok\.yaml: .*paper, policies, real, smoke"):
+    with pytest.raises(InputError, match=r"smok\.yaml: .*paper, policies, real, shots, smoke"):
         profile_flags(ROOT, "smok")
 
 
