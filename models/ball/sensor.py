@@ -31,12 +31,12 @@ def measured(
     Returns:
         (B, T, 3) measured positions in m and (B, T, 3) spin labels in rad/s.
     """
-    true_times = np.asarray(times, dtype=np.float64) / _quantity(simulator, "clock_gain")
+    true_times = np.asarray(times, dtype=np.float64) / sensor_quantity(simulator, "clock_gain")
     flown = simulator.fly(states, true_times).states
     speed = np.linalg.norm(flown[..., VELOCITY], axis=-1)
-    delay = np.broadcast_to(_quantity(simulator, "delay", View(speed)), speed.shape)
+    delay = np.broadcast_to(sensor_quantity(simulator, "delay", View(speed)), speed.shape)
     seen = _flown_in_any_order(simulator, states, true_times - delay)
-    positions = _quantity(simulator, "position_gain") * seen[..., POSITION]
+    positions = sensor_quantity(simulator, "position_gain") * seen[..., POSITION]
     return positions, _spin_labels(simulator, flown[..., SPIN], generator)
 
 
@@ -50,15 +50,21 @@ def _flown_in_any_order(simulator: Simulator, states: Floats, times: Floats) -> 
 
 
 def _spin_labels(simulator: Simulator, spins: Floats, generator: np.random.Generator) -> Floats:
-    turn = Rotation.from_rotvec(np.array(_quantity(simulator, "spin_label_rotation")))
-    labels = _quantity(simulator, "spin_label_gain") * turn.apply(spins.reshape(-1, 3))
-    flipped = generator.random(len(spins)) < _quantity(simulator, "spin_flip_share")
+    turn = Rotation.from_rotvec(np.array(sensor_quantity(simulator, "spin_label_rotation")))
+    labels = sensor_quantity(simulator, "spin_label_gain") * turn.apply(spins.reshape(-1, 3))
+    flipped = generator.random(len(spins)) < sensor_quantity(simulator, "spin_flip_share")
     signed: Floats = np.where(flipped[:, None, None], -1.0, 1.0) * labels.reshape(spins.shape)
     return signed
 
 
-def _quantity(simulator: Simulator, name: str, view: View | None = None) -> Any:
-    """Return a sensor quantity: its start, plus all that adds, times all that scales."""
+def sensor_quantity(simulator: Simulator, name: str, view: View | None = None) -> Any:
+    """Return a quantity of the sensor: its start, plus all that adds, times all that scales.
+
+    Args:
+        simulator: whose sensor effects change it.
+        name: of a quantity of the sensor.
+        view: the balls as they are when they are measured, for effects that look at them.
+    """
     quantity = _SENSOR[name]
     value: Any = quantity.start if quantity.size == 1 else np.full(quantity.size, quantity.start)
     changes = [

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball import sensor
 from models.ball.quantities import View
+from models.ball.sensor import sensor_quantity
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE, VELOCITY
 from models.ball.types import Floats
@@ -44,10 +44,10 @@ def landings(simulator: Simulator, states: Floats, ends: Floats) -> Landings:
     flight = simulator.fly(states, np.stack([np.zeros(len(ends)), ends], axis=1))
     there, moment, before, _ = first_bounce(flight)
     speed = np.linalg.norm(before[:, VELOCITY], axis=1)
-    delay = sensor._quantity(simulator, "delay", View(speed))
+    delay = sensor_quantity(simulator, "delay", View(speed))
     places, times = np.full((len(states), 2), np.nan), np.full(len(states), np.nan)
-    places[there] = sensor._quantity(simulator, "position_gain") * before[:, ON_TABLE]
-    times[there] = sensor._quantity(simulator, "clock_gain") * (moment + delay)
+    places[there] = sensor_quantity(simulator, "position_gain") * before[:, ON_TABLE]
+    times[there] = sensor_quantity(simulator, "clock_gain") * (moment + delay)
     return Landings(places, times)
 
 

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from models.ball import sensor
 from models.ball.contact import NET, TABLE
 from models.ball.quantities import View
+from models.ball.sensor import sensor_quantity
 from models.ball.simulator import Flight, Simulator
 from models.ball.state import (
     BALL_RADIUS,
@@ -146,18 +146,18 @@ def seen(simulator: Simulator, moments: Moments, unknowns: Floats) -> Seen:
         moments: of B balls.
         unknowns: (B, 9 + 3 K) states at the first sample and kicks.
     """
-    clock = sensor._quantity(simulator, "clock_gain")
+    clock = sensor_quantity(simulator, "clock_gain")
     times = moments.times / clock
     path, contacts, until = _path(simulator, unknowns, times)
     spins = np.take_along_axis(path[..., SPIN], moments.labels[..., None], axis=1)
     velocities = moments.at_samples(path[..., VELOCITY])
-    delay = sensor._quantity(simulator, "delay", View(np.linalg.norm(velocities, axis=-1)))
+    delay = sensor_quantity(simulator, "delay", View(np.linalg.norm(velocities, axis=-1)))
     if np.any(delay):
         sampled = moments.at_samples(times)
         places = _path_in_any_order(simulator, unknowns, sampled - delay)[..., POSITION]
     else:
         places = moments.at_samples(path[..., POSITION])
-    positions = sensor._quantity(simulator, "position_gain") * places
+    positions = sensor_quantity(simulator, "position_gain") * places
     labels = _labels(simulator, spins)
     return Seen(positions, labels, velocities, clock * contacts, clock * until)
 
@@ -292,7 +292,7 @@ def kicked(before: Floats, after: Floats, kicks: Floats) -> Floats:
 
 
 def _labels(simulator: Simulator, spins: Floats) -> Floats:
-    turn = Rotation.from_rotvec(np.array(sensor._quantity(simulator, "spin_label_rotation")))
+    turn = Rotation.from_rotvec(np.array(sensor_quantity(simulator, "spin_label_rotation")))
     turned = turn.apply(spins.reshape(-1, 3)).reshape(spins.shape) if spins.size else spins
-    labels: Floats = sensor._quantity(simulator, "spin_label_gain") * turned
+    labels: Floats = sensor_quantity(simulator, "spin_label_gain") * turned
     return labels

@@ -40,6 +40,11 @@ class Goals:
             parts.append((self.topspin / TOPSPIN_SCALE)[:, None])
         return np.hstack(parts)
 
+    def distance(self, landing: Floats) -> Floats:
+        """Return how far (m) the (B, 2) places of landing are from those asked for."""
+        apart: Floats = np.linalg.norm(landing - self.landing, axis=1)
+        return apart
+
     def __len__(self) -> int:
         return len(self.landing)
 

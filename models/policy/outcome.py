@@ -62,7 +62,7 @@ def judge(simulator: Simulator, after: Floats, goals: Goals) -> Outcome:
         returned=call.good,
         fault=np.where(call.good, "", call.fault),
         landing=landing,
-        distance=np.linalg.norm(landing - goals.landing, axis=1),
+        distance=goals.distance(landing),
         net_height=passing[:, 2],
         speed=np.linalg.norm(after[:, VELOCITY], axis=1),
         topspin=topspin(after),

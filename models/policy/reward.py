@@ -51,7 +51,7 @@ def goal_reward(
         returned: (B,) whether they landed as they must.
         goals: (B,) that were to be reached.
     """
-    distance = np.linalg.norm(landing - goals.landing, axis=1)
+    distance = goals.distance(landing)
     near = LANDING * np.exp(-distance / LANDING_SCALE) + FAR / (1.0 + distance / FAR_SCALE)
     style = np.zeros(len(distance))
     if goals.speed is not None:
