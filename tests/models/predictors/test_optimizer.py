@@ -5,10 +5,10 @@ import copy
 import pytest
 import torch
 from torch import nn
-from torch.optim import Adam
+from torch.optim import Adam, Muon
 from torch.optim.lr_scheduler import LambdaLR
 
-from models.predictors.optimizer import MuonAndAdam
+from models.predictors.optimizer import MuonAndAdam, StackedMuon
 
 RATE, MATRIX_RATE = 0.01, 0.1
 
@@ -48,6 +48,24 @@ def test_a_step_turns_a_layers_matrix_in_all_directions_by_about_the_rate():
         # Five rounds of Newton and Schulz bring singular values between about 0.7 and 1.2.
         turned = torch.linalg.svdvals(change)[:3] / (MATRIX_RATE * stretch)
         assert turned.min() > 0.6 and turned.max() < 1.3
+
+
+def test_matrices_that_are_turned_at_once_turn_as_one_by_one():
+    torch.manual_seed(0)
+    shapes = [(8, 8), (16, 8), (8, 8), (8, 16), (12, 8)]
+    ours = [nn.Parameter(torch.randn(shape)) for shape in shapes]
+    theirs = copy.deepcopy(ours)
+    both = StackedMuon(ours, lr=RATE), Muon(theirs, lr=RATE, weight_decay=0.0)
+    for _ in range(5):
+        for one, other in zip(ours, theirs, strict=True):
+            one.grad = torch.randn(one.shape)
+            other.grad = one.grad.clone()
+        for optimizer in both:
+            optimizer.step()
+    for one, other in zip(ours, theirs, strict=True):
+        assert (
+            one - other
+        ).abs().max() < RATE / 100  # they add in 16 bits, perhaps in another order
 
 
 def test_biases_and_the_projection_move_as_under_adam_alone():
