@@ -10,6 +10,8 @@ from models.ball.simulator import Simulator
 # fewer samples lie between two bounces that are compared the better.
 STEP = 5e-6
 
+OTHER_SURFACES = ("net", "racket_bounce")  # shots touch nothing but the table
+
 
 @dataclass(frozen=True)
 class Hypothesis:
@@ -59,11 +61,13 @@ class Hypothesis:
 def hypotheses(simulator: Simulator) -> tuple[Hypothesis, ...]:
     """Return every number of the catalogue that a small change of ``simulator`` can reach.
 
-    Effects that have no neutral value, such as surfaces that are not there, cannot be reached.
+    Effects that have no neutral value, such as surfaces that are not there, cannot be reached, and
+    of surfaces that no shot touches there is nothing to find out.
     """
     return tuple(
         Hypothesis(effect.name, parameter.name)
         for effect in catalogue().values()
+        if effect.name not in OTHER_SURFACES
         if effect.name in simulator.effects or not any(p.required for p in effect.parameters)
         for parameter in effect.parameters
     )

@@ -13,7 +13,7 @@ def test_agreement_is_said_with_how_far_it_reaches():
     said = text("no_gap", ())
     assert said.startswith("No gap: 4 shots of hall agree with sim.yaml as far as they can tell.")
     assert "err by 21.0 mm; without any gap they would err by 7.0 mm" in said
-    assert "Of 5 numbers in question these shots can show 3; they are blind to buoyancy, kp" in said
+    assert "Of 5 numbers in question these shots can show 3; they are blind to buoyancy" in said
     assert "arises" not in said
 
 
@@ -66,7 +66,7 @@ def test_what_shots_can_show_is_said_before_anything_is_looked_for():
         "  wind.x    0.04 m/s",
         "  gravity   0.06 m/s^2",
         "  friction  0.012",
-        "They are blind to buoyancy, kp.",
+        "They are blind to buoyancy, spin_decay.",
     ]
 
 

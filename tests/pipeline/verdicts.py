@@ -101,7 +101,7 @@ def verdict(answer="named", causes=(WIND,), **changes):
         "where": Where(flight=1.0 if causes else 0.0, table=0.0, sensor=0.0),
         "gap": GAP,
         "detectable": {"wind.x": 0.04, "gravity": 0.06, "friction": 0.012},
-        "blind_to": ("buoyancy", "kp"),
+        "blind_to": ("buoyancy", "spin_decay"),
         "limits": ("all shots go one way: shoot both ways",),
         "located": LOCATED if causes else None,
     }

@@ -6,9 +6,10 @@ import pytest
 import yaml
 
 from models.ball.simulator import Simulator
+from models.ball.simulators import shipped
 from models.gap.amend import amended, amended_yaml
 from models.gap.diagnose import judged
-from models.gap.hypotheses import Hypothesis
+from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.verdict import (
     Cause,
     Gap,
@@ -71,6 +72,19 @@ VERDICT = Verdict(
 def test_numbers_are_called_as_people_call_them(effect, parameter, name, component, label):
     one = Hypothesis(effect, parameter)
     assert (name_of(one), component_of(one), label_of(one)) == (name, component, label)
+
+
+@pytest.mark.parametrize("simulator", ["literature", "imperfect_c"])
+def test_no_two_numbers_have_one_name(simulator):
+    labels = [label_of(one) for one in hypotheses(shipped(simulator))]
+    assert len(labels) == len(set(labels))
+
+
+def test_what_is_found_of_the_table_is_changed_at_the_table_alone():
+    before = shipped("literature")  # its racket has a restitution, too
+    after = amended(before, VERDICT.model_copy(update={"effects": (RESTITUTION,)}))
+    table = {**before.effects["table_bounce"], "restitution": 0.9}
+    assert after.to_dict() == {**before.to_dict(), "table_bounce": table}
 
 
 def test_the_file_has_the_promised_keys_and_comes_back():
