@@ -18,7 +18,7 @@ from models.ball.types import Floats
 from models.gap.linear import Linearised
 from models.gap.marginal import coefficients, marginal, visible
 from models.gap.motion import Indices
-from models.gap.noise import Grams, Noise, gram, grams, inlier_probability, whitened
+from models.gap.noise import Grams, Noise, grams, inlier_probability, white_gram
 from models.gap.shots import Bools, evenly
 
 STANDS_OUT = 2.5  # standard errors
@@ -135,8 +135,8 @@ def _of_positions(linear: Linearised, parts: Grams, noise: Noise, weights: Float
     rest = kept @ rest @ kept.T
 
     def criterion(trial: Noise) -> float:
-        white, determinants = whitened(shots.positions, shots, trial, weights[some])
-        left = marginal(trust * gram(white) + rest, own)
+        products, determinants = white_gram(shots.positions, shots, trial, weights[some])
+        left = marginal(trust * products + rest, own)
         # Shots that are not trusted must not count in the determinants either.
         weighted = parts.trust[some] * (determinants + left.determinants)
         return float((weighted + left.misfit).sum())

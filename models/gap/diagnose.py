@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from models.ball.simulator import Simulator
-from models.ball.state import SPIN
 from models.gap.bounded import within
 from models.gap.evidence import Evidence
-from models.gap.explain import Places
+from models.gap.explain import Places, from_nominal
 from models.gap.limits import WANDERING, limits, misled
 from models.gap.locate import locate
 from models.gap.located import Located
@@ -84,7 +83,7 @@ def diagnose(
     verdict = _verdict(named, left if found else None, left.p_value, shots, question)
     progress(LOOKED)
     if (fresh.valid.sum(axis=1) > SEEN).any():
-        after = errors(about, simulator, named.simulator, noise, _typical_spin(named))
+        after = errors(about, simulator, named.simulator, noise, named.spins)
         verdict = judged(verdict, gap(after))
     progress(1.0)
     return verdict
@@ -117,10 +116,9 @@ def _sight(first: Evidence, labels: Signs, question: Question) -> Sight:
     return sizes, blind
 
 
-def _typical_spin(named: Named) -> float:
-    """Return the typical component of the spins that shots had, rad/s."""
-    spins = named.found.linear.unknowns[:, SPIN]
-    return float(np.median(np.linalg.norm(spins, axis=1)) / np.sqrt(3.0))
+def _first(named: Named, question: Question) -> Evidence:
+    """Return the evidence before causes were looked for."""
+    return from_nominal(named.before, question.simulator, question.withheld)
 
 
 def _verdict(
@@ -131,7 +129,7 @@ def _verdict(
     whole = max(sum(gains.values()) + turned, 1e-12)
     whole += left.gain if left else 0.0
     causes = [*_causes(named, gains, whole), *_signs(named.signs, turned / whole)]
-    sizes, blind = _sight(named.first, named.signs, question)
+    sizes, blind = _sight(_first(named, question), named.signs, question)
     unexplained = Unexplained(
         share=left.gain / whole if left else 0.0,
         p_value=p_value,

@@ -9,7 +9,8 @@ from models.ball.sensor import sensor_quantity
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE, VELOCITY
 from models.ball.types import Floats
-from models.gap.motion import STATE_STEPS, first_bounce
+from models.gap.motion import STATE_STEPS
+from models.gap.path import first_bounce
 
 ON_TABLE = slice(0, 2)  # components of a place
 

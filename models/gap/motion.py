@@ -1,13 +1,8 @@
 """Motion: what a simulator's sensor sees of B balls, and how that depends on every unknown.
 
 A shot's unknowns ("nuisance") are its state ``[p v w]`` at its first sample and a *kick* at each of
-its first K bounces: what this one bounce did beyond the law. A kick ``(n, s, c)`` is measured in
-units of the impact's normal speed: the ball leaves faster by ``n`` upwards, ``s`` along the slip of
-its contact point and ``c`` across. The tangential part fades where the slip does, since there
-friction has nothing to scatter, and comes with the spin that the conservation of angular momentum
-about the contact point asks for, ``dw = -3/(2r) ez x dv``.
-
-Derivatives are differences of exact flights, all unknowns of all shots flown in one call.
+its first K bounces (path.py). Derivatives are differences of exact flights, all unknowns of all
+shots flown in one call.
 """
 
 from dataclasses import dataclass
@@ -17,33 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from models.ball.contact import NET, TABLE
+from models.ball.contact import TABLE
 from models.ball.quantities import View
 from models.ball.sensor import sensor_quantity
-from models.ball.simulator import Flight, Simulator
-from models.ball.state import (
-    BALL_RADIUS,
-    POSITION,
-    SPIN,
-    STATE_SIZE,
-    TABLE_HALF_LENGTH,
-    TABLE_HALF_WIDTH,
-    VELOCITY,
-)
+from models.ball.simulator import Simulator
+from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
 from models.ball.types import Floats
 from models.gap.hypotheses import Hypothesis
+from models.gap.path import path, path_in_any_order
 from models.gap.shots import Shots
 
 Bools = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
-KICK_SIZE = 3
-SLOW_SLIP = 1.0  # m/s below which the tangential part of a kick fades
 # So near a bounce, in s, that a sample is not used, since its derivatives have a kink there; and a
 # label, since its spin is another one just before and just after.
 KINK = 2e-4
 JUMP = 5e-3
-EDGE = 5e-3  # m from an edge of the table: the ball may have met it
 # Steps for differences: m, m/s, rad/s, and kicks in units of the impact's normal speed. Paths are
 # so nearly linear in the unknowns that one-sided differences are good to five digits.
 STATE_STEPS = np.repeat([1e-5, 1e-4, 0.02], 3)
@@ -70,6 +55,10 @@ class Moments:
         start = shots.times[:, :1]
         labels = np.where(shots.labelled, shots.label_times, start) - start
         samples = shots.times - start
+        if _at_samples(shots):
+            places = np.arange(samples.shape[1])
+            own = np.where(shots.labelled, places[: labels.shape[1]], 0)
+            return cls(samples, np.tile(places, (len(samples), 1)), own)
         unions = [np.union1d(s, w) for s, w in zip(samples, labels, strict=True)]
         longest = max(len(union) for union in unions)
         times = np.array([np.pad(one, (0, longest - len(one)), mode="edge") for one in unions])
@@ -98,11 +87,11 @@ class Moments:
         return Moments(self.times[rows], self.samples[rows], self.labels[rows])
 
     def repeated(self, count: int) -> "Moments":
-        """Return ``count`` copies below one another."""
+        """Return ``count`` copies of each ball's, below one another."""
         return Moments(
-            np.tile(self.times, (count, 1)),
-            np.tile(self.samples, (count, 1)),
-            np.tile(self.labels, (count, 1)),
+            np.repeat(self.times, count, axis=0),
+            np.repeat(self.samples, count, axis=0),
+            np.repeat(self.labels, count, axis=0),
         )
 
 
@@ -131,6 +120,15 @@ class Seen:
         return apart
 
 
+def _at_samples(shots: Shots) -> bool:
+    """Return whether every label is at the time of the sample with its number."""
+    count = shots.label_times.shape[1]
+    if count > shots.times.shape[1]:
+        return False
+    at_sample = shots.label_times == shots.times[:, :count]
+    return bool((at_sample | ~shots.labelled).all())
+
+
 def bounces(simulator: Simulator, moments: Moments, unknowns: Floats) -> NDArray[np.int64]:
     """Return (B,) how often each ball bounces off the table before its last moment."""
     flight = simulator.fly(unknowns[:, :STATE_SIZE], moments.times)
@@ -148,15 +146,16 @@ def seen(simulator: Simulator, moments: Moments, unknowns: Floats) -> Seen:
     """
     clock = sensor_quantity(simulator, "clock_gain")
     times = moments.times / clock
-    path, contacts, until = _path(simulator, unknowns, times)
-    spins = np.take_along_axis(path[..., SPIN], moments.labels[..., None], axis=1)
-    velocities = moments.at_samples(path[..., VELOCITY])
-    delay = sensor_quantity(simulator, "delay", View(np.linalg.norm(velocities, axis=-1)))
+    states, contacts, until = path(simulator, unknowns, times)
+    spins = np.take_along_axis(states[..., SPIN], moments.labels[..., None], axis=1)
+    velocities = moments.at_samples(states[..., VELOCITY])
+    speeds = np.sqrt(np.einsum("bni,bni->bn", velocities, velocities))
+    delay = sensor_quantity(simulator, "delay", View(speeds))
     if np.any(delay):
         sampled = moments.at_samples(times)
-        places = _path_in_any_order(simulator, unknowns, sampled - delay)[..., POSITION]
+        places = path_in_any_order(simulator, unknowns, sampled - delay)[..., POSITION]
     else:
-        places = moments.at_samples(path[..., POSITION])
+        places = moments.at_samples(states[..., POSITION])
     positions = sensor_quantity(simulator, "position_gain") * places
     labels = _labels(simulator, spins)
     return Seen(positions, labels, velocities, clock * contacts, clock * until)
@@ -173,15 +172,15 @@ def by_unknowns(simulator: Simulator, moments: Moments, unknowns: Floats, view: 
     """
     size = unknowns.shape[1]
     steps = np.concatenate([STATE_STEPS, np.full(size - STATE_SIZE, KICK_STEP)])
-    shifted = (unknowns + np.diag(steps)[:, None]).reshape(-1, size)
+    shifted = (unknowns[:, None] + np.diag(steps)).reshape(-1, size)
     ahead = seen(simulator, moments.repeated(size), shifted)
 
     def differences(there: Floats, here: Floats) -> Floats:
-        change = there.reshape(size, *here.shape) - here
-        slopes: Floats = np.moveaxis(change, 0, -1) / steps
+        change = there.reshape(len(here), size, *here.shape[1:]) - here[:, None]
+        slopes: Floats = np.moveaxis(change, 1, -1) / steps
         return slopes
 
-    contacts = ahead.contacts.reshape(size, len(unknowns), -1)
+    contacts = np.swapaxes(ahead.contacts.reshape(len(unknowns), size, -1), 0, 1)
     return Seen(
         differences(ahead.positions, view.positions),
         differences(ahead.labels, view.labels),
@@ -220,75 +219,6 @@ def _until_parted(view: Seen, *others: Floats) -> Floats:
         first = np.fmin.reduce(np.hstack([view.contacts, contacts, nothing]), axis=1)
         until = np.fmin(until, np.where(more, first, np.nan))
     return until
-
-
-def _path(simulator: Simulator, unknowns: Floats, times: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return (B, T, 9) states, from bounce to bounce where there are kicks.
-
-    Then (B, M) contact times and (B,) those of the first contact with an edge or the net.
-    """
-    flight = simulator.fly(unknowns[:, :STATE_SIZE], times)
-    path, met = flight.states, [_contacts(flight)]
-    rows, start = np.arange(len(path)), np.zeros(len(path))
-    for kick in range(STATE_SIZE, unknowns.shape[1], KICK_SIZE):
-        there, moment, before, after = first_bounce(flight)
-        if not there.any():
-            break
-        rows, start = rows[there], start[there] + moment
-        state = kicked(before, after, unknowns[rows, kick : kick + KICK_SIZE])
-        since = times[rows] - start[:, None]
-        flight = simulator.fly(state, np.maximum(since, 0.0))
-        path[rows] = np.where(since[..., None] > 0.0, flight.states, path[rows])
-        met.append(np.full_like(met[0], np.nan))
-        met[-1][:, rows] = start[:, None] + _contacts(flight)
-    smooth, wild = np.concatenate(met, axis=2)
-    return path, smooth[:, np.isfinite(smooth).any(axis=0)], np.fmin.reduce(wild, axis=1)
-
-
-def _path_in_any_order(simulator: Simulator, unknowns: Floats, times: Floats) -> Floats:
-    order = np.argsort(times, axis=1, kind="stable")
-    path, _, _ = _path(simulator, unknowns, np.take_along_axis(times, order, axis=1))
-    back = np.argsort(order, axis=1, kind="stable")
-    return np.take_along_axis(path, back[..., None], axis=1)
-
-
-def _contacts(flight: Flight) -> Floats:
-    """Return (2, B, K) times of contacts, and of those with an edge or the net, else NaN."""
-    met = flight.contacts
-    x, y = np.abs(met.before[..., 0]), np.abs(met.before[..., 1])
-    edge = (x > TABLE_HALF_WIDTH - EDGE) | (y > TABLE_HALF_LENGTH - EDGE)
-    wild = edge | (met.surface == NET)
-    return np.stack([met.time, np.where(wild, met.time, np.nan)])
-
-
-def first_bounce(flight: Flight) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
-    """Return which balls bounce off the table, and when, with which states, those that do."""
-    table = flight.contacts.surface == TABLE
-    there = table.any(axis=1)
-    rows, first = np.flatnonzero(there), table.argmax(axis=1)[there]
-    contacts = flight.contacts
-    return (
-        there,
-        contacts.time[rows, first],
-        contacts.before[rows, first],
-        contacts.after[rows, first],
-    )
-
-
-def kicked(before: Floats, after: Floats, kicks: Floats) -> Floats:
-    """Return the (B, 9) states after bounces with (B, 3) kicks."""
-    vx, vy, vz, wx, wy, _ = before[:, 3:].T
-    slip = np.stack([vx - BALL_RADIUS * wy, vy + BALL_RADIUS * wx], axis=1)
-    along = slip / np.sqrt((slip**2).sum(axis=1, keepdims=True) + SLOW_SLIP**2)
-    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    size = np.abs(vz)[:, None]
-    sideways = size * (kicks[:, 1:2] * along + kicks[:, 2:3] * across)
-    kicked = after.copy()
-    kicked[:, 3:5] += sideways
-    kicked[:, 5:6] += size * kicks[:, :1]
-    kicked[:, 6] += 1.5 / BALL_RADIUS * sideways[:, 1]
-    kicked[:, 7] -= 1.5 / BALL_RADIUS * sideways[:, 0]
-    return kicked
 
 
 def _labels(simulator: Simulator, spins: Floats) -> Floats:

@@ -5,6 +5,8 @@ gives the best explanation (explain.py), whose values are then refitted exactly;
 simulator noise, scatter and evidence are taken anew, until the explanation stays. Explanations grow
 by a few causes a round, since about a simulator that is far off the evidence for many at once is
 poor; every round weighs all sets afresh, so that what stood in for causes not yet known goes again.
+What evidence promises has to come true when the shots are refitted: where spins were not measured,
+lift is a product of two unknowns, and far from where it is linear a promise may be empty.
 Before that, two causes that have no derivative are looked for: labels that read backwards
 (signs.py), and lift where no spin was measured (lift.py).
 """
@@ -13,18 +15,24 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from models.ball.simulator import Simulator
+from models.ball.state import SPIN
 from models.gap.evidence import Evidence
 from models.gap.explain import AT_ONCE, Explainer, Explanation, Places, explained, from_nominal
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.lift import lift
-from models.gap.refit import Refitted, refit
+from models.gap.refit import Refitted, gained, refit
 from models.gap.shots import Shots, evenly
 from models.gap.signs import Signs, no_signs, signs
 
 MOST_ROUNDS = 8
 MOST_SHOTS = 70  # of which causes are looked for first; all of them only look once more
+LEAST_SPIN = 1.0  # rad/s that a component of a spin may always have
+
+# From places of causes in the simulator, and of those always there, to another explanation.
+Proposal = Callable[[Explainer, Places, Places], Explanation]
 
 SIGNS = "spin_sign_flip"
 LIFT = Hypothesis("magnus", "cm")
@@ -54,7 +62,7 @@ class Named:
         explainer: weighs explanations about departures from the simulator as it was.
         explanation: the causes.
         settled: whether they stayed when the shots were refitted with them.
-        first: the evidence before causes were looked for.
+        before: the shots about the simulator as it was.
         signs: which labels read backwards.
     """
 
@@ -62,13 +70,18 @@ class Named:
     explainer: Explainer
     explanation: Explanation
     settled: bool
-    first: Evidence
+    before: Refitted
     signs: Signs
 
     @property
     def simulator(self) -> Simulator:
         """The simulator with the estimates of all causes, signs of labels aside."""
         return with_estimates(self.explainer, self.explanation.causes)
+
+    @property
+    def spins(self) -> tuple[float, float]:
+        """Sizes of a component of a spin, rad/s, by the simulator as it was and with the causes."""
+        return _typical_spin(self.before), _typical_spin(self.found)
 
 
 def name(
@@ -82,8 +95,7 @@ def name(
         begun: is told the evidence before causes are looked for.
     """
     base, turned = refit(shots, question.simulator, ()), no_signs(shots)
-    as_read = from_nominal(base, question.simulator, question.withheld)
-    begun(as_read)
+    begun(from_nominal(base, question.simulator, question.withheld))
     if SIGNS not in question.withheld:
         turned = signs(shots, base)
     named = _with_signs(shots, question, turned, None if turned.significant else base)
@@ -91,37 +103,47 @@ def name(
     if SIGNS not in question.withheld and named.explanation.causes:
         again = turned.corrected(signs(turned.righted(shots), named.found))
         if again != turned:
-            first = named.first if again.significant else as_read
-            named = _resumed(named, again.righted(shots), question, first, again)
+            before = named.before if again.significant else base
+            named = _resumed(named, again.righted(shots), question, before, again)
     return named
 
 
 def _with_signs(shots: Shots, question: Question, turned: Signs, base: Refitted | None) -> Named:
     shots = turned.righted(shots)
     base = base or refit(shots, question.simulator, ())
-    first = from_nominal(base, question.simulator, question.withheld)
-    return _explained(shots, question, _lifted(shots, question) or base, first, turned)
+    return _explained(shots, question, _lifted(shots, question) or base, base, turned)
 
 
 def _resumed(
-    named: Named, shots: Shots, question: Question, first: Evidence, turned: Signs
+    named: Named, shots: Shots, question: Question, before: Refitted, turned: Signs
 ) -> Named:
     """Return the causes where labels have other signs, from where those found before have led."""
     begin = refit(shots, named.simulator, _hypotheses(named.explainer, named.explanation))
-    return Named(*_settled(begin, question, ()), first=first, signs=turned)
+    return Named(*_settled(begin, question, ()), before=before, signs=turned)
 
 
 def with_estimates(explainer: Explainer, causes: Places) -> Simulator:
-    """Return the nominal simulator with the estimates of some causes, within their bounds."""
-    simulator = explainer.nominal
-    if causes:
-        _, estimates = explainer.scales.gains(np.array([causes]))
-        for k, change in zip(causes, estimates[0], strict=True):
-            hypothesis = explainer.evidence.columns[k]
-            value = hypothesis.value(explainer.nominal) + float(change)
-            bounded = float(np.clip(value, *hypothesis.declaration.bounds))
-            simulator = hypothesis.at(simulator, bounded)
+    """Return the nominal simulator with the likeliest values of some causes within their bounds."""
+    simulator, places = explainer.nominal, list(causes)
+    if not places:
+        return simulator
+    scales = explainer.scales
+    information, scores = scales.information[np.ix_(places, places)], scales.scores[places]
+    unit = 1 / np.sqrt(np.diag(information))
+    root = np.linalg.cholesky(information * np.outer(unit, unit))
+    low, high = ((scales.bounds[places] - scales.start[places, None]) / unit[:, None]).T
+    # One value that meets its bound moves the others, which the shots tie to it.
+    changes = unit * lsq_linear(root.T, np.linalg.solve(root, unit * scores), (low, high)).x
+    for k, value in zip(places, scales.start[places] + changes, strict=True):
+        hypothesis = explainer.evidence.columns[k]
+        simulator = hypothesis.at(simulator, float(np.clip(value, *hypothesis.declaration.bounds)))
     return simulator
+
+
+def _typical_spin(found: Refitted) -> float:
+    squares = (found.linear.unknowns[:, SPIN] ** 2).mean(axis=1)
+    typical = np.sqrt(np.average(squares, weights=found.components.trust))
+    return max(float(typical), LEAST_SPIN)
 
 
 def _lifted(shots: Shots, question: Question) -> Refitted | None:
@@ -140,7 +162,7 @@ def _lifted(shots: Shots, question: Question) -> Refitted | None:
 
 
 def _explained(
-    shots: Shots, question: Question, base: Refitted, first: Evidence, turned: Signs
+    shots: Shots, question: Question, base: Refitted, before: Refitted, turned: Signs
 ) -> Named:
     """Explain the shots: where there are many, some of them first, which is most of the way."""
     few = base[evenly(len(shots), MOST_SHOTS)]
@@ -150,7 +172,7 @@ def _explained(
         near = with_estimates(explainer, explanation.causes)
         begin = base if causes == base.free else refit(shots, near, causes)
         found, explainer, explanation, settled = _settled(begin, question, base.free)
-    return Named(found, explainer, explanation, settled, first, turned)
+    return Named(found, explainer, explanation, settled, before, turned)
 
 
 def _settled(
@@ -158,23 +180,75 @@ def _settled(
 ) -> tuple[Refitted, Explainer, Explanation, bool]:
     """Explain and refit in turn until the explanation stays; last comes whether it does.
 
+    Where an explanation breaks its promise, causes are from there on added one at a time to those
+    found, as long as promises are kept; then those that are not significant are dropped, as well
+    one at a time.
+
     Args:
         found: shots about a simulator nearby.
         question: what is asked of them.
         always: causes that are known.
     """
+    found, explainer, explanation, stays = _followed(found, question, always, _afresh)
+    broken = not stays and _hypotheses(explainer, explanation) == found.free
+    for propose in (_one_more, _fewer) if broken else ():
+        found, explainer, explanation, stays = _followed(found, question, always, propose)
+    return found, explainer, explanation, stays
+
+
+def _followed(
+    found: Refitted, question: Question, always: tuple[Hypothesis, ...], propose: Proposal
+) -> tuple[Refitted, Explainer, Explanation, bool]:
+    """Follow explanations as long as they keep their promises; last comes whether they all did."""
     earlier = [found.free]
     while True:
         evidence = from_nominal(found, question.simulator, question.withheld)
         explainer = Explainer(evidence, question.simulator, question.level)
-        known = tuple(k for k, one in enumerate(evidence.columns) if one in always)
-        explanation = explained(explainer, known, len(found.free) + AT_ONCE)
+        held = _places(explainer, found.free)
+        explanation = propose(explainer, held, _places(explainer, always))
         causes = _hypotheses(explainer, explanation)
         if causes in earlier or len(earlier) > MOST_ROUNDS:
             return found, explainer, explanation, causes in earlier
         earlier.append(causes)
         near = with_estimates(explainer, explanation.causes)
-        found = refit(found.linear.shots, near, causes, begin=found)
+        trial = refit(found.linear.shots, near, causes, begin=found)
+        if not _keeps_promise(explainer, explanation, found, trial):
+            return found, explainer, explained(explainer, held, len(held)), False
+        found = trial
+
+
+def _afresh(explainer: Explainer, held: Places, always: Places) -> Explanation:
+    return explained(explainer, always, len(held) + AT_ONCE)
+
+
+def _one_more(explainer: Explainer, held: Places, always: Places) -> Explanation:
+    return explained(explainer, held, len(held) + 1)
+
+
+def _fewer(explainer: Explainer, held: Places, always: Places) -> Explanation:
+    """Return the explanation without the least significant cause, if there is one that is not."""
+    whole = explained(explainer, held, len(held))
+    weakest = max(set(held) - set(always), key=lambda k: whole.p_values[k], default=None)
+    if weakest is None or whole.p_values[weakest] <= explainer.level:
+        return whole
+    rest = tuple(k for k in held if k != weakest)
+    return explained(explainer, rest, len(rest))
+
+
+def _keeps_promise(
+    explainer: Explainer, explanation: Explanation, found: Refitted, trial: Refitted
+) -> bool:
+    """Return whether shots refitted with an explanation are as likely as it promised, or likelier.
+
+    All is linear about what was found; far from there a promise may be empty.
+    """
+    now = explainer.gain(_places(explainer, found.free))
+    promised = min(explainer.gain(explanation.causes) - now, 0.0)
+    return gained(found, trial) > promised - explainer.price
+
+
+def _places(explainer: Explainer, some: tuple[Hypothesis, ...]) -> Places:
+    return tuple(k for k, one in enumerate(explainer.evidence.columns) if one in some)
 
 
 def _hypotheses(explainer: Explainer, explanation: Explanation) -> tuple[Hypothesis, ...]:

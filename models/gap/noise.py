@@ -15,7 +15,6 @@ positions' noise can be changed at no cost.
 """
 
 from dataclasses import dataclass, fields, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +22,8 @@ from scipy.special import expit
 
 from models.ball import state
 from models.ball.types import Floats
-from models.compiling import compiler
 from models.gap.linear import Linearised
+from models.gap.whitening import shrunk, white_products
 
 OUTLIERS = 0.02  # share of outliers expected
 OUTLIER_SIZE = 0.1  # m, their spread
@@ -72,9 +71,14 @@ class Noise:
 
         Their errors are then alike in all directions.
         """
+        directions = np.ascontiguousarray(velocities)
+        return shrunk(np.ascontiguousarray(rows), directions, self.less(velocities))
+
+    def less(self, velocities: Floats) -> Floats:
+        """Return (B, N) by how much times v v' rows shrink along (B, N, 3) velocities v."""
         squares = np.einsum("bni,bni->bn", velocities, velocities)
-        less = (1 - self.steady(velocities)) / np.maximum(squares, 1e-12)
-        return _shrunk(np.ascontiguousarray(rows), np.ascontiguousarray(velocities), less)
+        less: Floats = (1 - self.steady(velocities)) / np.maximum(squares, 1e-12)
+        return less
 
     def widened(self, factor: float) -> "Noise":
         """Return noise whose positions err by so many times as much."""
@@ -139,13 +143,13 @@ def grams(linear: Linearised, noise: Noise, weights: Floats, trust: Floats) -> G
         weights: (B, N) probabilities that samples are no outliers.
         trust: (B,) in whole shots.
     """
-    white, _ = whitened(linear.positions, linear, noise, weights)
+    positions, _ = white_gram(linear.positions, linear, noise, weights)
     labels = linear.labels
     counts = linear.labelled.sum(axis=1).astype(np.float64)
     mean = labels.sum(axis=1, keepdims=True) / np.maximum(counts, 1.0)[:, None, None, None]
     apart = np.where(linear.labelled[..., None, None], labels - mean, 0.0)
     return Grams(
-        gram(white),
+        positions,
         gram(apart),
         gram(mean) * counts[:, None, None],
         counts,
@@ -161,27 +165,25 @@ def gram(rows: Floats) -> Floats:
     return products
 
 
-def whitened(
+def white_gram(
     rows: Floats, linear: Linearised, noise: Noise, weights: Floats
 ) -> tuple[Floats, Floats]:
-    """Return (B, N, 3, C) rows of positions in the metric of their noise.
+    """Return (B, C, C) products of the columns of (B, N, 3, C) rows, white in their noise.
 
     The innovations of a Kalman filter that follows the slow error are white. Second come the (B,)
     logarithms of the noise's determinants.
     """
-    steadied = noise.steadied(rows, linear.velocities)
     usable = np.where(linear.sampled, weights, 0.0)
-    innovations, determinants = _innovations(
-        steadied.reshape(*rows.shape[:2], -1),
+    products, determinants = white_products(
+        np.ascontiguousarray(rows),
+        np.ascontiguousarray(linear.velocities),
+        noise.less(linear.velocities),
         linear.shots.times,
-        usable,
-        noise.white,
-        noise.slow,
-        noise.slow_time,
+        np.where(usable < NO_WEIGHT, 0.0, usable),
+        (noise.white, noise.slow, noise.slow_time),
     )
-    counted = usable >= NO_WEIGHT
-    determinants -= 2 * np.where(counted, np.log(noise.steady(linear.velocities)), 0.0).sum(axis=1)
-    return innovations.reshape(rows.shape), determinants
+    steady = np.where(usable < NO_WEIGHT, 1.0, noise.steady(linear.velocities))
+    return products, determinants - 2 * np.log(steady).sum(axis=1)
 
 
 def prior_precision(unlabelled: NDArray[np.bool_], size: int, noise: Noise, spin: float) -> Floats:
@@ -224,47 +226,3 @@ def _log_densities(residuals: Floats, noise: Noise) -> tuple[Floats, Floats]:
     distance = (residuals**2).sum(axis=-1) / noise.position**2
     inlier = np.log(1 - OUTLIERS) - distance / 2
     return inlier, np.log(OUTLIERS * ratio**3) - distance * ratio**2 / 2
-
-
-@compiler([Path(__file__)])
-def _shrunk(rows: Floats, directions: Floats, less: Floats) -> Floats:
-    """Return (B, N, 3, C) rows less, along (B, N, 3) directions d, (B, N) times d d'."""
-    count, length, _, width = rows.shape
-    out = np.empty_like(rows)
-    for b in range(count):
-        for i in range(length):
-            x, y, z = directions[b, i]
-            for c in range(width):
-                along = x * rows[b, i, 0, c] + y * rows[b, i, 1, c] + z * rows[b, i, 2, c]
-                along *= less[b, i]
-                out[b, i, 0, c] = rows[b, i, 0, c] - along * x
-                out[b, i, 1, c] = rows[b, i, 1, c] - along * y
-                out[b, i, 2, c] = rows[b, i, 2, c] - along * z
-    return out
-
-
-@compiler([Path(__file__)])
-def _innovations(
-    rows: Floats, times: Floats, weights: Floats, white: float, slow: float, slow_time: float
-) -> tuple[Floats, Floats]:
-    count, length, width = rows.shape
-    out = np.zeros_like(rows)
-    determinants = np.zeros(count)
-    for b in range(count):
-        expected = np.zeros(width)
-        variance, last = slow * slow, times[b, 0]
-        for i in range(length):
-            if weights[b, i] < NO_WEIGHT:
-                continue
-            memory = np.exp(-(times[b, i] - last) / slow_time)
-            last = times[b, i]
-            variance = memory * memory * variance + (1.0 - memory * memory) * slow * slow
-            total = variance + white * white / weights[b, i]
-            determinants[b] += 3.0 * np.log(total)
-            scale, gain = 1.0 / np.sqrt(total), variance / total
-            for c in range(width):
-                innovation = rows[b, i, c] - memory * expected[c]
-                out[b, i, c] = scale * innovation
-                expected[c] = memory * expected[c] + gain * innovation
-            variance *= 1.0 - gain
-    return out, determinants

@@ -109,6 +109,31 @@ def fitted(shots: Shots, simulator: Simulator, noise: Noise) -> Refitted:
     return Refitted(simulator, (), linear, Components.known(linear, noise, fit.weights))
 
 
+def gained(one: Refitted, other: Refitted) -> float:
+    """Return by how much less the same shots miss the ``other`` simulator, with fitted unknowns.
+
+    It is twice the gain of log likelihood in the noise about the other, of samples and shots that
+    either trusts.
+    """
+    noise = other.components.noise
+    weights = np.minimum(one.components.weights, other.components.weights)
+    trust = np.minimum(one.components.trust, other.components.trust)
+    before, after = (_misfit(found.linear, noise, weights, trust) for found in (one, other))
+    return before - after
+
+
+def _misfit(linear: Linearised, noise: Noise, weights: Floats, trust: Floats) -> float:
+    kept = [*range(linear.own), -1]  # the unknowns, and what is left
+    alone = replace(
+        linear,
+        columns=(),
+        positions=linear.positions[..., kept],
+        labels=linear.labels[..., kept],
+    )
+    left = marginal(grams(alone, noise, weights, trust).total(noise), linear.own)
+    return float(left.misfit.sum())
+
+
 def _values(simulator: Simulator, free: tuple[Hypothesis, ...]) -> Floats:
     return np.array([one.value(simulator) for one in free])
 

@@ -19,6 +19,7 @@ MOST_ALIKE = 100.0  # by how much others may inflate the variance of a value
 BEYOND = 3.0  # standard errors that an estimate may lie outside of what makes physical sense
 LEAST_LEFT = 1e-12  # of a hypothesis's information beside others, against rounding
 RIDGE = 1e-9  # of the information, so that sets of exactly alike hypotheses can be weighed
+NOTHING = 1e-300  # information of a hypothesis of which the shots tell nothing: it gains nothing
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,8 @@ class Scales:
     @classmethod
     def of(cls, evidence: Evidence, nominal: Simulator) -> "Scales":
         """Return the scales for departures from the nominal simulator."""
-        information = evidence.total + RIDGE * np.diag(np.diag(evidence.total))
+        known = np.maximum(RIDGE * np.diag(evidence.total), NOTHING)
+        information = evidence.total + np.diag(known)
         start = [one.value(nominal) for one in evidence.columns]
         bounds = [one.declaration.bounds for one in evidence.columns]
         scores = evidence.scores.sum(axis=0)

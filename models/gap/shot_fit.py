@@ -74,6 +74,7 @@ def refit_shots(
     unknowns: Floats,
     noise: Noise,
     iterations: int = MOST_ITERATIONS,
+    spin: float = SPIN,
 ) -> ShotFit:
     """Fit the unknowns of shots from where they are.
 
@@ -83,11 +84,12 @@ def refit_shots(
         unknowns: (B, 9 + 3 K) where to start.
         noise: by which labels and samples are weighed.
         iterations: at most; few are enough near the best fit.
+        spin: rad/s, size of a component of a spin without a label.
     """
-    problem = _Problem.of(shots, simulator, noise, np.inf)
+    problem = replace(_Problem.of(shots, simulator, noise, np.inf), spin=spin)
     far = problem.typical(unknowns) / noise.position
     if far > FAR:
-        wide = _Problem.of(shots, simulator, noise.widened(far), np.inf)
+        wide = replace(problem, noise=noise.widened(far))
         unknowns = wide.solved(unknowns, iterations)
     fitted = problem.solved(unknowns, iterations)
     return problem.found(fitted)
@@ -116,6 +118,7 @@ class _Problem:
     noise: Noise
     moments: Moments
     used: Bools
+    spin: float = SPIN
 
     @property
     def label_times(self) -> Floats:
@@ -181,7 +184,7 @@ class _Problem:
 
     def _precision(self, unknowns: Floats) -> Floats:
         labelled = np.asarray(self.shots.labelled.any(axis=1))
-        return prior_precision(~labelled, unknowns.shape[1], self.noise, SPIN)
+        return prior_precision(~labelled, unknowns.shape[1], self.noise, self.spin)
 
     def _cost(self, point: _Point, weights: Floats) -> Floats:
         cost = (weights[..., None] * point.residual**2).sum(axis=(1, 2)) / self.noise.position**2

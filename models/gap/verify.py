@@ -3,10 +3,11 @@
 A shot is fitted on its first ``SEEN`` samples (and their labels) alone, once about each simulator,
 and flown on by the same simulator. Its error at a horizon, counted from the last of these samples,
 is the root mean square distance to the measured positions within ``WINDOW`` of it; outliers do not
-count, the same for both simulators. Its error at landing is how far its first bounce is, in place
-and in time, from that of the whole path as fitted, kicks and all. The floor is what a simulator
-without fault would err: by the launch that twelve noisy samples tell, by the scatter of bounces and
-by the sensor, each of the size found in naming.
+count, the same for both simulators. A spin without a label is expected to be of the size that spins
+had in naming, about the same simulator: what a few samples tell of it is little. Its error at
+landing is how far its first bounce is, in place and in time, from that of the whole path as fitted,
+kicks and all. The floor is what a simulator without fault would err: by the launch that twelve
+noisy samples tell, by the scatter of bounces and by the sensor, each of the size found in naming.
 """
 
 from dataclasses import dataclass, replace
@@ -14,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from models.ball.simulator import Simulator
-from models.ball.state import SPIN, STATE_SIZE
+from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
 from models.gap.landing import landings, spread
 from models.gap.linear import ballistic_unknowns, linearise
@@ -23,7 +24,6 @@ from models.gap.noise import Noise, grams, prior_precision
 from models.gap.refit import Refitted
 from models.gap.resampled import interval, resampled, root_mean_squares
 from models.gap.shot_fit import MOST_KICKS, fit_shots, refit_shots
-from models.gap.shot_fit import SPIN as UNLABELLED_SPIN
 from models.gap.shots import Bools, Shots
 from models.gap.verdict import Gap, Landing
 
@@ -57,7 +57,11 @@ class Errors:
 
 
 def errors(
-    about: Refitted, before: Simulator, after: Simulator, noise: Noise, spin: float
+    about: Refitted,
+    before: Simulator,
+    after: Simulator,
+    noise: Noise,
+    spins: tuple[float, float],
 ) -> Errors:
     """Return the errors of two simulators' predictions.
 
@@ -66,14 +70,16 @@ def errors(
         before: the simulator as it was.
         after: amended.
         noise: as naming found it.
-        spin: typical component of a spin, rad/s, which unlabelled shots err by.
+        spins: rad/s, sizes of a component of a spin about the one simulator and the other.
     """
     long = about.linear.shots.valid.sum(axis=1) > SEEN
     shots, unknowns = about.linear.shots[long], about.linear.unknowns[long]
     usable = (about.linear.shots.valid & (about.components.weights > INLIER))[long]
     simulators = before, after
-    launches = [_launches(shots, one, noise) for one in simulators]
-    told = _launch_errors(first_samples(shots, SEEN), after, launches[1], noise, spin)
+    launches = [
+        _launches(shots, one, noise, spin) for one, spin in zip(simulators, spins, strict=True)
+    ]
+    told = _launch_errors(first_samples(shots, SEEN), after, launches[1], noise, spins[1])
     squares = [
         *(_squares(shots, one, states) for one, states in zip(simulators, launches, strict=True)),
         _expected(shots, after, launches[1], noise, told),
@@ -188,11 +194,12 @@ def at_horizons(shots: Shots, values: Floats, usable: Bools, horizons: Floats) -
     return means
 
 
-def _launches(shots: Shots, simulator: Simulator, noise: Noise) -> Floats:
+def _launches(shots: Shots, simulator: Simulator, noise: Noise, spin: float) -> Floats:
     """Return the (B, 9) states that the first samples tell."""
     early = first_samples(shots, SEEN)
     fit = fit_shots(early, simulator)
-    return refit_shots(early, simulator, ballistic_unknowns(fit.unknowns, 0), noise).unknowns
+    begin = ballistic_unknowns(fit.unknowns, 0)
+    return refit_shots(early, simulator, begin, noise, spin=spin).unknowns
 
 
 def _squares(shots: Shots, simulator: Simulator, states: Floats) -> Floats:
@@ -230,20 +237,15 @@ def _expected(
 def _launch_errors(
     early: Shots, simulator: Simulator, states: Floats, noise: Noise, spin: float
 ) -> Floats:
-    """Return (B, 9, 9) covariances of launches fitted with a prior on spins without a label."""
+    """Return (B, 9, 9) covariances of launches, where spins without a label have a prior."""
     linear = linearise(early, simulator, states, ())
     parts = grams(linear, noise, linear.sampled.astype(float), np.ones(len(early)))
     own = np.arange(STATE_SIZE)
     measured = parts.total(noise)[:, own][:, :, own]
     measured[:, own, own] -= parts.precision(noise)
-    unlabelled = parts.counts == 0
-    pull = prior_precision(unlabelled, STATE_SIZE, noise, UNLABELLED_SPIN)
-    inverse = np.linalg.inv(measured + pull[:, None] * np.eye(STATE_SIZE))
-    true = np.zeros_like(pull)
-    true[unlabelled, SPIN] = spin**2
-    middle = measured + (pull**2 * true)[:, None] * np.eye(STATE_SIZE)
-    covariance: Floats = inverse @ middle @ inverse
-    return covariance
+    prior = prior_precision(parts.counts == 0, STATE_SIZE, noise, spin)
+    inverse = np.linalg.inv(measured + prior[:, None] * np.eye(STATE_SIZE))
+    return np.asarray(inverse, dtype=np.float64)
 
 
 def _thousandths(values: Floats) -> tuple[float, ...]:

@@ -45,7 +45,7 @@ def test_a_missing_effect_is_named_with_its_size(side):
 def test_amending_what_was_named_brings_predictions_to_the_truth(side):
     fresh, noise = measured(SIDE, count=30, seed=9), Noise(scatter=(0.01, 0.02, 0.005))
     about = fitted(fresh, SIDE, noise)
-    found = errors(about, SIDE, amended(NOMINAL, side), noise, 150.0)
+    found = errors(about, SIDE, amended(NOMINAL, side), noise, (150.0, 150.0))
     assert np.nanmean(found.after) == pytest.approx(np.nanmean(found.before), rel=0.03)
 
 

@@ -64,7 +64,7 @@ def test_the_parting_is_what_predictions_of_exact_shots_err_by():
     hall = NOMINAL.amended("drag", cd=0.45)
     shots = measured(hall, count=16, noise=1e-5, label=1e-3, scatter=(0.0, 0.0, 0.0))
     about = fitted(shots, hall, EXACT)
-    found, predicted = locate(about, NOMINAL), errors(about, NOMINAL, hall, EXACT, 150.0)
+    found, predicted = locate(about, NOMINAL), errors(about, NOMINAL, hall, EXACT, (150.0, 150.0))
     sizes = np.sqrt(np.nanmean(predicted.before, axis=0))
     partings = np.interp(predicted.horizons, found.horizons, found.parting)
     np.testing.assert_allclose(partings, sizes, rtol=0.1)

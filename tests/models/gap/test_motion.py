@@ -1,13 +1,16 @@
 """Motion: what a sensor sees, and exact derivatives of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from models.ball import sensor
 from models.ball.state import BALL_RADIUS
 from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.motion import KINK, SLOW_SLIP, Moments, by_hypotheses, by_unknowns, seen
-from tests.models.gap.hidden import NOMINAL, launches
+from models.gap.motion import KINK, Moments, by_hypotheses, by_unknowns, seen
+from models.gap.path import SLOW_SLIP
+from tests.models.gap.hidden import NOMINAL, launches, measured
 
 COUNT = 6
 TIMES = np.arange(0.0, 0.6, 0.01)
@@ -32,6 +35,19 @@ def fourth_order(function, h):
 def smooth(view):
     """Samples far enough from bounces that neither difference crosses one."""
     return view.smooth(MOMENTS.times, 30 * KINK)
+
+
+@pytest.mark.parametrize("late", [0.0, 0.003])
+def test_balls_are_looked_at_when_they_are_sampled_and_when_they_are_labelled(late):
+    shots = measured(count=3, seconds=0.3)
+    shots = replace(shots, label_times=shots.label_times + late)
+    moments = Moments.of(shots)
+    samples, labels = (
+        np.take_along_axis(moments.times, places, axis=1) + shots.times[:, :1]
+        for places in (moments.samples, moments.labels)
+    )
+    assert samples == pytest.approx(shots.times, abs=1e-12)
+    assert labels[shots.labelled] == pytest.approx(shots.label_times[shots.labelled], abs=1e-12)
 
 
 def test_a_sensor_without_noise_is_that_of_the_simulator():

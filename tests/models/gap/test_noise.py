@@ -8,7 +8,7 @@ from scipy.linalg import block_diag
 
 from models.gap.hypotheses import Hypothesis
 from models.gap.linear import ballistic_unknowns, linearise
-from models.gap.noise import ANY_SPIN, Noise, grams, inlier_probability, whitened
+from models.gap.noise import ANY_SPIN, Noise, grams, inlier_probability, white_gram
 from tests.models.gap.hidden import NOMINAL, launches, measured
 
 NOISE = Noise(0.003, 0.002, 0.04, 0.05, 0.03, (0.01, 0.02, 0.03), timing=0.0)
@@ -29,7 +29,7 @@ def covariance(shot):
 
 def test_stamps_that_err_are_errors_along_the_velocity():
     noise = replace(NOISE, timing=4e-4)
-    rows, determinants = whitened(LINEAR.positions, LINEAR, noise, SHOTS.valid * 1.0)
+    products, determinants = white_gram(LINEAR.positions, LINEAR, noise, SHOTS.valid * 1.0)
     for shot in range(3):
         used = LINEAR.sampled[shot]
         velocities = LINEAR.velocities[shot, used]
@@ -42,21 +42,18 @@ def test_stamps_that_err_are_errors_along_the_velocity():
         steady = np.kron(slow + noise.white**2 * np.eye(len(t)), np.eye(3))
         dense = stretch @ steady @ stretch
         columns = LINEAR.positions[shot, used].reshape(3 * len(t), -1)
-        white = rows[shot].reshape(-1, rows.shape[-1])
         expected = columns.T @ np.linalg.solve(dense, columns)
-        assert white.T @ white == pytest.approx(expected, rel=1e-8, abs=1e-8)
+        assert products[shot] == pytest.approx(expected, rel=1e-8, abs=1e-8)
         assert determinants[shot] == pytest.approx(np.linalg.slogdet(dense)[1])
 
 
 def test_whitened_rows_have_the_products_of_the_dense_covariance():
-    rows, determinants = whitened(LINEAR.positions, LINEAR, NOISE, WEIGHTS)
+    products, determinants = white_gram(LINEAR.positions, LINEAR, NOISE, WEIGHTS)
     for shot in range(3):
         dense, used = covariance(shot), LINEAR.sampled[shot]
-        for axis in range(3):
-            columns = LINEAR.positions[shot, used, axis]
-            expected = columns.T @ np.linalg.solve(dense, columns)
-            white = rows[shot, :, axis]
-            assert white.T @ white == pytest.approx(expected, rel=1e-9, abs=1e-9)
+        axes = (LINEAR.positions[shot, used, axis] for axis in range(3))
+        expected = sum(columns.T @ np.linalg.solve(dense, columns) for columns in axes)
+        assert products[shot] == pytest.approx(expected, rel=1e-9, abs=1e-9)
         assert determinants[shot] == pytest.approx(3 * np.linalg.slogdet(dense)[1])
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from models.gap.evidence import familywise
 from models.gap.hypotheses import Hypothesis
-from models.gap.refit import refit
+from models.gap.refit import gained, refit
 from tests.models.gap.hidden import NOMINAL, measured, own
 
 # About three times what 100 shots can show.
@@ -105,3 +105,12 @@ def test_nothing_is_significant_in_a_clean_set():
     evidence = refit(measured(count=40, seed=6), NOMINAL, own(NOMINAL)).evidence
     tests = [evidence.tested([k], evidence.free) for k in evidence.decidable(evidence.free)]
     assert familywise(tests).min() > 0.003
+
+
+def test_shots_are_likelier_about_the_simulator_with_the_hidden_effect():
+    shots = measured(NOMINAL.amended("side_force", cy=0.005), count=20)
+    before = refit(shots, NOMINAL, ())
+    after = refit(shots, NOMINAL, (Hypothesis("side_force", "cy"),), before)
+    assert gained(before, after) > 30.0
+    assert gained(after, before) < 0.0
+    assert gained(after, after) == 0.0

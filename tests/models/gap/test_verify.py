@@ -24,7 +24,7 @@ def about(count):
 
 
 def test_a_perfect_simulator_reaches_the_floor():
-    found = gap(errors(about(120), WRONG, NOMINAL, NOISE, 150.0))
+    found = gap(errors(about(120), WRONG, NOMINAL, NOISE, (150.0, 150.0)))
     # At the longest horizon some are predicted to miss the edge of the table.
     after, floor = np.array(found.after_mm)[:-1], np.array(found.floor_mm)[:-1]
     assert after == pytest.approx(floor, rel=0.12)
@@ -38,10 +38,18 @@ def test_a_perfect_simulator_reaches_the_floor():
 
 
 def test_no_change_closes_nothing():
-    found = gap(errors(about(12), WRONG, WRONG, NOISE, 150.0))
+    found = gap(errors(about(12), WRONG, WRONG, NOISE, (150.0, 150.0)))
     assert found.before_mm == found.after_mm
     assert found.removable_closed == 0.0
     assert found.landing.closer_mm == found.landing.closer_ms == (0.0, 0.0)
+
+
+def test_twice_the_lift_by_half_the_spin_predicts_as_well_where_nobody_measured_spins():
+    twice = NOMINAL.amended("magnus", cm=2 * NOMINAL.effects["magnus"]["cm"])
+    shots = measured(count=12, labels=None, seconds=0.25)
+    found = errors(fitted(shots, NOMINAL, NOISE), NOMINAL, twice, NOISE, (150.0, 75.0))
+    assert np.isfinite(found.before).any()
+    assert found.after == pytest.approx(found.before, rel=0.05, nan_ok=True)
 
 
 def test_the_share_is_a_ratio_of_sums():
