@@ -15,9 +15,10 @@ from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
 from models.ball.types import Floats
-from models.gap.motion import JUMP, Indices, Moments, seen
+from models.gap.motion import JUMP, Moments, seen
 from models.gap.shot_fit import fit_shots
-from models.gap.shots import Bools, Shots
+from models.gap.shots import Shots
+from models.gap.types import Bools, Indices
 
 DEGREE = 4  # of the polynomials in which what is left of an arc is written
 SMOOTH = 2  # up to which degree it is motion rather than noise

@@ -22,8 +22,8 @@ from models.ball.types import Floats
 from models.exam.arcs import SMOOTH, Smoothed, cut
 from models.exam.library import STENCIL, library, rates
 from models.gap.hypotheses import Hypothesis
-from models.gap.motion import Indices
-from models.gap.shots import Bools, Shots
+from models.gap.shots import Shots
+from models.gap.types import Bools, Indices
 
 NODES = 6  # of an arc, where the library is evaluated
 BESIDE = 5e-3  # s from a bounce to the states before and after it

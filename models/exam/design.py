@@ -35,6 +35,10 @@ FAMILIES = (
     ("friction", "slip_dependent_friction", "tangential_elasticity"),
 )
 
+# Parameters of which only one side makes sense: with the other sign balls would leave the table no
+# slower than they met it, at the speeds of this exam, and restitution ends at one.
+UPWARDS = (("speed_dependent_restitution", "c"),)
+
 # Effects of the spin labels themselves.
 NEED_LABELS = ("spin_gain", "spin_axis_bias", "spin_sign_flip")
 
@@ -116,12 +120,13 @@ class Question:
         return replace(self.trial, causes=causes)
 
     def _value(self, name: Name, size: float) -> float | None:
-        """Return a value so far from the nominal one, to the side that the seed says if it can."""
+        """Return a value so far from the nominal one, on the side that the seed says if it can."""
         effect, parameter = name
         known = next(p for p in catalogue()[effect].parameters if p.name == parameter)
         start = self.trial.nominal.effects.get(effect, {}).get(parameter, known.neutral)
         side = 1.0 if _seed(self.trial.seed, f"{effect}.{parameter}") % 2 else -1.0
-        for value in (float(start + side * size), float(start - side * size)):
+        sides = (1.0,) if name in UPWARDS else (side, -side)
+        for value in (float(start + one * size) for one in sides):
             if known.bounds[0] <= value <= known.bounds[1]:
                 return value
         return None

@@ -9,8 +9,7 @@ from models.exam.sindy import sindy, sindy_ensemble
 from models.exam.trial import Recording
 from models.gap.amend import amended
 from models.gap.diagnose import diagnose
-from models.gap.hypotheses import hypotheses
-from models.gap.verdict import Cause, name_of
+from models.gap.verdict import Cause, hypothesis_of
 
 __all__ = ["METHODS", "Finding", "Found", "Method"]
 
@@ -25,8 +24,7 @@ def rallygap(
 
 
 def _found(cause: Cause, nominal: Simulator) -> Found:
-    names = (one for one in hypotheses(nominal) if one.parameter == cause.parameter)
-    effect = next(one.effect for one in names if name_of(one) == cause.name)
+    effect = hypothesis_of(cause, nominal).effect
     return Found(
         cause.name, effect, cause.parameter, cause.estimate, cause.interval, cause.possible
     )

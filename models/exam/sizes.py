@@ -6,9 +6,10 @@ information about every parameter of the catalogue. Nothing is estimated and no 
 that a size says what data can show and not what somebody makes of them. All shots count.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 
@@ -69,7 +70,8 @@ class Sight:
     def alike(self, name: Name, size: float, others: tuple[Name, ...] = ()) -> tuple[str, ...]:
         """Return the names of what may stand in for a parameter that is off by a size.
 
-        In place of it, any of them leaves less of it than could be detected.
+        In place of it, any of them leaves less of it than could be detected. Where none does, two
+        of the nominal simulator's own numbers may, together, for an effect that it lacks.
 
         Args:
             name: of the parameter.
@@ -79,13 +81,15 @@ class Sight:
         if name == SIGNS:
             return ()
         k, beside = self._place(name), self._places(others)
-        seen = np.flatnonzero(self.evidence.seen).tolist()
-        found = (
-            name_of(self.evidence.columns[j])
-            for j in seen
-            if j not in (k, *beside) and self._left(k, size, [j, *beside]) < DETECTABLE
-        )
-        return tuple(dict.fromkeys(found))
+        seen = [j for j in np.flatnonzero(self.evidence.seen).tolist() if j not in (k, *beside)]
+        own = [] if self.evidence.listed[k] else [j for j in self.evidence.free if j in seen]
+
+        def stand_ins(sets: Iterable[tuple[int, ...]]) -> tuple[str, ...]:
+            enough = (one for one in sets if self._left(k, size, [*one, *beside]) < DETECTABLE)
+            names = (name_of(self.evidence.columns[j]) for one in enough for j in one)
+            return tuple(dict.fromkeys(names))
+
+        return stand_ins(combinations(seen, 1)) or stand_ins(combinations(own, 2))
 
     def _left(self, k: int, size: float, beside: list[int]) -> float:
         """Return how many standard errors of a size are left beside what is free."""

@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 
 from models.ball.simulator import Simulator
-from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.verdict import Cause, Verdict, component_of, name_of
+from models.gap.verdict import Cause, Verdict, hypothesis_of
 
 
 def amended(simulator: Simulator, verdict: Verdict) -> Simulator:
@@ -14,7 +13,7 @@ def amended(simulator: Simulator, verdict: Verdict) -> Simulator:
     like these any does as well. Causes with which it predicts other shots worse are left out.
     """
     for cause in _taken(verdict):
-        simulator = _hypothesis(simulator, cause).at(simulator, _within_bounds(simulator, cause))
+        simulator = hypothesis_of(cause, simulator).at(simulator, _within_bounds(simulator, cause))
     return simulator
 
 
@@ -29,7 +28,7 @@ def amended_yaml(simulator: Simulator, verdict: Verdict, data: str) -> str:
     result = amended(simulator, verdict)
     notes: dict[str, list[str]] = {}
     for cause in _taken(verdict):
-        effect = _hypothesis(simulator, cause).effect
+        effect = hypothesis_of(cause, simulator).effect
         notes.setdefault(effect, []).append(provenance(cause, verdict, data))
     return "\n".join(_lines(result, notes)) + "\n"
 
@@ -56,15 +55,6 @@ def _lines(simulator: Simulator, notes: dict[str, list[str]]) -> Iterator[str]:
         yield f"{effect}: {{{', '.join(f'{name}: {value!r}' for name, value in values.items())}}}"
 
 
-def _hypothesis(simulator: Simulator, cause: Cause) -> Hypothesis:
-    return next(
-        one
-        for one in hypotheses(simulator)
-        if (name_of(one), component_of(one), one.parameter)
-        == (cause.name, cause.component, cause.parameter)
-    )
-
-
 def _within_bounds(simulator: Simulator, cause: Cause) -> float:
-    low, high = _hypothesis(simulator, cause).declaration.bounds
+    low, high = hypothesis_of(cause, simulator).declaration.bounds
     return min(max(cause.estimate, low), high)

@@ -6,10 +6,9 @@ from models.ball.state import BALL_RADIUS, POSITION, STATE_SIZE, VELOCITY
 from models.ball.types import Floats
 from models.gap.carried import struck
 from models.gap.linear import Linearised
-from models.gap.motion import Indices
 from models.gap.path import KICK_SIZE
-from models.gap.shots import Bools
 from models.gap.terms import TYPICAL_FALL, Flown, Term, Terms
+from models.gap.types import Bools, Indices
 from models.gap.variation import Arc
 
 KICKS = ("n", "s", "c")

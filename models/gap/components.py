@@ -17,9 +17,9 @@ from models.ball.state import SPIN, STATE_SIZE
 from models.ball.types import Floats
 from models.gap.linear import Linearised
 from models.gap.marginal import coefficients, marginal, visible
-from models.gap.motion import Indices
 from models.gap.noise import Grams, Noise, grams, inlier_probability, white_gram
-from models.gap.shots import Bools, evenly
+from models.gap.shots import evenly
+from models.gap.types import Bools, Indices
 
 STANDS_OUT = 2.5  # standard errors
 MOST_SHOTS = 40  # of which the positions' noise is estimated ...

@@ -129,6 +129,7 @@ def _verdict(
     whole = max(sum(gains.values()) + turned, 1e-12)
     whole += left.gain if left else 0.0
     causes = [*_causes(named, gains, whole), *_signs(named.signs, turned / whole)]
+    causes.sort(key=lambda one: -one.gap_share)
     sizes, blind = _sight(_first(named, question), named.signs, question)
     unexplained = Unexplained(
         share=left.gain / whole if left else 0.0,

@@ -5,7 +5,9 @@ explanation is a set of hypotheses whose values differ from the *nominal* simula
 keep theirs. It is worth what it gains in twice the log likelihood, less a price a hypothesis: the
 square of the deviation that the largest of all hypotheses reaches by chance at the level asked for.
 So one cause goes before two that explain as much: a clock that runs slow before a wrong gravity and
-a spin sensor whose gain just fits it.
+a spin sensor whose gain just fits it. A missing effect that the simulator's own numbers can absorb,
+if several of them change together, goes before two of these, but after one that explains about as
+much.
 """
 
 from collections.abc import Iterable, Sequence
@@ -16,9 +18,11 @@ import numpy as np
 from scipy.stats import norm
 
 from models.ball.simulator import Simulator
-from models.gap.evidence import Evidence, Indices, Tested, familywise
+from models.ball.types import Floats
+from models.gap.evidence import Evidence, Tested, familywise
 from models.gap.refit import Refitted
 from models.gap.scales import Scales
+from models.gap.types import Indices
 
 AT_ONCE = 5  # causes by which explanations about one fit may grow
 BEAM = 150  # sets of a size that are carried on, at most ...
@@ -76,6 +80,27 @@ class Explainer:
         """What a hypothesis must gain to be worth its place."""
         return float(norm.isf(self.level / (2 * max(len(self.candidates), 1))) ** 2)
 
+    @property
+    def tolerance(self) -> float:
+        """By how much less explains about as much: what chance takes away at the level asked for.
+
+        So no rival excludes the true cause with a larger chance than the level.
+        """
+        return float(norm.isf(self.level) ** 2)
+
+    @cached_property
+    def absorbed(self) -> Places:
+        """Missing effects that the simulator's own numbers can absorb on these shots."""
+        told = self.evidence.decidable(self.evidence.free, WITNESSES)
+        return tuple(k for k in self.candidates if not (self.evidence.listed[k] or k in told))
+
+    @cached_property
+    def handicaps(self) -> Floats:
+        """(K,) what hypotheses must gain beyond the simulator's own numbers to go before them."""
+        handicaps = np.where(self.evidence.listed, 0.0, ALIKE)
+        handicaps[list(self.absorbed)] = self.tolerance
+        return handicaps
+
     def best(self, always: Places, barred: Iterable[int], most: int) -> Places:
         """Return the explanation of the largest worth, by beam search.
 
@@ -85,7 +110,8 @@ class Explainer:
             most: hypotheses that it may have.
         """
         free = [k for k in self.candidates if k not in always and k not in set(barred)]
-        beam, best, worth = np.array([always], dtype=np.int64), always, self.gain(always)
+        beam, best = np.array([always], dtype=np.int64), always
+        worth = self.gain(always) - self.handicaps[list(always)].sum()
         for size in range(len(always) + 1, min(most, len(always) + len(free)) + 1):
             beam, leader = self._grown(beam, free)
             leader -= self.price * (size - len(always))
@@ -96,12 +122,11 @@ class Explainer:
     def _grown(self, beam: Indices, free: Sequence[int]) -> tuple[Indices, float]:
         """Return the best sets of one more hypothesis, best first, and the gain of the first.
 
-        Of sets exactly alike those with the simulator's own numbers go first.
+        Gains are those less the handicaps.
         """
-        listed = self.evidence.listed
-        gains = self.scales.grown(beam, free)
-        preferred = gains + ALIKE * (listed[beam].sum(axis=1)[:, None] + listed[free])
-        order = np.argsort(-preferred, axis=None, kind="stable")
+        handicaps = self.handicaps[beam].sum(axis=1)[:, None] + self.handicaps[free]
+        gains = self.scales.grown(beam, free) - handicaps
+        order = np.argsort(-gains, axis=None, kind="stable")
         parents, further = np.unravel_index(order, gains.shape)
         sets = np.sort(np.column_stack([beam[parents], np.array(free)[further]]), axis=1)
         sets = sets[(np.diff(sets, axis=1) > 0).all(axis=1)]
@@ -117,10 +142,12 @@ class Explainer:
     def beside(self, k: int, causes: Places) -> Places:
         """Return what is free when a hypothesis is tested beside the causes.
 
-        A missing effect must stand beside all that the simulator's own numbers could absorb; one
-        of these beside the causes alone, since a wrong number is a simpler cause than two.
+        A missing effect must stand beside the simulator's own numbers, unless they can absorb it
+        whatever its size; one of these beside the causes alone, since a wrong number is a simpler
+        cause than two.
         """
-        own = () if self.evidence.listed[k] else self.evidence.free
+        alone = self.evidence.listed[k] or k in self.absorbed
+        own = () if alone else self.evidence.free
         return tuple(sorted({*own, *causes} - {k}))
 
     def tests(self, causes: Places) -> dict[int, Tested]:
@@ -135,8 +162,7 @@ class Explainer:
     def rivals(self, k: int, causes: Places) -> Places:
         """Return the class of a cause: the hypotheses that in its place explain about as much.
 
-        One is excluded that explains less by the square of a deviation that a normal number
-        exceeds with the chance ``level``; so no rival excludes the true cause with a larger one.
+        Where the simulator's own numbers can absorb it, those that do so together are among them.
         """
         others = tuple(one for one in causes if one != k)
         seen = [one for one in np.flatnonzero(self.evidence.seen).tolist() if one not in causes]
@@ -144,8 +170,19 @@ class Explainer:
             return (k,)
         sets = np.array([(*others, one) for one in seen])
         gains, _ = self.scales.gains(sets)
-        close = gains > self.gain(causes) - norm.isf(self.level) ** 2
-        return (k, *(one for one, near in zip(seen, close, strict=True) if near))
+        close = gains > self.gain(causes) - self.tolerance
+        single = (one for one, near in zip(seen, close, strict=True) if near)
+        return (k, *dict.fromkeys((*single, *self._together(k, causes))))
+
+    def _together(self, k: int, causes: Places) -> Places:
+        """Return the simulator's own numbers that together explain about as much as one cause."""
+        if k not in self.absorbed:
+            return ()
+        others = tuple(one for one in causes if one != k)
+        missing = np.flatnonzero(~self.evidence.listed).tolist()
+        found = self.best(others, missing, len(others) + AT_ONCE)
+        near = self.gain(found) > self.gain(causes) - self.tolerance
+        return tuple(one for one in found if one not in others) if near else ()
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ def limits(shots: Shots, causes: Sequence[Cause], blind_to: Sequence[str]) -> tu
         *_of_shots(shots),
         *table,
         *(_split(one, shots) for one in causes if len(one.possible) > 1),
+        *(_at_the_end(one) for one in causes if one.estimate in one.interval),
     )
 
 
@@ -49,6 +50,12 @@ def _of_shots(shots: Shots) -> Iterator[str]:
 
 def _split(cause: Cause, shots: Shots) -> str:
     return f"{' or '.join(cause.possible)}: to tell them apart, {experiment(cause, shots)}"
+
+
+def _at_the_end(cause: Cause) -> str:
+    """Return in words that an estimate is at its bound: only there do intervals end at it."""
+    size = f"{cause.estimate:.4g}" + (f" {cause.unit}" if cause.unit != "1" else "")
+    return f"{cause.name}: {size} is the end of what makes sense; something else may be behind it"
 
 
 def experiment(cause: Cause, shots: Shots) -> str:

@@ -15,8 +15,9 @@ from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
 from models.gap.hypotheses import Hypothesis
-from models.gap.motion import JUMP, KINK, Indices, Moments, by_hypotheses, by_unknowns, seen
-from models.gap.shots import Bools, Shots
+from models.gap.motion import JUMP, KINK, Moments, by_hypotheses, by_unknowns, seen
+from models.gap.shots import Shots
+from models.gap.types import Bools, Indices
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Linearised:
         positions: (B, N, 3, E + K + 1) columns of the positions, zero in padding.
         labels: (B, L, 3, E + K + 1) columns of the spin labels, zero where there is none, in units
             of the fitted spin.
+        units: (B, L) these units, rad/s.
         velocities: (B, N, 3) of the balls at the samples, m/s.
         sampled: (B, N) which samples are used.
         labelled: (B, L) which labels are used.
@@ -42,13 +44,14 @@ class Linearised:
     unknowns: Floats
     positions: Floats
     labels: Floats
+    units: Floats
     velocities: Floats
     sampled: Bools
     labelled: Bools
 
     def __getitem__(self, rows: Indices) -> "Linearised":
         """Return some of the shots."""
-        parts = ("unknowns", "positions", "labels", "velocities", "sampled", "labelled")
+        parts = ("unknowns", "positions", "labels", "units", "velocities", "sampled", "labelled")
         some = {name: getattr(self, name)[rows] for name in parts}
         return replace(self, shots=self.shots[rows], **some)
 
@@ -80,9 +83,19 @@ def linearise(
     positions[~sampled] = 0.0
     labelled = shots.labelled & view.smooth(shots.label_times - start, JUMP)
     labels[~labelled] = 0.0
-    labels /= label_units(view.labels)[..., None, None]
+    units = label_units(view.labels)
+    labels /= units[..., None, None]
     return Linearised(
-        shots, simulator, columns, unknowns, positions, labels, view.velocities, sampled, labelled
+        shots=shots,
+        simulator=simulator,
+        columns=columns,
+        unknowns=unknowns,
+        positions=positions,
+        labels=labels,
+        units=units,
+        velocities=view.velocities,
+        sampled=sampled,
+        labelled=labelled,
     )
 
 

@@ -21,9 +21,7 @@ from models.ball.types import Floats
 from models.gap.hypotheses import Hypothesis
 from models.gap.path import path, path_in_any_order
 from models.gap.shots import Shots
-
-Bools = NDArray[np.bool_]
-Indices = NDArray[np.int64]
+from models.gap.types import Bools, Indices
 
 # So near a bounce, in s, that a sample is not used, since its derivatives have a kink there; and a
 # label, since its spin is another one just before and just after.

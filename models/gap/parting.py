@@ -17,7 +17,7 @@ from models.ball.types import Floats
 from models.gap.components import Components
 from models.gap.linear import Linearised
 from models.gap.noise import prior_precision
-from models.gap.shots import Bools
+from models.gap.types import Bools
 from models.gap.verify import SEEN, last_seen
 
 KNOWN = 1e-3  # rad/s, by which a spin without a label may shift

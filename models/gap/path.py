@@ -11,16 +11,13 @@ from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.ball.contact import NET, TABLE
 from models.ball.simulator import Contacts, Flight, Simulator
 from models.ball.state import BALL_RADIUS, STATE_SIZE, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
 from models.ball.types import Floats
 from models.compiling import compiler
-
-Bools = NDArray[np.bool_]
-Indices = NDArray[np.int64]
+from models.gap.types import Bools, Indices
 
 KICK_SIZE = 3
 SLOW_SLIP = 1.0  # m/s below which the tangential part of a kick fades

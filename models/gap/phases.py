@@ -23,8 +23,8 @@ from models.gap.evidence import Evidence
 from models.gap.hypotheses import Hypothesis
 from models.gap.linear import Linearised
 from models.gap.refit import Refitted
-from models.gap.shots import Bools
 from models.gap.terms import Term
+from models.gap.types import Bools
 from models.gap.unknown import PHASES, Phase
 
 LEVEL = 0.003  # chance of a term where nothing is wrong

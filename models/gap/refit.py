@@ -20,10 +20,10 @@ from models.gap.evidence import Evidence
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.linear import Linearised, linearise
 from models.gap.marginal import coefficients, marginal
-from models.gap.motion import Indices
 from models.gap.noise import Grams, Noise, grams
 from models.gap.shot_fit import ShotFit, fit_shots, refit_shots
 from models.gap.shots import Shots
+from models.gap.types import Indices
 
 MOST_STEPS = 6  # from scratch ...
 FEW_STEPS = 3  # ... and from a simulator nearby: the next linearisation takes one more
@@ -113,22 +113,25 @@ def gained(one: Refitted, other: Refitted) -> float:
     """Return by how much less the same shots miss the ``other`` simulator, with fitted unknowns.
 
     It is twice the gain of log likelihood in the noise about the other, of samples and shots that
-    either trusts.
+    either trusts. Labels err by a share of the spins as fitted, and are weighed by those about
+    the other; each by its own, smaller spins would pass for a worse fit.
     """
-    noise = other.components.noise
+    noise, units = other.components.noise, other.linear.units
     weights = np.minimum(one.components.weights, other.components.weights)
     trust = np.minimum(one.components.trust, other.components.trust)
-    before, after = (_misfit(found.linear, noise, weights, trust) for found in (one, other))
+    before, after = (_misfit(found.linear, units, noise, weights, trust) for found in (one, other))
     return before - after
 
 
-def _misfit(linear: Linearised, noise: Noise, weights: Floats, trust: Floats) -> float:
+def _misfit(
+    linear: Linearised, units: Floats, noise: Noise, weights: Floats, trust: Floats
+) -> float:
     kept = [*range(linear.own), -1]  # the unknowns, and what is left
     alone = replace(
         linear,
         columns=(),
         positions=linear.positions[..., kept],
-        labels=linear.labels[..., kept],
+        labels=linear.labels[..., kept] * (linear.units / units)[..., None, None],
     )
     left = marginal(grams(alone, noise, weights, trust).total(noise), linear.own)
     return float(left.misfit.sum())

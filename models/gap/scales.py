@@ -12,8 +12,8 @@ import numpy as np
 
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
-from models.gap.evidence import Evidence, Indices
-from models.gap.shots import Bools
+from models.gap.evidence import Evidence
+from models.gap.types import Bools, Indices
 
 MOST_ALIKE = 100.0  # by how much others may inflate the variance of a value
 BEYOND = 3.0  # standard errors that an estimate may lie outside of what makes physical sense

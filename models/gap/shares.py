@@ -10,8 +10,8 @@ from math import factorial
 import numpy as np
 
 from models.ball.types import Floats
-from models.gap.evidence import Indices
 from models.gap.scales import Scales
+from models.gap.types import Indices
 
 MOST_ORDERS = 240
 

@@ -13,9 +13,10 @@ import numpy as np
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.linear import ballistic_unknowns, label_units
-from models.gap.motion import JUMP, Indices, Moments, Seen, bounces, by_unknowns, seen
+from models.gap.motion import JUMP, Moments, Seen, bounces, by_unknowns, seen
 from models.gap.noise import Noise, inlier_probability, prior_precision, surprise
-from models.gap.shots import Bools, Shots
+from models.gap.shots import Shots
+from models.gap.types import Bools, Indices
 
 MOST_KICKS = 2  # bounces of a shot that may scatter
 FIRST_HORIZON = 0.12  # s

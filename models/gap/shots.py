@@ -13,8 +13,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from models.ball.types import Floats
-
-Bools = NDArray[np.bool_]
+from models.gap.types import Bools
 
 # What no ball of a table tennis hall does: m from the table, s in one shot, rad/s.
 FARTHEST, LONGEST, FASTEST = 1e4, 20.0, 1e5

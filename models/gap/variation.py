@@ -13,8 +13,9 @@ import numpy as np
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
-from models.gap.motion import KINK, STATE_STEPS, Bools, Indices
+from models.gap.motion import KINK, STATE_STEPS
 from models.gap.path import KICK_SIZE, first_bounce, kicked
+from models.gap.types import Bools, Indices
 
 # Of states nearby, that a flight may shrink to: where some have bounced and rolled it is none.
 LEAST_VOLUME = 1e-3

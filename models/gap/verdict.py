@@ -3,12 +3,15 @@
 import json
 from typing import Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf
 
-from models.gap.hypotheses import Hypothesis
+from models.ball.simulator import Simulator
+from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.located import Located
 
 AXES = ("x", "y", "z")
+WORSE = 0.02  # of the errors before: by as much more those of causes that mislead are, surely
 
 Answer = Literal["no_gap", "named", "ambiguous", "unknown"]
 Kind = Literal["wrong_value", "missing_effect"]
@@ -137,8 +140,12 @@ class Gap(_Part):
 
     @property
     def worse(self) -> bool:
-        """Whether the amended simulator predicts worse, beyond chance."""
-        return self.closer_mm is not None and self.closer_mm[1] < 0.0
+        """Whether the amended simulator predicts clearly worse, beyond chance.
+
+        The right causes may as well, by a little, where predictions hardly depend on them.
+        """
+        least = WORSE * float(np.mean(self.before_mm))
+        return self.closer_mm is not None and self.closer_mm[1] < -least
 
 
 class Verdict(_Part):
@@ -146,7 +153,7 @@ class Verdict(_Part):
 
     Attributes:
         verdict: in one word.
-        effects: the causes.
+        effects: the causes, those of the largest share first.
         unexplained: what is left.
         where: it arises.
         gap: on shots that naming never saw; None where there are too few.
@@ -193,3 +200,18 @@ def label_of(hypothesis: Hypothesis) -> str:
     """Return a name that no other number has, such as ``wind.x``."""
     component = component_of(hypothesis)
     return f"{hypothesis.effect}.{component}" if component else name_of(hypothesis)
+
+
+def hypothesis_of(cause: Cause, simulator: Simulator) -> Hypothesis:
+    """Return the number that a cause is about.
+
+    Args:
+        cause: of a gap.
+        simulator: as it was before the cause was found.
+    """
+    wanted = cause.name, cause.component, cause.parameter
+    return next(
+        one
+        for one in hypotheses(simulator)
+        if (name_of(one), component_of(one), one.parameter) == wanted
+    )

@@ -24,7 +24,8 @@ from models.gap.noise import Noise, grams, prior_precision
 from models.gap.refit import Refitted
 from models.gap.resampled import interval, resampled, root_mean_squares
 from models.gap.shot_fit import MOST_KICKS, fit_shots, refit_shots
-from models.gap.shots import Bools, Shots
+from models.gap.shots import Shots
+from models.gap.types import Bools
 from models.gap.verdict import Gap, Landing
 
 SEEN = 12  # samples

@@ -91,6 +91,12 @@ def test_sizes_turn_to_the_side_that_is_possible():
     assert question.posed(small).hidden[0].value > 0
 
 
+def test_balls_never_leave_the_table_as_fast_as_they_met_it():
+    asked = [q for q in QUESTIONS if q.asked == (("speed_dependent_restitution", "c"),)]
+
+    assert all(question.posed(small).hidden[0].value > 0 for question in asked)
+
+
 def test_what_is_not_possible_is_not_posed():
     for question in (group("sweep")[0], group("pair")[0]):
         assert question.posed(lambda _, names: [np.inf] * len(names)) is None

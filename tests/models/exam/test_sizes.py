@@ -14,6 +14,7 @@ from models.gap.refit import refit
 from tests.models.exam.halls import NOMINAL, trial
 
 WIND, GRAVITY, BUOYANCY = ("wind", "x"), ("gravity", "g"), ("buoyancy", "b")
+ADDED_MASS = ("added_mass", "c")
 
 
 def sight(**settings):
@@ -60,6 +61,13 @@ def test_look_alikes_are_those_that_leave_nothing_to_detect(usual):
     assert "buoyancy" in usual.alike(GRAVITY, 100 * gravity)
     assert usual.alike(WIND, 0.5 * wind) != ()
     assert usual.alike(WIND, 100 * wind) == ()
+
+
+def test_two_nominal_numbers_together_may_stand_in_for_what_is_missing(usual):
+    (size,) = usual.detectable((ADDED_MASS,))
+
+    assert usual.alike(ADDED_MASS, 3 * size) == ("drag", "gravity")
+    assert usual.alike(ADDED_MASS, 30 * size) == ()
 
 
 def test_a_withheld_effect_must_stand_out_of_all_others(usual):

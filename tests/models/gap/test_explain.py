@@ -21,11 +21,11 @@ G, CD, X, Y, Z, B = range(6)
 LEVEL = 0.003
 
 
-def explainer(effect, seed=0, shots=60):
-    """A world of 10 measurements a shot; columns G and B are alike, X is Y + Z, nearly."""
+def explainer(effect, seed=0, shots=60, of_drag=0.0):
+    """A world of 10 measurements a shot; B is G, or of CD, too, and X is Y + Z, nearly."""
     random = np.random.default_rng(seed)
     rows = random.standard_normal((shots, 10, 6))
-    rows[..., B] = 2 * rows[..., G]
+    rows[..., B] = 2 * rows[..., G] + of_drag * rows[..., CD]
     rows[..., X] = rows[..., Y] + rows[..., Z] + 0.05 * rows[..., X]
     measured = rows @ np.asarray(effect, dtype=float) + random.standard_normal((shots, 10))
     scores = np.einsum("bri,br->bi", rows, measured)
@@ -57,10 +57,22 @@ def test_one_cause_goes_before_two_that_explain_as_much():
     assert explained(explainer(effect(y=0.5))).causes == (Y,)
 
 
-def test_what_the_simulators_own_numbers_could_absorb_is_no_missing_effect():
+def test_a_number_of_the_simulator_goes_before_a_missing_effect_that_it_could_absorb():
     weighing = explainer(effect(b=0.5))
     assert explained(weighing).causes == (G,)
-    assert B not in weighing.tests(())
+    assert weighing.absorbed == (B,)
+
+
+def test_a_missing_effect_goes_before_two_numbers_that_together_could_absorb_it():
+    weighing = explainer(effect(b=0.2), of_drag=-1.0)
+    assert explained(weighing).causes == (B,)
+    assert weighing.rivals(B, (B,)) == (B, G, CD)
+
+
+def test_two_numbers_go_before_a_missing_effect_that_does_not_explain_both():
+    weighing = explainer(effect(g=0.4, cd=0.3), of_drag=-1.0)
+    assert explained(weighing).causes == (G, CD)
+    assert explained(explainer(effect(cd=-0.3), of_drag=-1.0)).causes == (CD,)
 
 
 def test_rivals_are_those_that_explain_as_much_in_its_place():

@@ -27,6 +27,14 @@ def test_what_is_missing_is_named():
     ] == [True] * 4
 
 
+def test_estimates_at_their_bounds_are_doubted():
+    inside = like("wind")
+    at_bound = inside.model_copy(update={"estimate": 3.0, "interval": (2.1, 3.0), "unit": "m/s"})
+    said = limits(measured(count=24), [inside, at_bound], [])
+    assert len(said) == 1
+    assert said[0].startswith("wind: 3 m/s is the end")
+
+
 @pytest.mark.parametrize(
     ("names", "labels", "way", "wanted"),
     [

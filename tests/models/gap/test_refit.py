@@ -114,3 +114,11 @@ def test_shots_are_likelier_about_the_simulator_with_the_hidden_effect():
     assert gained(before, after) > 30.0
     assert gained(after, before) < 0.0
     assert gained(after, after) == 0.0
+
+
+def test_stronger_lift_is_likelier_although_it_makes_spins_smaller():
+    """Labels err by a share of the spin, so the same errors weigh more about smaller spins."""
+    lift = Hypothesis("magnus", "cm")
+    shots = measured(NOMINAL.amended("magnus", cm=0.094), count=30, seed=3)
+    before, after = (refit(shots, NOMINAL, free) for free in ((), (lift,)))
+    assert gained(before, after) > 20.0
