@@ -71,6 +71,27 @@ class TrainPredictorSettings(Settings):
     fine_tuning: FineTuningSettings
 
 
+class ComparedSimulatorSettings(Settings):
+    """A simulator that measured balls are compared with."""
+
+    simulator: Annotated[str, StringConstraints(min_length=1)]
+    """The name of a shipped simulator or the path of a simulator's YAML file ..."""
+    without: list[Name]
+    """... less these effects."""
+
+
+class CloseGapSettings(Settings):
+    """Which simulators the training balls of every source are compared with, and on how many."""
+
+    simulators: Annotated[dict[Name, ComparedSimulatorSettings], Field(min_length=1)]
+    splits: Annotated[int, Field(ge=1, le=100)]
+    """How often shots are drawn anew: two in three of them for naming, the rest for verifying."""
+    shots: Annotated[int, Field(ge=3, le=10_000)]
+    """Drawn each time, at most."""
+    level: Annotated[float, Field(ge=1e-4, le=0.5)]
+    """Chance of a false name where there is no gap."""
+
+
 class EvaluatePredictorSettings(Settings):
     """Which predictors forecast which windows, and how sure their errors are.
 
@@ -165,6 +186,15 @@ class Sim2RealSettings(Settings):
     """Resamples of the balls for the confidence intervals; 0 leaves them out."""
 
 
+class RetrainPolicySettings(Settings):
+    """In whose amended simulators policies are trained anew, to play the same balls."""
+
+    sources: Annotated[list[Name], Field(min_length=1)]
+    """Sets of measured balls: policies are trained for each, and play its balls."""
+    trials: Annotated[int, Field(ge=10, le=100_000)]
+    """Unseen balls of its own simulator that every policy plays, old or new."""
+
+
 class ReportSettings(Settings):
     """What the page shows."""
 
@@ -180,10 +210,12 @@ class Params(Settings):
     segment: SegmentSettings
     score_segmentation: ScoringSettings
     train_predictor: TrainPredictorSettings
+    close_gap: CloseGapSettings
     evaluate_predictor: EvaluatePredictorSettings
     train_policy: TrainPolicySettings
     sim2sim: Sim2SimSettings
     sim2real: Sim2RealSettings
+    retrain_policy: RetrainPolicySettings
     report: ReportSettings
 
 

@@ -1,4 +1,4 @@
-"""The predictors that are evaluated: physics by parameter, all that were trained, the oracle."""
+"""The predictors that are evaluated: physics by parameter or amended, the oracle, the trained."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,6 +9,7 @@ import torch
 
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import Predictor
+from pipeline.amended import AMENDED, read_amended
 from pipeline.errors import InputError
 from pipeline.params import EvaluatePredictorSettings
 from pipeline.simulators import load_simulator
@@ -25,10 +26,10 @@ class Contender:
     Attributes:
         name: under which reports list it.
         predictor: forecasts.
-        kind: ``physics``, ``oracle`` or the kind of network.
+        kind: ``physics``, ``amended``, ``oracle`` or the kind of network.
         simulator: what flies its ball, if anything does.
         parameters: how many numbers were trained, if any were.
-        trained_on: the sets of measured balls they learned from last.
+        trained_on: the sets of measured balls that it learned from last.
         starts_from: the predictor that learned before, if any.
     """
 
@@ -41,8 +42,9 @@ class Contender:
     starts_from: str | None = None
 
     def forecasts(self, source: str) -> bool:
-        """Return whether it is evaluated on a set: the oracle knows the physics of one alone."""
-        return self.kind != ORACLE or source == ARENA
+        """Return whether it is evaluated on a set: some know the physics of one alone."""
+        known = {ORACLE: (ARENA,), AMENDED: self.trained_on}
+        return self.kind not in known or source in known[self.kind]
 
 
 @contextmanager
@@ -72,6 +74,7 @@ def read_contenders(artifacts: Path, settings: EvaluatePredictorSettings) -> lis
     """
     return [
         *_physics(settings),
+        *_amended(artifacts / "close_gap"),
         *_oracle(artifacts / "ingest" / "truth.json"),
         *read_trained(artifacts / "train_predictor"),
     ]
@@ -81,6 +84,17 @@ def _physics(settings: EvaluatePredictorSettings) -> Iterator[Contender]:
     for name, described in settings.predictors.items():
         predictor = PhysicsPredictor(load_simulator(described.simulator))
         yield Contender(name, predictor, described.kind, simulator=described.simulator)
+
+
+def _amended(folder: Path) -> Iterator[Contender]:
+    for one in read_amended(folder):
+        yield Contender(
+            f"{AMENDED}_{one.begun}",
+            PhysicsPredictor(one.simulator),
+            AMENDED,
+            simulator=f"{one.begun}, amended",
+            trained_on=(one.source,),
+        )
 
 
 def _oracle(path: Path) -> Iterator[Contender]:

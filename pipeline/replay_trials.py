@@ -1,8 +1,9 @@
 """Trials of sim-to-real: policies play replayed balls, and balls that they are told wrongly of."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -10,19 +11,24 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
-from models.policy.goals import Goals
+from models.policy.goals import Goals, draw_goals
 from models.policy.incoming import FIRST_WINDOW, Incoming
 from models.policy.policy import Policy
-from models.policy.replay import Views, every_tick, first_window, predicted
+from models.policy.replay import Views, every_tick, first_window, predicted, views
 from models.policy.settings import HorizonsMs
 from models.policy.tolerance import ERRORS
+from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import Predictor
-from pipeline.policies import TrainedPolicy
-from pipeline.predictors import one_thread
-from pipeline.replays import ReplaySet
+from pipeline.amended import AMENDED
+from pipeline.errors import InputError
+from pipeline.params import Sim2RealSettings
+from pipeline.policies import TrainedPolicy, load_policies
+from pipeline.predictors import ARENA, ORACLE, Contender, one_thread
+from pipeline.replays import ARENA_SETS, ReplaySet
 from pipeline.trials import try_policy
 
 Floats = NDArray[np.float64]
+Policies = Sequence[tuple[Policy, TrainedPolicy]]
 Told = Callable[[HorizonsMs], Floats]
 """The forecasts of some balls, at the horizons that a policy wants."""
 
@@ -75,7 +81,7 @@ class ReplayTrial:
     shots: ReplaySet
     views: Views
     forecaster: Forecaster
-    policies: Sequence[tuple[Policy, TrainedPolicy]]
+    policies: Policies
     goals: Goals
 
     def results(self) -> pd.DataFrame:
@@ -91,6 +97,67 @@ class ReplayTrial:
         return try_policy(policy, trained, shots.simulator, incoming, self.goals).assign(
             set=shots.name, predictor=forecaster.name, protocol=forecaster.protocol
         )
+
+
+def players(folder: Path, settings: Sim2RealSettings) -> Policies:
+    """Read the policies that measured balls are replayed to: of one group, from one simulator.
+
+    Args:
+        folder: of all trained policies.
+        settings: name group and simulator.
+
+    Raises:
+        InputError: there is none, or a file is broken.
+    """
+    group = load_policies(folder, settings.group)
+    policies = [one for one in group if one[1].simulator == settings.simulator]
+    if not policies:
+        problem = f"has no policy of {settings.group} that was trained in {settings.simulator}"
+        raise InputError(folder, problem, field="sim2real.simulator")
+    return policies
+
+
+def replays(
+    shots: ReplaySet, forecasters: Iterable[Forecaster], policies: Policies, seed: int
+) -> list[ReplayTrial]:
+    """Return the trials of a set, with the same goals whoever plays and forecasts.
+
+    Args:
+        shots: the set.
+        forecasters: each of them tells all policies.
+        policies: trained for the same goals.
+        seed: of the goals.
+    """
+    random = np.random.default_rng([*stream(seed), *shots.name.encode()])
+    goals = draw_goals(policies[0][1].goals, len(shots), random)
+    seen = views(shots.shots)
+    return [ReplayTrial(shots, seen, forecaster, policies, goals) for forecaster in forecasters]
+
+
+def informed(
+    shots: ReplaySet, learned: Iterable[Contender], amended: Simulator | None
+) -> list[EveryTick]:
+    """Return those who know more of a set's balls than the policies' own simulator does.
+
+    These are what was learned, physics with the amended simulator, and the oracle, each where there
+    is one.
+    """
+    told = [EveryTick(one.name, one.predictor) for one in learned]
+    if amended is not None:
+        told.append(EveryTick(AMENDED, PhysicsPredictor(amended)))
+    if shots.oracle is not None:
+        told.append(EveryTick(ORACLE, PhysicsPredictor(shots.oracle)))
+    return told
+
+
+def source_of(shots: ReplaySet) -> str:
+    """Return the source of a set: the arena has several."""
+    return ARENA if shots.name in ARENA_SETS else shots.name
+
+
+def stream(seed: int) -> list[int]:
+    """Return the seed of draws that no training makes."""
+    return [seed, *b"sim2real"]
 
 
 @dataclass(frozen=True)

@@ -140,16 +140,17 @@ def _caption(one: MeasuredSet, state: str) -> str:
 
 
 def _add_difference_table(run: StageRun, contenders: list[Contender], results: Results) -> None:
-    trained = [one.name for one in contenders if one.parameters is not None]
     differences = {
-        (name,): one.differences(trained)
+        (name,): one.differences(
+            [other.name for other in contenders if other.trained_on and other.forecasts(name)]
+        )
         for (name, against), one in results.items()
         if against == MEASURED
     }
     run.add_table(
         stacked(differences, ["set"]),
         "forecast_error_difference",
-        title="Trained predictors beside the others",
+        title="Predictors that learned from balls beside the others",
         caption="Error of the predictor minus that of the other on the same windows, with its 95 % "
         "interval bootstrapped over recordings: negative where the predictor is better. "
         "lower_share is the share of all horizons from 100 to 300 ms at which its mean error is "
@@ -186,9 +187,9 @@ def _add_predictor_table(run: StageRun, contenders: list[Contender]) -> None:
         pd.DataFrame(rows).astype({"parameters": "Int64"}),
         "predictors",
         title="Predictors",
-        caption="What flies a predictor's ball, or how many numbers it learned and from which "
-        "balls. The oracle knows the hidden physics of the arena: a mark that no predictor is "
-        "expected to pass.",
+        caption="What flies a predictor's ball, or how many numbers it learned; and from which "
+        "balls. Amended simulators forecast balls of the source that amended them. The oracle "
+        "knows the hidden physics of the arena: a mark that no predictor is expected to pass.",
     )
 
 

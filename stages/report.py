@@ -11,10 +11,12 @@ STAGES = (
     "segment",
     "score_segmentation",
     "train_predictor",
+    "close_gap",
     "evaluate_predictor",
     "train_policy",
     "sim2sim",
     "sim2real",
+    "retrain_policy",
 )
 
 

@@ -2,26 +2,27 @@
 
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
-from models.policy.goals import draw_goals
-from models.policy.policy import Policy
-from models.policy.replay import views
 from models.predictors.physics import PhysicsPredictor
-from pipeline.artifacts import write_table
-from pipeline.errors import InputError
+from pipeline.amended import amended_by
+from pipeline.artifacts import write_json, write_table
 from pipeline.figures.sim2real import tolerance_figure, transfer_figure
 from pipeline.metrics import place, rounded
 from pipeline.outcomes import differences, rates
-from pipeline.policies import TrainedPolicy, load_policies
-from pipeline.predictors import ORACLE, Contender, read_trained
+from pipeline.predictors import Contender, read_trained
 from pipeline.replay_trials import (
     EveryTick,
     FirstWindow,
     Forecaster,
+    Policies,
     ReplayTrial,
     ToleranceTrial,
+    informed,
+    players,
+    replays,
+    source_of,
+    stream,
 )
 from pipeline.replays import ReplaySet, read_replay_sets
 from pipeline.run import StageRun, run_stage
@@ -31,66 +32,48 @@ from pipeline.trials import play_all
 
 KEYS = [*SETTING, *BASELINE]  # what tells two experiments apart
 
-Policies = list[tuple[Policy, TrainedPolicy]]
-
 
 def sim2real(run: StageRun) -> None:
     """Replay measured balls to policies, with every predictor; then spoil their forecasts."""
-    policies = _policies(run)
+    folder = run.input("train_policy", "")
+    policies = players(folder, run.params.sim2real)
+    run.log_input(f"policies of {run.params.sim2real.group}", folder, len(policies))
     sets = read_replay_sets(run.root / "artifacts", run.params.sim2real, run.seed)
     for one in sets:
         run.log_input(one.name, run.input("segment", "episodes.parquet"), len(one))
     learned = list(read_trained(run.input("train_predictor", "")))
     replayed = play_all([trial for one in sets for trial in _replays(run, one, policies, learned)])
     write_table(run.artifact("played.parquet"), replayed)
+    write_json(run.artifact("settings.json"), run.params.sim2real.model_dump(mode="json"))
     tolerated = play_all(_spoilt(run, policies))
     _report_transfer(run, replayed, [one.name for one in learned])
     _report_sets(run, sets)
     _report_tolerance(run, tolerated)
 
 
-def _policies(run: StageRun) -> Policies:
-    """Return the policies of the group that were trained in the simulator."""
-    settings, folder = run.params.sim2real, run.input("train_policy", "")
-    group = load_policies(folder, settings.group)
-    policies = [one for one in group if one[1].simulator == settings.simulator]
-    if not policies:
-        problem = f"has no policy of {settings.group} that was trained in {settings.simulator}"
-        raise InputError(folder, problem, field="sim2real.simulator")
-    run.log_input(f"policies of {settings.group}", folder, len(policies))
-    return policies
-
-
 def _replays(
     run: StageRun, one: ReplaySet, policies: Policies, learned: list[Contender]
 ) -> list[ReplayTrial]:
-    """Return the trials of a set: physics, what was learned, and the oracle where there is one."""
-    physics = load_simulator(run.params.sim2real.simulator)
+    """Return the trials of a set: with physics, and with all who know more."""
+    simulator = run.params.sim2real.simulator
+    physics = load_simulator(simulator)
+    amended = amended_by(run.input("close_gap", ""), source_of(one), simulator)
     forecasters: list[Forecaster] = [
         FirstWindow(PHYSICS, physics),
         EveryTick(PHYSICS, PhysicsPredictor(physics)),
-        *(EveryTick(other.name, other.predictor) for other in learned),
+        *informed(one, learned, amended),
     ]
-    if one.oracle is not None:
-        forecasters.append(EveryTick(ORACLE, PhysicsPredictor(one.oracle)))
-    random = np.random.default_rng([*_stream(run), *one.name.encode()])
-    goals, seen = draw_goals(policies[0][1].goals, len(one), random), views(one.shots)
-    return [ReplayTrial(one, seen, forecaster, policies, goals) for forecaster in forecasters]
+    return replays(one, forecasters, policies, run.seed)
 
 
 def _spoilt(run: StageRun, policies: Policies) -> list[ToleranceTrial]:
     settings = run.params.sim2real.tolerance
     errors = [(kind, size / 100) for kind in ("bias", "noise") for size in settings.errors_cm]
     return [
-        ToleranceTrial(policy, trained, error, size, settings.balls, _stream(run))
+        ToleranceTrial(policy, trained, error, size, settings.balls, stream(run.seed))
         for policy, trained in policies
         for error, size in [*errors, ("no_spin", 0.0)]
     ]
-
-
-def _stream(run: StageRun) -> list[int]:
-    """Return the seed of draws that no training makes."""
-    return [run.seed, *run.stage.encode()]
 
 
 def _report_transfer(run: StageRun, replayed: pd.DataFrame, learned: list[str]) -> None:
@@ -140,9 +123,10 @@ def _experiment(run: StageRun) -> str:
         f"Policies that were trained in the simulator {settings.simulator} play measured shots. "
         "Physics is a Kalman filter over the last 12 measurements with that simulator: first "
         "window, the whole flight forecast at once from the first 12 measurements; every tick, "
-        "anew every 40 ms, as all other predictors do. The oracle knows the physics that flew the "
-        "ball. Off the racket, simulated balls fly on in their own hall's physics, measured ones "
-        "in the literature's."
+        "anew every 40 ms, as all other predictors do. Amended is physics with that simulator as "
+        "close_gap amended it by training balls of the same source. The oracle knows the physics "
+        "that flew the ball. Off the racket, simulated balls fly on in their own hall's physics, "
+        "measured ones in the literature's."
     )
 
 

@@ -11,6 +11,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 NAMES = {
     "physics_c": "physics, simulator C",
     "physics_literature": "physics, literature",
+    "amended_imperfect_c": "physics, C amended",
     "oracle": "oracle",
     "transformer": "transformer",
     "transformer_fine_tuned": "transformer, fine-tuned",
@@ -34,6 +35,37 @@ def expected_table(report, of_arena):
             for _, row in rows.sort_values("horizon_ms").iterrows()
         ]
         lines.append(f"| {source} | {NAMES[predictor]} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def expected_numbers():
+    """Numbers of the simulator before and after, beside the arena's, those that shots can show."""
+    numbers = pd.read_csv(ROOT / "reports/retrain_policy/numbers.csv").query("source == 'arena'")
+    numbers = numbers[~numbers["effect"].isin(["racket_bounce", "net"])]
+    numbers = numbers[~(numbers["amended"].fillna(0) == numbers["truth"].fillna(0))]
+    lines = ["| effect | number | simulator C | named | the arena |", "|---|---|---|---|---|"]
+    for row in numbers.itertuples():
+        before, after, truth = (
+            f"{value:.4g}" if pd.notna(value) else "–"
+            for value in (row.original, row.amended, row.truth)
+        )
+        named = f"{after} ({row.low:.4g} to {row.high:.4g})" if pd.notna(row.low) else "–"
+        lines.append(f"| {row.effect} | {row.parameter} | {before} | {named} | {truth} |")
+    return "\n".join(lines)
+
+
+def expected_loop():
+    """Returns of all balls of the arena, by policy and predictor."""
+    rows = pd.read_csv(ROOT / "reports/retrain_policy/returns.csv").query("set == 'arena'")
+    lines = [
+        "| policy | told by | horizons (ms) | returns of 150 | difference (points) |",
+        "|---|---|---|---|---|",
+    ]
+    for row in rows.itertuples():
+        mean, low, high = (100 * end for end in (row.difference, row.ci_low, row.ci_high))
+        gain = f"{mean:.0f} ({low:.0f} to {high:.0f})" if pd.notna(mean) else "–"
+        name = f"{row.policy} | {row.predictor} | {row.horizons_ms}"
+        lines.append(f"| {name} | {row.returns:.0f} | {gain} |")
     return "\n".join(lines)
 
 
@@ -120,6 +152,11 @@ def expected_trainings():
             cells = f"{means['ticks']:,.0f} | {returns} | {means['landing_error_m']:.2f}"
             lines.append(f"| {told} | {horizons} | {cells} | {' | '.join(slopes)} |")
     return "\n".join(lines)
+
+
+@pytest.mark.parametrize("expected", [expected_numbers, expected_loop])
+def test_the_tables_of_the_gap_are_the_committed_run_s(expected):
+    assert expected() in README
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,13 @@
 
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.gap.verdict import Cause, Gap, Verdict
 from pipeline.figures.style import FIGURE_WIDTH, INK, MUTED
-from pipeline.findings import label, number, with_unit
+from pipeline.wording import label, number, with_unit
 
 KIND_COLOURS = {"wrong_value": "#0f7fc4", "missing_effect": "#d55e00"}
 KIND_NAMES = {"wrong_value": "wrong value", "missing_effect": "missing effect"}
@@ -22,6 +23,7 @@ LINE_NAMES = {
     "floor": "without any gap",
 }
 HIDDEN = "#e9edf0"  # what the shots might not show
+BAND = 0.15  # opacity of intervals
 ROW_HEIGHT = 0.55  # inch
 HEADROOM = 1.1  # inch, for the axis and the legend
 DETECTABLE = 5.8 / 1.96  # half-widths of a 95 % interval that are found almost surely
@@ -61,16 +63,24 @@ def error_figure(gap: Gap) -> Figure:
     """Draw the error over the horizon: as it was, amended, and with no gap left."""
     figure = Figure(figsize=(FIGURE_WIDTH, 3.6))
     axes = figure.subplots()
-    for name, (colour, line, marker) in LINES.items():
-        values = getattr(gap, f"{name}_mm")
-        axes.plot(
-            gap.horizons_ms, values, line + marker, color=colour, label=LINE_NAMES[name], ms=5
-        )
+    draw_errors(axes, gap)
     axes.set_ylim(bottom=0)
     axes.set_xlabel("prediction horizon (ms)")
     axes.set_ylabel("position error (mm)")
     figure.legend(loc="outside upper left", ncols=3)
     return figure
+
+
+def draw_errors(axes: Axes, gap: Gap) -> None:
+    """Draw errors over the horizon, with 95 % bands of those that shots measure."""
+    for name, (colour, line, marker) in LINES.items():
+        values = getattr(gap, f"{name}_mm")
+        axes.plot(
+            gap.horizons_ms, values, line + marker, color=colour, label=LINE_NAMES[name], ms=4
+        )
+    for name in ("before", "after"):
+        low, high = np.transpose(getattr(gap, f"{name}_interval_mm"))
+        axes.fill_between(gap.horizons_ms, low, high, color=LINES[name][0], alpha=BAND, lw=0)
 
 
 def _draw_cause(axes: Axes, row: int, cause: Cause) -> None:

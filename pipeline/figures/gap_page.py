@@ -9,7 +9,8 @@ from models.gap.located import Located
 from pipeline.figures.contents import Column, read_figure
 from pipeline.figures.gap import KIND_NAMES
 from pipeline.figures.page import TEMPLATES
-from pipeline.findings import Findings, label, number, percent, with_unit
+from pipeline.findings import Findings
+from pipeline.wording import label, number, percent, with_unit
 
 SMALLEST_P = 1e-4  # of those that signs drawn at random can tell apart
 

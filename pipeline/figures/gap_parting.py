@@ -10,7 +10,8 @@ from models.gap.growth import Growth
 from models.gap.located import Located
 from models.gap.unknown import PHASES
 from pipeline.figures.style import FIGURE_WIDTH, INK, MUTED
-from pipeline.findings import PLACES, TELLING, chance, percent
+from pipeline.findings import TELLING
+from pipeline.wording import PLACES, chance, percent
 
 PHASE_COLOURS = {"flight": "#0f7fc4", "table": "#009988", "sensor": "#8a6fd1"}
 WAYS = {"along": "#d55e00", "across": "#0f7fc4", "up": "#009988"}

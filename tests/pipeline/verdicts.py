@@ -8,7 +8,7 @@ from models.gap.located import Located
 from models.gap.shots import Shots
 from models.gap.verdict import Cause, Gap, Landing, Unexplained, Verdict, Where
 from pipeline.findings import Findings
-from pipeline.shots import MeasuredShots
+from pipeline.shot_folders import MeasuredShots
 
 TIMES = 0.01 * np.arange(20)
 PATH = np.column_stack([0 * TIMES, 1.3 - 5 * TIMES, 0.3 + 0 * TIMES])
@@ -31,6 +31,9 @@ GAP = Gap(
         closer_mm=(11.0, 24.0),
         closer_ms=(1.2, 3.1),
     ),
+    before_interval_mm=((8.0, 10.0), (19.0, 23.5), (36.0, 45.0)),
+    after_interval_mm=((4.5, 5.5), (7.0, 9.0), (10.5, 14.0)),
+    closer_mm=(12.0, 18.0),
 )
 SPEEDS = np.array([5.0, 7.0, 9.0])
 

@@ -12,6 +12,7 @@ from pipeline.errors import InputError
 from pipeline.figures.shots import read_shots
 from pipeline.run import StageRun
 from stages.evaluate_predictor import evaluate_predictor
+from tests.pipeline.amendments import write_amended
 from tests.pipeline.measured_shots import (
     NOISE,
     params,
@@ -83,6 +84,20 @@ def test_every_predictor_that_was_trained_is_evaluated(tmp_path):
     tuned = table(run, "predictors").set_index("predictor").loc["tiny_fine_tuned"]
     assert (tuned["starts from"], tuned["trained on"]) == ("tiny", "plain")
     assert tuned["parameters"] > 1000
+
+
+def test_an_amended_simulator_is_evaluated_on_the_balls_that_amended_it(tmp_path):
+    folder = tmp_path / "artifacts" / "close_gap"
+    for source in ("plain", "elsewhere"):
+        write_amended(folder, source, "imperfect_c", {"drag": {"cd": 0.54}})
+    run, metrics = evaluated(tmp_path, sources=("plain",))
+    assert set(metrics["plain"]) == {"physics_true", "physics_c", "tiny", "amended_imperfect_c"}
+    errors = {name: found["velocity"]["300"]["mean"] for name, found in metrics["plain"].items()}
+    assert errors["amended_imperfect_c"] < errors["physics_c"]
+    rows = table(run, "forecast_error_difference").query("set == 'plain'")
+    assert ("amended_imperfect_c", "physics_c") in set(zip(rows.predictor, rows.other, strict=True))
+    learned = table(run, "predictors").query("predictor == 'amended_imperfect_c'")
+    assert learned["trained on"].tolist() == ["elsewhere", "plain"]
 
 
 def test_without_a_trained_predictor_the_stage_to_run_is_named(tmp_path):

@@ -6,11 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.artifacts import read_table
+from pipeline.artifacts import read_as, read_table
 from pipeline.errors import InputError
+from pipeline.params import Sim2RealSettings
 from pipeline.policies import save_policy
 from pipeline.run import StageRun
 from stages.sim2real import sim2real
+from tests.pipeline.amendments import write_amended
 from tests.pipeline.measured_shots import params
 from tests.pipeline.replayed import LAUNCH, SETTINGS, SOURCE, launched, replayed, write_replays
 from tests.pipeline.trained_policies import chaser, description
@@ -27,6 +29,7 @@ def transferred(root, repeats=(0, 1), horizons=((115, 120, 125),), **changes):
         for ahead in horizons:
             trained = description(repeat=repeat, horizons=ahead)
             save_policy(root / "artifacts" / "train_policy" / trained.name, chaser(), trained)
+    write_amended(root / "artifacts" / "close_gap", "arena", "imperfect_c", {"drag": {"cd": 0.54}})
     run = StageRun("sim2real", root, params(sim2real=SETTINGS.model_copy(update=changes)))
     sim2real(run)
     return run, json.loads(run.report("metrics.json").read_text())
@@ -46,7 +49,7 @@ def test_metrics_name_set_horizons_predictor_and_protocol(whole):
     _, metrics = whole
     assert set(metrics) == {"stroke_pro", "plain", SOURCE}
     assert set(metrics["stroke_pro"]) == {"115-125"}
-    assert set(metrics["stroke_pro"]["115-125"]) == {"physics", "tiny", "oracle"}
+    assert set(metrics["stroke_pro"]["115-125"]) == {"physics", "tiny", "amended", "oracle"}
     assert set(metrics["plain"]["115-125"]) == {"physics", "tiny"}
     physics = metrics["plain"]["115-125"]["physics"]
     assert set(physics) == {"first_window", "every_tick"}
@@ -59,6 +62,17 @@ def test_the_physics_that_flew_the_balls_forecasts_them_best(whole):
     for name in ("stroke_pro", SOURCE):
         assert errors[name, *ORACLE] < errors[name, *PHYSICS] < errors[name, "tiny", "every_tick"]
         assert errors[name, *PHYSICS] < errors[name, "physics", "first_window"]
+
+
+def test_the_amended_simulator_forecasts_its_source_better_than_the_one_it_was(whole):
+    errors = table(whole[0], "rates", "set", "predictor", "protocol")["forecast_error_cm"]
+    amended = errors["stroke_pro", "amended", "every_tick"]
+    assert errors["stroke_pro", *ORACLE] < amended < errors["stroke_pro", *PHYSICS]
+
+
+def test_the_settings_are_kept_for_those_who_play_the_same_balls(whole):
+    path = whole[0].artifact("settings.json")
+    assert read_as(path, Sim2RealSettings, "sim2real") == SETTINGS
 
 
 def test_who_is_told_well_hits_more(whole):
@@ -82,7 +96,7 @@ def test_differences_are_between_the_rates_on_the_same_shots(whole):
 def test_every_trial_of_every_policy_is_kept(whole):
     run, _ = whole
     played = read_table(run.artifact("played.parquet"))
-    shots = {"stroke_pro": 2 * 4, "plain": 3 * 3, SOURCE: SETTINGS.launches * 4}
+    shots = {"stroke_pro": 2 * 5, "plain": 3 * 3, SOURCE: SETTINGS.launches * 4}
     assert played.groupby("set").size().to_dict() == {name: 2 * n for name, n in shots.items()}
     assert set(played["repeat"]) == {0, 1}
     same = played.groupby(["set", "predictor", "protocol", "ball"])["hit"].nunique()

@@ -29,6 +29,11 @@ def test_without_causes_there_is_nothing_to_draw():
 
 
 def test_errors_are_drawn_over_the_horizon():
-    lines = error_figure(GAP).axes[0].lines
-    for line, values in zip(lines, (GAP.before_mm, GAP.after_mm, GAP.floor_mm), strict=True):
+    axes = error_figure(GAP).axes[0]
+    for line, values in zip(axes.lines, (GAP.before_mm, GAP.after_mm, GAP.floor_mm), strict=True):
         np.testing.assert_array_equal(line.get_xydata(), np.column_stack([GAP.horizons_ms, values]))
+    within = (GAP.before_interval_mm, GAP.after_interval_mm)
+    for band, intervals in zip(axes.collections, within, strict=True):
+        (low, high) = np.array(intervals)[-1]
+        ends = {y for x, y in band.get_paths()[0].vertices if x == GAP.horizons_ms[-1]}
+        assert ends == {low, high}

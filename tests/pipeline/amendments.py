@@ -1,0 +1,44 @@
+"""Amended simulators as close_gap would leave them."""
+
+from models.ball.simulators import shipped
+from models.gap.amend import amended_yaml
+from models.gap.hypotheses import Hypothesis
+from models.gap.verdict import Cause, component_of, name_of
+from pipeline.amended import case_name
+from pipeline.artifacts import write_text
+from tests.pipeline.verdicts import verdict
+
+
+def causes(begun, changes):
+    """The causes behind ``changes`` to a shipped simulator."""
+    numbers = [(effect, one) for effect, values in changes.items() for one in values]
+    return [
+        _cause(Hypothesis(*number), shipped(begun), changes[number[0]][number[1]])
+        for number in numbers
+    ]
+
+
+def _cause(hypothesis, simulator, estimate):
+    name = name_of(hypothesis)
+    return Cause(
+        name=name,
+        component=component_of(hypothesis),
+        kind="wrong_value" if hypothesis.listed(simulator) else "missing_effect",
+        parameter=hypothesis.parameter,
+        unit=hypothesis.declaration.unit,
+        nominal=hypothesis.value(simulator),
+        estimate=estimate,
+        interval=(estimate - 0.01, estimate + 0.01),
+        p_value=1e-5,
+        gap_share=0.5,
+        possible=(name,),
+    )
+
+
+def write_amended(folder, source, begun, changes, split=0):
+    """Write what balls of ``source`` made of a shipped simulator; return the verdict."""
+    found = verdict(causes=causes(begun, changes))
+    path = folder / case_name(source, begun, split)
+    write_text(path.with_suffix(".yaml"), amended_yaml(shipped(begun), found, source))
+    write_text(path.with_suffix(".json"), found.to_json())
+    return found

@@ -1,0 +1,116 @@
+"""The stage on shots whose verdicts are made up, and on some whose physics is known."""
+
+import json
+
+import pandas as pd
+import pytest
+
+from models.ball.simulators import shipped
+from models.gap.amend import amended
+from models.gap.verdict import Verdict
+from pipeline import gap_cases
+from pipeline.amended import amended_by
+from pipeline.errors import InputError
+from pipeline.params import CloseGapSettings, ComparedSimulatorSettings
+from pipeline.run import StageRun
+from stages.close_gap import close_gap
+from tests.pipeline.measured_shots import params, shot_tables, write_inputs
+from tests.pipeline.verdicts import WIND, verdict
+
+SIMULATORS = {
+    "c": ComparedSimulatorSettings(simulator="imperfect_c", without=[]),
+    "bare": ComparedSimulatorSettings(simulator="imperfect_c", without=["magnus"]),
+}
+SETTINGS = CloseGapSettings(simulators=SIMULATORS, splits=2, shots=5, level=0.003)
+
+
+def prepared(root, shots=4, split="train", **changes):
+    """A run on shots of a source with labels and of one without."""
+    drawn = [
+        shot_tables(source, 3 + number, split=split)
+        for source in ("labelled", "plain")
+        for number in range(shots)
+    ]
+    write_inputs(root, shots=drawn, sources=("labelled", "plain"))
+    return StageRun("close_gap", root, params(close_gap=SETTINGS.model_copy(update=changes)))
+
+
+def windy(shots, simulator, level):
+    """A verdict that says what it was asked: there is wind, the more the more lift there was."""
+    strength = 0.5 + simulator.effects.get("magnus", {"cm": 0.0})["cm"]
+    return verdict(causes=[WIND.model_copy(update={"estimate": strength})])
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A run with made-up verdicts; not to be changed."""
+    run = prepared(tmp_path_factory.mktemp("whole"))
+    close(run)
+    return run
+
+
+def close(run):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LOKY_MAX_CPU_COUNT", "1")  # in this process, where the patch holds
+        patch.setattr(gap_cases, "diagnose", windy)
+        close_gap(run)
+
+
+def written(run):
+    folders = (run.artifact("."), run.report("."))
+    files = (path for folder in folders for path in folder.rglob("*") if path.is_file())
+    return {str(path.relative_to(run.root)): path.read_bytes() for path in files}
+
+
+def test_every_case_leaves_its_verdict_and_its_amended_simulator(whole):
+    names = {
+        f"{source}-{begun}-{split}"
+        for source in ("labelled", "plain")
+        for begun in SIMULATORS
+        for split in range(2)
+    }
+    files = {path.name for path in whole.artifact(".").iterdir()}
+    assert files == {f"{name}.{kind}" for name in names for kind in ("yaml", "json")}
+    found = Verdict.from_json(whole.artifact("plain-c-1.json").read_text())
+    assert amended_by(whole.artifact(""), "plain", "c") == amended(shipped("imperfect_c"), found)
+    assert "magnus" not in amended_by(whole.artifact(""), "plain", "bare").effects
+
+
+def test_the_report_has_a_row_a_case_and_a_figure_a_source(whole):
+    rows = pd.read_csv(whole.report("verdicts.csv"))
+    assert len(rows) == 8 and (rows["verdict"] == "named").all()
+    figures = [f"{kind}_{name}" for name in ("labelled", "plain") for kind in ("errors", "causes")]
+    tables = ["verdicts", "stability", "causes", "errors"]
+    files = [*(f"figures/{name}.png" for name in figures), *(f"{name}.csv" for name in tables)]
+    assert [item.file for item in whole.items] == files
+    again = pd.read_csv(whole.report("stability.csv"))
+    assert (again["found"] == again["splits"]).all()
+
+
+def test_metrics_name_source_simulator_split_and_cause(whole):
+    metrics = json.loads(whole.report("metrics.json").read_text())
+    assert set(metrics) == {"labelled", "plain"}
+    told = metrics["labelled"]["c"]["1"]
+    assert told["causes"]["wind.x"]["estimate"] == pytest.approx(0.569)
+    assert metrics["labelled"]["bare"]["0"]["causes"]["wind.x"]["estimate"] == 0.5
+    assert (told["verdict"], told["removable_closed"]) == ("named", 0.9)
+
+
+def test_the_same_inputs_give_the_same_bytes(whole, tmp_path):
+    again = prepared(tmp_path)
+    close(again)
+    assert written(again) == written(whole)
+
+
+def test_a_source_with_too_few_shots_is_left_out_with_a_warning(tmp_path, capsys):
+    run = prepared(tmp_path, shots=2)
+    with pytest.raises(InputError, match="no source has 3 unbroken shots"):
+        close(run)
+    assert "labelled has 2 unbroken shots to learn from; give 3" in capsys.readouterr().err
+    assert not run.report(".").exists()
+
+
+@pytest.mark.parametrize("split", ["test", "replay", "validation"])
+def test_balls_that_are_for_tests_name_nothing(tmp_path, split):
+    with pytest.raises(InputError, match="no source has"):
+        close(prepared(tmp_path, split=split))
