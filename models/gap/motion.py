@@ -31,6 +31,7 @@ JUMP = 5e-3
 # so nearly linear in the unknowns that one-sided differences are good to five digits.
 STATE_STEPS = np.repeat([1e-5, 1e-4, 0.02], 3)
 KICK_STEP = 1e-4
+LATEST = 1.0  # s that a sensor may be late, where values that are tried make a ball ever faster
 
 
 @dataclass(frozen=True)
@@ -148,7 +149,7 @@ def seen(simulator: Simulator, moments: Moments, unknowns: Floats) -> Seen:
     spins = np.take_along_axis(states[..., SPIN], moments.labels[..., None], axis=1)
     velocities = moments.at_samples(states[..., VELOCITY])
     speeds = np.sqrt(np.einsum("bni,bni->bn", velocities, velocities))
-    delay = sensor_quantity(simulator, "delay", View(speeds))
+    delay = np.minimum(sensor_quantity(simulator, "delay", View(speeds)), LATEST)
     if np.any(delay):
         sampled = moments.at_samples(times)
         places = path_in_any_order(simulator, unknowns, sampled - delay)[..., POSITION]

@@ -22,6 +22,8 @@ from models.gap.types import Bools, Indices
 KICK_SIZE = 3
 SLOW_SLIP = 1.0  # m/s below which the tangential part of a kick fades
 EDGE = 5e-3  # m from an edge of the table: the ball may have met it
+# m, m/s, rad/s: where values that are tried make drag a thrust, balls get no farther nor faster.
+FARTHEST = 1e5
 
 
 def path(simulator: Simulator, unknowns: Floats, times: Floats) -> tuple[Floats, Floats, Floats]:
@@ -37,7 +39,7 @@ def path(simulator: Simulator, unknowns: Floats, times: Floats) -> tuple[Floats,
         if not there.any():
             break
         rows, start = rows[there], start[there] + moment
-        begin = kicked(before, after, unknowns[rows, kick : kick + KICK_SIZE])
+        begin = _bounded(kicked(before, after, unknowns[rows, kick : kick + KICK_SIZE]))
         since = times[rows] - start[:, None]
         flight = _flight(simulator, begin, np.maximum(since, 0.0))
         _go_on(states, rows, since, flight.states)
@@ -102,11 +104,19 @@ def _flight(simulator: Simulator, states: Floats, times: Floats) -> Flight:
     new = np.ones(len(states), dtype=bool)
     new[1:] = (states[1:] != states[:-1]).any(axis=1) | (times[1:] != times[:-1]).any(axis=1)
     flight = simulator.fly(states[new], times[new])
+    reached = _bounded(flight.states)
     if new.all():
-        return flight
+        return Flight(reached, flight.contacts)
     place, met = np.cumsum(new) - 1, flight.contacts
     parts = (getattr(met, field.name)[place] for field in fields(met))
-    return Flight(flight.states[place], Contacts(*parts))
+    return Flight(reached[place], Contacts(*parts))
+
+
+def _bounded(states: Floats) -> Floats:
+    """Return states within bounds that no real ball comes near."""
+    if np.abs(states).max(initial=0.0) < FARTHEST:  # no number that is none is less
+        return states
+    return np.clip(np.nan_to_num(states, posinf=FARTHEST, neginf=-FARTHEST), -FARTHEST, FARTHEST)
 
 
 @compiler([Path(__file__)])

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from models.gap.shot_fit import fit_shots
+from models.gap.noise import Noise
+from models.gap.shot_fit import fit_shots, refit_shots
 from models.gap.shots import Shots
 from tests.models.gap.hidden import NOMINAL, launches, measured
 
@@ -39,3 +40,12 @@ def test_shots_without_labels_have_the_spin_that_bends_them():
     fit = fit_shots(shots, NOMINAL)
     true = launches(12, np.random.default_rng(0))
     assert np.median(np.abs(fit.unknowns[:, 6] - true[:, 6])) < 15.0
+
+
+@pytest.mark.parametrize("times", [1e3, 1e30, 1e160])
+def test_a_start_that_no_ball_can_have_is_no_crash(times):
+    shots, late = measured(count=4), NOMINAL.amended("speed_dependent_latency", tau=5e-4)
+    start = fit_shots(shots, NOMINAL).unknowns
+    start[:, 3:9] *= times
+    fit = refit_shots(shots, late, start, Noise())
+    assert np.isfinite(fit.cost).all() and np.isfinite(fit.unknowns).all()
