@@ -1,11 +1,13 @@
-"""Lift of unlabelled spin: whether balls curve by spins that nobody measured.
+"""Lift: whether balls curve by their spins, although the simulator has no Magnus force.
 
-A simulator without Magnus force has no derivative by C_M where spins are unknown: lift is the
-product of two numbers that are both missing. What lift does is different in every shot, up, down or
+Such a simulator has no derivative by C_M where spins are unknown: lift is the product of two
+numbers that are both missing. Where spins were measured it has, but is so far off that labels pass
+for wrong ones and decoys for causes. What lift does is different in every shot, up, down or
 aside, and that is what tells it from wrong gravity, which pulls all shots alike. So each shot gets
 a spin of its own about a simulator with some C_M, the simulator's own values are free on both
 sides, and the squared errors, in the noise as found *with* lift, must fall by more than three free
-numbers a shot explain. C_M itself shows only where balls bounce; elsewhere it stays what it was.
+numbers a shot explain. Without labels C_M itself shows only where balls bounce; elsewhere it stays
+what it was.
 """
 
 from dataclasses import dataclass
@@ -29,7 +31,7 @@ LIFT = 0.1  # C_M; only its product with the spin shows in flight
 
 @dataclass(frozen=True)
 class Lift:
-    """What unlabelled spins explain.
+    """What spins explain.
 
     Attributes:
         with_lift: the shots about the simulator with Magnus force, its own values refitted.
@@ -43,10 +45,10 @@ class Lift:
 
 
 def lift(shots: Shots, without: Refitted) -> Lift:
-    """Test whether unlabelled spins bend the paths.
+    """Test whether spins bend the paths.
 
     Args:
-        shots: without labels.
+        shots: with or without labels.
         without: the shots about a simulator without Magnus force, its own values refitted.
     """
     simulator: Simulator = without.simulator.amended("magnus", cm=LIFT)

@@ -7,8 +7,8 @@ by a few causes a round, since about a simulator that is far off the evidence fo
 poor; every round weighs all sets afresh, so that what stood in for causes not yet known goes again.
 What evidence promises has to come true when the shots are refitted: where spins were not measured,
 lift is a product of two unknowns, and far from where it is linear a promise may be empty.
-Before that, two causes that have no derivative are looked for: labels that read backwards
-(signs.py), and lift where no spin was measured (lift.py).
+Before that, two causes are looked for that hide all others: lift where a simulator has none
+(lift.py), and labels that read backwards (signs.py).
 """
 
 from collections.abc import Callable
@@ -96,9 +96,13 @@ def name(
     """
     base, turned = refit(shots, question.simulator, ()), no_signs(shots)
     begun(from_nominal(base, question.simulator, question.withheld))
+    about = _lifted(shots, question) or base
     if SIGNS not in question.withheld:
-        turned = signs(shots, base)
-    named = _with_signs(shots, question, turned, None if turned.significant else base)
+        turned = signs(shots, about)
+    if turned.significant:
+        named = _with_signs(shots, question, turned)
+    else:
+        named = _explained(shots, question, about, base, turned)
     # A simulator that lacks a cause may mistake signs; the one that has it decides.
     if SIGNS not in question.withheld and named.explanation.causes:
         again = turned.corrected(signs(turned.righted(shots), named.found))
@@ -108,9 +112,9 @@ def name(
     return named
 
 
-def _with_signs(shots: Shots, question: Question, turned: Signs, base: Refitted | None) -> Named:
+def _with_signs(shots: Shots, question: Question, turned: Signs) -> Named:
     shots = turned.righted(shots)
-    base = base or refit(shots, question.simulator, ())
+    base = refit(shots, question.simulator, ())
     return _explained(shots, question, _lifted(shots, question) or base, base, turned)
 
 
@@ -147,10 +151,9 @@ def _typical_spin(found: Refitted) -> float:
 
 
 def _lifted(shots: Shots, question: Question) -> Refitted | None:
-    """Return the shots with lift, where unlabelled spins bend them and the simulator has none."""
+    """Return the shots with lift, where spins bend them and the simulator has none."""
     simulator = question.simulator
-    known = LIFT.effect in (*simulator.effects, *question.withheld)
-    if known or shots.labelled.any():
+    if LIFT.effect in (*simulator.effects, *question.withheld):
         return None
     own = tuple(one for one in hypotheses(simulator) if one.listed(simulator))
     found = lift(shots, refit(shots, simulator, own))

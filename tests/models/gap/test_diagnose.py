@@ -95,6 +95,16 @@ def test_missing_lift_is_named_where_nobody_measured_the_spin():
     assert any("no spin labels" in one for one in verdict.limits)
 
 
+@pytest.mark.parametrize("flipped", [0, 8])
+def test_a_simulator_without_lift_lacks_it_where_spins_are_labelled(flipped):
+    shots = measured(count=45)
+    shots.labels[:flipped] *= -1.0
+    verdict = diagnose(shots, WITHOUT_MAGNUS)
+    names = [one.name for one in verdict.effects if one.name != "spin_sign_flip"]
+    assert (verdict.verdict, names) == ("named", ["magnus"])
+    assert len(verdict.effects) == (2 if flipped else 1)
+
+
 def test_whole_recordings_are_held_out():
     shots = measured(count=30)
     groups = np.repeat(np.arange(10), 3)
