@@ -79,7 +79,7 @@ class Findings:
         low, high = (number(value) for value in cause.interval)
         found = f"{with_unit(cause.estimate, cause.unit)} (95 %: {low} to {high})"
         share = f"{percent(cause.gap_share)} of the gap"
-        others = ", ".join(one for one in cause.possible if one != cause.name)
+        others = ", ".join(cause.others)
         doubt = f" It could also be {others}; to decide, {self.splits(cause)}." if others else ""
         if cause.kind == "missing_effect":
             return f"{self._called(cause)} is missing: {found}, {share}.{doubt}"

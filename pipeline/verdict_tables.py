@@ -126,8 +126,7 @@ def _verdict(one: Diagnosed) -> dict[str, Any]:
 
 def _words(cause: Cause) -> str:
     low, high = cause.interval
-    others = [name for name in cause.possible if name != cause.name]
-    doubt = f" or {', '.join(others)}" if others else ""
+    doubt = f" or {', '.join(cause.others)}" if cause.others else ""
     found = with_unit(cause.estimate, cause.unit)
     return f"{label(cause)}{doubt} {found} ({number(low)} to {number(high)})"
 

@@ -37,8 +37,7 @@ def provenance(cause: Cause, verdict: Verdict, data: str) -> str:
     """Return in words where an amendment comes from."""
     was = f"was {cause.nominal:g}" if cause.kind == "wrong_value" else "was missing"
     low, high = cause.interval
-    others = [name for name in cause.possible if name != cause.name]
-    doubt = f"; could be {', '.join(others)}" if others else ""
+    doubt = f"; could be {', '.join(cause.others)}" if cause.others else ""
     return (
         f"{cause.parameter}: {was}; {data} says {cause.estimate:.5g} {cause.unit} "
         f"(95 % {low:.5g} to {high:.5g}); verdict {verdict.verdict}{doubt}"

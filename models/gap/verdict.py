@@ -50,6 +50,11 @@ class Cause(_Part):
     gap_share: float
     possible: tuple[str, ...] = Field(alias="class")
 
+    @property
+    def others(self) -> tuple[str, ...]:
+        """What else it may be."""
+        return tuple(name for name in self.possible if name != self.name)
+
 
 class Unexplained(_Part):
     """What no catalogued effect explains.

@@ -5,15 +5,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.gap.verdict import Cause
-from pipeline.figures.gap import (
-    DETECTABLE,
-    HIDDEN,
-    KIND_COLOURS,
-    KIND_NAMES,
-    ROW_HEIGHT,
-    draw_errors,
-)
+from pipeline.figures.gap import HIDDEN, ROW_HEIGHT, draw_departure, draw_errors
 from pipeline.figures.style import FIGURE_WIDTH, INK
 from pipeline.gap_cases import Diagnosed
 from pipeline.wording import label
@@ -68,24 +60,11 @@ def _draw_causes(axes: Axes, found: Sequence[Diagnosed], names: Sequence[str]) -
     for place, one in enumerate(found):
         offset = SPREAD * ((place + 0.5) / len(found) - 0.5)
         for cause in one.verdict.effects:
-            _draw_cause(axes, names.index(label(cause)) + offset, cause)
+            row = names.index(label(cause)) + offset
+            draw_departure(axes, row, cause, line=2, mark=4)
     axes.set_xscale("symlog", linthresh=1.0, linscale=0.3)
     axes.xaxis.set_major_formatter("{x:g}")
     axes.grid(axis="y", visible=False)
-
-
-def _draw_cause(axes: Axes, row: float, cause: Cause) -> None:
-    low, middle, high = _departures(cause)
-    colour = KIND_COLOURS[cause.kind]
-    axes.plot([low, high], [row, row], color=colour, lw=2, solid_capstyle="butt")
-    axes.plot(middle, row, "o", color=colour, ms=4, label=KIND_NAMES[cause.kind])
-
-
-def _departures(cause: Cause) -> tuple[float, ...]:
-    """Return low end, estimate and high end from the simulator's value, in detectable sizes."""
-    size = DETECTABLE * (cause.interval[1] - cause.interval[0]) / 2
-    ends = (cause.interval[0], cause.estimate, cause.interval[1])
-    return tuple((value - cause.nominal) / size for value in ends)
 
 
 def _add_legend(figure: Figure, panels: Sequence[Axes]) -> None:

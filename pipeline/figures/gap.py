@@ -83,14 +83,28 @@ def draw_errors(axes: Axes, gap: Gap) -> None:
         axes.fill_between(gap.horizons_ms, low, high, color=LINES[name][0], alpha=BAND, lw=0)
 
 
-def _draw_cause(axes: Axes, row: int, cause: Cause) -> None:
+def draw_departure(axes: Axes, row: float, cause: Cause, line: float, mark: float) -> float:
+    """Draw how far a cause lies from the simulator's value, with its interval; return its high end.
+
+    Args:
+        axes: whose x counts detectable sizes.
+        row: on y.
+        cause: of the gap.
+        line: width of the interval's, points.
+        mark: size of the estimate's, points.
+    """
     size = DETECTABLE * (cause.interval[1] - cause.interval[0]) / 2
     low, middle, high = (
         (value - cause.nominal) / size
         for value in (cause.interval[0], cause.estimate, cause.interval[1])
     )
     colour = KIND_COLOURS[cause.kind]
-    axes.plot([low, high], [row, row], color=colour, lw=3, solid_capstyle="butt")
-    axes.plot(middle, row, "o", color=colour, ms=7, label=KIND_NAMES[cause.kind])
+    axes.plot([low, high], [row, row], color=colour, lw=line, solid_capstyle="butt")
+    axes.plot(middle, row, "o", color=colour, ms=mark, label=KIND_NAMES[cause.kind])
+    return high
+
+
+def _draw_cause(axes: Axes, row: int, cause: Cause) -> None:
+    high = draw_departure(axes, row, cause, line=3, mark=7)
     text = f"{with_unit(cause.estimate, cause.unit)}, simulator {number(cause.nominal)}"
     axes.annotate(text, (high, row), (8, 0), va="center", fontsize=8, color=MUTED, **_OFFSET)
