@@ -175,3 +175,11 @@ def test_every_link_into_the_repository_leads_somewhere():
     links = re.findall(r"\]\((?!https?:)([^)#]+)", README)
     assert len(links) > 10
     assert [link for link in links if not (ROOT / link).exists()] == []
+
+
+@pytest.mark.parametrize("name", ["causes_arena.png", "errors_arena.png"])
+def test_the_pictures_of_the_gap_are_the_committed_run_s(name):
+    drawn = ROOT / "reports" / "close_gap" / "figures" / name
+    if not drawn.exists():
+        pytest.skip("git keeps no figures of stages; run `dvc repro close_gap`")
+    assert (ROOT / "docs" / "images" / name).read_bytes() == drawn.read_bytes()
