@@ -195,6 +195,17 @@ class RetrainPolicySettings(Settings):
     """Unseen balls of its own simulator that every policy plays, old or new."""
 
 
+class HiddenEffectsSettings(Settings):
+    """What the exam is about, how much of it is sat anew, and whom else it asks."""
+
+    simulator: Annotated[str, StringConstraints(min_length=1)]
+    """The nominal one: a shipped one's name, or the path of a YAML file with a table."""
+    trials: Annotated[int, Field(ge=1, le=1000)]
+    """Of the exam, spread over it, that every run of the stage sits anew."""
+    peers_every: Annotated[int, Field(ge=1, le=1000)]
+    """One question in so many goes to the methods compared with, too."""
+
+
 class ReportSettings(Settings):
     """What the page shows."""
 
@@ -216,6 +227,7 @@ class Params(Settings):
     sim2sim: Sim2SimSettings
     sim2real: Sim2RealSettings
     retrain_policy: RetrainPolicySettings
+    hidden_effects: HiddenEffectsSettings
     report: ReportSettings
 
 

@@ -17,6 +17,7 @@ STAGES = (
     "sim2sim",
     "sim2real",
     "retrain_policy",
+    "hidden_effects",
 )
 
 

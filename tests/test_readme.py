@@ -1,5 +1,6 @@
 """The README's numbers are those of the committed runs."""
 
+import json
 import re
 from pathlib import Path
 
@@ -20,6 +21,15 @@ TRAININGS = (  # what policies are told of, the experiment that trained them, th
     ("landing", "policies", "sim2sim"),
     ("landing, the paper's inputs alone", "policies", "strict"),
     ("landing, speed and topspin", "shots", "sim2sim"),
+)
+
+RATES = (  # what the exam counts, and where its counts are
+    ("clean sets with a false alarm", "false_alarms", "clean_sets"),
+    ("one effect at 3x, a class of its own: its name", "own_class_right", "own_class"),
+    ("one effect at 3x, others look like it: its class", "shared_class_right", "shared_class"),
+    ("two effects at 3x: both", "pairs_right", "pairs"),
+    ("withheld from the catalogue: called unknown", "withheld_right", "withheld"),
+    ("95 % intervals that hold the truth", "intervals_right", "intervals"),
 )
 
 
@@ -52,6 +62,19 @@ def expected_numbers():
         named = f"{after} ({row.low:.4g} to {row.high:.4g})" if pd.notna(row.low) else "–"
         lines.append(f"| {row.effect} | {row.parameter} | {before} | {named} | {truth} |")
     return "\n".join(lines)
+
+
+def expected_exam():
+    """Counts of the exam, ours beside those of the methods compared."""
+    results = json.loads((ROOT / "reports/hidden_effects/exam.json").read_text(encoding="utf-8"))
+    methods = {"rallygap": results, **results["compared"]}
+    lines = [f"| | {' | '.join(methods)} |", f"|---|{'---|' * len(methods)}"]
+    for name, right, asked in RATES:
+        pairs = [(one[right], one[asked]) for one in methods.values()]
+        counts = [f"{number} of {whole}" if whole else "–" for number, whole in pairs]
+        lines.append(f"| {name} | {' | '.join(counts)} |")
+    closed = [f"{100 * one['removable_closed']:.0f}" for one in methods.values()]
+    return "\n".join([*lines, f"| removable gap closed (%) | {' | '.join(closed)} |"])
 
 
 def expected_loop():
@@ -154,7 +177,7 @@ def expected_trainings():
     return "\n".join(lines)
 
 
-@pytest.mark.parametrize("expected", [expected_numbers, expected_loop])
+@pytest.mark.parametrize("expected", [expected_numbers, expected_loop, expected_exam])
 def test_the_tables_of_the_gap_are_the_committed_run_s(expected):
     assert expected() in README
 
@@ -177,9 +200,17 @@ def test_every_link_into_the_repository_leads_somewhere():
     assert [link for link in links if not (ROOT / link).exists()] == []
 
 
-@pytest.mark.parametrize("name", ["causes_arena.png", "errors_arena.png"])
-def test_the_pictures_of_the_gap_are_the_committed_run_s(name):
-    drawn = ROOT / "reports" / "close_gap" / "figures" / name
+@pytest.mark.parametrize(
+    ("stage", "figure", "name"),
+    [
+        ("close_gap", "causes_arena.png", "causes_arena.png"),
+        ("close_gap", "errors_arena.png", "errors_arena.png"),
+        ("hidden_effects", "accuracy.png", "exam_accuracy.png"),
+        ("hidden_effects", "confusion.png", "exam_confusion.png"),
+    ],
+)
+def test_the_pictures_are_the_committed_run_s(stage, figure, name):
+    drawn = ROOT / "reports" / stage / "figures" / figure
     if not drawn.exists():
-        pytest.skip("git keeps no figures of stages; run `dvc repro close_gap`")
+        pytest.skip(f"git keeps no figures of stages; run `dvc repro {stage}`")
     assert (ROOT / "docs" / "images" / name).read_bytes() == drawn.read_bytes()

@@ -16,6 +16,7 @@ MAY_KNOW = {
     "score_segmentation",
     "sim2real",
     "retrain_policy",
+    "hidden_effects",
 }
 
 
