@@ -1,0 +1,3 @@
+"""Tests run with the arithmetic of the stages."""
+
+import pipeline  # noqa: F401  before numpy
