@@ -7,9 +7,8 @@ import numpy as np
 from models.ball.quantities import View
 from models.ball.sensor import sensor_quantity
 from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE, VELOCITY
+from models.ball.state import VELOCITY
 from models.ball.types import Floats
-from models.gap.motion import STATE_STEPS
 from models.gap.path import first_bounce
 
 ON_TABLE = slice(0, 2)  # components of a place
@@ -50,26 +49,3 @@ def landings(simulator: Simulator, states: Floats, ends: Floats) -> Landings:
     places[there] = sensor_quantity(simulator, "position_gain") * before[:, ON_TABLE]
     times[there] = sensor_quantity(simulator, "clock_gain") * (moment + delay)
     return Landings(places, times)
-
-
-def spread(
-    simulator: Simulator, states: Floats, ends: Floats, covariance: Floats
-) -> tuple[Floats, Floats]:
-    """Return (B,) m^2 and s^2: expected squares by which landings differ by their launch's errors.
-
-    Args:
-        simulator: with its sensor effects.
-        states: (B, 9) at the first sample.
-        ends: (B,) s after it until when they are followed.
-        covariance: (B, 9, 9) of the states.
-    """
-    shifted = (states + np.diag(STATE_STEPS)[:, None]).reshape(-1, STATE_SIZE)
-    here, ahead = (
-        landings(simulator, states, ends),
-        landings(simulator, shifted, np.tile(ends, STATE_SIZE)),
-    )
-    rows = np.concatenate([here.places, here.times[:, None]], axis=1)
-    moved = np.concatenate([ahead.places, ahead.times[:, None]], axis=1)
-    slopes = (moved.reshape(STATE_SIZE, *rows.shape) - rows) / STATE_STEPS[:, None, None]
-    variance = np.einsum("ebi,bef,fbi->bi", slopes, covariance, slopes, optimize=True)
-    return variance[:, ON_TABLE].sum(axis=1), variance[:, 2]

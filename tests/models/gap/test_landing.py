@@ -1,11 +1,9 @@
 """Landings are where flights say, as a sensor sees them."""
 
 import numpy as np
-import pytest
 
 from models.ball.simulator import Simulator
-from models.gap.landing import landings, spread
-from tests.models.gap.hidden import NOMINAL, launches
+from models.gap.landing import landings
 
 FALLING = Simulator.from_dict(
     {"gravity": {"g": 9.81}, "table_bounce": {"restitution": 0.9, "friction": 0.2}}
@@ -30,17 +28,3 @@ def test_sensors_see_landings_late_and_elsewhere():
 def test_a_ball_that_is_not_followed_until_then_has_no_landing():
     found = landings(FALLING, np.repeat(DROPPED, 2, axis=0), np.array([FALL / 2, 1.0]))
     assert np.isnan(found.times).tolist() == [True, False]
-
-
-def test_the_spread_is_that_of_launches_drawn_at_random():
-    random = np.random.default_rng(0)
-    states, ends = launches(4, random), np.full(4, 1.0)
-    states[:, 4:6] = np.outer([5.0, -5.0, 5.0, -5.0], [1.0, 0.0])
-    states[:, 1] = -0.28 * states[:, 4]
-    deviations = np.repeat([0.002, 0.03, 10.0], 3)
-    many = states[:, None] + random.normal(size=(4, 500, 9)) * deviations
-    drawn = landings(NOMINAL, many.reshape(-1, 9), np.full(2000, 1.2))
-    places, times = spread(NOMINAL, states, ends, np.tile(np.diag(deviations**2), (4, 1, 1)))
-    square = drawn.places.reshape(4, 500, 2).var(axis=1).sum(axis=1)
-    assert places == pytest.approx(square, rel=0.2)
-    assert times == pytest.approx(drawn.times.reshape(4, 500).var(axis=1), rel=0.2)

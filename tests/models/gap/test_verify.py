@@ -37,6 +37,14 @@ def test_a_perfect_simulator_reaches_the_floor():
     assert landing.closer_ms[0] > 0.0
 
 
+def test_the_floor_holds_where_lift_saturates_and_nobody_measured_spins():
+    saturated = NOMINAL.amended("magnus", cm=0.4).amended("lift_saturation", kappa=3.0)
+    shots = measured(saturated, count=90, labels=None)
+    found = gap(errors(fitted(shots, saturated, NOISE), NOMINAL, saturated, NOISE, (150.0, 150.0)))
+    after, floor = np.array(found.after_mm)[:-1], np.array(found.floor_mm)[:-1]
+    assert after == pytest.approx(floor, rel=0.15)
+
+
 def test_no_change_closes_nothing():
     found = gap(errors(about(12), WRONG, WRONG, NOISE, (150.0, 150.0)))
     assert found.before_mm == found.after_mm
