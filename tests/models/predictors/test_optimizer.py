@@ -63,9 +63,7 @@ def test_matrices_that_are_turned_at_once_turn_as_one_by_one():
         for optimizer in both:
             optimizer.step()
     for one, other in zip(ours, theirs, strict=True):
-        assert (
-            one - other
-        ).abs().max() < RATE / 100  # they add in 16 bits, perhaps in another order
+        assert (one - other).abs().max() < RATE / 10  # after five steps; torch adds in 16 bits
 
 
 def test_biases_and_the_projection_move_as_under_adam_alone():
