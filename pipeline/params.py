@@ -25,7 +25,7 @@ from models.policy.settings import (
     ObservationKind,
     SensorNoise,
 )
-from models.predictors.settings import TrainingSettings, TransformerSettings
+from models.predictors.settings import NetworkSettings, TrainingSettings
 from models.segmentation.settings import ScoringSettings, SegmentSettings
 from pipeline.errors import InputError
 from pipeline.sources.settings import IngestSettings
@@ -65,7 +65,7 @@ class TrainPredictorSettings(Settings):
 
     sources: Annotated[list[Name], Field(min_length=1)]
     """Sets of measured balls to learn from."""
-    networks: Annotated[dict[Name, TransformerSettings], Field(min_length=1)]
+    networks: Annotated[dict[Name, NetworkSettings], Field(min_length=1)]
     training: TrainingSettings
     """The same for every network."""
     fine_tuning: FineTuningSettings
@@ -141,10 +141,10 @@ Sim2SimProtocol = Literal["first_state", "re_anchored"]
 every control tick."""
 
 
-def _each_once(protocols: list[Sim2SimProtocol]) -> list[Sim2SimProtocol]:
-    if len(set(protocols)) < len(protocols):
-        raise ValueError("give each protocol once")
-    return protocols
+def _each_once(names: list[str]) -> list[str]:
+    if len(set(names)) < len(names):
+        raise ValueError("give each name once")
+    return names
 
 
 class Sim2SimSettings(Settings):
@@ -177,6 +177,8 @@ class Sim2RealSettings(Settings):
     """The policies that play, of ``train_policy``, ..."""
     simulator: Name
     """... and of those the ones from this simulator, with which physics forecasts."""
+    learned: Annotated[list[Name], Field(min_length=1), AfterValidator(_each_once)]
+    """The trained predictors that forecast, too."""
     launches: Annotated[int, Field(ge=1, le=100_000)]
     """Drawn from every source of launches, at most."""
     noise: SensorNoise
@@ -291,14 +293,28 @@ def check_params(content: Any, path: Path) -> Params:
     try:
         return Params.model_validate_json(as_json(content, path), strict=True)
     except ValidationError as error:
-        problems = [_problem(path, details) for details in error.errors()]
+        problems = [_problem(path, details, content) for details in error.errors()]
         raise ParameterError(problems) from None
 
 
-def _problem(path: Path, details: Any) -> InputError:
-    location = details["loc"]
-    key = ".".join(str(part) for part in location) or None
+def _problem(path: Path, details: Any, content: Any) -> InputError:
+    missing = details["type"] == "missing"
+    key = ".".join(_written(details["loc"], content, missing)) or None
     return InputError(path, _explanation(details), field=key)
+
+
+def _written(location: Sequence[int | str], content: Any, missing: bool) -> Iterator[str]:
+    """Yield the keys that lead to a place in ``content``.
+
+    Pydantic's locations also name the kind that tells settings apart, which is no key.
+    """
+    for number, part in enumerate(location, start=1):
+        try:
+            content = content[part]
+        except (LookupError, TypeError):
+            if not (missing and number == len(location)):
+                continue
+        yield str(part)
 
 
 def _explanation(details: Any) -> str:
@@ -321,7 +337,14 @@ def _known_keys(location: Sequence[int | str]) -> set[str]:
         fields = [model.model_fields[part] for model in models if part in model.model_fields]
         if fields:
             models = [model for field in fields for model in _models_in(field.annotation)]
+    told = [model for model in models if location[-1:] and _has_kind(model, location[-1])]
+    models = told or models
     return {name for model in models for name in model.model_fields}
+
+
+def _has_kind(model: type[BaseModel], kind: int | str) -> bool:
+    field = model.model_fields.get("kind")
+    return field is not None and kind in get_args(field.annotation)
 
 
 def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:

@@ -1,6 +1,6 @@
 """The predictors that are evaluated: physics by parameter or amended, the oracle, the trained."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -102,6 +102,20 @@ def _oracle(path: Path) -> Iterator[Contender]:
     if truth is not None:
         predictor = PhysicsPredictor(truth.simulator)
         yield Contender(ORACLE, predictor, ORACLE, simulator="the arena's truth")
+
+
+def read_learned(folder: Path, names: Sequence[str]) -> list[Contender]:
+    """Return the trained predictors of a folder that ``sim2real.learned`` names.
+
+    Raises:
+        InputError: one is not there, or is broken.
+    """
+    trained = {one.name: one for one in read_trained(folder)}
+    for name in names:
+        if name not in trained:
+            problem = f"no predictor {name} was trained; there are {', '.join(trained)}"
+            raise InputError("params.yaml", problem, field="sim2real.learned")
+    return [trained[name] for name in names]
 
 
 def read_trained(folder: Path) -> Iterator[Contender]:

@@ -1,13 +1,16 @@
 """Progress on the terminal, with the time left; silent where nobody looks."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from threading import Event, Thread
 from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import Progress, track
 
 Item = TypeVar("Item")
+
+EVERY = 0.5  # s between two looks at what others do
 
 
 def progress(items: Sequence[Item], description: str) -> Iterable[Item]:
@@ -23,3 +26,33 @@ def progress_bar(description: str, total: int, done: int = 0) -> Iterator[Callab
     with Progress(console=console, disable=not console.is_terminal) as bar:
         task = bar.add_task(description, total=total, completed=done)
         yield lambda: bar.advance(task)
+
+
+@contextmanager
+def progress_bars(totals: Mapping[str, int], done: Callable[[], Sequence[int]]) -> Iterator[None]:
+    """Draw on stderr how far others have come while the block runs, a bar each.
+
+    Args:
+        totals: of what each has to do, by its description.
+        done: says how much of it each has done.
+    """
+    console, ended = Console(stderr=True), Event()
+    with Progress(console=console, disable=not console.is_terminal) as bars:
+        tasks = [bars.add_task(description, total=total) for description, total in totals.items()]
+
+        def draw() -> None:
+            for task, count in zip(tasks, done(), strict=True):
+                bars.update(task, completed=count)
+
+        def watch() -> None:
+            while not ended.wait(EVERY):
+                draw()
+
+        watcher = Thread(target=watch, daemon=True)
+        watcher.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            watcher.join()
+            draw()

@@ -1,9 +1,9 @@
-"""Runs Lightning for a stage: on what there is, with a progress bar, and so that it can resume."""
+"""Runs Lightning for a stage: on what there is, quietly, and so that it can resume."""
 
 import logging
 import signal
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -12,21 +12,17 @@ import lightning
 import torch
 from lightning.pytorch.callbacks import Callback, ModelCheckpoint
 from lightning.pytorch.utilities.exceptions import SIGTERMException
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TaskID,
-    TextColumn,
-    TimeRemainingColumn,
-)
 
 from models.predictors.settings import TrainingSettings
 from models.predictors.training import ForecastTraining, WindowData
 
 
-def train(training: ForecastTraining, data: WindowData, name: str, checkpoints: Path) -> None:
+def train(
+    training: ForecastTraining,
+    data: WindowData,
+    checkpoints: Path,
+    steps_done: Callable[[int], None] = lambda steps: None,
+) -> None:
     """Train a network in place.
 
     Every epoch leaves a checkpoint, from which a run that was killed goes on; the result is that
@@ -35,8 +31,8 @@ def train(training: ForecastTraining, data: WindowData, name: str, checkpoints: 
     Args:
         training: the network and the recipe.
         data: the windows.
-        name: for the progress bar.
         checkpoints: a folder that belongs to this training alone.
+        steps_done: is told how many steps are done, at the start and after each.
 
     Raises:
         SystemExit: the process was told to stop (SIGTERM).
@@ -45,7 +41,7 @@ def train(training: ForecastTraining, data: WindowData, name: str, checkpoints: 
     last = checkpoints / "last.ckpt"
     resumed = last if last.exists() else None
     with _quiet():
-        trainer = _trainer(training.settings, checkpoints, name)
+        trainer = _trainer(training.settings, checkpoints, steps_done)
         try:
             trainer.fit(training, data, ckpt_path=resumed, weights_only=False)
         except SIGTERMException:
@@ -53,7 +49,9 @@ def train(training: ForecastTraining, data: WindowData, name: str, checkpoints: 
             raise SystemExit(128 + signal.SIGTERM) from None
 
 
-def _trainer(settings: TrainingSettings, checkpoints: Path, name: str) -> lightning.Trainer:
+def _trainer(
+    settings: TrainingSettings, checkpoints: Path, steps_done: Callable[[int], None]
+) -> lightning.Trainer:
     return lightning.Trainer(
         max_epochs=settings.epochs,
         precision=settings.precision,
@@ -61,7 +59,7 @@ def _trainer(settings: TrainingSettings, checkpoints: Path, name: str) -> lightn
         deterministic=True,
         # Batches depend on the number of the epoch.
         reload_dataloaders_every_n_epochs=1,
-        callbacks=[_saved_every_epoch(checkpoints), _Progress(name)],
+        callbacks=[_saved_every_epoch(checkpoints), _Steps(steps_done)],
         default_root_dir=checkpoints,
         logger=False,
         enable_progress_bar=False,
@@ -88,27 +86,14 @@ def _saved_every_epoch(folder: Path) -> ModelCheckpoint:
     )
 
 
-class _Progress(Callback):
-    """Draws on stderr how far the whole training has come; silent where nobody looks."""
+class _Steps(Callback):
+    """Tells how many steps are done."""
 
-    def __init__(self, name: str) -> None:
-        columns = (
-            TextColumn("[progress.description]{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeRemainingColumn(),
-        )
-        console = Console(stderr=True)
-        self.bar = Progress(*columns, console=console, disable=not console.is_terminal)
-        self.name, self.task = name, TaskID(0)
+    def __init__(self, steps_done: Callable[[int], None]) -> None:
+        self.steps_done = steps_done
 
     def on_train_start(self, trainer: lightning.Trainer, *_: Any) -> None:
-        steps = int(trainer.estimated_stepping_batches)
-        self.task = self.bar.add_task(self.name, total=steps, completed=trainer.global_step)
-        self.bar.start()
+        self.steps_done(trainer.global_step)
 
-    def on_train_batch_end(self, *_: Any) -> None:
-        self.bar.advance(self.task)
-
-    def teardown(self, *_: Any, **__: Any) -> None:
-        self.bar.stop()
+    def on_train_batch_end(self, trainer: lightning.Trainer, *_: Any) -> None:
+        self.steps_done(trainer.global_step)

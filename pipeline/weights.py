@@ -10,7 +10,7 @@ from safetensors.torch import load, save
 from torch import Tensor
 
 from models.predictors.learned import ForecastNetwork, LearnedPredictor, build_network
-from models.predictors.settings import TrainingSettings, TransformerSettings
+from models.predictors.settings import NetworkSettings, TrainingSettings
 from pipeline.artifacts import read_as, replacing_folder, write_json, write_text
 from pipeline.errors import InputError
 
@@ -53,7 +53,7 @@ class TrainedPredictor(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     name: str
-    network: TransformerSettings
+    network: NetworkSettings
     parameters: int
     sources: list[str]
     starts_from: str | None

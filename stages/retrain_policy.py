@@ -17,7 +17,7 @@ from pipeline.outcomes import rates
 from pipeline.params import Sim2RealSettings
 from pipeline.policies import save_policy
 from pipeline.policy_training import Pupil, train_policies
-from pipeline.predictors import ARENA, read_trained
+from pipeline.predictors import ARENA, read_learned
 from pipeline.replay_trials import EveryTick, Policies, informed, players, replays, source_of
 from pipeline.replays import read_replay_sets
 from pipeline.retraining import KEYS, ORIGINAL, RETRAINED, OwnTrial, anew, loop_table, pooled
@@ -85,7 +85,7 @@ def _replayed(
     known = read_table(run.input("sim2real", "played.parquet"))
     known = known[known["protocol"] == EveryTick.protocol].assign(policy=ORIGINAL)
     sets = read_replay_sets(run.root / "artifacts", settings, run.seed)
-    learned = list(read_trained(run.input("train_predictor", "")))
+    learned = read_learned(run.input("train_predictor", ""), settings.learned)
     replayed = {}
     for source, simulator in simulators.items():
         own = [one for one in sets if source_of(one) == source]

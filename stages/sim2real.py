@@ -10,7 +10,7 @@ from pipeline.artifacts import write_json, write_table
 from pipeline.figures.sim2real import tolerance_figure, transfer_figure
 from pipeline.metrics import place, rounded
 from pipeline.outcomes import differences, rates
-from pipeline.predictors import Contender, read_trained
+from pipeline.predictors import Contender, read_learned
 from pipeline.replay_trials import (
     EveryTick,
     FirstWindow,
@@ -41,7 +41,7 @@ def sim2real(run: StageRun) -> None:
     sets = read_replay_sets(run.root / "artifacts", run.params.sim2real, run.seed)
     for one in sets:
         run.log_input(one.name, run.input("segment", "episodes.parquet"), len(one))
-    learned = list(read_trained(run.input("train_predictor", "")))
+    learned = read_learned(run.input("train_predictor", ""), run.params.sim2real.learned)
     replayed = play_all([trial for one in sets for trial in _replays(run, one, policies, learned)])
     write_table(run.artifact("played.parquet"), replayed)
     write_json(run.artifact("settings.json"), run.params.sim2real.model_dump(mode="json"))

@@ -1,7 +1,7 @@
 """Train the predictors that learn: from measured balls alone, no physics told."""
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import lightning
 import pandas as pd
@@ -9,13 +9,13 @@ import pandas as pd
 from models.predictors.learned import ForecastNetwork, build_network
 from models.predictors.settings import TrainingSettings
 from models.predictors.tracks import Tracks, tracks
-from models.predictors.training import ForecastTraining, WindowData
+from models.predictors.training import WindowData
 from pipeline.episodes import read_episodes
 from pipeline.errors import InputError
 from pipeline.figures.training import training_figure
+from pipeline.predictor_training import Pupil, train_networks
 from pipeline.run import StageRun, run_stage
 from pipeline.sources.manifest import read_manifest
-from pipeline.training import train
 from pipeline.weights import Learning, TrainedPredictor, save_predictor
 
 FINE_TUNED = "_fine_tuned"  # what fine-tuning adds to a predictor's name
@@ -44,19 +44,18 @@ class School:
         self.run.log_input("+".join(sources), self.path, train.episodes)
         return WindowData(train, validation, settings, self.run.seed)
 
-    def train(self, name: str, network: ForecastNetwork, data: WindowData) -> Learning:
-        """Train a network in place; note its curve and the time it took."""
-        training = ForecastTraining(network, data.settings)
-        train(training, data, name, self.run.scratch(name))
-        self.curves.append(pd.DataFrame(training.curve).assign(predictor=name))
-        self.run.timings[name] = {"training_s": round(training.seconds, 1)}
-        return Learning(
-            episodes=data.train.episodes,
-            windows=data.train.episodes * data.settings.windows_an_episode * data.settings.epochs,
-            validation_episodes=data.validation.episodes,
-            settings=data.settings,
-            seed=self.run.seed,
-        )
+    def train(
+        self, networks: Mapping[str, ForecastNetwork], data: WindowData
+    ) -> dict[str, ForecastNetwork]:
+        """Return the networks trained; note their curves and the time they took."""
+        pupils = [
+            Pupil(name, network, data, self.run.scratch(name)) for name, network in networks.items()
+        ]
+        graduates = train_networks(pupils)
+        for one in graduates:
+            self.curves.append(one.curve.assign(predictor=one.name))
+            self.run.timings[one.name] = {"training_s": round(one.seconds, 1)}
+        return {one.name: one.network for one in graduates}
 
     def _tracks(self, split: str, sources: Sequence[str]) -> Tracks:
         chosen = [one for one in self.episodes if one.split == split and one.source in sources]
@@ -72,41 +71,53 @@ def train_predictor(run: StageRun) -> None:
     settings = run.params.train_predictor
     school = School(run)
     data = school.data(settings.sources, settings.training)
-    networks = {}
-    for name, shape in settings.networks.items():
-        lightning.seed_everything(run.seed, verbose=False)
-        networks[name] = build_network(shape)
-        data.fit_normaliser(networks[name])
-        _learn(school, name, networks[name], data, settings.sources)
+    trained = school.train(_untrained(run, data), data)
+    for name, network in trained.items():
+        _keep(run, name, network, data, settings.sources)
     if settings.fine_tuning.sources:
-        _fine_tune(school, networks)
+        _fine_tune(school, trained)
     _report(run, pd.concat(school.curves))
 
 
-def _fine_tune(school: School, networks: dict[str, ForecastNetwork]) -> None:
+def _untrained(run: StageRun, data: WindowData) -> dict[str, ForecastNetwork]:
+    """Return every network as it begins: its weights drawn, its normaliser fitted."""
+    networks = {}
+    for name, shape in run.params.train_predictor.networks.items():
+        lightning.seed_everything(run.seed, verbose=False)
+        networks[name] = build_network(shape)
+        data.fit_normaliser(networks[name])
+    return networks
+
+
+def _fine_tune(school: School, trained: dict[str, ForecastNetwork]) -> None:
     settings = school.run.params.train_predictor
     changed = settings.fine_tuning.model_dump(exclude={"sources"})
     data = school.data(settings.fine_tuning.sources, settings.training.model_copy(update=changed))
-    for name, network in networks.items():
-        tuned = copy.deepcopy(network)
-        _learn(school, f"{name}{FINE_TUNED}", tuned, data, settings.fine_tuning.sources, name)
+    begun = {f"{name}{FINE_TUNED}": name for name in trained}
+    tuned = school.train({name: copy.deepcopy(trained[one]) for name, one in begun.items()}, data)
+    for name, network in tuned.items():
+        _keep(school.run, name, network, data, settings.fine_tuning.sources, begun[name])
 
 
-def _learn(
-    school: School,
+def _keep(
+    run: StageRun,
     name: str,
     network: ForecastNetwork,
     data: WindowData,
     sources: list[str],
     starts_from: str | None = None,
 ) -> None:
-    """Train a network and keep it."""
-    run = school.run
-    learning = school.train(name, network, data)
-    shape = run.params.train_predictor.networks[starts_from or name]
+    """Keep a trained network, with how it came by its weights."""
+    learning = Learning(
+        episodes=data.train.episodes,
+        windows=data.train.episodes * data.settings.windows_an_episode * data.settings.epochs,
+        validation_episodes=data.validation.episodes,
+        settings=data.settings,
+        seed=run.seed,
+    )
     description = TrainedPredictor(
         name=name,
-        network=shape,
+        network=run.params.train_predictor.networks[starts_from or name],
         parameters=network.parameter_count,
         sources=sources,
         starts_from=starts_from,

@@ -16,6 +16,10 @@ NAMES = {
     "oracle": "oracle",
     "transformer": "transformer",
     "transformer_fine_tuned": "transformer, fine-tuned",
+    "tae": "TAE",
+    "tae_fine_tuned": "TAE, fine-tuned",
+    "gru_tae": "GRU-TAE",
+    "gru_tae_fine_tuned": "GRU-TAE, fine-tuned",
 }
 TRAININGS = (  # what policies are told of, the experiment that trained them, their group in it
     ("landing", "policies", "sim2sim"),

@@ -4,9 +4,11 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from models.predictors.gru_tae import RecurrentAutoencoder
 from models.predictors.normaliser import Normaliser, uniform_motion
 from models.predictors.protocol import Forecast, History
-from models.predictors.settings import TransformerSettings
+from models.predictors.settings import GruTaeSettings, NetworkSettings, TaeSettings
+from models.predictors.tae import TrajectoryAutoencoder
 from models.predictors.transformer import Transformer
 
 
@@ -14,8 +16,8 @@ class ForecastNetwork(nn.Module):
     """A network that maps normalised histories to normalised futures, with its normaliser.
 
     Args:
-        network: normalised measurements (B, 12, 6), how far they are off uniform motion (B, 12, 3)
-            and where that leads (B, 60, 6) -> (B, 60, 9).
+        network: normalised measurements (B, 12, 6), where there are any (B, 12, 6), how far they
+            are off uniform motion (B, 12, 3) and where that leads (B, 60, 6) -> (B, 60, 9).
     """
 
     def __init__(self, network: nn.Module) -> None:
@@ -37,6 +39,7 @@ class ForecastNetwork(nn.Module):
         normaliser = self.normaliser
         deviation: Tensor = self.network(
             normaliser.normalised(history, seen, motion),
+            seen,
             normaliser.residual(history, seen, motion),
             normaliser.expected(motion),
         )
@@ -48,19 +51,14 @@ class ForecastNetwork(nn.Module):
         return sum(parameter.numel() for parameter in self.parameters())
 
 
-def build_network(settings: TransformerSettings) -> ForecastNetwork:
+def build_network(settings: NetworkSettings) -> ForecastNetwork:
     """Return an untrained network, its weights drawn from torch's generator."""
-    return ForecastNetwork(
-        Transformer(
-            settings.width,
-            settings.expanded,
-            settings.heads,
-            settings.encoder_layers,
-            settings.decoder_layers,
-            settings.states_a_row,
-            settings.uniform_motion,
-        )
-    )
+    sizes = settings.model_dump(exclude={"kind"})
+    if isinstance(settings, TaeSettings):
+        return ForecastNetwork(TrajectoryAutoencoder(**sizes))
+    if isinstance(settings, GruTaeSettings):
+        return ForecastNetwork(RecurrentAutoencoder(**sizes))
+    return ForecastNetwork(Transformer(**sizes))
 
 
 class LearnedPredictor:

@@ -18,6 +18,10 @@ from torch import Tensor, nn
 
 from models.predictors.protocol import FUTURE_TIMES, HISTORY, HISTORY_TIMES, TICK
 
+INPUTS = 6  # numbers a measured row: position and spin
+RESIDUALS = 3  # and how far its position is off uniform motion
+OUTPUTS = 9  # numbers a forecast row: position, velocity and spin
+
 MAGNIFICATION = 6.0  # 55 ms of the ball's way look like 330 ms, as far as forecasts go
 # Position, velocity, spin: by how much finer than its spread each is told, and so weighs in a loss.
 # Measured spin is so noisy that it would else be half of the loss, and its noise of the gradient.

@@ -37,6 +37,42 @@ class TransformerSettings(_Settings):
         return self
 
 
+class TaeSettings(_Settings):
+    """A trajectory autoencoder; its authors' size is 512, 128, 64, 1024, false."""
+
+    kind: Literal["tae"]
+    hidden: Width
+    """Of the first layer, of encoder and decoder alike."""
+    features: Width
+    """Of the second."""
+    latent: Width
+    """Numbers of the code."""
+    decoded: Width
+    """Of the layer that joins code and features."""
+    uniform_motion: bool
+    """Whether it is told how far each measurement is off the ball's uniform motion."""
+
+
+class GruTaeSettings(_Settings):
+    """A recurrent trajectory autoencoder; its authors' size is 64, 16, 128, false."""
+
+    kind: Literal["gru_tae"]
+    recurrent: Width
+    """Of the first recurrent unit."""
+    latent: Width
+    """Of the second: numbers of the code."""
+    decoded: Width
+    """Of the dense layer."""
+    uniform_motion: bool
+    """Whether it is told how far each measurement is off the ball's uniform motion."""
+
+
+NetworkSettings = Annotated[
+    TransformerSettings | TaeSettings | GruTaeSettings, Field(discriminator="kind")
+]
+"""Of any network that learns, told apart by its kind."""
+
+
 class TrainingSettings(_Settings):
     """How networks are trained, on the mean squared error of normalised states."""
 

@@ -17,11 +17,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import gelu, pad, scaled_dot_product_attention
 
+from models.predictors.normaliser import INPUTS, OUTPUTS, RESIDUALS
 from models.predictors.protocol import FUTURE, HISTORY
-
-INPUTS = 6  # position and spin
-RESIDUALS = 3  # how far a position is off uniform motion
-OUTPUTS = 9  # position, velocity and spin
 
 
 class Attention(nn.Module):
@@ -150,11 +147,14 @@ class Transformer(nn.Module):
         )
         self.projection = nn.Linear(width, states_a_row * OUTPUTS)
 
-    def forward(self, history: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
+    def forward(
+        self, history: Tensor, seen: Tensor, residual: Tensor, expected: Tensor
+    ) -> Tensor:
         """Return (B, 60, 9) normalised future states.
 
         Args:
-            history: (B, 12, 6) normalised measurements.
+            history: (B, 12, 6) normalised measurements, zero where there are none.
+            seen: (B, 12, 6) where there are; the paper's network is not told.
             residual: (B, 12, 3) how far they are off uniform motion.
             expected: (B, 60, 6) normalised uniform motion.
         """

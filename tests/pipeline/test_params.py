@@ -49,7 +49,7 @@ def test_every_parameter_is_written_in_params_yaml():
         ("segment", None, "segment: input should be an object, not null"),
         ("evaluate_predictor.predictors", {"A b": {}}, "predictors.A b"),
         ("evaluate_predictor.window_every_ms", 7, "should be a multiple of 5, not 7"),
-        ("sim2sim.protocols", ["first_state"] * 2, "give each protocol once"),
+        ("sim2sim.protocols", ["first_state"] * 2, "give each name once"),
     ],
 )
 def test_what_is_wrong_is_said_by_name(key, value, said):

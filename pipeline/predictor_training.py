@@ -1,0 +1,86 @@
+"""Trains networks side by side, each in a process of its own, so that a killed run goes on."""
+
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from filelock import FileLock
+from joblib import Parallel, cpu_count, delayed
+from numpy.typing import NDArray
+
+from models.predictors.learned import ForecastNetwork
+from models.predictors.training import ForecastTraining, WindowData
+from pipeline.progress import progress_bars
+from pipeline.training import train
+
+Counts = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Pupil:
+    """A network to be trained, on what, and a folder that belongs to its training alone."""
+
+    name: str
+    network: ForecastNetwork
+    data: WindowData
+    folder: Path
+
+    @property
+    def steps(self) -> int:
+        """How many steps its training takes."""
+        settings = self.data.settings
+        windows = self.data.train.episodes * settings.windows_an_episode
+        return settings.epochs * -(-windows // settings.batch)
+
+
+@dataclass(frozen=True)
+class Graduate:
+    """A trained network, its learning curve (a record an epoch), and the seconds it took."""
+
+    name: str
+    network: ForecastNetwork
+    curve: pd.DataFrame
+    seconds: float
+
+
+def train_networks(pupils: Sequence[Pupil]) -> list[Graduate]:
+    """Train every network to the end, as many at once as there are cores for their threads.
+
+    What comes of a network depends on its data and the seed alone: not on the number of cores, on
+    the networks beside it, nor on kills in between.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        shape = (len(pupils),)
+        done: Counts = np.memmap(Path(folder) / "steps", dtype=np.int64, mode="w+", shape=shape)
+        with progress_bars({one.name: one.steps for one in pupils}, done.tolist):
+            graduates: list[Graduate] = Parallel(_workers(pupils))(
+                delayed(_learn)(one, done, number, os.getpid()) for number, one in enumerate(pupils)
+            )
+    return graduates
+
+
+def _workers(pupils: Sequence[Pupil]) -> int:
+    threads = max(one.data.settings.threads for one in pupils)
+    workers: int = max(1, min(cpu_count() // threads, len(pupils)))
+    return workers
+
+
+def _learn(pupil: Pupil, done: Counts, number: int, master: int) -> Graduate:
+    """Take a network through its training, and count its steps in ``done``.
+
+    A worker of a run that was killed may still be at it: wait until it has noticed.
+    """
+
+    def steps_done(steps: int) -> None:
+        if master not in (os.getpid(), os.getppid()):
+            os._exit(1)  # nobody waits for the result; the run that goes on waits for the lock
+        done[number] = steps
+
+    training = ForecastTraining(pupil.network, pupil.data.settings)
+    with FileLock(pupil.folder / "lock"):
+        train(training, pupil.data, pupil.folder, steps_done)
+    return Graduate(pupil.name, pupil.network, pd.DataFrame(training.curve), training.seconds)
