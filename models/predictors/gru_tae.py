@@ -11,7 +11,6 @@ theirs reads a whole trajectory with zeros for its future and tells all of it; t
 whose candidates go through a hyperbolic tangent instead of an ELU.
 """
 
-import torch
 from torch import Tensor, nn
 from torch.nn.functional import elu
 
@@ -57,9 +56,7 @@ class RecurrentAutoencoder(nn.Module):
         self.decoder = nn.Linear(latent, decoded)
         self.projection = nn.Linear(decoded, FUTURE * OUTPUTS)
 
-    def forward(
-        self, history: Tensor, seen: Tensor, residual: Tensor, expected: Tensor
-    ) -> Tensor:
+    def forward(self, history: Tensor, seen: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
         """Return (B, 60, 9) normalised future states.
 
         Args:

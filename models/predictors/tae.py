@@ -54,9 +54,7 @@ class TrajectoryAutoencoder(nn.Module):
         self.joined = nn.Linear(features + latent, decoded)
         self.projection = nn.Linear(decoded, FUTURE * OUTPUTS)
 
-    def forward(
-        self, history: Tensor, seen: Tensor, residual: Tensor, expected: Tensor
-    ) -> Tensor:
+    def forward(self, history: Tensor, seen: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
         """Return (B, 60, 9) normalised future states.
 
         Args:

@@ -147,9 +147,7 @@ class Transformer(nn.Module):
         )
         self.projection = nn.Linear(width, states_a_row * OUTPUTS)
 
-    def forward(
-        self, history: Tensor, seen: Tensor, residual: Tensor, expected: Tensor
-    ) -> Tensor:
+    def forward(self, history: Tensor, seen: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
         """Return (B, 60, 9) normalised future states.
 
         Args:

@@ -5,6 +5,8 @@ from matplotlib.figure import Figure
 
 from pipeline.figures.style import FIGURE_WIDTH, predictor_colour
 
+PANELS_A_ROW = 3
+
 
 def training_figure(curves: pd.DataFrame) -> Figure:
     """Draw the loss of training and validation over the epochs, one panel a predictor.
@@ -13,14 +15,19 @@ def training_figure(curves: pd.DataFrame) -> Figure:
         curves: one row an epoch: predictor, epoch, training, validation.
     """
     names = list(curves["predictor"].unique())
-    figure = Figure(figsize=(FIGURE_WIDTH, 2.8))
-    axes = figure.subplots(1, len(names), squeeze=False, sharey=True)[0]
-    for panel, name in zip(axes, names, strict=True):
+    across = min(len(names), PANELS_A_ROW)
+    down = -(-len(names) // across)
+    figure = Figure(figsize=(FIGURE_WIDTH, 2.8 * down))
+    axes = figure.subplots(down, across, squeeze=False, sharey=True)
+    for spare in axes.flat[len(names) :]:
+        spare.remove()
+    for panel, name in zip(axes.flat, names, strict=False):
         curve = curves[curves["predictor"] == name]
         colour = predictor_colour(name)
         panel.plot(curve["epoch"], curve["training"], color=colour, label="training")
         panel.plot(curve["epoch"], curve["validation"], color=colour, ls="--", label="validation")
         panel.set(title=name.replace("_", " "), xlabel="epoch", yscale="log")
         panel.legend()
-    axes[0].set_ylabel("loss")
+    for panel in axes[:, 0]:
+        panel.set_ylabel("loss")
     return figure

@@ -12,6 +12,7 @@ from tests.pipeline.measured_shots import shot_tables, source_record, write_inpu
 SETTINGS = Sim2RealSettings(
     group="small",
     simulator="imperfect_c",
+    learned=["tiny"],
     launches=6,
     noise=SensorNoise(position=0.003, spin=0.05),
     tolerance=ToleranceSettings(balls=6, errors_cm=[0.0, 40.0]),

@@ -49,6 +49,11 @@ def test_every_parameter_is_written_in_params_yaml():
         ("segment", None, "segment: input should be an object, not null"),
         ("evaluate_predictor.predictors", {"A b": {}}, "predictors.A b"),
         ("evaluate_predictor.window_every_ms", 7, "should be a multiple of 5, not 7"),
+        ("train_predictor.networks.x", {"width": 8}, "networks.x: "),
+        ("train_predictor.networks.tae.kind", "lstm", "networks.tae: "),
+        ("train_predictor.networks.tae.latent", 7, "networks.tae.latent: input should be"),
+        ("train_predictor.networks.transformer.heads", 5, "networks.transformer: value error, 5"),
+        ("sim2real.learned", ["tae", "tae"], "give each name once"),
         ("sim2sim.protocols", ["first_state"] * 2, "give each name once"),
     ],
 )
@@ -60,6 +65,14 @@ def test_unknown_keys_inside_named_groups_find_their_near_match():
     predictor = {"kind": "physics", "simulatr": "imperfect_c"}
     said = complaint(changed("evaluate_predictor.predictors.mine", predictor))
     assert "predictors.mine.simulatr: is an unknown key; did you mean simulator?" in said
+
+
+def test_an_unknown_key_is_compared_with_those_of_its_own_kind():
+    network = {"kind": "gru_tae", "recurrent": 8, "latnt": 8, "decoded": 8, "uniform_motion": True}
+    said = complaint(changed("train_predictor.networks.tae", network)).splitlines()
+    assert "networks.tae.latent: is missing" in said[0]
+    assert "networks.tae.latnt: is an unknown key; did you mean latent? Allowed:" in said[1]
+    assert said[1].endswith("Allowed: decoded, kind, latent, recurrent, uniform_motion")
 
 
 def test_every_problem_has_a_line():

@@ -42,7 +42,7 @@ class Counted(ForecastTraining):
 
 def trained(checkpoints, seed=0):
     training, data = schooling(seed=seed, kind=Counted)
-    train(training, data, "tiny", checkpoints)
+    train(training, data, checkpoints)
     return training
 
 
@@ -78,7 +78,7 @@ def test_a_training_that_was_killed_goes_on_to_the_same_result(undisturbed, tmp_
     killed, data = schooling(kind=Killed)
     killed.killed_at = step
     with pytest.raises(RuntimeError, match="killed"):
-        train(killed, data, "tiny", tmp_path / "checkpoints")
+        train(killed, data, tmp_path / "checkpoints")
 
     resumed = trained(tmp_path / "checkpoints")
 
@@ -92,10 +92,10 @@ def test_a_training_with_another_rate_at_every_step_goes_on_as_well(tmp_path, ma
     killed, data = schooling(settings, kind=Killed)
     killed.killed_at = 4
     with pytest.raises(RuntimeError, match="killed"):
-        train(killed, data, "tiny", tmp_path / "killed")
+        train(killed, data, tmp_path / "killed")
     resumed, undisturbed = schooling(settings), schooling(settings)
-    train(*resumed, "tiny", tmp_path / "killed")
-    train(*undisturbed, "tiny", tmp_path / "undisturbed")
+    train(*resumed, tmp_path / "killed")
+    train(*undisturbed, tmp_path / "undisturbed")
     assert_same(resumed[0], undisturbed[0])
 
 
@@ -104,7 +104,7 @@ def test_a_training_that_was_killed_twice_goes_on_to_the_same_result(undisturbed
         killed, data = schooling(kind=Killed)
         killed.killed_at = step
         with pytest.raises(RuntimeError, match="killed"):
-            train(killed, data, "tiny", tmp_path / "checkpoints")
+            train(killed, data, tmp_path / "checkpoints")
     assert_same(trained(tmp_path / "checkpoints"), undisturbed)
 
 
@@ -119,9 +119,21 @@ class ToldToStop(ForecastTraining):
 def test_a_training_that_is_told_to_stop_does_not_pass_for_done(undisturbed, tmp_path):
     training, data = schooling(kind=ToldToStop)
     with pytest.raises(SystemExit) as stopped:
-        train(training, data, "tiny", tmp_path / "checkpoints")
+        train(training, data, tmp_path / "checkpoints")
     assert stopped.value.code == 143
     assert_same(trained(tmp_path / "checkpoints"), undisturbed)
+
+
+def test_the_steps_done_are_told_at_the_start_and_after_each(tmp_path):
+    told = []
+    killed, data = schooling(kind=Killed)
+    killed.killed_at = 5
+    with pytest.raises(RuntimeError, match="killed"):
+        train(killed, data, tmp_path, told.append)
+    assert told == [0, 1, 2, 3, 4, 5]
+    training, data = schooling()
+    train(training, data, tmp_path, told.append)
+    assert told[6:] == [3, 4, 5, 6, 7, 8, 9]
 
 
 def test_nothing_is_printed(tmp_path, capfd, recwarn):
@@ -134,7 +146,7 @@ def test_nothing_is_printed(tmp_path, capfd, recwarn):
 def test_a_training_that_was_killed_once_it_was_done_is_done(undisturbed, tmp_path):
     killed, data = schooling(kind=KilledAtTheEnd)
     with pytest.raises(RuntimeError, match="killed"):
-        train(killed, data, "tiny", tmp_path / "checkpoints")
+        train(killed, data, tmp_path / "checkpoints")
     assert_same(trained(tmp_path / "checkpoints"), undisturbed)
 
 
@@ -157,7 +169,7 @@ class Moved(ForecastTraining):
 
 def moves(checkpoints, longest):
     training, data = schooling(changed(BRIEF, longest_gradient=longest, epochs=1), kind=Moved)
-    train(training, data, "tiny", checkpoints)
+    train(training, data, checkpoints)
     return training.moves
 
 
@@ -175,7 +187,7 @@ def test_a_training_that_is_done_is_not_done_again(undisturbed, tmp_path):
 
 def test_half_precision_trains_full_weights(undisturbed, tmp_path):
     training, data = schooling(changed(BRIEF, precision="bf16-mixed"))
-    train(training, data, "tiny", tmp_path / "checkpoints")
+    train(training, data, tmp_path / "checkpoints")
     assert training.curve[-1]["validation"] == pytest.approx(
         undisturbed.curve[-1]["validation"], 0.05
     )

@@ -20,7 +20,14 @@ from pipeline.weights import (
     save_predictor,
 )
 from tests.models.predictors.balls import observed
-from tests.models.predictors.schooling import BRIEF, TINY, changed, network, schooling
+from tests.models.predictors.schooling import (
+    BRIEF,
+    NETWORKS,
+    TINY,
+    changed,
+    network,
+    schooling,
+)
 
 LEARNING = Learning(
     episodes=4321, windows=98765, validation_episodes=432, settings=BRIEF, seed=17
@@ -57,6 +64,17 @@ def test_a_predictor_comes_back_with_the_same_forecasts_bit_for_bit(folder, trai
     saved, loaded = LearnedPredictor(trained), load_predictor(folder)
     np.testing.assert_array_equal(saved.predict(history).states, loaded.predict(history).states)
     assert read_description(folder) == description()
+
+
+@pytest.mark.parametrize("kind", NETWORKS)
+def test_a_network_of_every_kind_comes_back(tmp_path, kind):
+    trained, shape = schooling(shape=NETWORKS[kind])[0].network, NETWORKS[kind]
+    save_predictor(tmp_path / kind, trained, description(network=shape))
+    history, _ = observed(noise=0.003)
+    saved, loaded = LearnedPredictor(trained), load_predictor(tmp_path / kind)
+    np.testing.assert_array_equal(saved.predict(history).states, loaded.predict(history).states)
+    assert read_description(tmp_path / kind).network == shape
+    assert f"kind {kind}" in (tmp_path / kind / CARD).read_text()
 
 
 def test_the_same_weights_give_the_same_bytes(folder, tmp_path, trained):

@@ -140,6 +140,11 @@ def test_the_same_inputs_give_the_same_bytes(tmp_path, whole):
         assert path.read_bytes() == (tmp_path / path.relative_to(once)).read_bytes()
 
 
+def test_a_predictor_that_was_not_trained_is_an_error_that_names_those_that_were(tmp_path):
+    with pytest.raises(InputError, match="no predictor gru_tae was trained; there are tiny"):
+        transferred(tmp_path, learned=["tiny", "gru_tae"])
+
+
 def test_without_a_policy_from_the_simulator_there_is_one_error_and_no_metrics(tmp_path):
     with pytest.raises(InputError, match="no policy of small that was trained in imperfect_a"):
         transferred(tmp_path, simulator="imperfect_a")

@@ -15,10 +15,15 @@ from pipeline.run import StageRun
 from pipeline.weights import load_network, load_predictor, read_description
 from stages.train_predictor import train_predictor
 from tests.models.predictors.balls import observed
-from tests.models.predictors.schooling import BRIEF, TINY, changed
+from tests.models.predictors.schooling import BRIEF, TINY, TINY_GRU_TAE, TINY_TAE, changed
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs
 
-NETWORKS = {"small": TINY, "wide": changed(TINY, width=24, states_a_row=1, uniform_motion=False)}
+NETWORKS = {
+    "small": TINY,
+    "wide": changed(TINY, width=24, states_a_row=1, uniform_motion=False),
+    "tae": TINY_TAE,
+    "gru_tae": TINY_GRU_TAE,
+}
 SPLITS = [*["train"] * 4, *["validation"] * 2]
 
 
@@ -56,9 +61,17 @@ def trained(root, **changes):
     return run
 
 
+@pytest.fixture(autouse=True, scope="module")
+def alone():
+    """One network after the other, in this process."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LOKY_MAX_CPU_COUNT", "1")
+        yield
+
+
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """A run that trains two networks and tunes both; not to be changed."""
+def whole(tmp_path_factory, alone):
+    """A run that trains networks of every kind and tunes all; not to be changed."""
     root = tmp_path_factory.mktemp("whole")
     return trained(root, fine_tuning=["labelled"], networks=NETWORKS)
 
@@ -108,12 +121,12 @@ def test_without_balls_to_tune_on_there_is_no_tuned_predictor(tmp_path):
 
 def test_the_report_has_the_losses_of_every_epoch(whole):
     metrics = read_json(whole.report("metrics.json"))
-    names = ["small", "wide", "small_fine_tuned", "wide_fine_tuned"]
+    names = [*NETWORKS, *(f"{name}_fine_tuned" for name in NETWORKS)]
     assert list(metrics) == names
     assert list(metrics["small"]) == ["1", "2", "3"]
     last = pd.read_csv(whole.report("training.csv"))
     assert last["predictor"].tolist() == names
-    assert last["epoch"].tolist() == [3, 3, 1, 1]
+    assert last["epoch"].tolist() == [3] * 4 + [1] * 4
     for row in last.to_dict("records"):
         epoch = metrics[row["predictor"]][str(row["epoch"])]
         assert epoch == {key: row[key] for key in ("training", "validation")}
@@ -126,6 +139,17 @@ def test_the_same_inputs_give_the_same_bytes_however_long_it_took(whole, tmp_pat
     again = trained(tmp_path, fine_tuning=["labelled"], networks=NETWORKS)
     assert again.timings["small"] == {"training_s": BRIEF.epochs}
     assert written(again) == written(whole)
+
+
+def test_networks_trained_side_by_side_have_the_same_bytes_as_one_after_the_other(
+    whole, tmp_path, monkeypatch, capfd
+):
+    monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "2")
+    beside = trained(tmp_path, fine_tuning=["labelled"], networks=reversed(NETWORKS))
+    for name in (*NETWORKS, *(f"{name}_fine_tuned" for name in NETWORKS)):
+        for path in whole.artifact(name).iterdir():
+            assert path.read_bytes() == beside.artifact(f"{name}/{path.name}").read_bytes()
+    assert capfd.readouterr() == ("", "")
 
 
 def test_balls_to_test_on_and_those_of_other_sources_teach_nothing(whole, tmp_path):

@@ -8,7 +8,12 @@ import numpy as np
 import torch
 
 from models.predictors.learned import build_network
-from models.predictors.settings import TrainingSettings, TransformerSettings
+from models.predictors.settings import (
+    GruTaeSettings,
+    TaeSettings,
+    TrainingSettings,
+    TransformerSettings,
+)
 from models.predictors.tracks import tracks
 from models.predictors.training import ForecastTraining, WindowData
 from tests.models.predictors.balls import FIRST
@@ -21,6 +26,13 @@ TINY = TransformerSettings(
     kind="transformer", width=16, expanded=32, heads=2, encoder_layers=1, decoder_layers=1,
     states_a_row=5, uniform_motion=True,
 )  # fmt: skip
+TINY_TAE = TaeSettings(
+    kind="tae", hidden=32, features=16, latent=8, decoded=32, uniform_motion=True
+)  # fmt: skip
+TINY_GRU_TAE = GruTaeSettings(
+    kind="gru_tae", recurrent=16, latent=8, decoded=16, uniform_motion=True
+)  # fmt: skip
+NETWORKS = {one.kind: one for one in (TINY, TINY_TAE, TINY_GRU_TAE)}
 BRIEF = TrainingSettings(
     epochs=3, windows_an_episode=4, batch=8, learning_rate=0.01, matrix_learning_rate=None,
     decay=0.5, longest_gradient=1.0, hidden_spin=0.3, precision="32-true", threads=1,
@@ -50,15 +62,15 @@ def data(settings=BRIEF, seed=0):
 
 
 @cache
-def _fitted(seed):
-    fresh = network(seed=seed)
+def _fitted(shape, seed):
+    fresh = network(shape, seed)
     data(seed=seed).fit_normaliser(fresh)
     return fresh
 
 
-def schooling(settings=BRIEF, seed=0, kind=ForecastTraining):
+def schooling(settings=BRIEF, seed=0, kind=ForecastTraining, shape=TINY):
     """A training of a fresh network, and its data."""
-    return kind(copy.deepcopy(_fitted(seed)), settings), data(settings, seed)
+    return kind(copy.deepcopy(_fitted(shape, seed)), settings), data(settings, seed)
 
 
 def fit(training, data):

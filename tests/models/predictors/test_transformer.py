@@ -24,10 +24,11 @@ def network(request):
 
 @pytest.fixture(scope="module")
 def balls():
-    """Histories, how far uniform motion is off them and where it leads: any numbers at all."""
+    """Histories, where seen, how far off uniform motion and where that leads: any numbers."""
     random = torch.Generator().manual_seed(1)
     shapes = [(3, 12, 6), (3, 12, 3), (3, 60, 6)]
-    return [torch.randn(shape, dtype=torch.float64, generator=random) for shape in shapes]
+    history, *rest = (torch.randn(one, dtype=torch.float64, generator=random) for one in shapes)
+    return [history, torch.ones_like(history, dtype=torch.bool), *rest]
 
 
 class Restated:
@@ -39,7 +40,7 @@ class Restated:
     def __init__(self, network):
         self.weights, self.uniform_motion = network.state_dict(), network.uniform_motion
 
-    def __call__(self, history, residual, expected):
+    def __call__(self, history, seen, residual, expected):
         states_a_row = len(self.weights["projection.bias"]) // 9
         placeholders = torch.zeros(len(history), 60 // states_a_row, 6, dtype=history.dtype)
         if self.uniform_motion:
