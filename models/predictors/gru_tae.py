@@ -1,14 +1,14 @@
 """A recurrent trajectory autoencoder: what was seen, read row by row into a code, told from it.
 
-The GRU variant of the trajectory autoencoder that Toussaint et al. 2025 introduce for balls of table
-tennis (GRU-TAE, their code: https://github.com/LiBRTy-Lab/GRU-TAE_for_trajectory_prediction): one
-gated recurrent unit reads the rows, a second reads the first's, and what the second holds after the
-last row is the code; two dense layers tell the trajectory from it.
+The GRU variant of the trajectory autoencoder of Toussaint et al. 2025, *Real time trajectory
+prediction of a ping-pong ball using a GRU-TAE*: one gated recurrent unit reads the rows, a second
+reads the first's states, and the state in which the second ends is the code. Two dense layers tell
+the trajectory from it.
 
 Taken: the layers, the ELU between the dense ones, the mask beside the input. Changed: position and
 spin go in instead of position; position, velocity and spin come out, of the future alone, where
-theirs reads a whole trajectory with zeros for its future and tells all of it; the units are torch's,
-whose candidates go through a hyperbolic tangent instead of an ELU.
+theirs reads a whole trajectory with zeros for its future, and tells all of it; the units are
+torch's, whose candidates go through a hyperbolic tangent instead of an ELU.
 """
 
 from torch import Tensor, nn
