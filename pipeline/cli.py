@@ -86,6 +86,14 @@ def effects() -> None:
 
 
 @app.command()
+def paper() -> None:
+    """Print the paper's numbers beside ours as Markdown: `rallygap paper > docs/paper.md`."""
+    from pipeline.beside_paper.page import paper_page
+
+    typer.echo(paper_page(repository_root()))
+
+
+@app.command()
 def diagnose(
     data: Annotated[Path, typer.Argument(help="the folder of the recordings")],
     simulator: Annotated[str, typer.Option(help="a shipped one's name, or a YAML file")],

@@ -213,6 +213,8 @@ class ReportSettings(Settings):
 
     shots: Annotated[int, Field(ge=0, le=20)]
     """Measured shots in the 3-D view, at most."""
+    returns: Annotated[int, Field(ge=0, le=40)]
+    """Films of policies in the other 3-D view, at most."""
 
 
 class Params(Settings):

@@ -1,8 +1,11 @@
-"""Write the report page from what the stages before it report."""
+"""Write the report, as a page and as a PDF, from what the stages before it report."""
 
-from pipeline.artifacts import write_text
+from pipeline.artifacts import replacing, write_text
+from pipeline.beside_paper.reports import Reports
 from pipeline.figures.contents import read_contents
 from pipeline.figures.page import render_page
+from pipeline.figures.pdf import write_pdf
+from pipeline.figures.returns import read_returns
 from pipeline.figures.shots import read_shots
 from pipeline.run import StageRun, run_stage
 
@@ -22,16 +25,19 @@ STAGES = (
 
 
 def report(run: StageRun) -> None:
-    """Write ``reports/index.html``.
+    """Write ``reports/index.html`` and ``reports/report/report.pdf``.
 
     Raises:
         InputError: if a stage's report is missing or broken, naming the stage to run.
     """
-    reports = run.root / "reports"
-    contents = [read_contents(reports, stage) for stage in STAGES]
-    shots = read_shots(run.input("evaluate_predictor", "shots.json"))
-    page = render_page(reports, contents, shots[: run.params.report.shots])
-    write_text(reports / "index.html", page)
+    settings = run.params.report
+    reports = Reports(run.root / "reports", run.params.model_dump(mode="json"))
+    contents = [read_contents(reports.folder, stage) for stage in STAGES]
+    shots = read_shots(run.input("evaluate_predictor", "shots.json"))[: settings.shots]
+    returns = read_returns(run.input("sim2real", "returns.json"))[: settings.returns]
+    with replacing(run.report("report.pdf")) as temporary:
+        write_pdf(temporary, reports, contents)
+    write_text(reports.folder / "index.html", render_page(reports, contents, shots, returns))
 
 
 if __name__ == "__main__":

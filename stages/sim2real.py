@@ -7,7 +7,9 @@ import pandas as pd
 from models.predictors.physics import PhysicsPredictor
 from pipeline.amended import amended_by
 from pipeline.artifacts import write_json, write_table
+from pipeline.figures.returns import Return, write_returns
 from pipeline.figures.sim2real import tolerance_figure, transfer_figure
+from pipeline.filmed import chosen, filmed
 from pipeline.metrics import place, rounded
 from pipeline.outcomes import differences, rates
 from pipeline.predictors import Contender, read_learned
@@ -31,6 +33,7 @@ from pipeline.transfer import BASELINE, PHYSICS, SETTING, in_the_form_of_the_pap
 from pipeline.trials import play_all
 
 KEYS = [*SETTING, *BASELINE]  # what tells two experiments apart
+FILMED = 2  # balls of every set
 
 
 def sim2real(run: StageRun) -> None:
@@ -42,11 +45,15 @@ def sim2real(run: StageRun) -> None:
     for one in sets:
         run.log_input(one.name, run.input("segment", "episodes.parquet"), len(one))
     learned = read_learned(run.input("train_predictor", ""), run.params.sim2real.learned)
-    replayed = play_all([trial for one in sets for trial in _replays(run, one, policies, learned)])
+    trials = {one.name: _replays(run, one, policies, learned) for one in sets}
+    replayed = play_all([trial for own in trials.values() for trial in own])
     write_table(run.artifact("played.parquet"), replayed)
+    names = [one.name for one in learned]
+    films = [film for own in trials.values() for film in _films(own, replayed, names)]
+    write_returns(run.artifact("returns.json"), films)
     write_json(run.artifact("settings.json"), run.params.sim2real.model_dump(mode="json"))
     tolerated = play_all(_spoilt(run, policies))
-    _report_transfer(run, replayed, [one.name for one in learned])
+    _report_transfer(run, replayed, names)
     _report_sets(run, sets)
     _report_tolerance(run, tolerated)
 
@@ -64,6 +71,23 @@ def _replays(
         *informed(one, learned, amended),
     ]
     return replays(one, forecasters, policies, run.seed)
+
+
+def _films(trials: list[ReplayTrial], replayed: pd.DataFrame, learned: list[str]) -> list[Return]:
+    """Film some balls of a set, told by physics and by what forecasts them best of the learned."""
+    shots, goals, player = trials[0].shots, trials[0].goals, trials[0].policies[0]
+    played = replayed[
+        (replayed["set"] == shots.name)
+        & (replayed["protocol"] == EveryTick.protocol)
+        & (replayed["horizons_ms"] == player[1].horizons_label)
+        & (replayed["repeat"] == player[1].repeat)
+    ]
+    errors = played.groupby("predictor")["forecast_error_m"].mean()
+    compared = [PHYSICS, min(learned, key=errors.__getitem__)]
+    asked = [one.forecaster for one in trials if isinstance(one.forecaster, EveryTick)]
+    tellers = [one for one in asked if one.name in compared]
+    balls = chosen(played, compared, FILMED)
+    return [film for ball in balls for film in filmed(shots, ball, goals, player, tellers)]
 
 
 def _spoilt(run: StageRun, policies: Policies) -> list[ToleranceTrial]:

@@ -79,12 +79,22 @@ def read_first_frame(path: Path) -> str:
         InputError: if the file is missing or is no PNG.
     """
     still = io.BytesIO()
+    read_picture(path).save(still, "PNG")
+    return _data_uri(still.getvalue())
+
+
+def read_picture(path: Path) -> Image.Image:
+    """Return the picture of a PNG file, of an animated one the first.
+
+    Raises:
+        InputError: if the file is missing or is no PNG.
+    """
     try:
-        with Image.open(io.BytesIO(_read(path)), formats=["PNG"]) as animation:
-            animation.save(still, "PNG")
+        with Image.open(io.BytesIO(_read(path)), formats=["PNG"]) as picture:
+            picture.load()
+            return picture
     except (OSError, SyntaxError):
         raise InputError(path, "is not a PNG; run its stage again") from None
-    return _data_uri(still.getvalue())
 
 
 def read_columns(path: Path) -> list[Column]:
@@ -123,4 +133,9 @@ def _cells(values: pd.Series) -> list[str]:
     largest = values.abs().max()
     magnitude = 0 if pd.isna(largest) or largest == 0 else math.floor(math.log10(largest))
     decimals = min(max(SHOWN_DIGITS - 1 - magnitude, 0), 8)
-    return ["–" if pd.isna(value) else f"{value:.{decimals}f}" for value in values]
+    return ["–" if pd.isna(value) else _rounded(value, decimals) for value in values]
+
+
+def _rounded(value: float, decimals: int) -> str:
+    """Return a number with so many decimals; one that would vanish keeps two digits."""
+    return f"{value:.2g}" if 0 < abs(value) < 0.5 * 10**-decimals else f"{value:.{decimals}f}"

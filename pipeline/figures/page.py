@@ -6,7 +6,7 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from models.ball import state
+from pipeline.beside_paper.reports import Reports
 from pipeline.figures.contents import (
     Contents,
     Item,
@@ -14,10 +14,12 @@ from pipeline.figures.contents import (
     read_figure,
     read_first_frame,
 )
+from pipeline.figures.paper_section import paper_section
+from pipeline.figures.returns import Return
+from pipeline.figures.scenes import return_scenes, shot_scenes
 from pipeline.figures.shots import Shot
-from pipeline.figures.style import predictor_colour
 
-SHOTS_STAGE = "evaluate_predictor"  # the stage whose run forecast the shots
+SHOTS_STAGE, RETURNS_STAGE = "evaluate_predictor", "sim2real"  # whose runs the 3-D views show
 
 TEMPLATES = Environment(
     loader=FileSystemLoader(Path(__file__).parent / "templates"),
@@ -28,21 +30,29 @@ TEMPLATES = Environment(
 )
 
 
-def render_page(reports: Path, contents: Sequence[Contents], shots: Sequence[Shot]) -> str:
+def render_page(
+    run: Reports, contents: Sequence[Contents], shots: Sequence[Shot], returns: Sequence[Return]
+) -> str:
     """Render the report page; the same files give the same text.
 
     Args:
-        reports: the folder that holds one report folder a stage.
-        contents: what the stages report, in the order to show; ``evaluate_predictor`` among them.
-        shots: the shots of the 3-D view; without any, the page has no such view.
+        run: the reports, and the parameters that they were made with.
+        contents: what the stages report, in the order to show; among them those whose runs the
+            3-D views show.
+        shots: the shots of a 3-D view; without any, the page has no such view.
+        returns: the returns of another.
 
     Raises:
         InputError: if a figure or table that the contents name is missing or broken.
     """
+    stages = {one.stage: one for one in contents}
     return TEMPLATES.get_template("page.html").render(
-        stages=[_shown_stage(reports, stage) for stage in contents],
-        shot_stage=next(stage for stage in contents if stage.stage == SHOTS_STAGE),
-        viewer=_viewer(shots) if shots else None,
+        stages=[_shown_stage(run.folder, stage) for stage in contents],
+        paper=paper_section(run, {name: one.fingerprint for name, one in stages.items()}),
+        shot_stage=stages.get(SHOTS_STAGE),
+        return_stage=stages.get(RETURNS_STAGE),
+        shots=shot_scenes(shots),
+        returns=return_scenes(returns),
     )
 
 
@@ -61,18 +71,3 @@ def _shown_item(folder: Path, item: Item) -> dict[str, Any]:
         return {**item.model_dump(), "columns": columns, "rows": range(len(columns[0].cells))}
     shown = {**item.model_dump(), "source": read_figure(path)}
     return shown if item.kind == "figure" else {**shown, "still": read_first_frame(path)}
-
-
-def _viewer(shots: Sequence[Shot]) -> dict[str, Any]:
-    names = {name for shot in shots for name in shot.forecasts}
-    return {
-        "shots": [shot.model_dump() for shot in shots],
-        "colours": {name: predictor_colour(name) for name in names},
-        "table": {
-            "half_width": state.TABLE_HALF_WIDTH,
-            "half_length": state.TABLE_HALF_LENGTH,
-            "net_height": state.NET_HEIGHT,
-            "net_overhang": state.NET_OVERHANG,
-            "ball_radius": state.BALL_RADIUS,
-        },
-    }

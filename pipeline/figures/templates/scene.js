@@ -1,4 +1,4 @@
-// Draws one shot at one instant, seen from a camera, onto a plain 2-D canvas.
+// Draws one scene at one instant, seen from a camera, onto a plain 2-D canvas.
 
 const LINE_WIDTH = 0.02; // m, of the white lines along the table's edges
 const BELOW_TABLE = -0.05; // m; a centre under this is under the table, not in it
@@ -17,13 +17,18 @@ function positionAt(times, positions, instant) {
   return add(scaled(positions[next - 1], 1 - share), scaled(positions[next], share));
 }
 
+/** Numbers in threes as points. */
+const inThrees = (numbers) =>
+  Array.from({ length: numbers.length / 3 }, (_, k) => numbers.slice(3 * k, 3 * k + 3));
+
 /** Every point that the picture is to hold, their middle and their size. */
-function extentOf({ measured, forecasts }, table) {
+function extentOf({ measured, ball, forecasts, arm }, table) {
   const { half_width: w, half_length: l, net_height, net_overhang } = table;
   const corners = [[-w, -l, 0], [w, -l, 0], [w, l, 0], [-w, l, 0]];
   const net = [-w - net_overhang, w + net_overhang].map((x) => [x, 0, net_height]);
-  const paths = [measured, ...Object.values(forecasts).map((forecast) => forecast.position)];
-  const points = [...corners, ...net, ...paths.flat()];
+  // What is forecast tick by tick may go astray; the arm and the ball must not be small for it.
+  const paths = arm ? arm.links.map(inThrees) : Object.values(forecasts).map(([one]) => one.position);
+  const points = [...corners, ...net, ...measured.position, ...ball.position, ...paths.flat()];
   const low = [0, 1, 2].map((axis) => Math.min(...points.map((point) => point[axis])));
   const high = [0, 1, 2].map((axis) => Math.max(...points.map((point) => point[axis])));
   return { points, middle: scaled(add(low, high), 0.5), size: distance(low, high) };
@@ -117,29 +122,68 @@ function netMarks({ context, project, paint, table }) {
   });
 }
 
-function measuredMarks({ context, project, paint, canvas, shot, time }) {
+function measuredMarks({ context, project, paint, canvas, scene, time }) {
   const radius = 1.3 + canvas.clientWidth / 800;
-  return shot.measured.map((point, index) => {
+  const { t, position } = scene.measured;
+  return position.map((point, index) => {
     const place = project(point);
-    const shown = shot.t[index] <= shot.anchor; // to the predictors
+    const shown = t[index] <= (scene.seen ?? scene.end); // to the predictors
     const fill = shown ? paint("--ink") : paint("--page");
-    const alpha = shot.t[index] <= time ? 1 : 0.25;
+    const alpha = t[index] <= time ? 1 : 0.25;
     const draw = () => disc(context, place, radius, fill, paint("--ink"), alpha);
     return { depth: place.depth, height: point[2], draw };
   });
 }
 
-function forecastMarks({ context, project, time }, { t, position }, colour) {
+function forecastMarks({ context, project, time, scene }, { t, position }, colour) {
   const places = position.map(project);
   return places.slice(1).map((place, index) => {
-    const alpha = t[index + 1] <= time ? 1 : 0.3;
+    const alpha = t[index + 1] <= time + scene.judged.ahead ? 1 : 0.3;
     const draw = () => line(context, [places[index], place], colour, 2.4, alpha);
     return { depth: place.depth, height: position[index + 1][2], draw };
   });
 }
 
-function ballMarks({ context, project, table, time }, times, positions, fill, stroke) {
-  const ball = positionAt(times, positions, time);
+/** The arm: its links as bars, its racket as a disc with a rim. */
+function armMarks({ context, project, paint, table, scene, time }) {
+  if (!scene.arm) return [];
+  const { t, links, normal } = scene.arm;
+  const now = Math.min(time, t.at(-1));
+  const joints = inThrees(positionAt(t, links, now));
+  const facing = positionAt(t, normal, now);
+  const bars = joints.slice(1).map((end, index) => {
+    const places = [joints[index], end].map(project);
+    const width = Math.max((index === 2 ? 0.03 : 0.06) * places[0].scale, 2);
+    const draw = () => line(context, places, paint("--arm"), width);
+    return { depth: (places[0].depth + places[1].depth) / 2, height: 0, draw };
+  });
+  const foot = [joints[0], [...joints[0].slice(0, 2), -0.3]].map(project);
+  const post = () => line(context, foot, paint("--arm"), Math.max(0.1 * foot[0].scale, 3));
+  const rim = racketRim(joints.at(-1), facing, table.racket_radius).map(project);
+  const racket = () => {
+    area(context, rim, paint("--bad"), 0.85);
+    line(context, [...rim, rim[0]], paint("--ink"), 1.2);
+  };
+  const depth = project(joints.at(-1)).depth;
+  return [...bars, { depth: foot[0].depth, height: 0, draw: post }, { depth, height: 0, draw: racket }];
+}
+
+/** Points of a circle about a centre, square to a direction. */
+function racketRim(centre, direction, radius) {
+  const across = [direction[1], -direction[0], 0];
+  const side = scaled(across, 1 / Math.hypot(...across));
+  const unit = scaled(direction, 1 / Math.hypot(...direction));
+  const up = [
+    side[1] * unit[2] - side[2] * unit[1],
+    side[2] * unit[0] - side[0] * unit[2],
+    side[0] * unit[1] - side[1] * unit[0],
+  ];
+  return Array.from({ length: 24 }, (_, k) => (k * Math.PI) / 12).map((angle) =>
+    add(centre, add(scaled(side, radius * Math.cos(angle)), scaled(up, radius * Math.sin(angle)))));
+}
+
+function ballMarks({ context, project, table }, { t, position }, instant, fill, stroke) {
+  const ball = positionAt(t, position, instant);
   if (!ball) return [];
   const place = project(ball);
   const radius = Math.max(table.ball_radius * place.scale, 4.5);
@@ -148,19 +192,21 @@ function ballMarks({ context, project, table, time }, times, positions, fill, st
 }
 
 function allMarks(view) {
-  const { shot, paint, colours, names } = view;
+  const { scene, paint, colours, names, time } = view;
   const forecasts = names.flatMap((name) => {
-    const { t, position } = shot.forecasts[name];
-    const path = forecastMarks(view, shot.forecasts[name], colours[name]);
-    return [...path, ...ballMarks(view, t, position, colours[name], paint("--page"))];
+    const forecast = inForce(scene.forecasts[name], Math.min(time, scene.judged.until));
+    if (!forecast) return [];
+    const expected = time + scene.judged.ahead;
+    const path = forecastMarks(view, forecast, colours[name]);
+    return [...path, ...ballMarks(view, forecast, expected, colours[name], paint("--page"))];
   });
-  const ball = ballMarks(view, shot.t, shot.measured, paint("--ball"), paint("--ink"));
-  const marks = [...measuredMarks(view), ...forecasts, ...ball, ...netMarks(view)];
+  const ball = ballMarks(view, scene.ball, time, paint("--ball"), paint("--ink"));
+  const marks = [...measuredMarks(view), ...forecasts, ...ball, ...netMarks(view), ...armMarks(view)];
   return marks.sort((a, b) => b.depth - a.depth);
 }
 
-/** Draws `shot` at `time` with the forecasts of the predictors `names`. */
-function drawScene(canvas, { shot, time, names, camera, extent, table, colours }) {
+/** Draws `scene` at `time` with the forecasts of the predictors `names`. */
+function drawScene(canvas, { scene, time, names, camera, extent, table, colours }) {
   const ratio = window.devicePixelRatio || 1;
   canvas.width = Math.round(canvas.clientWidth * ratio); // setting the size clears the canvas
   canvas.height = Math.round(canvas.clientHeight * ratio);
@@ -170,11 +216,11 @@ function drawScene(canvas, { shot, time, names, camera, extent, table, colours }
   const style = getComputedStyle(canvas);
   const paint = (name) => style.getPropertyValue(name);
   const project = projection(canvas, camera, extent);
-  const view = { canvas, context, project, paint, table, colours, shot, time, names };
+  const view = { canvas, context, project, paint, table, colours, scene, time, names };
   const marks = allMarks(view);
   marks.filter((mark) => mark.height < BELOW_TABLE).forEach((mark) => mark.draw());
   drawTable(view);
-  const ball = positionAt(shot.t, shot.measured, time);
+  const ball = positionAt(scene.ball.t, scene.ball.position, time);
   if (ball) drawShadow(view, ball);
   marks.filter((mark) => mark.height >= BELOW_TABLE).forEach((mark) => mark.draw());
 }

@@ -1,0 +1,80 @@
+"""docs/paper.md: the paper number by number, in Markdown."""
+
+from pathlib import Path
+
+from pipeline.beside_paper.catalogue import EXHIBITS, GROUPS, findings
+from pipeline.beside_paper.entries import NOTHING, Entry, Finding, Group
+from pipeline.beside_paper.reports import Reports, laptop_reports, paper_reports
+from pipeline.beside_paper.verdicts import MEANINGS, NOT_MEASURED
+
+PREAMBLE = """# The paper, number by number
+
+*Bridging the sim2real gap in the table tennis robot with a transformer-based ball states predictor*
+(Bi, Conti, Yang, Sigrist, Dürr, Takahashi; Sony AI): each of its figures, tables and printed
+numbers, the stage that makes ours, and how the two compare. Written from the reports by
+`rallygap paper > docs/paper.md`; `reports/index.html` draws the same.
+
+- *laptop* is the last run (`reports/`), *paper* the profile in the paper's size (`reports/paper/`).
+- Intervals are of 95 %. A dash: not there. Balls, arm and policy are others than the paper's:
+  what can be set beside each other are differences and their signs ([deviations](deviations.md)).
+"""
+
+NOT_RUN = """- `reports/paper/` is not there: its columns have settings alone. To fill it:
+  `dvc exp run --name paper $(rallygap profile paper)`, `rallygap keep paper`.
+"""
+
+
+def paper_page(root: Path) -> str:
+    """Return the comparison of a repository's reports with the paper as Markdown.
+
+    Raises:
+        InputError: a report is broken.
+    """
+    laptop, paper = laptop_reports(root), paper_reports(root)
+    parts = [PREAMBLE + ("" if paper.folder.is_dir() else NOT_RUN)]
+    parts += [_words(), _exhibits(laptop, paper)]
+    found = findings(laptop), findings(paper)
+    parts += [_group(group, *found) for group in GROUPS]
+    return "\n".join(parts).rstrip()
+
+
+def _words() -> str:
+    rows = [[f"*{word}*", meaning] for word, meaning in MEANINGS.items()]
+    return _table("Verdicts", "", ["word", "means"], rows)
+
+
+def _exhibits(laptop: Reports, paper: Reports) -> str:
+    rows = [
+        [one.name, one.what, _code(one.stage), one.ours, one.verdict(laptop), one.verdict(paper)]
+        for one in EXHIBITS
+    ]
+    names = ["in the paper", "what", "stage", "ours", "laptop", "paper"]
+    about = "Paths are relative to `reports/`. A figure's verdict is that of all its claims below."
+    return _table("Figures and tables", about, names, rows)
+
+
+def _group(group: Group, laptop: dict[str, Finding], paper: dict[str, Finding]) -> str:
+    rows = [_row(entry, laptop[entry.key], paper[entry.key]) for entry in group.entries]
+    names = ["what", "stage: ours in", "the paper", "laptop", "", "paper profile", ""]
+    return _table(group.title, group.about, names, rows)
+
+
+def _row(entry: Entry, laptop: Finding, paper: Finding) -> list[str]:
+    source = f"{_code(entry.stage)}: {entry.where}"
+    return [entry.what, source, entry.paper, *_ours(entry, laptop), *_ours(entry, paper)]
+
+
+def _ours(entry: Entry, found: Finding) -> tuple[str, str]:
+    return entry.ours(found), NOTHING if found.verdict == NOT_MEASURED else found.verdict
+
+
+def _code(name: str) -> str:
+    return name if name == NOTHING else f"`{name}`"
+
+
+def _table(title: str, about: str, names: list[str], rows: list[list[str]]) -> str:
+    lines = [f"## {title}", ""]
+    lines += [about, ""] if about else []
+    lines += [f"| {' | '.join(names)} |", "|" + "---|" * len(names)]
+    lines += [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in rows]
+    return "\n".join([*lines, ""])
