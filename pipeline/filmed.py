@@ -103,7 +103,8 @@ def _return(
     hit, end = float(ended.time[0]), FRAME * (len(moved.joints) - 1)
     times, places = _ball(shots.simulator, shots.path[ball], ended, end)
     measured = shots.shots[ball].measured
-    kept = ~measured.outlier & (measured.times <= (end if np.isnan(hit) else hit))
+    gone = end if np.isnan(hit) else hit
+    kept = ~measured.outlier & (measured.times <= gone)
     return Return(
         name=f"{shots.name} {ball}",
         told_by=told_by,
@@ -114,13 +115,11 @@ def _return(
         ball=_track(times, places),
         frame=FRAME,
         joints=[tuple(pose) for pose in np.round(moved.joints, 4).tolist()],
-        forecasts={name: _told(own, seen, end) for name, own in forecasts.items()},
+        forecasts={name: _told(own, seen, gone) for name, own in forecasts.items()},
     )
 
 
-def _ball(
-    simulator: Simulator, path: Floats, ended: Episodes, end: float
-) -> tuple[Floats, Floats]:
+def _ball(simulator: Simulator, path: Floats, ended: Episodes, end: float) -> tuple[Floats, Floats]:
     """Return (S,) s and (S, 3) m: the ball up to its hit, the hit, and on from there."""
     times = BALL_STEP * np.arange(round(end / BALL_STEP) + 1)
     hit = float(np.nan_to_num(ended.time[0], nan=np.inf))
@@ -133,11 +132,11 @@ def _ball(
     return np.concatenate([before, after]), np.concatenate([coming, away])
 
 
-def _told(forecast: Floats, seen: Views, end: float) -> list[Told]:
-    """Return the forecasts of one ball, (S, 60, 9), as they were made tick by tick."""
+def _told(forecast: Floats, seen: Views, gone: float) -> list[Told]:
+    """Return the forecasts of one ball, (S, 60, 9), as they were made until it was gone."""
     told = []
     for tick, time in enumerate(tick_times(FIRST_WINDOW)):
-        if time <= end:
+        if time <= gone:
             ahead = time - seen.age[0, tick] + FUTURE_TIMES[SHOWN]
             states = forecast[seen.latest[0, tick], SHOWN]
             told.append(Told(at=round(float(time), 6), track=_track(ahead, states[:, :3])))

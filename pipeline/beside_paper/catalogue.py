@@ -46,9 +46,7 @@ class Exhibit:
         """Return the verdict on it, from those on its claims."""
         if not self.claims:
             return NO_NUMBER
-        return of_all(
-            entry.find(run).verdict for group in self.claims for entry in group.entries
-        )
+        return of_all(entry.find(run).verdict for group in self.claims for entry in group.entries)
 
 
 EXHIBITS = (
@@ -56,10 +54,11 @@ EXHIBITS = (
     Exhibit("Figure 2", "a sketch of the network", "train_predictor",
             "models/predictors/transformer.py; model cards in artifacts/train_predictor", ()),
     Exhibit("Figure 3", "forecast error of position, velocity and spin over the horizon",
-            "evaluate_predictor", "evaluate_predictor/figures/forecast_error_arena.png", (ACCURACY,)),
+            "evaluate_predictor", "evaluate_predictor/figures/forecast_error_arena.png",
+            (ACCURACY,)),
     Exhibit("Figure 4", "returns between simulators, told by the right and the wrong one",
             "sim2sim", "sim2sim/figures/return_rate.png", (SIM2SIM,)),
-    Exhibit("Table I", "hits and returns of replayed shots, told by physics and by what was learned",
+    Exhibit("Table I", "hits and returns of replayed shots, told by physics and by the learned",
             "sim2real", "sim2real/transfer.csv, sim2real/figures/transfer.png", (GAINS,)),
     Exhibit("Figure 5", "medians of speed, spin, clearance and winning probability of returns",
             "shot_quality", "shot_quality/", (QUALITY, DOUBLED)),

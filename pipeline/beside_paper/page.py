@@ -5,7 +5,7 @@ from pathlib import Path
 from pipeline.beside_paper.catalogue import EXHIBITS, GROUPS, findings
 from pipeline.beside_paper.entries import NOTHING, Entry, Finding, Group
 from pipeline.beside_paper.reports import Reports, laptop_reports, paper_reports
-from pipeline.beside_paper.verdicts import MEANINGS, NOT_MEASURED
+from pipeline.beside_paper.verdicts import MEANINGS
 
 PREAMBLE = """# The paper, number by number
 
@@ -48,14 +48,14 @@ def _exhibits(laptop: Reports, paper: Reports) -> str:
         [one.name, one.what, _code(one.stage), one.ours, one.verdict(laptop), one.verdict(paper)]
         for one in EXHIBITS
     ]
-    names = ["in the paper", "what", "stage", "ours", "laptop", "paper"]
+    names = ["in the paper", "what", "stage", "ours", "verdict: laptop", "verdict: paper"]
     about = "Paths are relative to `reports/`. A figure's verdict is that of all its claims below."
     return _table("Figures and tables", about, names, rows)
 
 
 def _group(group: Group, laptop: dict[str, Finding], paper: dict[str, Finding]) -> str:
     rows = [_row(entry, laptop[entry.key], paper[entry.key]) for entry in group.entries]
-    names = ["what", "stage: ours in", "the paper", "laptop", "", "paper profile", ""]
+    names = ["what", "stage: ours in", "the paper", "laptop", "verdict", "paper", "verdict"]
     return _table(group.title, group.about, names, rows)
 
 
@@ -65,7 +65,7 @@ def _row(entry: Entry, laptop: Finding, paper: Finding) -> list[str]:
 
 
 def _ours(entry: Entry, found: Finding) -> tuple[str, str]:
-    return entry.ours(found), NOTHING if found.verdict == NOT_MEASURED else found.verdict
+    return entry.ours(found), found.verdict
 
 
 def _code(name: str) -> str:

@@ -43,7 +43,11 @@ def _entry(
 
 
 def _param(
-    what: str, printed: float | str, unit: str, path: str, read: Callable[[Any], Value] = lambda v: v
+    what: str,
+    printed: float | str,
+    unit: str,
+    path: str,
+    read: Callable[[Any], Value] = lambda value: value,
 ) -> Entry:
     """Return the entry of a parameter."""
     stage = path.split(".")[0]
@@ -83,9 +87,7 @@ def _players(run: Reports) -> tuple[str, ...]:
 
 
 def _learned_share(run: Reports) -> float | None:
-    training, validation = (
-        _episodes(run, split=(name,)) for name in ("train", "validation")
-    )
+    training, validation = (_episodes(run, split=(name,)) for name in ("train", "validation"))
     return training / (training + validation) if training and validation else None
 
 

@@ -34,8 +34,15 @@ METRICS = {
 
 def median(run: Reports, name: str, horizons: str, predictor: str, metric: str) -> Interval | None:
     """Return the median of a metric over the returns of a set, with its interval."""
-    asked = {"set": name, "horizons_ms": horizons, "predictor": PREDICTORS[predictor]}
-    return run.interval(MEDIANS, "median", metric=metric, **asked)
+    return run.interval(
+        MEDIANS,
+        metric,
+        (f"{metric}_low", f"{metric}_high"),
+        set=name,
+        horizons_ms=horizons,
+        predictor=PREDICTORS[predictor],
+        protocol="every_tick",
+    )
 
 
 def _moved(name: str, horizons: str, metric: str, run: Reports) -> Finding:
@@ -70,7 +77,7 @@ def _entry(name: str, horizons: str, metric: str) -> Entry:
         None,
         "%",
         "shot_quality",
-        f"{MEDIANS}: median, ci_low, ci_high",
+        f"{MEDIANS}: {metric}, {metric}_low, {metric}_high",
         partial(_moved, name, horizons, metric),
         words=moved.direction,
     )
@@ -103,7 +110,7 @@ DOUBLED = Group(
             2,
             "times",
             "shot_quality",
-            f"{MEDIANS}: median",
+            f"{MEDIANS}: win_probability",
             partial(_doubled, name),
             words="about twice",
         )

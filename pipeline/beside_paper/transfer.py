@@ -3,7 +3,7 @@
 from functools import partial
 
 from pipeline import paper
-from pipeline.beside_paper.entries import MISSING, Entry, Finding, Group
+from pipeline.beside_paper.entries import MISSING, Entry, Finding, Group, number
 from pipeline.beside_paper.reports import Reports
 from pipeline.beside_paper.verdicts import beside, claim, share
 
@@ -45,7 +45,7 @@ def _counted(name: str, horizons: str, predictor: str, outcome: str, run: Report
     percent = ours.times(100)
     printed = share(_printed(name, horizons, predictor, outcome), paper.SHOTS[name])
     value, low, high = percent
-    words = f"{row[outcome]:g} of {row['balls']}: {value:.0f} % ({low:.0f} to {high:.0f})"
+    words = f"{number(row[outcome])} of {row['balls']}: {value:.0f} % ({low:.0f} to {high:.0f})"
     return Finding(beside(percent, printed.times(100)), value, percent, words)
 
 

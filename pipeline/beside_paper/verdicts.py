@@ -69,8 +69,9 @@ def beside(ours: Interval, printed: Interval) -> str:
 
 def share(count: int, of: int) -> Interval:
     """Return a share with its interval (Wilson 1927)."""
-    middle, spread = count + NORMAL**2 / 2, NORMAL * math.sqrt(
-        count * (of - count) / of + NORMAL**2 / 4
+    middle, spread = (
+        count + NORMAL**2 / 2,
+        NORMAL * math.sqrt(count * (of - count) / of + NORMAL**2 / 4),
     )
     whole = of + NORMAL**2
     return Interval(count / of, (middle - spread) / whole, (middle + spread) / whole)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.beside_paper.catalogue import EXHIBITS, GROUPS, findings
-from pipeline.beside_paper.entries import Entry, Finding, Group
+from pipeline.beside_paper.entries import NOTHING, Entry, Finding, Group
 from pipeline.beside_paper.reports import Reports
 from pipeline.beside_paper.verdicts import MEANINGS
 
@@ -85,13 +85,18 @@ def _group(
             "verdict": found[entry.key].verdict,
             "mark": mark(group, entry, found[entry.key]),
             "where": entry.where,
-            "stage": entry.stage,
-            "fingerprint": fingerprints.get(entry.stage, ""),
         }
         for entry in group.entries
     ]
-    return {"key": group.key, "title": group.title, "about": group.about,
-            "scale": _scale(group), "rows": rows}  # fmt: skip
+    stages = dict.fromkeys(entry.stage for entry in group.entries if entry.stage != NOTHING)
+    return {
+        "key": group.key,
+        "title": group.title,
+        "about": group.about,
+        "scale": _scale(group),
+        "rows": rows,
+        "runs": [{"stage": one, "fingerprint": fingerprints.get(one, "")} for one in stages],
+    }
 
 
 def _scale(group: Group) -> str:

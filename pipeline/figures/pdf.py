@@ -49,8 +49,8 @@ def _figures(run: Reports, contents: Sequence[Contents]) -> Iterator[Figure]:
         for item in stage.items:
             made = f"Stage {stage.stage}, run {stage.fingerprint}. File: {stage.stage}/{item.file}"
             path = run.folder / stage.stage / item.file
-            yield from _table(item, path, made) if item.kind == "table" else _picture(
-                item, path, made
+            yield from (
+                _table(item, path, made) if item.kind == "table" else _picture(item, path, made)
             )
 
 

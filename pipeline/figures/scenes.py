@@ -16,6 +16,8 @@ from pipeline.figures.returns import Return
 from pipeline.figures.shots import Forecast, Shot
 from pipeline.figures.style import predictor_colour
 
+KNOWN_AS = {"physics": "physics_c"}  # whose colour it has
+
 
 def shot_scenes(shots: Sequence[Shot]) -> dict[str, Any]:
     """Return measured shots and what predictors made of their start.
@@ -37,7 +39,7 @@ def _view(scenes: list[dict[str, Any]]) -> dict[str, Any]:
     names = sorted({name for scene in scenes for name in scene["forecasts"]})
     return {
         "scenes": scenes,
-        "colours": {name: predictor_colour(name) for name in names},
+        "colours": {name: predictor_colour(KNOWN_AS.get(name, name)) for name in names},
         "table": {
             "half_width": state.TABLE_HALF_WIDTH,
             "half_length": state.TABLE_HALF_LENGTH,
@@ -62,9 +64,7 @@ def _shot_scene(shot: Shot) -> dict[str, Any]:
         "measured": measured,
         "ball": measured,
         "judged": {"ahead": 0.0, "until": shot.t[-1]},
-        "forecasts": {
-            name: [_shown(shot.t[0], one)] for name, one in shot.forecasts.items()
-        },
+        "forecasts": {name: [_shown(shot.t[0], one)] for name, one in shot.forecasts.items()},
         "arm": None,
     }
 

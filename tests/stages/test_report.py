@@ -2,23 +2,24 @@
 
 import re
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from pipeline.errors import InputError
-from pipeline.params import read_yaml
+from pipeline.params import ReportSettings, load_params, read_yaml
 from pipeline.run import StageRun
 from stages.report import report
 from tests.pipeline.figures.made_up import make_reports
 
 # Of those that dvc.yaml lists, all but the report itself, which comes last.
-STAGES = list(read_yaml(Path(__file__).parents[2] / "dvc.yaml")["stages"])[:-1]
+REPOSITORY = Path(__file__).parents[2]
+STAGES = list(read_yaml(REPOSITORY / "dvc.yaml")["stages"])[:-1]
+PARAMS = load_params(REPOSITORY / "params.yaml")
 
 
-def run_report(root, shots=2):
-    params = SimpleNamespace(report=SimpleNamespace(shots=shots))
-    report(StageRun("report", root, params))
+def run_report(root, shots=2, returns=2):
+    settings = ReportSettings(shots=shots, returns=returns)
+    report(StageRun("report", root, PARAMS.model_copy(update={"report": settings})))
     return root / "reports" / "index.html"
 
 
@@ -28,19 +29,23 @@ def test_page_shows_the_stages_in_the_order_they_run(tmp_path):
     page = run_report(tmp_path).read_text()
 
     shown = re.findall(r'<section id="(\w+)"', page)
-    assert shown == ["shots", *STAGES]
+    assert shown == ["paper", "returns", "shots", *STAGES]
 
 
 def test_running_twice_writes_the_same_bytes(tmp_path):
     make_reports(tmp_path)
 
-    assert run_report(tmp_path).read_bytes() == run_report(tmp_path).read_bytes()
+    pdf = tmp_path / "reports" / "report" / "report.pdf"
+    first = run_report(tmp_path).read_bytes(), pdf.read_bytes()
+    assert (run_report(tmp_path).read_bytes(), pdf.read_bytes()) == first
 
 
-def test_as_many_shots_are_shown_as_asked_for(tmp_path):
+@pytest.mark.parametrize(("shots", "returns"), [(1, 0), (0, 1), (2, 1)])
+def test_as_many_shots_and_returns_are_shown_as_asked_for(tmp_path, shots, returns):
     make_reports(tmp_path)
 
-    assert run_report(tmp_path, shots=1).read_text().count("<option>") == 1
+    page = run_report(tmp_path, shots, returns).read_text()
+    assert page.count("<option>") == shots + returns
 
 
 @pytest.mark.parametrize("stage", STAGES)
@@ -51,3 +56,4 @@ def test_missing_stage_is_named_and_nothing_is_written(tmp_path, stage):
     with pytest.raises(InputError, match=f"run `dvc repro {stage}` first"):
         run_report(tmp_path)
     assert not (tmp_path / "reports" / "index.html").exists()
+    assert not (tmp_path / "reports" / "report" / "report.pdf").exists()

@@ -8,6 +8,7 @@ import pytest
 
 from pipeline.artifacts import read_as, read_table
 from pipeline.errors import InputError
+from pipeline.figures.returns import read_returns
 from pipeline.params import Sim2RealSettings
 from pipeline.policies import save_policy
 from pipeline.run import StageRun
@@ -149,3 +150,11 @@ def test_without_a_policy_from_the_simulator_there_is_one_error_and_no_metrics(t
     with pytest.raises(InputError, match="no policy of small that was trained in imperfect_a"):
         transferred(tmp_path, simulator="imperfect_a")
     assert not (tmp_path / "reports").exists()
+
+
+def test_balls_of_every_set_are_filmed_told_by_physics_and_by_what_was_learned(whole):
+    films = read_returns(whole[0].artifact("returns.json"))
+    told = {(film.name.split()[0], film.told_by) for film in films}
+    sets = ("stroke_pro", "plain", SOURCE)
+    assert told == {(name, teller) for name in sets for teller in ("physics", "tiny")}
+    assert len(films) == 2 * 2 * len(sets)

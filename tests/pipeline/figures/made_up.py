@@ -6,9 +6,11 @@ import numpy as np
 import pandas as pd
 
 from pipeline.artifacts import write_json
+from pipeline.beside_paper.reports import Reports
 from pipeline.figures.contents import read_contents
 from pipeline.figures.forecast_error import forecast_error_figure
 from pipeline.figures.page import render_page
+from pipeline.figures.returns import Return, Told, read_returns, write_returns
 from pipeline.figures.shots import Forecast, Shot, read_shots, write_shots
 from pipeline.run import StageRun
 
@@ -59,6 +61,38 @@ def made_up_shots(names=("spindoe/000/00", "spindoe/001/00")) -> list[Shot]:
     ]
 
 
+def made_up_return(**changes) -> Return:
+    """A ball that the arm meets after 0.5 s and sends back; forecasts are 50 and 80 mm off."""
+    times = np.arange(0.0, 0.9001, 0.005)
+    coming = bouncing_ball(np.minimum(times, 0.5))
+    coming[:, 1] += 4.0 * np.maximum(times - 0.5, 0.0)
+    ball = Forecast(t=times.round(6).tolist(), position=coming.tolist())
+    before = times[times <= 0.5]
+    plain = {
+        "name": "stroke_pro 3",
+        "told_by": "physics",
+        "outcome": "returned",
+        "horizon": 0.12,
+        "hit": 0.5,
+        "measured": Forecast(t=before.tolist(), position=bouncing_ball(before).tolist()),
+        "ball": ball,
+        "frame": 0.02,
+        "joints": [(0.1 * s, 0.0, 0.2 * s, 0.0, 0.0, 0.1 * s) for s in np.linspace(0, 1, 46)],
+        "forecasts": {name: _told(offset) for name, offset in OFFSETS.items()},
+    }
+    return Return(**{**plain, **changes})
+
+
+def _told(offset: tuple[float, float, float]) -> list[Told]:
+    """What is told at 55, 95, ... ms."""
+    told = []
+    for at in np.arange(0.055, 0.5, 0.04).round(6):
+        ahead = (at + np.arange(0.02, 0.301, 0.02)).round(6)
+        places = (bouncing_ball(ahead) + offset).tolist()
+        told.append(Told(at=at, track=Forecast(t=ahead.tolist(), position=places)))
+    return told
+
+
 def moving_dot() -> list[np.ndarray]:
     """Pictures (40, 60, 3) of a white square that crosses them."""
     frames = np.zeros((5, 40, 60, 3), dtype=np.uint8)
@@ -92,14 +126,17 @@ def make_reports(root: Path, title: str = "Contacts", shot: str = "spindoe/000/0
         root / "artifacts" / "evaluate_predictor" / "shots.json",
         made_up_shots((shot, "spindoe/001/00")),
     )
+    returns = [made_up_return(), made_up_return(outcome="missed", hit=None)]
+    write_returns(root / "artifacts" / "sim2real" / "returns.json", returns)
 
 
 def made_up_page(root: Path) -> str:
     """The page of a folder that ``make_reports`` filled."""
-    stages = ["ingest", "segment", "evaluate_predictor"]
+    stages = ["ingest", "segment", "evaluate_predictor", "sim2real"]
     contents = [read_contents(root / "reports", stage) for stage in stages]
     shots = read_shots(root / "artifacts" / "evaluate_predictor" / "shots.json")
-    return render_page(root / "reports", contents, shots)
+    returns = read_returns(root / "artifacts" / "sim2real" / "returns.json")
+    return render_page(Reports(root / "reports", {}), contents, shots, returns)
 
 
 def _write_sources(path: Path) -> None:

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.beside_paper.catalogue import GROUPS
+from pipeline.beside_paper.reports import Reports
 from pipeline.errors import InputError
 from pipeline.figures.contents import read_contents
 from pipeline.figures.page import render_page
@@ -61,9 +63,17 @@ def test_same_inputs_give_the_same_page(root, tmp_path):
 def test_every_item_names_the_run_that_made_it(root):
     page = made_up_page(root)
 
-    for stage in ("ingest", "segment", "evaluate_predictor"):
+    for stage in ("ingest", "segment", "evaluate_predictor", "sim2real"):
         assert f"<code>python -m stages.{stage}</code>" in page
-    assert page.count("<code>3fa9c1d20b77</code>") == 5  # four items and the 3-D view
+    assert page.count("Made by <code>python") == 6  # four items and the 3-D views
+    assert page.count("run\n<code>3fa9c1d20b77</code>") == 6
+
+
+def test_every_table_of_the_paper_names_the_runs_that_it_is_from(root):
+    page = made_up_page(root)
+
+    made = "stage <code>sim2real</code>, run <code>3fa9c1d20b77</code>"
+    assert page.count(f'<p class="run">Made by {made}.</p>') == 2  # hits and returns, and gains
 
 
 def test_names_from_the_data_cannot_become_markup(root, tmp_path):
@@ -105,7 +115,7 @@ def test_contents_link_to_every_item(root):
 
     assert len(ids) == len(set(ids))
     assert all(link["href"][1:] in ids for link in tags.named("a"))
-    assert len(tags.named("a")) == 8
+    assert len(tags.named("a")) == 4 + 4 + 2 + 1 + len(GROUPS)
 
 
 def test_numbers_are_rounded_by_column(root):
@@ -118,7 +128,7 @@ def test_numbers_are_rounded_by_column(root):
 def test_page_without_shots_has_no_view(root):
     contents = [read_contents(root / "reports", "evaluate_predictor")]
 
-    assert "<canvas" not in render_page(root / "reports", contents, [])
+    assert "<canvas" not in render_page(Reports(root / "reports", {}), contents, [], [])
 
 
 @pytest.mark.parametrize("name", ["segment/contacts.csv", "evaluate_predictor/figures/spindoe.png"])
@@ -135,5 +145,6 @@ def test_text_and_lines_stand_out_from_their_background(palette):
     lines = [*map(predictor_colour, OFFSETS), *CONTACT_COLOURS.values()]
     for background in (palette["page"], palette["card"]):
         texts = [palette[name] for name in ("ink", "muted", "accent")]
+        lines += [palette[name] for name in ("good", "bad", "arm")]
         assert min(contrast(text, background) for text in texts) >= 4.5
         assert min(contrast(line, background) for line in lines) >= 3.0

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.browser
 
 DESKTOP, PHONE = (1280, 900), (390, 844)
 COLOURS_DRAWN = """
-const canvas = document.getElementById("shot-view");
+const canvas = document.getElementById(`${arguments[0]}-view`);
 const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
 const drawn = new Set();
 for (let i = 0; i < pixels.length; i += 4) {
@@ -52,8 +52,9 @@ def element(page, identifier):
     return page.find_element("id", identifier)
 
 
-def picture(page):
-    return page.execute_script("return document.getElementById('shot-view').toDataURL()")
+def picture(page, view="shot"):
+    script = "return document.getElementById(`${arguments[0]}-view`).toDataURL()"
+    return page.execute_script(script, view)
 
 
 def requests(page):
@@ -63,8 +64,14 @@ def requests(page):
     return [s["request"]["url"] for s in sent if not s["request"]["url"].startswith("data:")]
 
 
-def readouts(page):
-    return {o.get_attribute("name"): o.text for o in page.find_elements("tag name", "output")[:2]}
+def readouts(page, view="shot"):
+    outputs = page.find_elements("css selector", f"#{view}-legend output")
+    return {output.get_attribute("name"): output.text for output in outputs}
+
+
+def set_time(page, milliseconds, view="shot"):
+    script = "arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('input'))"
+    page.execute_script(script, element(page, f"{view}-time"), milliseconds)
 
 
 @pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
@@ -96,9 +103,8 @@ def test_only_the_boxes_of_tables_and_figures_scroll_sideways(browser, page_file
 
 def test_controls_of_the_phone_fit_their_box(browser, page_file):
     open_page(browser, page_file, PHONE)
-    box = browser.find_element("css selector", ".viewer")
-
-    assert box.get_property("scrollWidth") == box.get_property("clientWidth")
+    for box in browser.find_elements("css selector", ".viewer"):
+        assert box.get_property("scrollWidth") == box.get_property("clientWidth")
 
 
 def test_dark_theme_is_dark(browser, page_file):
@@ -131,14 +137,14 @@ def test_animation_stands_still_for_whoever_wants_less_motion(page):
 
 
 def test_view_draws_table_and_every_forecast(page):
-    drawn = page.execute_script(COLOURS_DRAWN)
+    drawn = page.execute_script(COLOURS_DRAWN, "shot")
 
     assert {"#dbe6ee", *map(predictor_colour, OFFSETS)} <= set(drawn)
 
 
 def test_unticked_predictor_is_not_drawn(page):
     page.find_elements("css selector", "#shot-legend input")[0].click()
-    drawn = page.execute_script(COLOURS_DRAWN)
+    drawn = page.execute_script(COLOURS_DRAWN, "shot")
 
     assert predictor_colour("physics_c") not in drawn
     assert predictor_colour("physics_literature") in drawn
@@ -150,8 +156,7 @@ def test_readout_is_the_distance_from_the_measured_ball(page):
 
 
 def test_there_is_no_distance_before_the_forecast(page):
-    script = "arguments[0].value = -20; arguments[0].dispatchEvent(new Event('input'))"
-    page.execute_script(script, element(page, "shot-time"))
+    set_time(page, -20)
 
     assert element(page, "shot-clock").text == "−20 ms"
     assert readouts(page) == {"physics_c": "–", "physics_literature": "–"}
@@ -200,3 +205,52 @@ def test_another_shot_can_be_chosen(page):
 
     assert element(page, "shot-play").text == "Play"
     assert element(page, "shot-clock").text == "+300 ms"
+
+
+def test_the_arm_and_its_racket_are_drawn_in_returns_alone(page):
+    arm, racket = "#7a8793", "#b8431a"
+    returns = set(page.execute_script(COLOURS_DRAWN, "return"))
+    shots = set(page.execute_script(COLOURS_DRAWN, "shot"))
+
+    assert arm in returns and arm not in shots
+    assert racket not in shots
+    assert set(map(predictor_colour, OFFSETS)) <= returns
+
+
+def test_the_arm_moves_with_time(page):
+    set_time(page, -300, "return")
+    before = picture(page, "return")
+    for box in page.find_elements("css selector", "#return-legend input"):
+        box.click()
+    still = picture(page, "return")
+    set_time(page, 300, "return")
+
+    assert before != still != picture(page, "return")
+
+
+def test_forecasts_of_returns_are_judged_at_the_horizon_until_the_racket_meets_the_ball(page):
+    assert element(page, "return-clock").text == "−120 ms"
+    assert readouts(page, "return") == {"physics_c": "50 mm", "physics_literature": "80 mm"}
+
+    set_time(page, -100, "return")
+
+    assert readouts(page, "return") == {"physics_c": "–", "physics_literature": "–"}
+
+
+def test_the_speed_can_be_chosen(page):
+    slider, button = element(page, "return-time"), element(page, "return-play")
+    Select(element(page, "return-speed")).select_by_visible_text("real")
+    set_time(page, -480, "return")
+
+    button.click()
+
+    WebDriverWait(page, 10).until(lambda _: button.text == "Play")
+    assert slider.get_property("value") == slider.get_property("max")
+
+
+def test_views_do_not_move_each_other(page):
+    before = picture(page, "shot")
+
+    ActionChains(page).drag_and_drop_by_offset(element(page, "return-view"), 120, 30).perform()
+
+    assert picture(page, "shot") == before

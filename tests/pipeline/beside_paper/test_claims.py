@@ -1,0 +1,106 @@
+"""Each claim of the paper is judged from the table that it is about."""
+
+import pytest
+
+from pipeline import paper
+from pipeline.beside_paper.forecasts import ACCURACY
+from pipeline.beside_paper.shot_quality import DOUBLED, QUALITY
+from pipeline.beside_paper.transfer import COUNTS, GAINS, SIM2SIM
+from pipeline.beside_paper.verdicts import (
+    FAILS,
+    HIGHER,
+    HOLDS,
+    LEVEL,
+    LOWER,
+    NOT_MEASURED,
+    OPEN,
+)
+from tests.pipeline.beside_paper.written import differences, errors, quality, write
+
+
+def found(group, run, key):
+    return next(entry for entry in group.entries if entry.key == key).find(run)
+
+
+def accuracy(root, key="accuracy.position.physics_c", spread=None, **changes):
+    write(root, "evaluate_predictor/forecast_error.csv", errors(spread))
+    table = "evaluate_predictor/forecast_error_difference.csv"
+    return found(ACCURACY, write(root, table, differences(**changes)), key)
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [({}, HOLDS), ({"half": 25.0}, OPEN), ({"mean": 20.0}, FAILS), ({"lower_share": 0.9}, OPEN)],
+)
+def test_the_transformer_is_the_best_where_it_is_so_at_every_horizon(tmp_path, changes, word):
+    assert accuracy(tmp_path, **changes).verdict == word
+
+
+def test_its_error_is_shown_in_percent_of_the_other_s(tmp_path):
+    shown = accuracy(tmp_path).interval
+    assert shown == pytest.approx((-50.0, -62.5, -37.5))
+
+
+def test_pairs_are_found_in_either_order(tmp_path):
+    other_way = accuracy(
+        tmp_path, predictor="physics_c", other="transformer", mean=20.0, lower_share=0.0
+    )
+    assert other_way.verdict == HOLDS
+    assert other_way.interval == pytest.approx((-50.0, -62.5, -37.5))
+
+
+def test_a_rival_that_was_not_evaluated_is_not_measured(tmp_path):
+    assert accuracy(tmp_path, "accuracy.spin.gru_tae").verdict == NOT_MEASURED
+
+
+def test_errors_spread_least_beside_all_but_the_oracle(tmp_path):
+    key = "accuracy.spin.spread"
+    assert accuracy(tmp_path, key, {"oracle": 1.0}).verdict == HOLDS
+    assert accuracy(tmp_path, key, {"tae": 9.0}).verdict == FAILS
+
+
+def test_sim_to_sim_is_judged_from_the_first_state(tmp_path):
+    row = {"simulator": "imperfect_b", "horizons_ms": "170-180"}
+    first = {"protocol": "first_state", "difference": 0.2, "ci_low": 0.1, "ci_high": 0.3}
+    anew = {"protocol": "re_anchored", "difference": -0.2, "ci_low": -0.3, "ci_high": -0.1}
+    run = write(tmp_path, "sim2sim/difference.csv", [{**row, **anew}, {**row, **first}])
+    gain = found(SIM2SIM, run, "sim2sim.imperfect_b.170-180")
+    assert gain.verdict == HOLDS and gain.interval == pytest.approx((20, 10, 30))
+    assert found(SIM2SIM, run, "sim2sim.imperfect_a.170-180").verdict == NOT_MEASURED
+
+
+@pytest.mark.parametrize(("hits", "word"), [(30, LOWER), (41, LEVEL), (56, HIGHER)])
+def test_counts_are_compared_as_shares(tmp_path, hits, word):
+    row = {
+        "set": "stroke_pro", "horizons_ms": "115-125", "predictor": "physics",
+        "protocol": "every_tick", "balls": 60, "hits": hits, "hit_rate": hits / 60,
+        "hit_rate_low": hits / 60 - 0.1, "hit_rate_high": hits / 60 + 0.1,
+    }  # fmt: skip
+    run = write(tmp_path, "sim2real/rates.csv", [row])
+    assert found(COUNTS, run, "transfer.stroke_pro.115-125.physics.hits").verdict == word
+    assert found(COUNTS, run, "transfer.stroke_pro.170-180.physics.hits").verdict == NOT_MEASURED
+
+
+def test_gains_of_the_paper_are_those_of_its_table():
+    printed = {entry.key: entry.printed for entry in GAINS.entries}
+    assert len(printed) == 2 * len(paper.TRANSFER)
+    assert printed["gain.stroke_uni.115-125.returns"] == 100 * (146 - 80) / 200
+    assert printed["gain.receive.115-125.hits"] == 0
+
+
+def test_returns_get_faster_and_flatter(tmp_path):
+    run = write(tmp_path, "shot_quality/quality.csv", quality(physics=4.0, learned=5.0))
+    faster = found(QUALITY, run, "quality.speed.receive.115-125")
+    assert faster.verdict == HOLDS and faster.value == pytest.approx(25.0)
+    assert found(QUALITY, run, "quality.clearance.receive.115-125").verdict == FAILS
+    vague = write(tmp_path, "shot_quality/quality.csv", quality(half=2.0))
+    assert found(QUALITY, vague, "quality.speed.receive.115-125").verdict == OPEN
+
+
+@pytest.mark.parametrize(
+    ("learned", "half", "word"), [(8.0, 0.2, HOLDS), (5.0, 0.2, FAILS), (8.0, 9.0, OPEN)]
+)
+def test_twice_is_about_twice_and_surely_more(tmp_path, learned, half, word):
+    rows = quality(physics=4.0, learned=learned, half=half)
+    run = write(tmp_path, "shot_quality/quality.csv", rows)
+    assert found(DOUBLED, run, "quality.doubled.stroke_pro").verdict == word

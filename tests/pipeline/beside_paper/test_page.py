@@ -1,0 +1,78 @@
+"""The page on the paper: complete, committed as it is printed, and never a zero that is none."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from pipeline.artifacts import write_json
+from pipeline.beside_paper.catalogue import EXHIBITS, GROUPS, findings
+from pipeline.beside_paper.entries import number
+from pipeline.beside_paper.page import paper_page
+from pipeline.beside_paper.reports import Reports, laptop_reports, paper_reports
+from pipeline.beside_paper.verdicts import MEANINGS, NO_NUMBER, NOT_MEASURED, SAME
+from pipeline.errors import InputError
+from pipeline.params import read_yaml
+
+ROOT = Path(__file__).parents[3]
+ENTRIES = [entry for group in GROUPS for entry in group.entries]
+STAGES = {*read_yaml(ROOT / "dvc.yaml")["stages"], "shot_quality"}
+
+
+def test_the_committed_page_is_what_is_printed():
+    committed = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
+    assert committed == paper_page(ROOT) + "\n", "run `rallygap paper > docs/paper.md`"
+
+
+def test_every_figure_and_table_of_the_paper_has_its_row():
+    names = [*(f"Figure {number}" for number in range(1, 6)), "Table I", "Algorithm 1"]
+    assert sorted(one.name for one in EXHIBITS) == sorted(names)
+
+
+def test_every_entry_has_a_key_of_its_own_and_a_stage_that_is_there():
+    keys = [entry.key for entry in ENTRIES]
+    assert len(set(keys)) == len(keys)
+    assert {entry.stage for entry in ENTRIES} - STAGES <= {"–"}
+    assert {one.stage for one in EXHIBITS} <= STAGES
+
+
+def test_without_reports_nothing_is_measured(tmp_path):
+    words = {found.verdict for found in findings(Reports(tmp_path, {})).values()}
+    constants = {SAME, "differs"}
+    assert words == {NOT_MEASURED, NO_NUMBER, *constants}
+    drawn = {one.verdict(Reports(tmp_path, {})) for one in EXHIBITS}
+    assert drawn == {NOT_MEASURED, NO_NUMBER}
+
+
+def test_every_verdict_is_explained():
+    found = findings(laptop_reports(ROOT)).values()
+    assert {one.verdict for one in found} <= set(MEANINGS)
+
+
+def test_settings_of_the_paper_s_profile_are_the_paper_s():
+    found = findings(paper_reports(ROOT))
+    differ = {key for key, one in found.items() if one.verdict == "differs"}
+    own = {entry.key for entry in ENTRIES if "params.yaml" in entry.where}
+    assert differ & own == set()
+
+
+def test_a_kept_run_is_read_with_its_own_parameters(tmp_path):
+    shutil.copy(ROOT / "params.yaml", tmp_path)
+    params = {"sim2sim": {"episodes": 77}}
+    write_json(tmp_path / "reports" / "paper" / "run.json", {"params": params})
+    assert findings(paper_reports(tmp_path))["setting.sim2sim.episodes"].value == 77
+
+
+def test_a_broken_table_is_named(tmp_path):
+    path = tmp_path / "sim2real" / "rates.csv"
+    path.parent.mkdir()
+    path.write_text("")
+    with pytest.raises(InputError, match=r"rates.csv: is not a CSV table"):
+        findings(Reports(tmp_path, {}))
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(1e-12, "1e-12"), (0.0, "0"), (100_000, "100,000"), (0.05, "0.05")]
+)
+def test_small_numbers_are_not_zero(value, text):
+    assert number(value) == text

@@ -1,0 +1,71 @@
+"""Verdicts follow from the numbers, by rule."""
+
+import numpy as np
+import pytest
+from scipy.stats import binomtest
+
+from pipeline.beside_paper.verdicts import (
+    DIFFERS,
+    FAILS,
+    HIGHER,
+    HOLDS,
+    LEVEL,
+    LOWER,
+    NOT_MEASURED,
+    OPEN,
+    SAME,
+    Interval,
+    beside,
+    claim,
+    minus,
+    of_all,
+    setting,
+    share,
+)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "word"), [(1, 3, HOLDS), (-1, 3, OPEN), (0, 3, OPEN), (-3, -1, FAILS)]
+)
+def test_a_claim_holds_where_the_whole_interval_is_on_its_side(low, high, word):
+    middle = (low + high) / 2
+    assert claim(Interval(middle, low, high)) == word
+    assert claim(Interval(-middle, -high, -low), grows=False) == word
+
+
+def test_one_part_that_fails_makes_all_fail_and_one_that_is_missing_leaves_it_open():
+    assert of_all([HOLDS, HOLDS]) == HOLDS
+    assert of_all([HOLDS, OPEN]) == OPEN
+    assert of_all([HOLDS, OPEN, NOT_MEASURED]) == NOT_MEASURED
+    assert of_all([HOLDS, NOT_MEASURED, FAILS]) == FAILS
+    assert of_all([]) == NOT_MEASURED
+
+
+@pytest.mark.parametrize(("count", "of"), [(0, 30), (98, 100), (136, 200), (30, 30)])
+def test_shares_have_wilson_s_interval(count, of):
+    expected = binomtest(count, of).proportion_ci(method="wilson")
+    found = share(count, of)
+    assert found.value == count / of
+    assert found[1:] == pytest.approx((expected.low, expected.high), abs=1e-4)
+
+
+def test_the_interval_of_a_difference_covers_as_it_says():
+    """Of shares that differ by a tenth, drawn 2,000 times."""
+    random = np.random.default_rng(0)
+    ones, others = random.binomial(60, 0.8, 2000), random.binomial(200, 0.7, 2000)
+    found = [minus(share(a, 60), share(b, 200)) for a, b in zip(ones, others, strict=True)]
+    covered = np.mean([one.low <= 0.1 <= one.high for one in found])
+    assert 0.93 < covered < 0.97
+
+
+def test_numbers_are_level_where_the_difference_may_be_none():
+    printed = share(100, 200)
+    assert beside(share(30, 60), printed) == LEVEL
+    assert beside(share(55, 60), printed) == HIGHER
+    assert beside(share(5, 60), printed) == LOWER
+
+
+def test_settings_are_the_same_to_one_percent():
+    assert setting(0.901, 0.9) == SAME and setting(0.92, 0.9) == DIFFERS
+    assert setting("Adam", "Adam") == SAME and setting("half a cosine", 0.95) == DIFFERS
+    assert setting(None, 3) == NOT_MEASURED
