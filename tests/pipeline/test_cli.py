@@ -39,7 +39,8 @@ def test_help_names_every_verb_without_loading_the_libraries():
         "print('loaded', heavy & set(sys.modules))"
     )
     shown = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True)
-    for verb in ("check", "profile", "real", "keep", "diagnose", "effects", "costs", "ui"):
+    verbs = ("check", "profile", "real", "keep", "effects", "paper", "diagnose", "costs", "ui")
+    for verb in verbs:
         assert f" {verb} " in shown.stdout
     assert "loaded set()" in shown.stdout
 

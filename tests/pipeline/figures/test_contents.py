@@ -55,6 +55,12 @@ def test_broken_contents_name_the_field(tmp_path):
         read_contents(tmp_path / "reports", "segment")
 
 
+def test_a_number_too_small_for_its_column_is_not_shown_as_zero(tmp_path):
+    (tmp_path / "a.csv").write_text("p\n12.5\n0.00003\n0\n-0.004\n")
+
+    assert read_columns(tmp_path / "a.csv")[0].cells == ["12.50", "3e-05", "0.00", "-0.004"]
+
+
 def test_empty_table_is_refused(tmp_path):
     (tmp_path / "a.csv").write_text("")
 

@@ -165,6 +165,7 @@ def test_there_is_no_distance_before_the_forecast(page):
 def test_play_moves_time_on_and_pause_stops_it(page):
     slider, button = element(page, "shot-time"), element(page, "shot-play")
     start, before = int(slider.get_property("value")), picture(page)
+    Select(element(page, "shot-speed")).select_by_visible_text("a twentieth")
 
     button.click()
     WebDriverWait(page, 10).until(lambda _: int(slider.get_property("value")) >= start + 20)
