@@ -121,14 +121,14 @@ def _return(
 
 def _ball(simulator: Simulator, path: Floats, ended: Episodes, end: float) -> tuple[Floats, Floats]:
     """Return (S,) s and (S, 3) m: the ball up to its hit, the hit, and on from there."""
-    times = BALL_STEP * np.arange(round(end / BALL_STEP) + 1)
+    times = BALL_STEP * np.arange(round(end / BALL_STEP) + 1, dtype=np.float64)
     hit = float(np.nan_to_num(ended.time[0], nan=np.inf))
     before = times[times < hit]
     coming = path[np.rint(before / PATH_STEP).astype(np.int64), :3]
     if np.isinf(hit):
         return before, coming
     after = np.concatenate([[hit], times[times > hit]])
-    away = with_net(simulator).fly(ended.after, after - hit).states[0, :, :3]
+    away: Floats = with_net(simulator).fly(ended.after, after - hit).states[0, :, :3]
     return np.concatenate([before, after]), np.concatenate([coming, away])
 
 

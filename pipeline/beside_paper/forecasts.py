@@ -27,7 +27,7 @@ def difference(
 
     The table has a pair of predictors in either order.
     """
-    at = {"set": SET, "quantity": quantity, "horizon_ms": horizon}
+    at: dict[str, str | int] = {"set": SET, "quantity": quantity, "horizon_ms": horizon}
     for first, second, sign in ((LEARNED, rival, 1), (rival, LEARNED, -1)):
         row = run.row(DIFFERENCES, predictor=first, other=second, **at)
         if row is not None and not row[["ci_low", "ci_high"]].isna().any():

@@ -61,7 +61,7 @@ def _paper(run: Reports) -> Iterator[Figure]:
         "predictor (Bi et al., Sony AI): what it shows, and what this run found. Balls, arm and "
         "policy are others than the paper's."
     )
-    rows = [(one.name, one.what, one.stage, one.verdict(run)) for one in EXHIBITS]
+    rows: list[Row] = [(one.name, one.what, one.stage, one.verdict(run)) for one in EXHIBITS]
     title = "The paper, number by number"
     yield from _listed(title, about, ("in the paper", "what", "stage", "verdict"), rows)
     found = findings(run)
@@ -108,8 +108,10 @@ def _listed(title: str, about: str, names: Row, rows: Sequence[Row]) -> Iterator
         ends = accumulate(block.count("\n") + 1 for block in blocks)
         fit = max(1, sum(end <= left for end in ends))
         text = "\n".join([head, "", *blocks[:fit]])
-        style = {"family": "DejaVu Sans Mono", "fontsize": size, "linespacing": LEADING}
-        figure.text(LEFT, top, text, va="top", color=INK, parse_math=False, **style)
+        figure.text(
+            LEFT, top, text, va="top", color=INK, family="DejaVu Sans Mono", fontsize=size,
+            linespacing=LEADING, parse_math=False,
+        )  # fmt: skip
         yield figure
         blocks, about = blocks[fit:], ""
 
@@ -124,7 +126,8 @@ def _lines(row: Sequence[Sequence[str]], widths: Sequence[int]) -> Iterator[str]
 
 def _page(title: str, about: str) -> tuple[Figure, float]:
     """Return a page with its heading, and where it goes on, as a share of its height."""
-    figure = Figure(figsize=A4, layout="none")
+    figure = Figure(figsize=A4)
+    figure.set_layout_engine("none")
     text = "\n".join(wrap(about, 115))
     lines = text.count("\n") + 1 if text else 0
     figure.text(LEFT, TOP, title, fontsize=12, weight="bold", color=INK, parse_math=False)

@@ -7,10 +7,10 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from pipeline.artifacts import read_as, write_json
-from pipeline.figures.shots import Forecast as Track
-from pipeline.figures.shots import Number
+from pipeline.figures.shots import Forecast, Number
 
 Joints = tuple[Number, Number, Number, Number, Number, Number]
+Track = Forecast  # where something is at which time; of a ball that was measured, too
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
