@@ -67,7 +67,7 @@ def _orthogonal(stack: Tensor, coefficients: tuple[float, float, float], steps: 
     In 32 bits: torch's 16 are faster on a GPU alone, and most processors have to imitate them.
     """
     a, b, c = coefficients
-    parts = stack / stack.norm(dim=(1, 2), keepdim=True).clamp(min=SMALLEST_NORM)
+    parts: Tensor = stack / stack.norm(dim=(1, 2), keepdim=True).clamp(min=SMALLEST_NORM)
     for _ in range(steps):
         gram = parts @ parts.mT
         change = torch.baddbmm(gram, gram, gram, beta=b, alpha=c)
