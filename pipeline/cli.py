@@ -129,6 +129,44 @@ def costs() -> None:
 
 
 @app.command()
+def sweep(
+    name: Annotated[str, typer.Argument(help="predictor, policy: a file of profiles/sweeps")],
+    study: Annotated[
+        str | None,
+        typer.Option(envvar="RALLYGAP_STUDY", help="a database's URL; a file where there is none"),
+    ] = None,
+    workers: Annotated[int, typer.Option(min=1, help="processes on this machine")] = 1,
+    trials: Annotated[
+        int | None, typer.Option(min=1, help="in all; those done before count")
+    ] = None,
+) -> None:
+    """Try parameters out, and write what does best to reports/sweeps/NAME."""
+    from pipeline.sweeps.plan import load_plan
+    from pipeline.sweeps.run import run_sweep
+
+    plan = load_plan(repository_root(), name)
+    found = run_sweep(plan, study, workers, trials or plan.settings.trials)
+    typer.echo(f"All of it: {plan.report}")
+    typer.echo(
+        " ".join(["dvc exp run", *found]) if found else "Nothing did better than params.yaml."
+    )
+
+
+@app.command()
+def confirm(
+    name: Annotated[str, typer.Argument(help="a sweep that was run: predictor, policy")],
+) -> None:
+    """Train what a sweep found, and params.yaml, with new seeds; compare them on unseen balls."""
+    from rich.console import Console
+
+    from pipeline.sweeps.confirm import confirmed_table, run_confirm
+    from pipeline.sweeps.plan import load_plan
+
+    plan = load_plan(repository_root(), name)
+    Console().print(confirmed_table(run_confirm(plan)))
+
+
+@app.command()
 def ui(port: Annotated[int, typer.Option(help="on this machine only")] = 5000) -> None:
     """Serve the MLflow pages of this repository's runs, until interrupted."""
     from pipeline.tracking import store_uri

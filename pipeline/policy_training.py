@@ -69,7 +69,7 @@ def train_policies(pupils: Sequence[Pupil]) -> list[Graduate]:
                 for pupil in pupils
                 if pupil.legs_done == leg < pupil.description.learning.legs
             ]
-            for _ in parallel(delayed(_learn)(pupil, leg) for pupil in waiting):
+            for _ in parallel(delayed(learn)(pupil, leg) for pupil in waiting):
                 advance()
     return [_graduate(pupil) for pupil in pupils]
 
@@ -93,7 +93,7 @@ def _workers(tasks: Sequence[object]) -> int:
     return workers
 
 
-def _learn(pupil: Pupil, leg: int) -> None:
+def learn(pupil: Pupil, leg: int) -> None:
     """Take a pupil through a leg; what it leaves appears whole or not at all.
 
     A worker of a run that was killed may still be at this leg: wait, and keep what it leaves.

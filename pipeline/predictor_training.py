@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from models.predictors.learned import ForecastNetwork
 from models.predictors.training import ForecastTraining, WindowData
 from pipeline.progress import progress_bars
-from pipeline.training import train
+from pipeline.training import Steps, train
 
 Counts = NDArray[np.int64]
 
@@ -82,5 +82,5 @@ def _learn(pupil: Pupil, done: Counts, number: int, master: int) -> Graduate:
 
     training = ForecastTraining(pupil.network, pupil.data.settings)
     with FileLock(pupil.folder / "lock"):
-        train(training, pupil.data, pupil.folder, steps_done)
+        train(training, pupil.data, pupil.folder, [Steps(steps_done)])
     return Graduate(pupil.name, pupil.network, pd.DataFrame(training.curve), training.seconds)

@@ -44,7 +44,7 @@ def main(messages: Path) -> None:
     log_results(client, child, end)
     client.set_terminated(child, end["status"], end["time"])
     if parent:
-        finish_parent(client, parent, end)
+        finish_parent(client, parent, start, end)
 
 
 def awaited_end(message: Path) -> dict[str, Any]:
@@ -75,8 +75,9 @@ def parent_run(client: MlflowClient, experiment: str, start: dict[str, Any]) -> 
         return str(runs[0].info.run_id)
     shared = ("dvc.experiment", "dvc.baseline", "mlflow.source.git.commit")
     tags = {name: start["tags"][name] for name in shared if name in start["tags"]}
-    tags |= {"rallygap.reproduction": key, "mlflow.source.name": "dvc"}
-    name = tags.get("dvc.experiment", "reproduction")
+    sweep = start.get("parent")
+    tags |= {"rallygap.reproduction": key, "mlflow.source.name": sweep or "dvc"}
+    name = sweep or tags.get("dvc.experiment", "reproduction")
     run = client.create_run(experiment, start["time"], tags, run_name=name)
     return str(run.info.run_id)
 
@@ -105,10 +106,16 @@ def log_results(client: MlflowClient, run: str, end: dict[str, Any]) -> None:
         client.log_artifact(run, figure, "figures")
 
 
-def finish_parent(client: MlflowClient, parent: str, end: dict[str, Any]) -> None:
-    """Move the reproduction's end to this stage's; one failed stage makes it fail."""
+def finish_parent(
+    client: MlflowClient, parent: str, start: dict[str, Any], end: dict[str, Any]
+) -> None:
+    """Move the reproduction's end to this stage's; one failed stage makes it fail.
+
+    A sweep goes on where a trial fails, so there the last one tells.
+    """
     earlier = client.get_run(parent).info.status
-    status = earlier if earlier in ("FAILED", "KILLED") else end["status"]
+    failed = earlier in ("FAILED", "KILLED") and "parent" not in start
+    status = earlier if failed else end["status"]
     client.set_terminated(parent, status, end["time"])
 
 

@@ -3,7 +3,7 @@
 import logging
 import signal
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ def train(
     training: ForecastTraining,
     data: WindowData,
     checkpoints: Path,
-    steps_done: Callable[[int], None] = lambda steps: None,
+    watchers: Sequence[Callback] = (),
 ) -> None:
     """Train a network in place.
 
@@ -32,7 +32,7 @@ def train(
         training: the network and the recipe.
         data: the windows.
         checkpoints: a folder that belongs to this training alone.
-        steps_done: is told how many steps are done, at the start and after each.
+        watchers: callbacks beside those that training needs.
 
     Raises:
         SystemExit: the process was told to stop (SIGTERM).
@@ -41,7 +41,7 @@ def train(
     last = checkpoints / "last.ckpt"
     resumed = last if last.exists() else None
     with _quiet():
-        trainer = _trainer(training.settings, checkpoints, steps_done)
+        trainer = _trainer(training.settings, checkpoints, watchers)
         try:
             trainer.fit(training, data, ckpt_path=resumed, weights_only=False)
         except SIGTERMException:
@@ -50,7 +50,7 @@ def train(
 
 
 def _trainer(
-    settings: TrainingSettings, checkpoints: Path, steps_done: Callable[[int], None]
+    settings: TrainingSettings, checkpoints: Path, watchers: Sequence[Callback]
 ) -> lightning.Trainer:
     return lightning.Trainer(
         max_epochs=settings.epochs,
@@ -59,7 +59,7 @@ def _trainer(
         deterministic=True,
         # Batches depend on the number of the epoch.
         reload_dataloaders_every_n_epochs=1,
-        callbacks=[_saved_every_epoch(checkpoints), _Steps(steps_done)],
+        callbacks=[_saved_every_epoch(checkpoints), *watchers],
         default_root_dir=checkpoints,
         logger=False,
         enable_progress_bar=False,
@@ -86,8 +86,8 @@ def _saved_every_epoch(folder: Path) -> ModelCheckpoint:
     )
 
 
-class _Steps(Callback):
-    """Tells how many steps are done."""
+class Steps(Callback):
+    """Tells how many steps are done, at the start and after each."""
 
     def __init__(self, steps_done: Callable[[int], None]) -> None:
         self.steps_done = steps_done

@@ -1,0 +1,97 @@
+"""Whether what a sweep found holds: full trainings with other seeds, on balls it never saw."""
+
+import hashlib
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from rich.table import Table
+
+from pipeline.artifacts import replacing, write_json
+from pipeline.errors import InputError
+from pipeline.metrics import rounded
+from pipeline.params import Params, check_params, read_yaml
+from pipeline.profiles import merged
+from pipeline.sweeps.judged import SEEDS, Judged
+from pipeline.sweeps.plan import FINGERPRINT_SHOWN, Plan
+from pipeline.sweeps.report import BEST
+from pipeline.sweeps.settings import PredictorSweep
+
+TABLE, SUMMARY = "confirmed.csv", "confirmed.json"
+
+
+def run_confirm(plan: Plan) -> pd.DataFrame:
+    """Train the parameters as they are and those found, with seeds and balls new to both.
+
+    A run that was killed goes on where it was. Nothing of params.yaml changes.
+
+    Returns:
+        The table of ``Judged``, also written to ``reports/sweeps/<name>``.
+
+    Raises:
+        InputError: the sweep has not been run, or params.yaml says already what it found.
+    """
+    both = _both_params(plan)
+    folder = plan.scratch / "confirm" / _fingerprint(plan, both)
+    table = _judged(plan, both, folder).table(plan.params["seed"])
+    with replacing(plan.report / TABLE) as temporary:
+        table.to_csv(temporary, index=False, float_format="%.6g", lineterminator="\n")
+    write_json(plan.report / SUMMARY, _summary(plan, table))
+    shutil.rmtree(plan.scratch / "confirm", ignore_errors=True)
+    return table
+
+
+def _both_params(plan: Plan) -> list[Params]:
+    """Return the parameters as they are and with what the sweep found."""
+    path = plan.report / BEST
+    if not path.is_file():
+        raise InputError(path, f"there is no such file; run `rallygap sweep {plan.name}`")
+    both = [
+        check_params(plan.params, path),
+        check_params(merged(plan.params, read_yaml(path)), path),
+    ]
+    if both[0] == both[1]:
+        raise InputError(path, "says what params.yaml says already: there is nothing to confirm")
+    return both
+
+
+def _fingerprint(plan: Plan, both: list[Params]) -> str:
+    content = json.dumps([plan.fingerprint, *(one.model_dump(mode="json") for one in both)])
+    return hashlib.sha256(content.encode()).hexdigest()[:FINGERPRINT_SHOWN]
+
+
+def _judged(plan: Plan, both: list[Params], folder: Path) -> Judged:
+    if isinstance(plan.settings, PredictorSweep):
+        from pipeline.sweeps.judged_predictors import judged_predictors
+
+        return judged_predictors(plan.root, plan.settings, both, folder)
+    from pipeline.sweeps.judged_policies import judged_policies
+
+    return judged_policies(plan.settings, both, folder)
+
+
+def _summary(plan: Plan, table: pd.DataFrame) -> dict[str, Any]:
+    decisive = table.iloc[0].to_dict()
+    numbers = ("params", "found", "difference", "ci_low", "ci_high")
+    return {
+        "sweep": plan.name,
+        "measure": decisive["measure"],
+        **{name: rounded(decisive[name]) for name in numbers},
+        "per_seed": [rounded(decisive[f"seed_{k + 1}"]) for k in range(SEEDS)],
+        "n": decisive["n"],
+        "holds": bool(decisive["holds"]),
+    }
+
+
+def confirmed_table(table: pd.DataFrame) -> Table:
+    """Return the comparison as a table for the terminal."""
+    shown = Table(box=None, pad_edge=False, title="What the sweep found, beside params.yaml")
+    for heading in ("", "params", "found", "difference", "95 % interval", "holds"):
+        shown.add_column(heading, justify="right" if heading else "left")
+    for row in table.to_dict("records"):
+        numbers = (f"{row[name]:.4g}" for name in ("params", "found", "difference"))
+        interval = f"{row['ci_low']:.3g} to {row['ci_high']:.3g}"
+        shown.add_row(row["measure"], *numbers, interval, "yes" if row["holds"] else "no")
+    return shown

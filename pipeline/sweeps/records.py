@@ -1,0 +1,45 @@
+"""Trials in MLflow: each a run, under one parent a study."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from optuna import TrialPruned
+
+from pipeline.params import Params
+from pipeline.provenance import Provenance
+from pipeline.sweeps.plan import Plan
+from pipeline.tracking import Recorder, description, now
+
+
+@dataclass
+class TrialRecord:
+    """What a trial leaves behind: its score after every epoch or leg."""
+
+    scores: dict[int, float] = field(default_factory=dict)
+
+
+@contextmanager
+def recorded_trial(plan: Plan, study: str, number: int, params: Params) -> Iterator[TrialRecord]:
+    """Record the trial that is done in this block."""
+    stage = plan.settings.stage
+    command = f"rallygap sweep {plan.name}"
+    own = params.model_dump(mode="json", include={"seed", stage})
+    start = description(f"trial {number}", Provenance(command, study), own)
+    start |= {"reproduction": study, "parent": command}
+    start["tags"]["dvc.stage"] = stage
+    recorder = Recorder(start)
+    record, status = TrialRecord(), "FAILED"
+    try:
+        yield record
+        status = "FINISHED"
+    except TrialPruned:
+        status = "FINISHED"
+        raise
+    except (KeyboardInterrupt, SystemExit):
+        status = "KILLED"
+        raise
+    finally:
+        name = plan.settings.score.replace(" ", "_")
+        metrics = {name: {str(step): score for step, score in record.scores.items()}}
+        recorder.finish({"metrics": metrics, "status": status, "time": now()})
