@@ -1,4 +1,4 @@
-"""A sweep from the command line: the study is made once, workers do trials, the report is written."""
+"""A sweep from the command line: one study, workers that do its trials, then the report."""
 
 import os
 import shutil

@@ -69,7 +69,8 @@ class Choices(Settings):
 
 
 def _kind(content: Any) -> str:
-    return "choices" if isinstance(content, dict) and "choices" in content else "range"
+    named = isinstance(content, dict) and "choices" in content
+    return "choices" if named or isinstance(content, Choices) else "range"
 
 
 Parameter = Annotated[

@@ -1,0 +1,182 @@
+"""Real trainings, very small: what a trial scores, and what confirms a sweep."""
+
+import numpy as np
+import pytest
+from optuna import TrialPruned
+
+from pipeline import policy_training
+from pipeline.artifacts import read_json, write_text
+from pipeline.errors import InputError
+from pipeline.params import load_params
+from pipeline.policy_training import Pupil, train_policies
+from pipeline.sweeps.confirm import run_confirm
+from pipeline.sweeps.judged import Judged
+from pipeline.sweeps.policy import described
+from pipeline.sweeps.worker import trials_of
+from tests.models.policy.schooling import BRIEF
+from tests.pipeline.measured_shots import shot_tables, write_inputs
+from tests.pipeline.sweeps.made_up import RATE, ROOT, TINY, plan, write_yaml
+
+NETWORK = "train_predictor.networks.transformer"
+TINY_TRAINING = {
+    "train_predictor.training.epochs": 2,
+    f"{NETWORK}.width": 16,
+    f"{NETWORK}.expanded": 32,
+}
+LEARNING = "train_policy.groups.sim2sim.learning"
+POLICY = {
+    "trains": "policy", "group": "sim2sim", "simulator": "imperfect_c",
+    "horizons_ms": [115, 120, 125], "trials": 2, "in_trials": {},
+    "space": {f"{LEARNING}.discount": {"low": 0.9, "high": 0.99}},
+    "pruning": {"first_trials": 3, "first_steps": 0},
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def one_process(monkeypatch):
+    """Train in this process, where other processes would take seconds to start."""
+    monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
+    monkeypatch.setattr(policy_training, "TRIALS", 6)
+
+
+def predictor_plan(root):
+    splits = ["train"] * 4 + ["validation"] * 2
+    shots = [shot_tables("arena/club", number, split=one) for number, one in enumerate(splits)]
+    write_inputs(root, shots=shots, sources=("arena",))
+    return plan(root, in_trials=TINY_TRAINING)
+
+
+def policy_plan(root):
+    return plan(root, **{key: None for key in TINY if key not in POLICY}, **POLICY)
+
+
+def test_a_predictor_is_scored_by_its_validation_loss_after_every_epoch(tmp_path):
+    swept = predictor_plan(tmp_path)
+    trials, seen = trials_of(swept), []
+    params = swept.trial_params({RATE: 0.01})
+    score = trials.score(params, tmp_path / "one", lambda *told: seen.append(told))
+    training = trials.trained(params, tmp_path / "other")
+    assert seen == [(row["epoch"], row["validation"]) for row in training.curve]
+    assert score == seen[-1][1]
+
+
+def test_a_predictor_that_lags_behind_is_trained_no_further(tmp_path):
+    swept = predictor_plan(tmp_path)
+    epochs = []
+
+    def watch(epoch, loss):
+        epochs.append(epoch)
+        raise TrialPruned
+
+    with pytest.raises(TrialPruned):
+        trials_of(swept).score(swept.trial_params({RATE: 0.01}), tmp_path / "trial", watch)
+    assert epochs == [1]
+
+
+def brief(params):
+    group = params.train_policy.groups["sim2sim"].model_copy(update={"learning": BRIEF})
+    policies = params.train_policy.model_copy(update={"groups": {"sim2sim": group}, "trials": 10})
+    return params.model_copy(update={"train_policy": policies})
+
+
+def test_a_policy_is_scored_by_the_returns_of_watched_balls_after_every_leg(tmp_path):
+    swept, seen = policy_plan(tmp_path), []
+    params = brief(swept.trial_params({}))
+    score = trials_of(swept).score(params, tmp_path / "trial", lambda *told: seen.append(told))
+    pupil = Pupil(described(swept.settings, params), tmp_path / "stage")
+    curve = train_policies([pupil])[0].curve
+    assert seen == list(enumerate(curve["return_rate"], start=1))
+    assert score == seen[-1][1]
+
+
+def judged(params, found, smaller=True):
+    measured = np.array([params, found], dtype=float)[..., None]
+    groups = np.tile(np.arange(measured.shape[2]), (measured.shape[1], 1))
+    return Judged(["error"], smaller, measured[0], measured[1], groups).table(seed=0).iloc[0]
+
+
+def test_what_is_better_on_every_ball_and_with_every_seed_holds():
+    random = np.random.default_rng(0)
+    hard = random.uniform(10, 20, (3, 40))
+    better = judged(hard, hard - random.uniform(0.1, 0.3, (3, 40)))
+    assert better["holds"]
+    assert better["difference"] == pytest.approx(better["found"] - better["params"])
+    assert -0.3 < better["ci_low"] < better["difference"] < better["ci_high"] < -0.1
+    assert not judged(hard, hard + 0.2)["holds"]
+    assert judged(hard, hard + 0.2, smaller=False)["holds"]
+
+
+def test_what_one_seed_contradicts_or_chance_may_have_made_does_not_hold():
+    random = np.random.default_rng(0)
+    hard = random.uniform(10, 20, (3, 40))
+    contradicted = hard - np.array([[0.5], [0.5], [-0.01]])
+    assert judged(hard, contradicted)["ci_high"] < 0
+    assert not judged(hard, contradicted)["holds"]
+    noise = random.normal(0, 1, 40) - random.normal(0, 1, 40).mean()
+    assert not judged(hard, hard + noise)["holds"]
+
+
+def confirmed(swept, best):
+    write_text(swept.report / "best_params.yaml", "")
+    write_yaml(swept.report / "best_params.yaml", best)
+    return run_confirm(swept)
+
+
+def small(root, changes):
+    """Let the full trainings of a repository be small, too."""
+    params = root / "params.yaml"
+    text = params.read_text()
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
+    params.write_text(text)
+
+
+def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
+    predictor_plan(tmp_path)
+    small(tmp_path, {"epochs: 70": "epochs: 1", "width: 64 ": "width: 16 "})
+    from pipeline.sweeps.plan import load_plan
+
+    swept = load_plan(tmp_path, "tiny")
+    table = confirmed(swept, {"train_predictor": {"training": {"learning_rate": 0.02}}})
+    assert table["measure"].tolist()[:2] == [
+        "position error, 100 to 300 ms (mm)",
+        "position error at 100 ms (mm)",
+    ]
+    assert len(table) == 10
+    assert (table.loc[1:3, "params"].diff().dropna() > 0).all()  # errors grow with the horizon
+    seeds = table.loc[0, ["seed_1", "seed_2", "seed_3"]]
+    assert len(set(seeds)) == 3
+    assert table.loc[0, "difference"] == pytest.approx(seeds.mean())
+    summary = read_json(swept.report / "confirmed.json")
+    assert summary["holds"] == bool(table.loc[0, "holds"])
+    assert not (swept.scratch / "confirm").exists()
+
+
+def test_policies_are_confirmed_on_unseen_balls_with_three_seeds(tmp_path):
+    policy_plan(tmp_path)
+    small(
+        tmp_path,
+        {
+            "legs: 6": "legs: 1", "ticks: 16000": "ticks: 48", "arms: 32": "arms: 4",
+            "warm_up: 8000": "warm_up: 16", "batch: 256": "batch: 8", "width: 128": "width: 8",
+            "gradient_steps: 8": "gradient_steps: 1", "trials: 1000 # unseen balls of its own simulator that each": "trials: 10 # each",
+        },
+    )  # fmt: skip
+    from pipeline.sweeps.plan import load_plan
+
+    swept = load_plan(tmp_path, "tiny")
+    group = {"sim2sim": {"learning": {"discount": 0.9}}}
+    table = confirmed(swept, {"train_policy": {"groups": group}})
+    assert table["measure"].tolist() == ["return rate", "hit rate"]
+    assert table["n"].tolist() == [30, 30]
+    assert table["params"].between(0, 1).all()
+
+
+def test_there_is_nothing_to_confirm_before_a_sweep_nor_once_it_was_adopted(tmp_path):
+    swept = plan(tmp_path)
+    with pytest.raises(InputError, match="run `rallygap sweep tiny`"):
+        run_confirm(swept)
+    rate = load_params(ROOT / "params.yaml").train_predictor.training.learning_rate
+    with pytest.raises(InputError, match="says already"):
+        confirmed(swept, {"train_predictor": {"training": {"learning_rate": rate}}})

@@ -1,0 +1,68 @@
+"""Servers on loopback for tests that need real ones; those tests skip where there is none."""
+
+import os
+import shutil
+import socket
+import subprocess
+import uuid
+from pathlib import Path
+
+import pytest
+
+USER, PASSWORD = "rallygap", "open-sesame"  # the password of a server that lives for some tests
+
+
+def program(name):
+    """A program of PostgreSQL, which Debian keeps off the path; None where it is not installed."""
+    places = sorted(Path("/usr/lib/postgresql").glob(f"*/bin/{name}"), reverse=True)
+    return shutil.which(name) or next(map(str, places), None)
+
+
+def as_server(*command):
+    """Run a program of PostgreSQL, which refuses to work for root."""
+    other = ["runuser", "-u", "postgres", "--"] if os.geteuid() == 0 else []
+    done = subprocess.run([*other, *command], cwd="/", capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return server.getsockname()[1]
+
+
+@pytest.fixture(scope="session")
+def postgres_server(tmp_path_factory):
+    """The URL of a PostgreSQL server on loopback that asks for a password; without a database."""
+    initdb, pg_ctl = program("initdb"), program("pg_ctl")
+    if initdb is None or pg_ctl is None:
+        pytest.skip("PostgreSQL is not installed")
+    home = tmp_path_factory.mktemp("postgres")
+    if os.geteuid() == 0:
+        shutil.chown(home, "postgres")
+        for above in [home, *home.parents][:-2]:  # others may pass, as far as the folder of all
+            above.chmod(above.stat().st_mode | 0o011)
+    cluster, secret, port = home / "cluster", home / "password", free_port()
+    secret.write_text(PASSWORD)
+    secret.chmod(0o644)
+    how = ["--auth=scram-sha-256", f"--username={USER}", f"--pwfile={secret}", "--no-sync"]
+    as_server(initdb, f"--pgdata={cluster}", *how)
+    options = f"-h 127.0.0.1 -p {port} -c unix_socket_directories='' -c fsync=off"
+    log = home / "log"
+    log.touch()
+    log.chmod(0o666)
+    as_server(
+        pg_ctl, f"--pgdata={cluster}", f"--log={log}", "--wait", f"--options={options}", "start"
+    )
+    yield f"postgresql://{USER}:{PASSWORD}@127.0.0.1:{port}"
+    as_server(pg_ctl, f"--pgdata={cluster}", "--mode=immediate", "stop")
+
+
+@pytest.fixture
+def postgres_url(postgres_server):
+    """The URL of a fresh database on that server."""
+    import psycopg
+
+    name = f"t{uuid.uuid4().hex}"
+    with psycopg.connect(f"{postgres_server}/postgres", autocommit=True) as connection:
+        connection.execute(f"CREATE DATABASE {name}")
+    return f"{postgres_server}/{name}"
