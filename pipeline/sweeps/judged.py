@@ -48,6 +48,7 @@ class Judged:
         found = spread(flat, self.groups.ravel(), RESAMPLES, np.random.default_rng(seed))
         by_seed = np.nanmean(apart, axis=1)
         sign = -1 if self.smaller_is_better else 1
+        ends = np.stack([sign * found.low, sign * found.high, *(sign * by_seed)])
         columns = {
             "measure": self.measures,
             "params": np.nanmean(self.params, axis=(0, 1)),
@@ -57,6 +58,6 @@ class Judged:
             "ci_high": found.high,
             **{f"seed_{k + 1}": differences for k, differences in enumerate(by_seed)},
             "n": found.count,
+            "holds": np.all(ends > 0, axis=0),
         }
-        ends = np.stack([sign * found.low, sign * found.high, *(sign * by_seed)])
-        return pd.DataFrame(columns).assign(holds=(ends > 0).all(axis=0))
+        return pd.DataFrame(columns)

@@ -27,7 +27,9 @@ def recorded_trial(plan: Plan, study: str, number: int, params: Params) -> Itera
     own = params.model_dump(mode="json", include={"seed", stage})
     start = description(f"trial {number}", Provenance(command, study), own)
     start |= {"reproduction": study, "parent": command}
-    start["tags"]["dvc.stage"] = stage
+    # A trial is none of DVC's stages, whatever it trains.
+    tags = {name: tag for name, tag in start["tags"].items() if not name.startswith("dvc.")}
+    start["tags"] = {**tags, "rallygap.study": study, "rallygap.trial": str(number)}
     recorder = Recorder(start)
     record, status = TrialRecord(), "FAILED"
     try:

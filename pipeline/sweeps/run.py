@@ -30,7 +30,8 @@ def run_sweep(plan: Plan, url: str | None, workers: int, wanted: int) -> list[st
         InputError: the database cannot be used, or no trial was finished.
     """
     study = create_study(plan, url)
-    with _working(plan, study.study_name, url, workers, wanted) as processes:
+    needed = workers if tried(study) < wanted else 0
+    with _working(plan, study.study_name, url, needed, wanted) as processes:
         for process in processes:
             process.wait()
     done = tried(study)

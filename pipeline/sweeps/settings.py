@@ -103,7 +103,7 @@ class PredictorSweep(SweepSettings):
     """Finds how a network of ``train_predictor`` is built and trained."""
 
     stage: ClassVar[str] = "train_predictor"
-    direction: ClassVar[str] = "minimize"
+    direction: ClassVar[Literal["minimize", "maximize"]] = "minimize"
     score: ClassVar[str] = "validation loss"
     step: ClassVar[str] = "epoch"
 
@@ -121,7 +121,7 @@ class PolicySweep(SweepSettings):
     """Finds how a group of ``train_policy`` learns, on one simulator and one triple of horizons."""
 
     stage: ClassVar[str] = "train_policy"
-    direction: ClassVar[str] = "maximize"
+    direction: ClassVar[Literal["minimize", "maximize"]] = "maximize"
     score: ClassVar[str] = "return rate"
     step: ClassVar[str] = "leg"
 

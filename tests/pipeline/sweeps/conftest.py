@@ -1,4 +1,4 @@
-"""Trials here are not recorded, unless a test is about that."""
+"""Workers here do not record their trials, which would start a process for each."""
 
 import pytest
 
@@ -7,7 +7,6 @@ from tests.pipeline.sweeps.made_up import unrecorded
 
 
 @pytest.fixture(autouse=True)
-def no_records(monkeypatch, request):
-    if "recorded" not in request.keywords:
-        monkeypatch.setattr(worker, "recorded_trial", unrecorded)
-        monkeypatch.setattr(worker, "LOOK_AGAIN", 0.1)
+def no_records(monkeypatch):
+    monkeypatch.setattr(worker, "recorded_trial", unrecorded)
+    monkeypatch.setattr(worker, "LOOK_AGAIN", 0.1)

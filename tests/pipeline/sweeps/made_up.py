@@ -27,7 +27,7 @@ TINY = {
 
 
 def write_repository(root, name="tiny", **changes):
-    """Write what a sweep reads of a repository; ``changes`` are those of its settings."""
+    """Write what a sweep reads of a repository; a setting that changes to None is left out."""
     shutil.copy(ROOT / "params.yaml", root)
     stages = {
         stage: {"cmd": stage, "deps": ["data.txt"], "params": ["seed", stage], "outs": []}
@@ -35,7 +35,8 @@ def write_repository(root, name="tiny", **changes):
     }
     write_yaml(root / "dvc.yaml", {"stages": stages})
     (root / "data.txt").write_text("balls")
-    write_yaml(root / "profiles" / "sweeps" / f"{name}.yaml", {**TINY, **changes})
+    settings = {key: value for key, value in {**TINY, **changes}.items() if value is not None}
+    write_yaml(root / "profiles" / "sweeps" / f"{name}.yaml", settings)
     return root
 
 

@@ -80,7 +80,6 @@ def test_a_sweep_of_which_no_trial_was_finished_leaves_nothing(tmp_path):
     assert not own.report.exists()
 
 
-@pytest.mark.recorded
 def test_trials_are_runs_of_mlflow_under_one_parent_that_a_failed_one_does_not_fail(
     tmp_path, monkeypatch
 ):

@@ -1,16 +1,22 @@
 """Real trainings, very small: what a trial scores, and what confirms a sweep."""
 
+import sqlite3
+import subprocess
+import sys
+
 import numpy as np
+import pandas as pd
 import pytest
 from optuna import TrialPruned
 
 from pipeline import policy_training
-from pipeline.artifacts import read_json, write_text
+from pipeline.artifacts import read_json
 from pipeline.errors import InputError
 from pipeline.params import load_params
 from pipeline.policy_training import Pupil, train_policies
 from pipeline.sweeps.confirm import run_confirm
 from pipeline.sweeps.judged import Judged
+from pipeline.sweeps.plan import load_plan
 from pipeline.sweeps.policy import described
 from pipeline.sweeps.worker import trials_of
 from tests.models.policy.schooling import BRIEF
@@ -47,7 +53,7 @@ def predictor_plan(root):
 
 
 def policy_plan(root):
-    return plan(root, **{key: None for key in TINY if key not in POLICY}, **POLICY)
+    return plan(root, **{**dict.fromkeys(TINY), **POLICY})
 
 
 def test_a_predictor_is_scored_by_its_validation_loss_after_every_epoch(tmp_path):
@@ -117,7 +123,6 @@ def test_what_one_seed_contradicts_or_chance_may_have_made_does_not_hold():
 
 
 def confirmed(swept, best):
-    write_text(swept.report / "best_params.yaml", "")
     write_yaml(swept.report / "best_params.yaml", best)
     return run_confirm(swept)
 
@@ -135,8 +140,6 @@ def small(root, changes):
 def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
     predictor_plan(tmp_path)
     small(tmp_path, {"epochs: 70": "epochs: 1", "width: 64 ": "width: 16 "})
-    from pipeline.sweeps.plan import load_plan
-
     swept = load_plan(tmp_path, "tiny")
     table = confirmed(swept, {"train_predictor": {"training": {"learning_rate": 0.02}}})
     assert table["measure"].tolist()[:2] == [
@@ -160,11 +163,9 @@ def test_policies_are_confirmed_on_unseen_balls_with_three_seeds(tmp_path):
         {
             "legs: 6": "legs: 1", "ticks: 16000": "ticks: 48", "arms: 32": "arms: 4",
             "warm_up: 8000": "warm_up: 16", "batch: 256": "batch: 8", "width: 128": "width: 8",
-            "gradient_steps: 8": "gradient_steps: 1", "trials: 1000 # unseen balls of its own simulator that each": "trials: 10 # each",
+            "gradient_steps: 8": "gradient_steps: 1", "trials: 1000": "trials: 10",
         },
     )  # fmt: skip
-    from pipeline.sweeps.plan import load_plan
-
     swept = load_plan(tmp_path, "tiny")
     group = {"sim2sim": {"learning": {"discount": 0.9}}}
     table = confirmed(swept, {"train_policy": {"groups": group}})
@@ -180,3 +181,23 @@ def test_there_is_nothing_to_confirm_before_a_sweep_nor_once_it_was_adopted(tmp_
     rate = load_params(ROOT / "params.yaml").train_predictor.training.learning_rate
     with pytest.raises(InputError, match="says already"):
         confirmed(swept, {"train_predictor": {"training": {"learning_rate": rate}}})
+
+
+@pytest.mark.slow
+def test_the_command_line_sweeps_with_two_workers_and_records_every_trial(tmp_path):
+    predictor_plan(tmp_path)
+    (tmp_path / "pyproject.toml").touch()
+    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+    program = [sys.executable, "-c", "from pipeline.cli import main; main()", "sweep", "tiny"]
+    for _ in range(2):  # the second time there is nothing left to do
+        command = [*program, "--workers", "2", "--trials", "4"]
+        run = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+        assert run.returncode == 0, run.stderr
+        assert f"All of it: {tmp_path}/reports/sweeps/tiny\n" in run.stdout
+    with sqlite3.connect(tmp_path / "mlflow.db") as store:
+        runs = dict(store.execute("SELECT name, status FROM runs").fetchall())
+    trials = pd.read_csv(tmp_path / "reports" / "sweeps" / "tiny" / "trials.csv")
+    assert len(trials) >= 4  # two workers may begin the last trial at once
+    names = {"rallygap sweep tiny", *(f"trial {number}" for number in trials["trial"])}
+    assert runs == dict.fromkeys(names, "FINISHED")
+    assert not (tmp_path / "scratch" / "sweeps" / "tiny" / "trials").exists()
