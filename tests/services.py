@@ -4,6 +4,7 @@ import os
 import shutil
 import socket
 import subprocess
+import tempfile
 import uuid
 from pathlib import Path
 
@@ -31,30 +32,31 @@ def free_port():
 
 
 @pytest.fixture(scope="session")
-def postgres_server(tmp_path_factory):
+def postgres_server():
     """The URL of a PostgreSQL server on loopback that asks for a password; without a database."""
     initdb, pg_ctl = program("initdb"), program("pg_ctl")
     if initdb is None or pg_ctl is None:
         pytest.skip("PostgreSQL is not installed")
-    home = tmp_path_factory.mktemp("postgres")
+    home, port = Path(tempfile.mkdtemp(prefix="postgres-")), free_port()
+    cluster, secret = home / "cluster", home / "password"
+    secret.write_text(PASSWORD)
     if os.geteuid() == 0:
         shutil.chown(home, "postgres")
-        for above in [home, *home.parents][:-2]:  # others may pass, as far as the folder of all
-            above.chmod(above.stat().st_mode | 0o011)
-    cluster, secret, port = home / "cluster", home / "password", free_port()
-    secret.write_text(PASSWORD)
-    secret.chmod(0o644)
-    how = ["--auth=scram-sha-256", f"--username={USER}", f"--pwfile={secret}", "--no-sync"]
-    as_server(initdb, f"--pgdata={cluster}", *how)
-    options = f"-h 127.0.0.1 -p {port} -c unix_socket_directories='' -c fsync=off"
-    log = home / "log"
-    log.touch()
-    log.chmod(0o666)
-    as_server(
-        pg_ctl, f"--pgdata={cluster}", f"--log={log}", "--wait", f"--options={options}", "start"
-    )
+        shutil.chown(secret, "postgres")
+    users = ["--auth=scram-sha-256", f"--username={USER}", f"--pwfile={secret}"]
+    as_server(initdb, f"--pgdata={cluster}", "--no-sync", *users)
+    where = f"-h 127.0.0.1 -p {port} -c unix_socket_directories='' -c fsync=off"
+    start = [
+        f"--pgdata={cluster}",
+        f"--log={home / 'log'}",
+        f"--options={where}",
+        "--wait",
+        "start",
+    ]
+    as_server(pg_ctl, *start)
     yield f"postgresql://{USER}:{PASSWORD}@127.0.0.1:{port}"
     as_server(pg_ctl, f"--pgdata={cluster}", "--mode=immediate", "stop")
+    shutil.rmtree(home)
 
 
 @pytest.fixture
