@@ -1,11 +1,11 @@
-"""Sheets of the exam: filled in on all cores, a small file each, and kept in one file of lines."""
+"""Sheets of the exam: filled in side by side, a small file each, and kept in one file of lines."""
 
 import warnings
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from zlib import crc32
 
-from joblib import Parallel, delayed
 from pydantic import BaseModel, ValidationError
 
 from models.exam.design import Question, exam
@@ -18,6 +18,7 @@ from pipeline.errors import InputError
 from pipeline.params import Params
 from pipeline.progress import progress_bar
 from pipeline.simulators import load_simulator
+from pipeline.workers import parallel
 
 SHEETS = Path("reports") / "exam" / "sheets.jsonl"  # of the whole exam, in the repository
 OURS = "rallygap"  # among the methods
@@ -45,7 +46,7 @@ def seats(params: Params) -> list[Seat]:
 
 
 def sit_all(seats: Sequence[Seat], folder: Path) -> list[Sat]:
-    """Let methods answer questions, on all cores.
+    """Let methods answer questions, side by side.
 
     Every sheet is left as a file, so that a killed run goes on where it was.
 
@@ -56,8 +57,7 @@ def sit_all(seats: Sequence[Seat], folder: Path) -> list[Sat]:
     files = [folder / f"{question.trial.name.replace('/', '.')}.json" for question, _ in seats]
     waiting = [(*seat, file) for seat, file in zip(seats, files, strict=True) if not file.exists()]
     with progress_bar("exam", len(seats), len(seats) - len(waiting)) as advance:
-        parallel = Parallel(n_jobs=-1, return_as="generator_unordered", batch_size=1)
-        for _ in parallel(delayed(_sit)(*one) for one in waiting):
+        for _ in parallel([partial(_sit, *one) for one in waiting]):
             advance()
     return [read_as(file, Sat, "hidden_effects") for file in files]
 

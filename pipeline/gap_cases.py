@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
-from joblib import Parallel, delayed
 
 from models.ball.simulator import Simulator
 from models.gap.amend import amended
@@ -19,6 +18,7 @@ from pipeline.params import CloseGapSettings, ComparedSimulatorSettings
 from pipeline.progress import progress_bar
 from pipeline.shots import shots_of
 from pipeline.simulators import load_simulator
+from pipeline.workers import parallel
 
 BOUNCE = "table_bounce"
 
@@ -119,11 +119,10 @@ def drawn(members: Sequence[MeasuredEpisode], most: int, random: np.random.Gener
 
 
 def diagnose_all(chosen: Sequence[Case]) -> list[Diagnosed]:
-    """Return the verdicts on all cases, in their order, found on all cores."""
+    """Return the verdicts on all cases, in their order, found side by side."""
     found: list[Diagnosed] = []
     with progress_bar("verdicts", len(chosen)) as advance:
-        parallel = Parallel(n_jobs=-1, return_as="generator", max_nbytes=None)
-        for one in parallel(delayed(case.diagnosed)() for case in chosen):
+        for one in parallel([case.diagnosed for case in chosen]):
             found.append(one)
             advance()
     return found

@@ -3,13 +3,13 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from filelock import FileLock
-from joblib import Parallel, cpu_count, delayed
 from safetensors.numpy import load, save
 
 from models.policy.policy import Policy
@@ -18,6 +18,7 @@ from models.policy.trial import play
 from pipeline.artifacts import read_json, replacing_folder, write_json
 from pipeline.policies import WEIGHTS, TrainedPolicy
 from pipeline.progress import progress_bar
+from pipeline.workers import parallel
 
 TRIALS = 200  # balls on which a policy is watched after every leg
 RECORD = "record.json"
@@ -51,46 +52,33 @@ class Graduate:
 
 
 def train_policies(pupils: Sequence[Pupil]) -> list[Graduate]:
-    """Train every pupil to the end; one leg of each in turn, on all cores.
+    """Train every pupil to the end; one leg of each in turn, side by side.
 
-    What a leg leaves depends on the leg before and the seed alone, not on the number of cores nor
-    on kills in between.
+    What a leg leaves depends on the leg before and the seed alone, not on where and how many
+    run at once, nor on kills in between.
     """
     legs = max(pupil.description.learning.legs for pupil in pupils)
     whole = sum(pupil.description.learning.legs for pupil in pupils)
     done = sum(pupil.legs_done for pupil in pupils)
-    with (
-        progress_bar("policies", whole, done) as advance,
-        Parallel(_workers(pupils), return_as="generator_unordered") as parallel,
-    ):
+    with progress_bar("policies", whole, done) as advance:
         for leg in range(legs):
             waiting = [
                 pupil
                 for pupil in pupils
                 if pupil.legs_done == leg < pupil.description.learning.legs
             ]
-            for _ in parallel(delayed(learn)(pupil, leg) for pupil in waiting):
+            for _ in parallel([partial(learn, pupil, leg) for pupil in waiting]):
                 advance()
     return [_graduate(pupil) for pupil in pupils]
 
 
 def try_policies(graduates: Sequence[Graduate], trials: int) -> list[pd.DataFrame]:
-    """Let every policy play balls of its own simulator that it has never seen, on all cores.
+    """Let every policy play balls of its own simulator that it has never seen, side by side.
 
     Returns:
         Of each policy what ``play`` returns: how ``trials`` balls ended.
     """
-    tables: list[pd.DataFrame] = Parallel(_workers(graduates))(
-        delayed(_played)(one.policy, one.description, trials, unseen_balls(one.description.seed))
-        for one in graduates
-    )
-    return tables
-
-
-def _workers(tasks: Sequence[object]) -> int:
-    """Return for how many processes there is work: each takes seconds to start."""
-    workers: int = min(cpu_count(), len(tasks))
-    return workers
+    return list(parallel([partial(_played_unseen, one, trials) for one in graduates]))
 
 
 def learn(pupil: Pupil, leg: int) -> None:
@@ -136,6 +124,10 @@ def _played(
     task = description.task
     balls, goals = task.practice(count, source)
     return play(policy, task.simulator, balls, goals, task.observation)
+
+
+def _played_unseen(one: Graduate, count: int) -> pd.DataFrame:
+    return _played(one.policy, one.description, count, unseen_balls(one.description.seed))
 
 
 def _forget_learner(folder: Path) -> None:

@@ -5,7 +5,6 @@ from typing import Protocol
 
 import numpy as np
 import pandas as pd
-from joblib import Parallel, delayed
 
 from models.ball.simulator import Simulator
 from models.policy.comparison import forecast_error
@@ -15,6 +14,7 @@ from models.policy.policy import Policy
 from models.policy.trial import play
 from pipeline.policies import TrainedPolicy
 from pipeline.progress import progress_bar
+from pipeline.workers import parallel
 
 
 class Trial(Protocol):
@@ -26,12 +26,10 @@ class Trial(Protocol):
 
 
 def play_all(trials: Sequence[Trial]) -> pd.DataFrame:
-    """Return the results of all trials, in their order, played on all cores."""
+    """Return the results of all trials, in their order, played side by side."""
     tables: list[pd.DataFrame] = []
     with progress_bar("trials", len(trials)) as advance:
-        # Without memory maps, which torch warns of because it could not write to them.
-        parallel = Parallel(n_jobs=-1, return_as="generator", max_nbytes=None)
-        for table in parallel(delayed(trial.results)() for trial in trials):
+        for table in parallel([trial.results for trial in trials]):
             tables.append(table)
             advance()
     return pd.concat(tables, ignore_index=True)

@@ -14,8 +14,11 @@ ROOT = Path(__file__).parents[2]
 PIPELINE = read_yaml(ROOT / "dvc.yaml")
 STAGES = list(PIPELINE["stages"])
 
-# What every stage runs in. It decides where results go, not what they are.
-HOUSE = {f"pipeline.{name}" for name in ("console", "errors", "params", "provenance", "tracking")}
+# What every stage runs in. It decides where work and results go, not what they are.
+HOUSE = {
+    f"pipeline.{name}"
+    for name in ("console", "errors", "params", "provenance", "tracking", "workers")
+}
 
 
 def outputs(stage):
