@@ -64,9 +64,11 @@ def train_networks(pupils: Sequence[Pupil]) -> list[Graduate]:
 
 
 def _workers(pupils: Sequence[Pupil]) -> int:
-    threads = max(one.data.settings.threads for one in pupils)
-    workers: int = max(1, min(cpu_count() // threads, len(pupils)))
-    return workers
+    settings = [one.data.settings for one in pupils]
+    if any(one.devices > 1 for one in settings):
+        return 1  # devices have processes of their own
+    threads = max(one.threads for one in settings)
+    return max(1, min(int(cpu_count()) // threads, len(pupils)))
 
 
 def _learn(pupil: Pupil, done: Counts, number: int, master: int) -> Graduate:

@@ -98,3 +98,6 @@ class TrainingSettings(_Settings):
     """Of the arithmetic, as Lightning names it."""
     threads: Annotated[int, Field(ge=1, le=256)]
     """Of the processor. A fixed number, because weights depend on it in their last bits."""
+    devices: Annotated[int, Field(ge=1, le=64)] = 1
+    """Of one machine that share every batch: GPUs where there are some, else processes with so many
+    threads each. Weights depend on it in their last bits, too."""

@@ -53,13 +53,14 @@ class ForecastTraining(lightning.LightningModule):
     def training_step(self, batch: Batch) -> Tensor:
         """Return the loss of a batch."""
         loss = self._loss(batch)
-        self.log("training", loss, on_step=False, on_epoch=True, batch_size=len(batch[0]))
+        size = len(batch[0])
+        self.log("training", loss, on_step=False, on_epoch=True, batch_size=size, sync_dist=True)
         return loss
 
     def validation_step(self, batch: Batch) -> None:
         """Note the loss of a batch that training never sees."""
         loss = self._loss(batch)
-        self.log("validation", loss, batch_size=len(batch[0]))
+        self.log("validation", loss, batch_size=len(batch[0]), sync_dist=True)
 
     def configure_optimizers(self) -> Any:
         """Return the optimizer and its schedule."""
@@ -101,11 +102,25 @@ class ForecastTraining(lightning.LightningModule):
         wanted = self.network.normaliser.deviation(future, motion)
         output = self.network.deviation(history, seen, motion)
         squares = torch.where(measured, output - wanted, 0.0).square()
-        return squares.sum() / measured.sum().clamp(min=1)
+        return squares.sum() / _mean_over_processes(measured.sum()).clamp(min=1)
+
+
+def _mean_over_processes(number: Tensor) -> Tensor:
+    """Return the mean of a number over the processes that share a batch.
+
+    They average their gradients: shares of a loss want the same denominator.
+    """
+    if not torch.distributed.is_initialized():
+        return number
+    mean = number.float()
+    torch.distributed.all_reduce(mean)
+    return mean / torch.distributed.get_world_size()
 
 
 class WindowData(lightning.LightningDataModule):
     """Windows of tracks in memory, drawn anew every epoch from the seed and the epoch's number.
+
+    Processes that train together draw the same batches, and each takes its share of every one.
 
     Args:
         train: tracks to learn from.
@@ -144,16 +159,24 @@ class WindowData(lightning.LightningDataModule):
     ) -> DataLoader[Batch]:
         anchors = tracks.drawn(episodes, random)
         hidden = random.random(len(anchors)) < self.settings.hidden_spin
-        return DataLoader(_Batches(tracks, anchors, hidden, self.settings.batch), batch_size=None)
+        share = (self.trainer.global_rank, self.trainer.world_size) if self.trainer else (0, 1)
+        batches = _Batches(tracks, anchors, hidden, self.settings.batch, share)
+        return DataLoader(batches, batch_size=None)
 
 
 class _Batches(Dataset[Batch]):
-    """An epoch's windows, a whole batch an item."""
+    """An epoch's windows, one process's share of a batch an item."""
 
     def __init__(
-        self, tracks: Tracks, anchors: Indices, hidden: "np.ndarray[Any, Any]", batch: int
+        self,
+        tracks: Tracks,
+        anchors: Indices,
+        hidden: "np.ndarray[Any, Any]",
+        batch: int,
+        share: tuple[int, int],
     ) -> None:
         self.tracks, self.anchors, self.hidden, self.batch = tracks, anchors, hidden, batch
+        self.rank, self.processes = share
 
     def __len__(self) -> int:
         return -(-len(self.anchors) // self.batch)
@@ -161,7 +184,8 @@ class _Batches(Dataset[Batch]):
     def __getitem__(self, number: int) -> Batch:
         if number >= len(self):
             raise IndexError(number)
-        part = slice(number * self.batch, (number + 1) * self.batch)
+        end = min((number + 1) * self.batch, len(self.anchors))
+        part = slice(number * self.batch + self.rank, end, self.processes)
         history, seen, future, measured = self.tracks.windows(self.anchors[part])
         history[self.hidden[part], :, 3:] = 0.0
         seen[self.hidden[part], :, 3:] = False
