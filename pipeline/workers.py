@@ -1,8 +1,8 @@
 """Where tasks run side by side: on the cores of this machine, or on a cluster.
 
-The environment variable ``RALLYGAP_CLUSTER`` has the address of a dask.distributed scheduler, such as
-``tcp://127.0.0.1:8786``; without it, joblib uses all cores. What tasks give depends neither on
-where they run nor on how many run at once: each has one thread, and results come in their order.
+The environment variable ``RALLYGAP_CLUSTER`` has the address of a scheduler of dask.distributed,
+such as ``tcp://127.0.0.1:8786``; without it, joblib uses all cores. What tasks give depends neither
+on where they run nor on how many run at once: each has one thread, and results come in their order.
 """
 
 import hashlib

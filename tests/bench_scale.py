@@ -1,0 +1,169 @@
+"""What grows how, on one process and on two (`python -m tests.bench_scale`; minutes).
+
+Every work is done once as it is, once twice as large, and that once more on two processes. Writes
+``reports/costs/scale.csv`` and ``scale.json`` and fills in docs/scale.md. Give the machine nothing
+else to do meanwhile.
+"""
+
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import lightning
+import numpy as np
+import pandas as pd
+from rich.console import Console
+
+from models.ball.catalogue import catalogue
+from models.exam.design import Question
+from models.exam.methods import METHODS
+from models.exam.sitting import sit
+from models.exam.trial import Trial
+from models.policy.learning import learn_leg
+from models.predictors.learned import build_network
+from models.predictors.tracks import tracks
+from models.predictors.training import ForecastTraining, WindowData
+from models.segmentation.tables import segment_recordings
+from pipeline.artifacts import read_row_groups, replacing, write_json, write_table
+from pipeline.costs import machine
+from pipeline.episodes import _episode
+from pipeline.exam_sheets import OURS
+from pipeline.sources.gather import gather
+from pipeline.training import train
+from pipeline.workers import parallel
+from tests.bench_policy import LEARNING, PARAMS, SEED, TASK
+from tests.models.predictors.schooling import balls
+from tests.pipeline.sources.made_up import ARENA
+from tests.scale_page import MEASURED, SIZES, fill_page
+
+ROOT = Path(__file__).parents[1]
+HALL = ARENA.model_copy(update={"game_episodes": 1500, "cannon_shots": 1500})
+SHOTS = 100  # of a question
+NOT_NOMINAL = sorted(set(catalogue()) - set(TASK.simulator.effects))
+LEG = LEARNING.model_copy(update={"legs": 1, "ticks": 3200, "warm_up": 320})
+BALLS = 1000  # whose windows the predictor learns from
+EPOCHS = 4
+
+SETTINGS = ((1, 1), (1, 2), (2, 2))  # processes, and how many times the work
+
+
+@dataclass(frozen=True)
+class Work:
+    """Tasks of one kind: what they count, how many there are, and what one of them does."""
+
+    name: str
+    unit: str
+    tasks: int
+    do: Callable[[int], int]
+
+
+def cut_hall(seed: int) -> int:
+    """Simulate a hall, write its recordings, cut them; return how many episodes there are."""
+    with tempfile.TemporaryDirectory() as folder:
+        return sum(len(part.episodes) for part in _cut(seed, Path(folder)))
+
+
+def _cut(seed: int, folder: Path) -> Iterator[Any]:
+    gathered = gather(PARAMS.ingest.model_copy(update={"arena": HALL}), seed, folder)
+    begins = gathered.manifest.begins_with_launch
+    for number, rows in enumerate(read_row_groups(folder / "recordings.parquet")):
+        found = segment_recordings(rows, begins, PARAMS.segment)
+        write_table(folder / f"samples_{number}.parquet", found.samples)
+        yield found
+
+
+def sit_question(number: int, withheld: Sequence[str] = ()) -> int:
+    """Let our method answer a question of the exam."""
+    trial = Trial(
+        f"clean/{number}", TASK.simulator, shots=SHOTS, withheld=tuple(withheld), seed=1000 + number
+    )
+    sit(Question("clean", trial), {OURS: METHODS[OURS]})
+    return 1
+
+
+def sit_with_half_the_effects(number: int) -> int:
+    """Let it answer with every other effect of its catalogue withheld."""
+    return sit_question(number, NOT_NOMINAL[::2])
+
+
+def learn(seed: int) -> int:
+    """Take a policy through a short leg; return its control ticks."""
+    with tempfile.TemporaryDirectory() as folder:
+        learn_leg(TASK, LEG, seed, 0, None, Path(folder))
+    return LEG.ticks
+
+
+WORKS = (
+    Work("simulate, write and cut balls", "episodes", 1, cut_hall),
+    Work(f"verdicts on {SHOTS} shots", "questions of the exam", 2, sit_question),
+    Work("verdicts with half the effects", "such questions", 2, sit_with_half_the_effects),
+    Work("train policies", "control ticks", 1, learn),
+)
+
+
+def measure(work: Work, processes: int, times: int) -> dict[str, Any]:
+    """Do a work so many times over, on so many processes; return a row of the table."""
+    os.environ["LOKY_MAX_CPU_COUNT"] = str(processes)
+    list(parallel([partial(work.do, 0)] * processes))  # started, imported, compiled
+    start = time.monotonic()
+    done = sum(parallel([partial(work.do, SEED + k) for k in range(times * work.tasks)]))
+    return row(work.name, work.unit, processes, done, time.monotonic() - start)
+
+
+def measure_training(processes: int, times: int) -> dict[str, Any]:
+    """Train the predictor of params.yaml on made-up balls; its start is not counted."""
+    settings = PARAMS.train_predictor
+    (shape,) = list(settings.networks.values())[:1]
+    changed = settings.training.model_copy(update={"epochs": times * EPOCHS, "devices": processes})
+    lightning.seed_everything(SEED, verbose=False)
+    training = ForecastTraining(build_network(shape), changed)
+    data = WindowData(balls(BALLS, 0), balls(3, 1), changed, SEED)
+    data.fit_normaliser(training.network)
+    with tempfile.TemporaryDirectory() as folder:
+        train(training, data, "predictor", Path(folder))
+    done = data.train.episodes * changed.windows_an_episode * changed.epochs
+    return row("train the predictor", "windows", processes, done, training.seconds)
+
+
+def row(work: str, unit: str, processes: int, units: int, seconds: float) -> dict[str, Any]:
+    """Return a row of the table."""
+    rate = units / seconds
+    return {
+        "work": work, "unit": unit, "processes": processes, "units": units,
+        "seconds": seconds, "per_second": rate,
+    }  # fmt: skip
+
+
+def sizes() -> dict[str, float]:
+    """Return what an episode takes: bytes on disk in all tables, and in memory while it teaches."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        parts = list(_cut(SEED, folder))
+        disk = sum(path.stat().st_size for path in folder.iterdir())
+    samples = pd.concat([part.samples for part in parts])
+    taught = [_episode(rows) for _, rows in samples.groupby("episode_id")]
+    held = [*taught, tracks(taught)]  # a training has read the ones and made the others of them
+    arrays = (part for one in held for part in vars(one).values())
+    memory = sum(part.nbytes for part in arrays if isinstance(part, np.ndarray))
+    return {"disk_bytes": disk / len(taught), "memory_bytes": memory / len(taught)}
+
+
+def main() -> None:
+    """Measure, write, fill in the page, print."""
+    rows = [measure(work, *setting) for work in WORKS for setting in SETTINGS]
+    rows += [measure_training(*setting) for setting in SETTINGS]
+    with replacing(MEASURED) as temporary:
+        table = pd.DataFrame(rows)
+        table.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")
+    write_json(SIZES, {**machine(ROOT), **{k: float(f"{v:.4g}") for k, v in sizes().items()}})
+    fill_page()
+    Console().print(MEASURED.read_text())
+
+
+if __name__ == "__main__":
+    main()

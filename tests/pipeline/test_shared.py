@@ -1,0 +1,155 @@
+"""What several machines share: a DVC remote, and an MLflow server on PostgreSQL."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import urllib.request
+from contextlib import contextmanager
+from pathlib import Path
+
+import psutil
+import pytest
+from mlflow import MlflowClient
+
+from pipeline import tracking
+from pipeline.provenance import Provenance
+from pipeline.tracking import recorded
+from tests.pipeline.test_reproduction import IDENTITY, ROOT
+from tests.postgres import free_port, postgres_server, postgres_url  # noqa: F401
+
+pytestmark = pytest.mark.slow
+
+STAGE = """
+stages:
+  write:
+    cmd: python -c "open('balls.bin', 'wb').write(bytes(range(256)) * 1000)"
+    outs: [balls.bin]
+"""
+
+
+def run(folder, *command):
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    done = subprocess.run(
+        command, cwd=folder, env={**os.environ, **IDENTITY, "PATH": path},
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture
+def repository(tmp_path):
+    """A repository with this one's configuration of DVC and one small stage, run and committed."""
+    folder = tmp_path / "mine"
+    (folder / ".dvc").mkdir(parents=True)
+    for name in (".dvc/config", ".dvc/.gitignore"):
+        shutil.copy(ROOT / name, folder / name)
+    (folder / "dvc.yaml").write_text(STAGE)
+    run(folder, "git", "init", "--quiet")
+    run(folder, "dvc", "repro", "--quiet")
+    run(folder, "git", "add", ".")
+    run(folder, "git", "commit", "--quiet", "--message=run")
+    return folder
+
+
+def test_results_go_through_a_folder_to_another_machine(repository, tmp_path):
+    remote, other = tmp_path / "remote", tmp_path / "theirs"
+    run(repository, "dvc", "remote", "add", "--local", "--default", "lab", str(remote))
+    run(repository, "dvc", "push", "--run-cache")
+    assert run(repository, "git", "status", "--short") == ""  # nobody else's path is committed
+
+    run(tmp_path, "git", "clone", "--quiet", str(repository), str(other))
+    run(other, "dvc", "remote", "add", "--local", "--default", "lab", str(remote))
+    run(other, "dvc", "pull", "--run-cache")
+
+    assert (other / "balls.bin").read_bytes() == (repository / "balls.bin").read_bytes()
+    assert "up to date" in run(other, "dvc", "repro")
+
+
+def test_what_another_machine_has_run_is_not_run_again(repository, tmp_path):
+    """The lock may be lost; the cache of runs knows what the stage gave."""
+    remote, other = tmp_path / "remote", tmp_path / "theirs"
+    run(repository, "dvc", "remote", "add", "--local", "--default", "lab", str(remote))
+    run(repository, "dvc", "push", "--run-cache")
+    run(tmp_path, "git", "clone", "--quiet", str(repository), str(other))
+    (other / "dvc.lock").unlink()
+    run(other, "dvc", "remote", "add", "--local", "--default", "lab", str(remote))
+
+    assert "is cached" in run(other, "dvc", "repro", "--pull")
+    assert (other / "balls.bin").read_bytes() == (repository / "balls.bin").read_bytes()
+
+
+@contextmanager
+def tracking_server(store, folder):
+    """MLflow's server as docs/scale.md starts it; yields its URL and process."""
+    port = free_port()
+    command = [sys.executable, "-m", "mlflow", "server", "--host", "127.0.0.1", "--port", port]
+    command += ["--workers", "1", "--backend-store-uri", store, "--artifacts-destination", folder]
+    environment = {**os.environ, "MLFLOW_DISABLE_TELEMETRY": "true", "DO_NOT_TRACK": "true",
+                   "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}  # fmt: skip
+    log = (folder.parent / "server.log").open("w")
+    process = subprocess.Popen(
+        list(map(str, command)), env=environment, stdout=log, stderr=log, start_new_session=True
+    )
+    try:
+        url = f"http://127.0.0.1:{port}"
+        _wait_for(url, process)
+        yield url, process
+    finally:
+        os.killpg(process.pid, signal.SIGTERM)
+        process.wait()
+
+
+def _wait_for(url, process):
+    deadline = time.monotonic() + 300
+    while time.monotonic() < deadline and process.poll() is None:
+        try:
+            urllib.request.urlopen(f"{url}/health", timeout=5).read()
+            return
+        except OSError:
+            time.sleep(0.5)
+    raise AssertionError("the server did not start")
+
+
+def test_runs_and_figures_are_kept_by_a_server_on_postgresql(
+    postgres_url,  # noqa: F811
+    tmp_path,
+    monkeypatch,
+):
+    """They outlive the server, which listens on loopback alone."""
+    store, figure = tmp_path / "figures", tmp_path / "cuts.png"
+    store.mkdir()
+    figure.write_bytes(b"drawn")
+    monkeypatch.setattr(tracking, "PATIENCE", 300)
+    monkeypatch.setenv("MLFLOW_HTTP_REQUEST_TIMEOUT", "120")
+    results = {"metrics": {"tt3d": {"mean": 1.5}}, "inputs": [], "figures": [str(figure)]}
+    with tracking_server(postgres_url, store) as (url, process):
+        monkeypatch.setenv("MLFLOW_TRACKING_URI", url)
+        origin = Provenance("python -m stages.segment", "f" * 64)
+        with recorded("segment", origin, {"seed": 1}, lambda: results):
+            pass
+        assert listening(process) == {"127.0.0.1"}
+    assert [path.read_bytes() for path in store.rglob("cuts.png")] == [b"drawn"]
+
+    with tracking_server(postgres_url, store) as (url, _):
+        client = MlflowClient(url)
+        experiment = client.get_experiment_by_name("rallygap")
+        (found,) = client.search_runs([experiment.experiment_id])
+        assert (found.info.run_name, found.info.status) == ("segment", "FINISHED")
+        assert (found.data.params, found.data.metrics) == ({"seed": "1"}, {"tt3d/mean": 1.5})
+        copy = client.download_artifacts(found.info.run_id, "figures/cuts.png", str(tmp_path))
+        assert Path(copy).read_bytes() == b"drawn"
+
+
+def listening(process):
+    """Addresses on which a process and its children listen."""
+    family = [psutil.Process(process.pid), *psutil.Process(process.pid).children(recursive=True)]
+    return {
+        one.laddr.ip
+        for member in family
+        for one in member.net_connections("inet")
+        if one.status == psutil.CONN_LISTEN
+    }

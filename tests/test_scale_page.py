@@ -1,0 +1,44 @@
+"""docs/scale.md says what was measured."""
+
+import re
+
+import pandas as pd
+import pytest
+
+from tests.scale_page import MEASURED, PAGE, filled, measured_table, plan_table
+
+UNITS = ("episodes", "questions of the exam", "control ticks", "windows")
+
+
+def rates():
+    """Work that takes a second a unit, and is shared by two processes without loss."""
+    rows = [
+        {"work": f"do {unit}", "unit": unit, "processes": processes, "units": units,
+         "seconds": units / processes, "per_second": processes}
+        for unit in UNITS for processes, units in ((1, 10), (1, 20), (2, 20))
+    ]  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def test_work_is_told_once_twice_and_shared():
+    first = measured_table(rates()).splitlines()[2]
+    assert first == "| do episodes | episodes | 10 | 10.0 | 20 | 20.0 | 10.0 | 2.00 |"
+
+
+def test_a_plan_multiplies_what_was_measured():
+    plan = plan_table(rates(), {"disk_bytes": 2_000, "memory_bytes": 50_000})
+    assert "| simulate, write and cut them | 2,777.8 core-hours | grows |" in plan
+    assert "| their tables on disk | 20 GB | grows |" in plan
+    assert "| the memory of every process that trains | 500 GB | grows |" in plan
+
+
+def test_the_page_has_the_numbers_of_the_last_measurement():
+    if not MEASURED.exists():
+        pytest.skip("not measured yet; run `python -m tests.bench_scale`")
+    page = PAGE.read_text(encoding="utf-8")
+    assert filled(page) == page
+
+
+def test_every_link_of_the_page_leads_somewhere():
+    links = re.findall(r"\]\((?!https?:)([^)#]+)", PAGE.read_text(encoding="utf-8"))
+    assert links and [link for link in links if not (PAGE.parent / link).exists()] == []
