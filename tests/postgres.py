@@ -4,6 +4,7 @@ import os
 import shutil
 import socket
 import subprocess
+import tempfile
 import uuid
 from pathlib import Path
 
@@ -31,26 +32,25 @@ def as_server(*command):
 
 
 @pytest.fixture(scope="session")
-def postgres_server(tmp_path_factory):
-    """The URL of a server that asks for a password; without a database."""
+def postgres_server():
+    """The address of a server that asks for a password, with user and password; no database."""
     initdb, pg_ctl = program("initdb"), program("pg_ctl")
     if initdb is None or pg_ctl is None:
         pytest.skip("PostgreSQL is not installed")
-    home = tmp_path_factory.mktemp("postgres")
-    if os.geteuid() == 0:
-        shutil.chown(home, "postgres")
-        for above in [home, *home.parents][:-2]:  # others may pass
-            above.chmod(above.stat().st_mode | 0o011)
-    secret, port = home / "password", free_port()
-    secret.write_text(PASSWORD)
-    secret.chmod(0o644)
-    how = ["--auth=scram-sha-256", f"--username={USER}", f"--pwfile={secret}", "--no-sync"]
-    as_server(initdb, f"--pgdata={home / 'data'}", *how)
-    options = f"-h 127.0.0.1 -p {port} -c unix_socket_directories='' -c fsync=off"
-    server = [pg_ctl, f"--pgdata={home / 'data'}", "--wait", "--timeout=300"]
-    as_server(*server, f"--log={home / 'data' / 'log'}", f"--options={options}", "start")
-    yield f"{USER}:{PASSWORD}@127.0.0.1:{port}"
-    as_server(*server, "--mode=immediate", "stop")
+    # Not in pytest's folder, which is root's alone.
+    with tempfile.TemporaryDirectory(prefix="postgres-") as home:
+        if os.geteuid() == 0:
+            shutil.chown(home, "postgres")
+        data, secret, port = Path(home, "data"), Path(home, "password"), free_port()
+        secret.write_text(PASSWORD)
+        secret.chmod(0o644)
+        how = ["--auth=scram-sha-256", f"--username={USER}", f"--pwfile={secret}", "--no-sync"]
+        as_server(initdb, f"--pgdata={data}", *how)
+        options = f"-h 127.0.0.1 -p {port} -c unix_socket_directories='' -c fsync=off"
+        server = [pg_ctl, f"--pgdata={data}", "--wait", "--timeout=300"]
+        as_server(*server, f"--log={data / 'log'}", f"--options={options}", "start")
+        yield f"{USER}:{PASSWORD}@127.0.0.1:{port}"
+        as_server(*server, "--mode=immediate", "stop")
 
 
 @pytest.fixture

@@ -41,4 +41,5 @@ def test_the_page_has_the_numbers_of_the_last_measurement():
 
 def test_every_link_of_the_page_leads_somewhere():
     links = re.findall(r"\]\((?!https?:)([^)#]+)", PAGE.read_text(encoding="utf-8"))
-    assert links and [link for link in links if not (PAGE.parent / link).exists()] == []
+    assert links
+    assert [link for link in links if not (PAGE.parent / link).exists()] == []
