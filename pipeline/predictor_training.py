@@ -54,13 +54,36 @@ def train_networks(pupils: Sequence[Pupil]) -> list[Graduate]:
     the networks beside it, nor on kills in between.
     """
     with tempfile.TemporaryDirectory() as folder:
-        shape = (len(pupils),)
-        done: Counts = np.memmap(Path(folder) / "steps", dtype=np.int64, mode="w+", shape=shape)
+        path = Path(folder) / "steps"
+        done: Counts = np.memmap(path, dtype=np.int64, mode="w+", shape=(len(pupils),))
         with progress_bars({one.name: one.steps for one in pupils}, done.tolist):
             graduates: list[Graduate] = Parallel(_workers(pupils))(
-                delayed(_learn)(one, done, number, os.getpid()) for number, one in enumerate(pupils)
+                delayed(_learn)(one, StepCount(path, number, os.getpid()))
+                for number, one in enumerate(pupils)
             )
     return graduates
+
+
+@dataclass(frozen=True)
+class StepCount:
+    """Writes down how many steps a training has done, where the progress bars look.
+
+    Attributes:
+        path: of the counts of all trainings.
+        number: of this one.
+        master: the process that waits for its result.
+    """
+
+    path: Path
+    number: int
+    master: int
+
+    def __call__(self, steps: int) -> None:
+        """Write it down; a worker of a run that was killed ends, the next run waits for it."""
+        if self.master not in (os.getpid(), os.getppid()):
+            os._exit(1)
+        done: Counts = np.memmap(self.path, dtype=np.int64, mode="r+")
+        done[self.number] = steps
 
 
 def _workers(pupils: Sequence[Pupil]) -> int:
@@ -71,17 +94,11 @@ def _workers(pupils: Sequence[Pupil]) -> int:
     return max(1, min(int(cpu_count()) // threads, len(pupils)))
 
 
-def _learn(pupil: Pupil, done: Counts, number: int, master: int) -> Graduate:
-    """Take a network through its training, and count its steps in ``done``.
+def _learn(pupil: Pupil, steps_done: StepCount) -> Graduate:
+    """Take a network through its training.
 
     A worker of a run that was killed may still be at it: wait until it has noticed.
     """
-
-    def steps_done(steps: int) -> None:
-        if master not in (os.getpid(), os.getppid()):
-            os._exit(1)  # nobody waits for the result; the run that goes on waits for the lock
-        done[number] = steps
-
     training = ForecastTraining(pupil.network, pupil.data.settings)
     with FileLock(pupil.folder / "lock"):
         train(training, pupil.data, pupil.folder, [Steps(steps_done)])

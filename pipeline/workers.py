@@ -79,7 +79,7 @@ def _connected(address: str) -> "Client":
         problem = "needs dask.distributed; install rallygap with the extra `cluster`"
         raise InputError(CLUSTER, problem) from None
     try:
-        return Client(address, timeout=PATIENCE, set_as_default=False)
+        return Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:
         problem = f"no scheduler answers at {address}: {' '.join(str(error).split())}"
         raise InputError(CLUSTER, problem) from None
@@ -91,7 +91,7 @@ def _check_workers(client: "Client") -> None:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError:
         raise InputError(CLUSTER, "has no workers; start some with `dask worker`") from None
-    for worker, threads in client.nthreads().items():
+    for worker, threads in client.nthreads().items():  # type: ignore[no-untyped-call]
         if threads != 1:
             problem = f"has {threads} threads; start it with --nthreads 1"
             raise InputError(CLUSTER, problem, field=worker)

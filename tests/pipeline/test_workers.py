@@ -115,28 +115,22 @@ def test_an_error_in_a_task_on_a_cluster_is_the_caller_s(on_cluster):
 
 @pytest.mark.slow
 def test_a_cluster_listens_on_loopback_alone(on_cluster):
-    for worker in on_cluster.workers:
-        listening = [
+    for process in (on_cluster.scheduler, *on_cluster.workers):
+        listening = {
             one.laddr.ip
-            for one in psutil.Process(worker.pid).net_connections("inet")
+            for one in psutil.Process(process.pid).net_connections("inet")
             if one.status == psutil.CONN_LISTEN
-        ]
-        assert set(listening) == {"127.0.0.1"}
+        }
+        assert listening == {"127.0.0.1"}
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_is_lost_is_one_error(tmp_path, monkeypatch):
-    with cluster(tmp_path, workers=1) as found:
-        monkeypatch.setenv(CLUSTER, found.address)
-        running = parallel(tasks(tmp_path, 100))
-        next(running)
-        port = int(found.address.rsplit(":", 1)[1])
-        for process in psutil.Process().children():
-            if port in [one.laddr.port for one in process.net_connections("inet")
-                        if one.status == psutil.CONN_LISTEN]:  # fmt: skip
-                process.kill()
-        with pytest.raises(InputError, match="was lost; what is done is kept, run again"):
-            list(running)
+def test_a_scheduler_that_is_lost_is_one_error(tmp_path, on_cluster):
+    running = parallel(tasks(tmp_path, 200))
+    next(running)
+    on_cluster.scheduler.kill()
+    with pytest.raises(InputError, match="was lost; what is done is kept, run again"):
+        list(running)
 
 
 @pytest.mark.slow
