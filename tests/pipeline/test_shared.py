@@ -26,6 +26,7 @@ STAGE = """
 stages:
   write:
     cmd: python -c "open('balls.bin', 'wb').write(bytes(range(256)) * 1000)"
+    deps: [seed.txt]
     outs: [balls.bin]
 """
 
@@ -48,6 +49,7 @@ def repository(tmp_path):
     for name in (".dvc/config", ".dvc/.gitignore"):
         shutil.copy(ROOT / name, folder / name)
     (folder / "dvc.yaml").write_text(STAGE)
+    (folder / "seed.txt").write_text("1")
     run(folder, "git", "init", "--quiet")
     run(folder, "dvc", "repro", "--quiet")
     run(folder, "git", "add", ".")
