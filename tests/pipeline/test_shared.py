@@ -18,7 +18,7 @@ from pipeline import tracking
 from pipeline.provenance import Provenance
 from pipeline.tracking import recorded
 from tests.pipeline.test_reproduction import IDENTITY, ROOT
-from tests.postgres import free_port, postgres_server, postgres_url  # noqa: F401
+from tests.services import free_port
 
 pytestmark = pytest.mark.slow
 
@@ -118,7 +118,7 @@ def _wait_for(url, process):
 
 
 def test_runs_and_figures_are_kept_by_a_server_on_postgresql(
-    postgres_url,  # noqa: F811
+    postgres_url,
     tmp_path,
     monkeypatch,
 ):
