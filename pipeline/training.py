@@ -159,7 +159,9 @@ class Steps(Callback):
         self.steps_done = steps_done
 
     def on_train_start(self, trainer: lightning.Trainer, *_: Any) -> None:
+        """Tell where it starts from."""
         self.steps_done(trainer.global_step)
 
     def on_train_batch_end(self, trainer: lightning.Trainer, *_: Any) -> None:
+        """Tell how far it has come."""
         self.steps_done(trainer.global_step)
