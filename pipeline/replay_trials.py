@@ -16,15 +16,18 @@ from models.policy.incoming import FIRST_WINDOW, Incoming
 from models.policy.policy import Policy
 from models.policy.replay import Views, every_tick, first_window, predicted, views
 from models.policy.settings import HorizonsMs
+from models.policy.struck import struck
 from models.policy.tolerance import ERRORS
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import Predictor
+from models.quality.shots import landings
 from pipeline.amended import AMENDED
 from pipeline.errors import InputError
 from pipeline.params import Sim2RealSettings
 from pipeline.policies import TrainedPolicy, load_policies
 from pipeline.predictors import ARENA, ORACLE, Contender, one_thread
 from pipeline.replays import ARENA_SETS, ReplaySet
+from pipeline.returns import with_states
 from pipeline.trials import try_policy
 
 Floats = NDArray[np.float64]
@@ -94,7 +97,12 @@ class ReplayTrial:
     def _played(self, policy: Policy, trained: TrainedPolicy, told: Told) -> pd.DataFrame:
         shots, forecaster = self.shots, self.forecaster
         incoming = Incoming(shots.path, shots.playable, FIRST_WINDOW, told(trained.horizons))
-        return try_policy(policy, trained, shots.simulator, incoming, self.goals).assign(
+        played = try_policy(policy, trained, shots.simulator, incoming, self.goals)
+        back = played["returned"].to_numpy(dtype=np.bool_)
+        after = struck(
+            policy, shots.simulator, incoming[back], self.goals[back], trained.observation
+        )
+        return with_states(played, after, landings(shots.simulator, after)).assign(
             set=shots.name, predictor=forecaster.name, protocol=forecaster.protocol
         )
 

@@ -1,0 +1,48 @@
+"""Trials of sim2real with the states of their returns, by hand."""
+
+import numpy as np
+import pandas as pd
+
+from models.ball.simulators import shipped
+from models.policy.goals import Goals
+from models.policy.outcome import judge
+from models.quality.shots import landings
+from pipeline.artifacts import write_table
+from pipeline.returns import with_states
+
+SIMULATOR = shipped("literature")
+STRUCK = np.array([0.0, -1.6, 0.25, 0.0, 5.5, 1.6, -60.0, 0.0, 0.0])
+PREDICTORS = {"physics": 0.0, "transformer": 0.4}  # m/s by which they strike faster
+
+
+def trials(balls=12, seed=0):
+    """Two policies, two horizons and two sets; everyone plays the same balls of a set."""
+    parts = []
+    for name in ("stroke_pro", "receive"):
+        for ahead in ("115-125", "170-180"):
+            for predictor, faster in PREDICTORS.items():
+                for repeat in range(2):
+                    random = np.random.default_rng([seed, len(parts)])
+                    played = _played(balls, faster, random)
+                    keys = {"set": name, "horizons_ms": ahead, "predictor": predictor}
+                    parts.append(played.assign(**keys, protocol="every_tick", repeat=repeat))
+    return pd.concat(parts, ignore_index=True)
+
+
+def _played(balls, faster, random):
+    after = STRUCK + random.normal(
+        scale=[0.1, 0.1, 0.05, 0.3, 0.4, 0.3, 30, 10, 10], size=(balls, 9)
+    )
+    after[:, 4] += faster
+    outcome = judge(SIMULATOR, after, Goals(np.zeros((balls, 2))))
+    played = pd.DataFrame(
+        {"ball": np.arange(balls), "returned": outcome.returned, "speed": outcome.speed,
+         "net_height": outcome.net_height}
+    )  # fmt: skip
+    back = after[outcome.returned]
+    return with_states(played, back, landings(SIMULATOR, back))
+
+
+def write_trials(root, played):
+    """Write trials as sim2real would."""
+    write_table(root / "artifacts" / "sim2real" / "played.parquet", played)
