@@ -26,6 +26,7 @@ from models.policy.settings import (
     SensorNoise,
 )
 from models.predictors.settings import NetworkSettings, TrainingSettings
+from models.quality.settings import ForestSettings
 from models.segmentation.settings import ScoringSettings, SegmentSettings
 from pipeline.errors import InputError
 from pipeline.sources.settings import IngestSettings
@@ -188,6 +189,18 @@ class Sim2RealSettings(Settings):
     """Resamples of the balls for the confidence intervals; 0 leaves them out."""
 
 
+class ShotQualitySettings(Settings):
+    """How the forest that tells winning shots is grown and judged."""
+
+    forest: ForestSettings
+    folds: Annotated[int, Field(ge=2, le=100)]
+    """Parts that matches are shared out to; each is left out once."""
+    points: Annotated[int, Field(ge=10, le=1_000_000)]
+    """That professionals play against each of the receivers that it is tried on."""
+    bootstrap_resamples: Annotated[int, Field(ge=0, le=100_000)]
+    """Resamples of balls and matches for the confidence intervals; 0 leaves them out."""
+
+
 class RetrainPolicySettings(Settings):
     """In whose amended simulators policies are trained anew, to play the same balls."""
 
@@ -230,6 +243,7 @@ class Params(Settings):
     train_policy: TrainPolicySettings
     sim2sim: Sim2SimSettings
     sim2real: Sim2RealSettings
+    shot_quality: ShotQualitySettings
     retrain_policy: RetrainPolicySettings
     hidden_effects: HiddenEffectsSettings
     report: ReportSettings

@@ -19,6 +19,7 @@ STAGES = (
     "train_policy",
     "sim2sim",
     "sim2real",
+    "shot_quality",
     "retrain_policy",
     "hidden_effects",
 )

@@ -1,0 +1,128 @@
+"""The stage on games that were played and segmented, and on returns made by hand."""
+
+import shutil
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from models.quality.receivers import RECEIVERS
+from models.quality.settings import ForestSettings
+from pipeline.artifacts import read_json, read_table
+from pipeline.errors import InputError
+from pipeline.forests import load_forest
+from pipeline.params import ShotQualitySettings
+from pipeline.professionals import read_professionals
+from pipeline.quality_tables import return_features
+from pipeline.run import StageRun
+from stages.shot_quality import shot_quality
+from tests.pipeline.measured_shots import params
+from tests.pipeline.professional_games import played_games, write_games
+from tests.pipeline.returned import trials, write_trials
+
+SETTINGS = ShotQualitySettings(
+    forest=ForestSettings(trees=5, smallest_leaf=5), folds=2, points=20, bootstrap_resamples=20
+)
+TABLES = ("calibration", "importance", "quality", "receivers", "scores", "unlike",
+          "win_probability")  # fmt: skip
+
+
+def stage(root, settings=SETTINGS):
+    return StageRun("shot_quality", root, params(shot_quality=settings))
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """One run; not to be changed."""
+    root = tmp_path_factory.mktemp("whole")
+    write_games(root, played_games(6))
+    write_trials(root, trials())
+    run = stage(root)
+    shot_quality(run)
+    return run
+
+
+def table(run, name):
+    return pd.read_csv(run.report(f"{name}.csv"))
+
+
+def test_every_set_horizons_and_predictor_has_its_medians(whole):
+    rows = table(whole, "quality").set_index(["set", "horizons_ms", "predictor"])
+    assert len(rows) == 8
+    returns = read_table(whole.artifact("returns.parquet"))
+    for key, own in returns.groupby(["set", "horizons_ms", "predictor"]):
+        assert rows.loc[key, "speed"] == pytest.approx(own["speed"].median(), rel=1e-5)
+    speeds = rows["speed"].unstack()
+    assert (speeds["transformer"] > speeds["physics"]).all()
+
+
+def test_the_kept_forest_is_the_one_that_told_the_probabilities(whole):
+    forest, described = load_forest(whole.artifact("forest"))
+    shots = read_professionals(whole.root / "artifacts")
+    assert (described.shots, described.matches) == (len(shots), 6)
+    played = read_table(whole.input("sim2real", "played.parquet"))
+    told = forest.probabilities(return_features(played[played["returned"]]))
+    returns = read_table(whole.artifact("returns.parquet"))
+    assert (returns["win_probability"] == told).all()
+    assert not forest.unlike(shots.features).any()
+
+
+def test_forest_regression_and_base_rate_are_scored_on_both_outcomes(whole):
+    rows = table(whole, "scores").set_index(["outcome", "method"])
+    assert set(rows.index) == {
+        (outcome, method)
+        for outcome in ("wins", "point")
+        for method in ("base_rate", "logistic", "forest")
+    }
+    share = rows.loc[("wins", "forest"), "share"]
+    assert 0 < share < rows.loc[("point", "forest"), "share"] < 1
+    metrics = read_json(whole.report("metrics.json"))
+    assert metrics["scores"]["wins"]["forest"]["brier"] == rows.loc[("wins", "forest"), "brier"]
+
+
+def test_medians_are_told_for_every_receiver(whole):
+    rows = table(whole, "win_probability")
+    names = [one.name for one in RECEIVERS]
+    assert list(rows.columns[4:]) == ["as_measured", *names]
+    own = table(whole, "quality")["win_probability"]
+    assert rows["as_measured"].to_numpy() == pytest.approx(own.to_numpy())
+    receivers = table(whole, "receivers").set_index("receiver")
+    assert receivers.loc["usual", "order_kept"] == 1
+    assert receivers["order_kept"].between(0, 1).all()
+
+
+def test_the_report_holds_every_table_and_figure(whole):
+    files = {item.file for item in whole.items}
+    assert files == {
+        "figures/quality.png", "figures/calibration.png", *(f"{name}.csv" for name in TABLES)
+    }  # fmt: skip
+    assert all(whole.report(file).stat().st_size > 100 for file in files)
+    spread = table(whole, "importance").set_index("feature")
+    assert len(spread) == 9 and np.isfinite(spread["correlation"]).all()
+
+
+@pytest.fixture
+def again(whole, tmp_path):
+    shutil.copytree(whole.root / "artifacts", tmp_path / "artifacts")
+    return tmp_path
+
+
+def test_the_same_inputs_give_the_same_bytes(whole, again):
+    shutil.rmtree(again / "artifacts" / "shot_quality")
+    shot_quality(stage(again))
+    written = [path for path in whole.root.rglob("*shot_quality*/**/*") if path.is_file()]
+    assert {path.suffix for path in written} == {".json", ".csv", ".png", ".parquet",
+                                                 ".safetensors"}  # fmt: skip
+    for path in written:
+        assert path.read_bytes() == (again / path.relative_to(whole.root)).read_bytes()
+
+
+def test_more_folds_than_matches_are_one_error(again):
+    with pytest.raises(InputError, match=r"shot_quality\.folds.*6 matches cannot"):
+        shot_quality(stage(again, SETTINGS.model_copy(update={"folds": 7})))
+
+
+def test_without_a_return_there_is_one_error(again):
+    write_trials(again, trials().assign(returned=False))
+    with pytest.raises(InputError, match="no ball was returned"):
+        shot_quality(stage(again))
