@@ -109,8 +109,9 @@ def grown(features: Floats, wins: Booleans, settings: ForestSettings, seed: int)
     firsts = np.cumsum([0, *(tree.node_count for tree in trees)])[:-1]
     won = np.flatnonzero(classifier.classes_)
     parts = [_planted(tree, first, won) for tree, first in zip(trees, firsts, strict=True)]
-    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    return Forest(firsts, *columns, features.min(axis=0), features.max(axis=0))
+    left, right, feature, threshold, share = map(np.concatenate, zip(*parts, strict=True))
+    ends = features.min(axis=0), features.max(axis=0)
+    return Forest(firsts, left, right, feature, threshold, share, *ends)
 
 
 def _classifier(settings: ForestSettings, seed: int) -> Any:

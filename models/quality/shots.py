@@ -65,4 +65,5 @@ def landings(simulator: Simulator, after: Floats) -> Floats:
     """
     met = with_net(simulator).fly(after, [LONGEST_FLIGHT]).contacts
     first = (met.surface == TABLE).argmax(axis=1)
-    return met.before[np.arange(len(after)), first]
+    states: Floats = met.before[np.arange(len(after)), first]
+    return states

@@ -72,9 +72,17 @@ def _draw_panel(axes: Axes, table: pd.DataFrame, column: str, predictors: list[s
         across = sets.index(row["set"]) - BARS / 2 + (place + 0.5) * width
         height = row[column]
         ends = [[max(height - row[f"{column}_low"], 0)], [max(row[f"{column}_high"] - height, 0)]]
-        look = {"color": _colour(row["predictor"]), "edgecolor": "white", "linewidth": 0.0}
-        hatch = _hatch(row["horizons_ms"], horizons)
-        axes.bar(across, height, 0.9 * width, hatch=hatch, yerr=ends, error_kw=whiskers, **look)
+        axes.bar(
+            across,
+            height,
+            0.9 * width,
+            color=_colour(row["predictor"]),
+            edgecolor="white",
+            linewidth=0.0,
+            hatch=_hatch(row["horizons_ms"], horizons),
+            yerr=ends,
+            error_kw=whiskers,
+        )
     axes.grid(visible=False, axis="x")
 
 
