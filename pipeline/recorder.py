@@ -12,6 +12,7 @@ import shutil
 import sys
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +22,15 @@ os.environ["DO_NOT_TRACK"] = "true"
 os.environ.setdefault("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "1")
 os.environ.setdefault("MLFLOW_HTTP_REQUEST_TIMEOUT", "5")
 
+import mlflow
+import pyarrow.parquet as pq
 from filelock import FileLock
 from mlflow import MlflowClient
-from mlflow.entities import Dataset, DatasetInput, Metric, Param
+from mlflow.data.http_dataset_source import HTTPDatasetSource
+from mlflow.entities import DatasetInput, Metric, Param
+from mlflow.system_metrics.system_metrics_monitor import SystemMetricsMonitor
+
+from pipeline.registration import STAGE_OF_PREDICTORS, register_predictors
 
 EXPERIMENT = "rallygap"
 LONGEST_VALUE = 250  # characters of a parameter that every MLflow store takes
@@ -34,17 +41,30 @@ METRICS_A_BATCH = 1000
 def main(messages: Path) -> None:
     """Record the stage that the messages describe."""
     start = json.loads((messages / "start.json").read_text())
+    mlflow.set_tracking_uri(start["store"])  # the registry looks up logged models there
     # MLflow cannot make the tables of one store from two processes at once.
     with FileLock(start["lock"]):
         client = MlflowClient(start["store"])
         experiment = experiment_id(client, start["artifacts"])
         parent = parent_run(client, experiment, start)
     child = child_run(client, experiment, parent, start)
-    end = awaited_end(messages / "end.json")
+    with system_metrics(child):
+        end = awaited_end(messages / "end.json")
     log_results(client, child, end)
     client.set_terminated(child, end["status"], end["time"])
     if parent:
         finish_parent(client, parent, start, end)
+    if start["stage"] == STAGE_OF_PREDICTORS and end["status"] == "FINISHED":
+        register_predictors(client, child, end)
+
+
+@contextmanager
+def system_metrics(run: str) -> Iterator[None]:
+    """Log what the machine does meanwhile, every ten seconds: processor, memory, disk, network."""
+    monitor = SystemMetricsMonitor(run)
+    monitor.start()
+    yield
+    monitor.finish()
 
 
 def awaited_end(message: Path) -> dict[str, Any]:
