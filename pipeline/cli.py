@@ -12,6 +12,13 @@ from pipeline.console import refuse
 from pipeline.errors import InputError
 from pipeline.provenance import repository_root
 
+# Of MLflow's server: no telemetry, and none of the processes that run jobs, which nobody submits.
+LEAN = {
+    "MLFLOW_DISABLE_TELEMETRY": "true",
+    "DO_NOT_TRACK": "true",
+    "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false",
+}
+
 app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
@@ -128,6 +135,17 @@ def costs() -> None:
     Console().print(costs_table(measured))
 
 
+@app.command("run-of")
+def run_of(path: Annotated[Path, typer.Argument(help="under reports or artifacts")]) -> None:
+    """Say which run wrote a file: stage, commit, DVC experiment, and its page in MLflow."""
+    from dataclasses import asdict
+
+    from pipeline.run_of import origin_of
+
+    for name, value in asdict(origin_of(repository_root(), path)).items():
+        typer.echo(f"{name:<12}{value or '–'}")
+
+
 @app.command()
 def sweep(
     name: Annotated[str, typer.Argument(help="predictor, policy: a file of profiles/sweeps")],
@@ -171,7 +189,7 @@ def ui(port: Annotated[int, typer.Option(help="on this machine only")] = 5000) -
     """Serve the MLflow pages of this repository's runs, until interrupted."""
     from pipeline.tracking import store_uri
 
-    os.environ.update({"MLFLOW_DISABLE_TELEMETRY": "true", "DO_NOT_TRACK": "true"})
+    os.environ.update(LEAN)
     command = ["mlflow", "server", "--host", "127.0.0.1", "--port", str(port), "--workers", "1"]
     store = ["--backend-store-uri", store_uri(repository_root())]
     # MLflow takes the place of this process, so that what stops it stops the server.

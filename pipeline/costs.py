@@ -19,8 +19,9 @@ from rich.table import Table
 
 from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from models.predictors.protocol import History, Predictor
-from pipeline.artifacts import read_json, replacing, write_json
+from pipeline.artifacts import replacing, write_json
 from pipeline.errors import InputError
+from pipeline.leftovers import kept_timings
 from pipeline.measured_sets import read_test_sets
 from pipeline.params import load_params
 from pipeline.predictors import Contender, one_thread, read_contenders
@@ -61,7 +62,9 @@ def measure_costs(root: Path) -> pd.DataFrame:
         one for one in read_contenders(root / "artifacts", settings) if one.forecasts(first.name)
     ]
     errors = _position_errors(root / "reports/evaluate_predictor/forecast_error.csv", first.name)
-    training = _training_times(root / "timings" / "train_predictor.json")
+    training = {
+        name: one["training_s"] for name, one in kept_timings(root, "train_predictor").items()
+    }
     histories = _single_histories(first.windows.history)
     with one_core():
         latencies = {
@@ -157,13 +160,6 @@ def _position_errors(path: Path, source: str) -> pd.DataFrame:
         "set == @source and against == 'measured' and quantity == 'position' and bounce == 'all'"
     )
     return chosen.pivot_table("mean", "predictor", "horizon_ms")
-
-
-def _training_times(path: Path) -> dict[str, float]:
-    """Return seconds by predictor; none where they were trained elsewhere."""
-    if not path.exists():
-        return {}
-    return {name: timing["training_s"] for name, timing in read_json(path).items()}
 
 
 def _single_histories(history: History) -> list[History]:

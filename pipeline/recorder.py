@@ -23,12 +23,11 @@ os.environ.setdefault("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "1")
 os.environ.setdefault("MLFLOW_HTTP_REQUEST_TIMEOUT", "5")
 
 import mlflow
-import pyarrow.parquet as pq
 from filelock import FileLock
 from mlflow import MlflowClient
-from mlflow.data.http_dataset_source import HTTPDatasetSource
-from mlflow.entities import DatasetInput, Metric, Param
+from mlflow.entities import Dataset, DatasetInput, Metric, Param
 from mlflow.system_metrics.system_metrics_monitor import SystemMetricsMonitor
+from pyarrow.parquet import read_schema
 
 from pipeline.registration import STAGE_OF_PREDICTORS, register_predictors
 
@@ -36,6 +35,8 @@ EXPERIMENT = "rallygap"
 LONGEST_VALUE = 250  # characters of a parameter that every MLflow store takes
 PARAMS_A_BATCH = 100
 METRICS_A_BATCH = 1000
+# From Arrow's names to MLflow's; a column of any other type is shown as text.
+COLUMN_TYPES = {"double": "double", "float": "float", "int64": "long", "bool": "boolean"}
 
 
 def main(messages: Path) -> None:
@@ -170,11 +171,21 @@ def metric_points(metrics: dict[str, Any], timestamp: int) -> Iterator[Metric]:
 
 
 def data_set(name: str, source: str, digest: str, rows: int) -> DatasetInput:
-    """An input data set as MLflow shows it."""
+    """An input data set as MLflow shows it; ``mlflow.data.get_source`` finds the file again."""
     profile = json.dumps({"num_rows": rows})
-    return DatasetInput(
-        Dataset(name, digest, "local", json.dumps({"uri": source}), profile=profile)
-    )
+    uri = json.dumps({"uri": source})
+    return DatasetInput(Dataset(name, digest, "local", uri, columns(Path(source)), profile))
+
+
+def columns(table: Path) -> str | None:
+    """The columns of a parquet file in MLflow's words; None for what is no table."""
+    if table.suffix != ".parquet" or not table.is_file():
+        return None
+    described = [
+        {"type": COLUMN_TYPES.get(str(one.type), "string"), "name": one.name}
+        for one in read_schema(table)
+    ]
+    return json.dumps({"mlflow_colspec": described})
 
 
 def batches(items: Sequence[Any], size: int) -> Iterator[Sequence[Any]]:

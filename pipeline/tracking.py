@@ -20,6 +20,7 @@ import psutil
 
 from pipeline.artifacts import write_json
 from pipeline.console import warn
+from pipeline.leftovers import keep_timings, scratch_kept
 from pipeline.provenance import Provenance, git_commit, repository_root
 
 PATIENCE = 5.0  # s, that a finished stage waits for its recorder
@@ -69,7 +70,7 @@ def recorded(
     params: dict[str, Any],
     results: Callable[[], dict[str, Any]],
 ) -> Iterator[None]:
-    """Record the stage that runs in this block.
+    """Record the stage that runs in this block, and keep what it leaves beside its outputs.
 
     Args:
         stage: its name.
@@ -80,13 +81,17 @@ def recorded(
     recorder = Recorder(description(stage, origin, params))
     status = "FAILED"
     try:
-        yield
+        with scratch_kept(stage, origin.fingerprint):
+            yield
         status = "FINISHED"
     except KeyboardInterrupt:
         status = "KILLED"
         raise
     finally:
-        recorder.finish({**results(), "status": status, "time": now()})
+        found = results()
+        if status == "FINISHED":
+            keep_timings(stage, origin.fingerprint, found["metrics"].get("timings", {}))
+        recorder.finish({**found, "status": status, "time": now()})
 
 
 def description(stage: str, origin: Provenance, params: dict[str, Any]) -> dict[str, Any]:

@@ -51,7 +51,10 @@ def root(tmp_path_factory):
     report = made / "reports" / "evaluate_predictor"
     report.mkdir(parents=True)
     pd.DataFrame(rows, columns=columns).to_csv(report / "forecast_error.csv", index=False)
-    write_json(made / "timings" / "train_predictor.json", {"tiny": {"training_s": 61.5}})
+    write_json(made / "reports/train_predictor/contents.json", {"fingerprint": "0123456789ab"})
+    for name, seconds in (("0123456789ab", 61.5), ("another run", 7.0)):
+        times = {"tiny": {"training_s": seconds}}
+        write_json(made / "timings" / "train_predictor" / f"{name}.json", times)
     return made
 
 

@@ -1,0 +1,60 @@
+"""What a stage leaves beside its outputs, kept in the repository wherever the stage ran.
+
+DVC runs ``dvc exp run --temp`` and queued experiments in a temporary copy, which it removes when
+they end, well or badly.
+"""
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from pipeline.artifacts import read_json, write_json
+from pipeline.provenance import repository_root
+
+COPIES = "copies"  # folder of scratch/ for what killed stages left in temporary copies
+FINGERPRINT_SHOWN = 12  # characters, as in contents.json
+
+
+@contextmanager
+def scratch_kept(stage: str, fingerprint: str) -> Iterator[None]:
+    """Let a stage in a temporary copy go on where a killed one in another copy stopped.
+
+    Its scratch folder becomes a link into the repository. What is kept there goes when the stage
+    succeeds, and nothing else: another copy may be at the same stage with other parameters.
+    """
+    here, home = Path.cwd(), repository_root()
+    if here.resolve() == home.resolve():
+        yield
+        return
+    name = fingerprint[:FINGERPRINT_SHOWN]
+    kept, link = home / "scratch" / COPIES / stage / name, here / "scratch" / stage / name
+    kept.mkdir(parents=True, exist_ok=True)
+    link.parent.mkdir(parents=True, exist_ok=True)
+    if not link.is_symlink():
+        link.symlink_to(kept, target_is_directory=True)
+    yield
+    shutil.rmtree(kept, ignore_errors=True)
+
+
+def keep_timings(stage: str, fingerprint: str, timings: dict[str, Any]) -> None:
+    """Write down how long things took in a run, where there is anything to say."""
+    if timings:
+        write_json(_timings_file(repository_root(), stage, fingerprint), timings)
+
+
+def kept_timings(root: Path, stage: str) -> dict[str, Any]:
+    """How long things took when the stage's present outputs were made.
+
+    Empty where that was on another machine, or never.
+    """
+    contents = root / "reports" / stage / "contents.json"
+    if not contents.exists():
+        return {}
+    path = _timings_file(root, stage, read_json(contents)["fingerprint"])
+    return dict(read_json(path)) if path.exists() else {}
+
+
+def _timings_file(root: Path, stage: str, fingerprint: str) -> Path:
+    return root / "timings" / stage / f"{fingerprint[:FINGERPRINT_SHOWN]}.json"

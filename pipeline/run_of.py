@@ -1,0 +1,95 @@
+"""From a file under reports/ or artifacts/ back to the run that wrote it."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pipeline.artifacts import read_json
+from pipeline.errors import InputError
+from pipeline.params import read_yaml
+from pipeline.tracking import store_uri
+
+EXPERIMENT_TAG = "dvc.experiment"
+
+
+@dataclass(frozen=True)
+class Origin:
+    """The run of a stage that wrote a file.
+
+    Attributes:
+        stage: its name.
+        fingerprint: of its command, parameters and dependencies; see ``Provenance``.
+        run: the id in MLflow.
+        status: how it ended, in MLflow's words.
+        address: of its page.
+        commit: that was checked out; an experiment's changes come on top of it.
+        experiment: of DVC, if any.
+    """
+
+    stage: str
+    fingerprint: str
+    run: str
+    status: str
+    address: str
+    commit: str | None
+    experiment: str | None
+
+
+def origin_of(root: Path, path: Path) -> Origin:
+    """Find the run that wrote a file or folder.
+
+    Args:
+        root: the repository.
+        path: an output of a stage, or its like in a kept experiment's folder under reports.
+
+    Raises:
+        InputError: no stage writes it, its report is not there, or MLflow knows no such run.
+    """
+    stage, contents = _report_of(root, path)
+    fingerprint = read_json(contents)["fingerprint"]
+    store = os.environ.get("MLFLOW_TRACKING_URI") or store_uri(root)
+    run = _newest_run(store, fingerprint)
+    if run is None:
+        problem = f"no run in {store} has the fingerprint {fingerprint}; was it made elsewhere?"
+        raise InputError(path, problem)
+    served = store if store.startswith("http") else "http://127.0.0.1:5000"
+    tags, info = run.data.tags, run.info
+    return Origin(
+        stage,
+        tags["dvc.lock_hash"],
+        info.run_id,
+        info.status,
+        f"{served.rstrip('/')}/#/experiments/{info.experiment_id}/runs/{info.run_id}",
+        tags.get("mlflow.source.git.commit"),
+        tags.get(EXPERIMENT_TAG),
+    )
+
+
+def _report_of(root: Path, path: Path) -> tuple[str, Path]:
+    """The stage that writes a file, and the contents.json of its report."""
+    try:
+        inside = path.resolve().relative_to(root.resolve())
+    except ValueError:
+        raise InputError(path, f"is not in the repository {root}") from None
+    reports = root / "reports"
+    if len(inside.parts) > 2 and (root / Path(*inside.parts[:2]) / "run.json").is_file():
+        reports = root / Path(*inside.parts[:2])  # of an experiment that was kept
+        inside = Path("reports", *inside.parts[2:])
+    for stage, entry in read_yaml(root / "dvc.yaml")["stages"].items():
+        outputs = {Path(out if isinstance(out, str) else next(iter(out))) for out in entry["outs"]}
+        if outputs & {inside, *inside.parents}:
+            return stage, reports / stage / "contents.json"
+    raise InputError(path, "no stage of dvc.yaml writes it; give a file under reports or artifacts")
+
+
+def _newest_run(store: str, fingerprint: str) -> Any:
+    """The newest run of a fingerprint; those that ended well first."""
+    from mlflow import MlflowClient
+
+    client = MlflowClient(store)
+    experiments = [one.experiment_id for one in client.search_experiments()]
+    runs = client.search_runs(
+        experiments, f"tags.`dvc.lock_hash` LIKE '{fingerprint}%'", order_by=["start_time DESC"]
+    )
+    return next((run for run in runs if run.info.status == "FINISHED"), next(iter(runs), None))
