@@ -62,7 +62,7 @@ def main(messages: Path) -> None:
 @contextmanager
 def system_metrics(run: str) -> Iterator[None]:
     """Log what the machine does meanwhile, every ten seconds: processor, memory, disk, network."""
-    monitor = SystemMetricsMonitor(run)
+    monitor: Any = SystemMetricsMonitor(run)  # type: ignore[no-untyped-call]
     monitor.start()
     yield
     monitor.finish()

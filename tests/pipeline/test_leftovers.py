@@ -1,0 +1,68 @@
+"""What a stage leaves beside its outputs survives the temporary copies that DVC removes."""
+
+import shutil
+
+import pytest
+
+from pipeline.artifacts import write_json
+from pipeline.leftovers import keep_timings, kept_timings, scratch_kept
+from pipeline.run import StageRun
+
+FINGERPRINT, OTHER = "f" * 64, "0" * 64
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """The repository, as DVC names it to a stage in a temporary copy."""
+    monkeypatch.setenv("DVC_ROOT", str(tmp_path / "home"))
+    (tmp_path / "home").mkdir()
+    return tmp_path / "home"
+
+
+def copied_run(tmp_path, monkeypatch, name, fingerprint=FINGERPRINT):
+    """The run of a stage in a new copy of the repository."""
+    (tmp_path / name).mkdir()
+    monkeypatch.chdir(tmp_path / name)
+    return StageRun("segment", tmp_path / name, None, fingerprint)
+
+
+def leave_and_fail(run):
+    with pytest.raises(RuntimeError), scratch_kept("segment", run.fingerprint):
+        run.scratch("net").mkdir(parents=True)
+        (run.scratch("net") / "last").write_text("epoch 3")
+        raise RuntimeError
+
+
+def test_a_killed_stage_goes_on_in_the_next_copy_and_then_leaves_nothing(
+    home, tmp_path, monkeypatch
+):
+    leave_and_fail(copied_run(tmp_path, monkeypatch, "first"))
+    shutil.rmtree(tmp_path / "first")
+    run = copied_run(tmp_path, monkeypatch, "second")
+    with scratch_kept("segment", FINGERPRINT):
+        assert (run.scratch("net") / "last").read_text() == "epoch 3"
+        run.settle()
+    assert not list(home.rglob("last"))
+
+
+def test_a_stage_that_succeeds_leaves_the_scratch_of_others(home, tmp_path, monkeypatch):
+    leave_and_fail(copied_run(tmp_path, monkeypatch, "first", OTHER))
+    run = copied_run(tmp_path, monkeypatch, "second")
+    with scratch_kept("segment", FINGERPRINT):
+        assert not run.scratch("net").exists()
+        run.settle()
+    assert [path.read_text() for path in home.rglob("last")] == ["epoch 3"]
+
+
+def test_in_the_repository_itself_nothing_is_linked(home, monkeypatch):
+    monkeypatch.chdir(home)
+    with scratch_kept("segment", FINGERPRINT):
+        assert list(home.iterdir()) == []
+
+
+def test_timings_are_those_of_the_run_that_made_the_present_outputs(home):
+    keep_timings("segment", FINGERPRINT, {"net": {"training_s": 3}})
+    keep_timings("segment", OTHER, {"net": {"training_s": 5}})
+    assert kept_timings(home, "segment") == {}
+    write_json(home / "reports/segment/contents.json", {"fingerprint": FINGERPRINT[:12]})
+    assert kept_timings(home, "segment") == {"net": {"training_s": 3}}
