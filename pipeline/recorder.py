@@ -45,6 +45,8 @@ def main(messages: Path) -> None:
     mlflow.set_tracking_uri(start["store"])  # the registry looks up logged models there
     # MLflow cannot make the tables of one store from two processes at once.
     with FileLock(start["lock"]):
+        if start["artifacts"]:  # the repository's own store
+            make_store(Path(start["store"].removeprefix("sqlite:///")))
         client = MlflowClient(start["store"])
         experiment = experiment_id(client, start["artifacts"])
         parent = parent_run(client, experiment, start)
@@ -66,6 +68,19 @@ def system_metrics(run: str) -> Iterator[None]:
     monitor.start()
     yield
     monitor.finish()
+
+
+def make_store(path: Path) -> None:
+    """Make the repository's store where it is missing, whole or not at all.
+
+    Half of its tables, as left by a kill, are nothing that MLflow could ever open again.
+    """
+    if path.exists():
+        return
+    unfinished = path.with_name(f"{path.name}.new")
+    unfinished.unlink(missing_ok=True)
+    MlflowClient(f"sqlite:///{unfinished}").search_experiments()
+    unfinished.replace(path)
 
 
 def awaited_end(message: Path) -> dict[str, Any]:

@@ -7,6 +7,7 @@ as killed, because the recorder outlives it.
 """
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -20,6 +21,7 @@ import psutil
 
 from pipeline.artifacts import write_json
 from pipeline.console import warn
+from pipeline.guarded import guarded
 from pipeline.leftovers import keep_timings, scratch_kept
 from pipeline.provenance import Provenance, git_commit, repository_root
 
@@ -35,8 +37,7 @@ class Recorder:
 
     def __init__(self, start: dict[str, Any]) -> None:
         self.stage = start["stage"]
-        self.messages = Path(tempfile.mkdtemp(prefix="rallygap-"))
-        write_json(self.messages / "start.json", start)
+        self.messages = _delivered(start)
         self.complaints = tempfile.TemporaryFile("w+")  # noqa: SIM115
         self.process = subprocess.Popen(
             [sys.executable, "-m", "pipeline.recorder", str(self.messages)],
@@ -49,18 +50,34 @@ class Recorder:
 
     def finish(self, end: dict[str, Any]) -> None:
         """Hand over what the stage left and wait, but not for long."""
-        write_json(self.messages / "end.json", end)
         try:
+            write_json(self.messages / "end.json", end)
             self.process.communicate(timeout=PATIENCE)
+        except OSError as error:
+            warn(f"MLflow has no complete record of {self.stage}: {error}")
         except subprocess.TimeoutExpired:
             warn(f"MLflow is slow or locked; {self.stage} is recorded in the background, if at all")
         else:
             if self.process.returncode != 0:
+                shutil.rmtree(self.messages, ignore_errors=True)  # where the recorder was killed
                 warn(f"MLflow has no complete record of {self.stage}: {self._last_complaint()}")
 
     def _last_complaint(self) -> str:
+        if self.process.returncode < 0:
+            return "the recorder was killed"
         self.complaints.seek(0)
-        return (self.complaints.read().splitlines() or ["the recorder died"])[-1]
+        return (self.complaints.read().splitlines() or ["it says nothing"])[-1]
+
+
+def _delivered(start: dict[str, Any]) -> Path:
+    """Return a new folder for messages to a recorder, with the first of them."""
+    messages = Path(tempfile.mkdtemp(prefix="rallygap-"))
+    try:
+        write_json(messages / "start.json", start)
+    except OSError:
+        shutil.rmtree(messages)
+        raise
+    return messages
 
 
 @contextmanager
@@ -70,7 +87,7 @@ def recorded(
     params: dict[str, Any],
     results: Callable[[], dict[str, Any]],
 ) -> Iterator[None]:
-    """Record the stage that runs in this block, and keep what it leaves beside its outputs.
+    """Guard and record the stage of this block, and keep what it leaves beside its outputs.
 
     Args:
         stage: its name.
@@ -78,20 +95,31 @@ def recorded(
         params: its parameters.
         results: called at the end, whichever it is, for metrics, input data sets and figures.
     """
-    recorder = Recorder(description(stage, origin, params))
-    status = "FAILED"
+    with guarded(stage):
+        recorder = _started(description(stage, origin, params))
+        status = "FAILED"
+        try:
+            with scratch_kept(stage, origin.fingerprint):
+                yield
+            status = "FINISHED"
+        except (KeyboardInterrupt, SystemExit):
+            status = "KILLED"
+            raise
+        finally:
+            found = results()
+            if status == "FINISHED":
+                keep_timings(stage, origin.fingerprint, found["metrics"].get("timings", {}))
+            if recorder is not None:
+                recorder.finish({**found, "status": status, "time": now()})
+
+
+def _started(start: dict[str, Any]) -> Recorder | None:
+    """Start the recorder; None, and a warning, where there is no room for what it must be told."""
     try:
-        with scratch_kept(stage, origin.fingerprint):
-            yield
-        status = "FINISHED"
-    except KeyboardInterrupt:
-        status = "KILLED"
-        raise
-    finally:
-        found = results()
-        if status == "FINISHED":
-            keep_timings(stage, origin.fingerprint, found["metrics"].get("timings", {}))
-        recorder.finish({**found, "status": status, "time": now()})
+        return Recorder(start)
+    except OSError as error:
+        warn(f"MLflow has no record of {start['stage']}: {error}")
+        return None
 
 
 def description(stage: str, origin: Provenance, params: dict[str, Any]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
+import psutil
 import pytest
 
 from pipeline import tracking
@@ -222,3 +223,41 @@ def test_a_dvc_process_above_makes_a_reproduction(tmp_path):
 def test_long_parameters_are_cut_where_every_store_takes_them():
     assert shortened("x" * 300) == "x" * 249 + "…"
     assert shortened(["a", "é"]) == '["a", "é"]'
+
+
+def test_a_recorder_killed_in_a_new_store_leaves_one_that_can_be_made(new_store, monkeypatch):
+    monkeypatch.setattr(tracking, "PATIENCE", 300)
+    unfinished = new_store.with_name("mlflow.db.new")
+    unfinished.write_bytes(b"half of the tables")
+    with recorded_quickly():
+        pass
+    assert statuses(new_store) == {"segment": "FINISHED"}
+    assert not unfinished.exists()
+
+
+def test_a_recorder_that_was_killed_costs_a_warning(store, monkeypatch, tmp_path, capfd):
+    messages = tmp_path / "messages"
+    messages.mkdir()
+    monkeypatch.setattr(tracking.tempfile, "tempdir", str(messages))
+    with recorded_quickly():
+        (recorder,) = psutil.Process().children()
+        recorder.kill()
+    assert only_warning(capfd).endswith("no complete record of segment: the recorder was killed")
+    assert list(messages.iterdir()) == []
+
+
+def test_no_room_for_messages_costs_a_warning(monkeypatch, capfd):
+    def no_room(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(tracking, "write_json", no_room)
+    with recorded_quickly():
+        pass
+    expected = "MLflow has no record of segment: [Errno 28] No space left on device"
+    assert only_warning(capfd) == f"rallygap: warning: {expected}"
+
+
+def test_a_stage_that_was_told_to_stop_is_recorded_as_killed(store):
+    with pytest.raises(SystemExit), recorded_quickly():
+        signal.raise_signal(signal.SIGTERM)
+    assert statuses(store) == {"segment": "KILLED"}
