@@ -44,6 +44,16 @@ def check() -> None:
 
 
 @app.command()
+def mend() -> None:
+    """Remove what is damaged in DVC's cache, and its copies; `dvc repro` makes them anew."""
+    from pipeline.mend import mend
+
+    root = repository_root()
+    for path in mend(root):
+        typer.echo(f"damaged, removed: {path}")
+
+
+@app.command()
 def profile(name: Annotated[str, typer.Argument(help="a file of the folder profiles")]) -> None:
     """Print a profile as flags, for `dvc exp run $(rallygap profile smoke)`."""
     from pipeline.profiles import profile_flags

@@ -1,0 +1,54 @@
+"""Removes what is damaged in DVC's cache, and its copies among the outputs.
+
+DVC trusts a cached file that is read-only. One that a disk has damaged is therefore checked out as
+it is, even over the right one that a stage has just written, and DVC calls it up to date. What is
+not there at all, DVC makes anew.
+"""
+
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+
+from pipeline.params import read_yaml
+
+
+def mend(root: Path) -> list[Path]:
+    """Remove every damaged file of the cache and every output that is a copy of one.
+
+    Returns:
+        What was removed.
+    """
+    from dvc.repo import Repo
+
+    with Repo(str(root)) as repository:
+        cache = Path(repository.cache.local.path)
+    damaged = {path: digest for path, digest in _cached(cache) if digest != _named(path)}
+    copies = [path for path in _outputs(root) if _digest(path) in damaged.values()]
+    for path in (removed := [*damaged, *copies]):
+        path.unlink()
+    return removed
+
+
+def _cached(cache: Path) -> Iterator[tuple[Path, str]]:
+    """Yield every file of a cache, stored as <2 digits>/<30 digits>, with its MD5."""
+    for path in sorted(cache.glob("[0-9a-f][0-9a-f]/*")):
+        if path.is_file():
+            yield path, _digest(path)
+
+
+def _named(path: Path) -> str:
+    """Return the MD5 that a cached file's name promises; of a folder's list, ``.dir`` is added."""
+    return path.parent.name + path.name.removesuffix(".dir")
+
+
+def _outputs(root: Path) -> Iterator[Path]:
+    """Yield every file among the outputs that DVC has noted."""
+    lock = root / "dvc.lock"
+    stages = read_yaml(lock)["stages"].values() if lock.exists() else []
+    for path in sorted({root / out["path"] for stage in stages for out in stage["outs"]}):
+        yield from (file for file in [path, *path.rglob("*")] if file.is_file())
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as content:
+        return hashlib.file_digest(content, "md5").hexdigest()
