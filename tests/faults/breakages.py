@@ -1,0 +1,336 @@
+"""Faults other than kills of everything: what strikes, whether the run should bear it."""
+
+import hashlib
+import os
+import signal
+import socket
+import sqlite3
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+import psutil
+
+from tests.faults.disks import full_disk, read_only_disk
+from tests.faults.repository import (
+    Ended,
+    Repository,
+    awaited_stage,
+    command_of,
+    descendants,
+    inhabitants,
+)
+
+INTERRUPTED = Path(__file__).parent / "interrupted"
+WORKERS_GONE = 10.0  # s, within which workers of a stage that was told to stop must be gone
+CACHE = Path(".dvc") / "cache" / "files" / "md5"
+
+Strike = Callable[[Repository, str], Ended]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Something that goes wrong while a stage runs.
+
+    Args:
+        name: what it is.
+        stage: that it strikes.
+        strike: runs ``dvc repro`` with it.
+        borne: whether that ends well all the same.
+        needs_root: whether it mounts disks.
+        damages_cache: whether `rallygap mend` must come before the next ``dvc repro``.
+    """
+
+    name: str
+    stage: str
+    strike: Strike
+    borne: bool
+    needs_root: bool = False
+    damages_cache: bool = False
+
+
+@dataclass(frozen=True)
+class Suffered:
+    """A fault and what came of it.
+
+    Args:
+        fault: its name.
+        stage: that it struck.
+        happened: how ``dvc repro`` ended.
+        as_expected: whether it ended well exactly where it should.
+        message: what it said.
+        half_written: how many outputs stood under their name and were not whole.
+        same_hashes: whether ``dvc repro``, run again without the fault, ended with the undisturbed
+            run's bytes and lock, and nothing besides.
+        differences: the files that say otherwise.
+    """
+
+    fault: str
+    stage: str
+    happened: str
+    as_expected: bool
+    message: str
+    half_written: int
+    same_hashes: bool
+    differences: str
+
+
+def suffer(repository: Repository, fault: Fault) -> Suffered:
+    """Let a stage meet a fault, and DVC run once more without it."""
+    with repository.anew(fault.stage):
+        struck = fault.strike(repository, fault.stage)
+        half = repository.half_written()
+        if fault.damages_cache:
+            repository.mend()
+        ended = repository.reproduce()
+        differences = repository.differences()
+        if ended.status:
+            differences = [ended.message, *differences]
+    return Suffered(
+        fault=fault.name,
+        stage=fault.stage,
+        happened="went on" if struck.status == 0 else "stopped",
+        as_expected=fault.borne == (struck.status == 0),
+        message=struck.message,
+        half_written=len(half),
+        same_hashes=not differences,
+        differences="; ".join(differences),
+    )
+
+
+def _running(
+    repository: Repository, stage: str
+) -> tuple["subprocess.Popen[bytes]", psutil.Process]:
+    """Start DVC and wait until it runs a stage; return both processes."""
+    dvc = repository.start("dvc", "repro", stage)
+    running = awaited_stage(dvc)
+    assert running is not None and running.stage == stage, repository.printed()
+    return dvc, running.process
+
+
+def _ended(repository: Repository, dvc: "subprocess.Popen[bytes]") -> Ended:
+    status = dvc.wait()
+    return Ended(status, repository.printed())
+
+
+def artifacts_full(repository: Repository, stage: str) -> Ended:
+    with full_disk(repository.folder / "artifacts"):
+        return repository.reproduce(stage)
+
+
+def reports_full(repository: Repository, stage: str) -> Ended:
+    with full_disk(repository.folder / "reports"):
+        return repository.reproduce(stage)
+
+
+def scratch_full(repository: Repository, stage: str) -> Ended:
+    with full_disk(repository.folder / "scratch"):
+        return repository.reproduce(stage)
+
+
+def temporary_full(repository: Repository, stage: str) -> Ended:
+    folder = repository.folder.with_name("full")
+    with full_disk(folder):
+        _fill(folder / "filler")
+        return repository.reproduce(stage, TMPDIR=str(folder))
+
+
+def _fill(path: Path) -> None:
+    try:
+        with path.open("wb", buffering=0) as filler:
+            while filler.write(b"0" * 512):
+                pass
+    except OSError:
+        return
+
+
+def cache_full(repository: Repository, stage: str) -> Ended:
+    with full_disk(repository.folder / ".dvc" / "cache"):
+        return repository.reproduce(stage)
+
+
+def artifacts_read_only(repository: Repository, stage: str) -> Ended:
+    with read_only_disk(repository.folder / "artifacts"):
+        return repository.reproduce(stage)
+
+
+def reports_read_only(repository: Repository, stage: str) -> Ended:
+    with read_only_disk(repository.folder / "reports"):
+        return repository.reproduce(stage)
+
+
+def store_gone(repository: Repository, stage: str) -> Ended:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+    return repository.reproduce(stage, MLFLOW_TRACKING_URI=f"http://127.0.0.1:{port}")
+
+
+def store_hangs(repository: Repository, stage: str) -> Ended:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        return repository.reproduce(stage, MLFLOW_TRACKING_URI=f"http://127.0.0.1:{port}")
+
+
+def store_locked(repository: Repository, stage: str) -> Ended:
+    store = repository.folder / "mlflow.db"
+    with closing(sqlite3.connect(store, isolation_level=None)) as other:
+        other.execute("BEGIN EXCLUSIVE")
+        return repository.reproduce(stage)
+
+
+def recorder_killed(repository: Repository, stage: str) -> Ended:
+    dvc, process = _running(repository, stage)
+    _recorder(process).kill()
+    return _ended(repository, dvc)
+
+
+def recorder_killed_in_a_new_store(repository: Repository, stage: str) -> Ended:
+    """Kill it when some tables are there, and ask that the store can then be opened."""
+    store = repository.folder / "mlflow.db"
+    store.unlink()
+    dvc, process = _running(repository, stage)
+    recorder = _recorder(process)
+    while not any(path.stat().st_size for path in store.parent.glob("mlflow.db*")):
+        time.sleep(0.01)
+    time.sleep(0.3)
+    recorder.kill()
+    ended = _ended(repository, dvc)
+    if store.exists() and not _opens(store):
+        return Ended(1, "RuntimeError: the store can never be opened again")
+    return ended
+
+
+def _recorder(process: psutil.Process) -> psutil.Process:
+    while process.is_running():
+        for child in descendants(process.pid):
+            if "pipeline.recorder" in command_of(child):
+                return child
+        time.sleep(0.01)
+    raise AssertionError("the stage ended without a recorder")
+
+
+def _opens(store: Path) -> bool:
+    program = f"from mlflow import MlflowClient as C; C('sqlite:///{store}').search_experiments()"
+    return subprocess.run([sys.executable, "-c", program], capture_output=True).returncode == 0
+
+
+def stage_alone_killed(repository: Repository, stage: str) -> Ended:
+    return _struck_halfway(repository, stage, signal.SIGKILL)
+
+
+def stage_told_to_stop(repository: Repository, stage: str) -> Ended:
+    ended = _struck_halfway(repository, stage, signal.SIGTERM)
+    deadline = time.monotonic() + WORKERS_GONE
+    while left := _workers(repository.folder):
+        if time.monotonic() > deadline:
+            return Ended(ended.status, f"RuntimeError: {len(left)} workers live on")
+        time.sleep(0.1)
+    return ended
+
+
+def _struck_halfway(repository: Repository, stage: str, number: signal.Signals) -> Ended:
+    dvc, process = _running(repository, stage)
+    time.sleep(repository.seconds[stage] / 2)
+    process.send_signal(number)
+    return _ended(repository, dvc)
+
+
+def _workers(folder: Path) -> list[psutil.Process]:
+    return [one for one in inhabitants(folder) if any("joblib" in word for word in command_of(one))]
+
+
+def dvc_alone_killed(repository: Repository, stage: str) -> Ended:
+    """Kill DVC, whose stage lives on, and start it again at once."""
+    dvc, _ = _running(repository, stage)
+    time.sleep(repository.seconds[stage] / 2)
+    dvc.kill()
+    dvc.wait()
+    return repository.reproduce(stage)
+
+
+def killed_while_dvc_keeps(repository: Repository, stage: str) -> Ended:
+    dvc, process = _running(repository, stage)
+    process.wait()
+    os.killpg(dvc.pid, signal.SIGKILL)
+    return _ended(repository, dvc)
+
+
+def first_write_interrupted(repository: Repository, stage: str) -> Ended:
+    return _interrupted(repository, stage, 1)
+
+
+def third_write_interrupted(repository: Repository, stage: str) -> Ended:
+    return _interrupted(repository, stage, 3)
+
+
+def _interrupted(repository: Repository, stage: str, write: int) -> Ended:
+    return repository.reproduce(
+        stage,
+        PYTHONPATH=f"{INTERRUPTED}:{repository.folder}",
+        INTERRUPTED_STAGE=stage,
+        INTERRUPTED_WRITE=str(write),
+    )
+
+
+def cache_damaged(repository: Repository, stage: str) -> Ended:
+    return _with_damage(repository, stage, lambda content: _flipped(content, len(content) // 2))
+
+
+def cache_cut(repository: Repository, stage: str) -> Ended:
+    return _with_damage(repository, stage, lambda content: content[: len(content) // 2])
+
+
+def _flipped(content: bytes, place: int) -> bytes:
+    return content[:place] + bytes([content[place] ^ 0xFF]) + content[place + 1 :]
+
+
+def _with_damage(repository: Repository, stage: str, damage: Callable[[bytes], bytes]) -> Ended:
+    """Damage the stage's largest output in the cache, and let DVC fetch or make it."""
+    entry = max(_entries(repository, stage), key=lambda path: path.stat().st_size)
+    content = damage(entry.read_bytes())
+    entry.chmod(0o644)
+    entry.write_bytes(content)
+    entry.chmod(0o444)  # DVC trusts what is read-only
+    return repository.reproduce(stage)
+
+
+def _entries(repository: Repository, stage: str) -> list[Path]:
+    """The cached files of what the stage left undisturbed."""
+    found = (repository.spare / "artifacts" / stage).rglob("*")
+    digests = (hashlib.md5(path.read_bytes()).hexdigest() for path in found if path.is_file())
+    return [repository.folder / CACHE / digest[:2] / digest[2:] for digest in digests]
+
+
+WORKERS = "sim2sim"  # a stage with worker processes even where there is one policy
+FAULTS = (
+    Fault("disk of artifacts full", "segment", artifacts_full, borne=False, needs_root=True),
+    Fault("disk of reports full", "segment", reports_full, borne=False, needs_root=True),
+    Fault("disk of checkpoints full", "train_predictor", scratch_full, False, needs_root=True),
+    Fault("disk of checkpoints full", "train_policy", scratch_full, False, needs_root=True),
+    Fault("disk of DVC's cache full", "segment", cache_full, borne=False, needs_root=True),
+    Fault("disk of temporary files full", "segment", temporary_full, True, needs_root=True),
+    Fault("disk of artifacts read-only", "segment", artifacts_read_only, False, needs_root=True),
+    Fault("disk of reports read-only", "segment", reports_read_only, False, needs_root=True),
+    Fault("tracking server gone", "segment", store_gone, borne=True),
+    Fault("tracking server hangs", "segment", store_hangs, borne=True),
+    Fault("tracking store locked", "segment", store_locked, borne=True),
+    Fault("recorder killed", "segment", recorder_killed, borne=True),
+    Fault("recorder killed in a new store", "segment", recorder_killed_in_a_new_store, borne=True),
+    Fault("stage alone killed", WORKERS, stage_alone_killed, borne=False),
+    Fault("stage told to stop (SIGTERM)", WORKERS, stage_told_to_stop, borne=False),
+    Fault("stage told to stop (SIGTERM)", "train_predictor", stage_told_to_stop, borne=False),
+    Fault("DVC alone killed, started again", "segment", dvc_alone_killed, borne=True),
+    Fault("DVC alone killed, started again", "train_policy", dvc_alone_killed, borne=True),
+    Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps, borne=False),
+    Fault("first write cut short", "ingest", first_write_interrupted, borne=False),
+    Fault("first write cut short", "segment", first_write_interrupted, borne=False),
+    Fault("third write cut short", "ingest", third_write_interrupted, borne=False),
+    Fault("third write cut short", "segment", third_write_interrupted, borne=False),
+    Fault("first write cut short", "train_predictor", first_write_interrupted, borne=False),
+    Fault("cached file damaged", "segment", cache_damaged, borne=True, damages_cache=True),
+    Fault("cached file cut short", "segment", cache_cut, borne=True, damages_cache=True),
+)

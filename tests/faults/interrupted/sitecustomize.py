@@ -1,0 +1,25 @@
+"""Kills a stage in the middle of one of its writes; on the path of processes that shall suffer it.
+
+INTERRUPTED_STAGE names the stage, INTERRUPTED_WRITE counts its writes from 1.
+"""
+
+import os
+import signal
+import sys
+from pathlib import Path
+
+replace, done = Path.replace, 0
+
+
+def interrupted(temporary, target):
+    """Cut the file that is about to take its place in half, and die."""
+    global done
+    done += 1
+    if done == int(os.environ["INTERRUPTED_WRITE"]):
+        os.truncate(temporary, temporary.stat().st_size // 2)
+        os.kill(os.getpid(), signal.SIGKILL)
+    return replace(temporary, target)
+
+
+if sys.orig_argv[1:3] == ["-m", f"stages.{os.environ.get('INTERRUPTED_STAGE')}"]:
+    Path.replace = interrupted

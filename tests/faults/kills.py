@@ -1,0 +1,116 @@
+"""Stages killed by SIGKILL, DVC and all their workers with them, at moments that a seed draws."""
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import psutil
+
+from tests.faults.repository import Repository, awaited_stage, stages
+
+SEED = 7
+IN_ALL = 50  # kills that must hit, at least
+A_STAGE = 4  # of them, at least
+ATTEMPTS = 4  # at one kill, where the stage has ended before its moment
+
+
+@dataclass(frozen=True)
+class Kill:
+    """One kill and what came of it.
+
+    Args:
+        stage: that ran.
+        number: of the kill, counted from 1 in each stage.
+        share: of the stage's duration in the undisturbed run, at which it was killed.
+        seconds: the same since its start.
+        hit: whether it still ran.
+        files_left: how many files it had left among its outputs.
+        half_written: how many of them stood under their name and were not whole.
+        same_hashes: whether ``dvc repro`` then ended with the undisturbed run's bytes and lock,
+            and nothing besides.
+        differences: the files that say otherwise.
+    """
+
+    stage: str
+    number: int
+    share: float
+    seconds: float
+    hit: bool
+    files_left: int
+    half_written: int
+    same_hashes: bool
+    differences: str
+
+
+def kills_a_stage() -> int:
+    """How many kills must hit each stage."""
+    return max(A_STAGE, -(-IN_ALL // len(stages())))
+
+
+def kill_stage(repository: Repository, stage: str, number: int, among: int) -> Iterator[Kill]:
+    """Kill a stage until one kill hits it; yield that one and those that came too late.
+
+    The moment is drawn from the ``number``th of ``among`` equal parts of the stage's duration.
+    """
+    draws = np.random.default_rng([SEED, stages().index(stage), number])
+    for _ in range(ATTEMPTS):
+        share = (number - 1 + draws.random()) / among
+        kill = _killed(repository, stage, number, share)
+        yield kill
+        if kill.hit:
+            return
+
+
+def _killed(repository: Repository, stage: str, number: int, share: float) -> Kill:
+    with repository.anew(stage):
+        hit, seconds = killed_group(repository, stage, share * repository.seconds[stage])
+        left, half = repository.left_by(stage), repository.half_written()
+        ended = repository.reproduce()
+        differences = repository.differences()
+        if ended.status:
+            differences = [ended.message, *differences]
+    return Kill(
+        stage=stage,
+        number=number,
+        share=round(share, 3),
+        seconds=round(seconds, 2),
+        hit=hit,
+        files_left=len(left),
+        half_written=len(half),
+        same_hashes=not differences,
+        differences="; ".join(differences),
+    )
+
+
+def killed_group(repository: Repository, stage: str, after: float) -> tuple[bool, float]:
+    """Run a stage and kill all its process group, so many seconds after it began.
+
+    Returns:
+        Whether the stage still ran, and how many seconds it had.
+    """
+    dvc = repository.start("dvc", "repro", stage)
+    running = awaited_stage(dvc)
+    started = time.monotonic()
+    assert running is not None and running.stage == stage, repository.printed()
+    time.sleep(after)
+    # What is stopped cannot end between the question and the kill.
+    os.killpg(dvc.pid, signal.SIGSTOP)
+    hit, seconds = _halted(running.process), time.monotonic() - started
+    os.killpg(dvc.pid, signal.SIGKILL)
+    dvc.wait()
+    return hit, seconds
+
+
+def _halted(process: psutil.Process) -> bool:
+    """Wait until a process that was told to stop has; False where it had ended before."""
+    try:
+        while (status := process.status()) != psutil.STATUS_STOPPED:
+            if status in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD):
+                return False
+            time.sleep(0.001)
+    except psutil.NoSuchProcess:
+        return False
+    return True

@@ -1,0 +1,52 @@
+"""The tables of docs/reliability.md, from what `python -m tests.faults` wrote."""
+
+import pandas as pd
+
+from tests.faults.repository import ROOT
+
+REPORT = ROOT / "reports" / "reliability"
+
+
+def kills_table(kills: pd.DataFrame) -> str:
+    """One row a stage: how many kills hit it, when, and what came of it."""
+    lines = [
+        "| stage | kills that hit | at (% of its time) | came too late | half-written files "
+        "| same hashes |",
+        "|---|---|---|---|---|---|",
+    ]
+    for stage, rows in kills.groupby("stage", sort=False):
+        hits = rows[rows["hit"]]
+        moments = ", ".join(f"{100 * share:.0f}" for share in sorted(hits["share"]))
+        lines.append(
+            f"| {stage} | {len(hits)} | {moments} | {len(rows) - len(hits)} "
+            f"| {hits['half_written'].sum()} | {hits['same_hashes'].sum()} of {len(hits)} |"
+        )
+    hits = kills[kills["hit"]]
+    lines.append(
+        f"| all | {len(hits)} | | {len(kills) - len(hits)} | {hits['half_written'].sum()} "
+        f"| {hits['same_hashes'].sum()} of {len(hits)} |"
+    )
+    return "\n".join(lines)
+
+
+def faults_table(faults: pd.DataFrame) -> str:
+    """One row a fault: what the run did, what it said, what came of it."""
+    lines = ["| fault | stage | the run | what it said | same hashes |", "|---|---|---|---|---|"]
+    for row in faults.fillna("").itertuples():
+        said = row.message.replace("|", "\\|")
+        said = f"`{said}`" if said else "–"
+        same = "yes" if row.same_hashes else "no"
+        lines.append(f"| {row.fault} | {row.stage} | {row.happened} | {said} | {same} |")
+    return "\n".join(lines)
+
+
+def tables() -> list[str]:
+    """Both tables of the committed run."""
+    return [
+        kills_table(pd.read_csv(REPORT / "kills.csv")),
+        faults_table(pd.read_csv(REPORT / "faults.csv")),
+    ]
+
+
+if __name__ == "__main__":
+    print("\n\n".join(tables()))  # noqa: T201

@@ -1,0 +1,256 @@
+"""A copy of the repository that runs undisturbed once, and is then made anew for every fault."""
+
+import hashlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import psutil
+import yaml
+
+from pipeline.params import read_yaml
+from pipeline.profiles import merged
+
+ROOT = Path(__file__).parents[2]
+PROFILE = ROOT / "profiles" / "smoke.yaml"
+OUTPUTS = ("artifacts", "reports")
+POLL = 0.02  # s
+LAST_RECORDER = 60.0  # s, that recorders of stages that have ended may still write
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a command ended: its status, and what it printed."""
+
+    status: int
+    printed: str
+
+    @property
+    def message(self) -> str:
+        """The line that says most: ours, an exception's or DVC's."""
+        lines = [line.strip() for line in self.printed.splitlines()]
+        for sought in (r"rallygap: (?!warning)", r"rallygap: ", r"\w*Error: ", r"ERROR: "):
+            found = [line for line in lines if re.match(sought, line)]
+            if found:
+                return found[-1]
+        return ""
+
+
+@dataclass(frozen=True)
+class RunningStage:
+    """A stage and its process."""
+
+    stage: str
+    process: psutil.Process
+
+
+@dataclass(frozen=True)
+class Repository:
+    """The copy, what an undisturbed run of it left, and how long its stages took.
+
+    Args:
+        folder: where it runs.
+        spare: a copy of it after the undisturbed run.
+        seconds: stage to how long it took.
+    """
+
+    folder: Path
+    spare: Path
+    seconds: dict[str, float]
+
+    @contextmanager
+    def anew(self, stage: str) -> Iterator[None]:
+        """As after the undisturbed run, but that ``stage`` has never run."""
+        _copy(self.spare, self.folder)
+        _forget(self.folder, stage)
+        try:
+            yield
+        finally:
+            settle(self.folder)
+
+    def start(self, *command: str, **environment: str) -> "subprocess.Popen[bytes]":
+        """Start a command in a process group of its own; what it prints goes to ``log``."""
+        path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+        self.log.unlink(missing_ok=True)  # what an earlier command still writes goes nowhere
+        with self.log.open("wb") as log:
+            return subprocess.Popen(
+                command,
+                cwd=self.folder,
+                env={**_environment(self.folder), "PATH": path, **environment},
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+
+    def reproduce(self, stage: str | None = None, **environment: str) -> Ended:
+        """Run ``dvc repro``, of one stage and what it needs or of all."""
+        command = ["dvc", "repro", *([stage] if stage else [])]
+        status = self.start(*command, **environment).wait()
+        return Ended(status, self.printed())
+
+    def mend(self) -> None:
+        """Run ``rallygap mend``."""
+        program = "from pipeline.cli import main; main()"
+        assert self.start(sys.executable, "-c", program, "mend").wait() == 0, self.printed()
+
+    @property
+    def log(self) -> Path:
+        """What the last command printed."""
+        return self.folder.with_name("log")
+
+    def printed(self) -> str:
+        """What the last command printed, without the folders of this machine."""
+        text = self.log.read_text(encoding="utf-8", errors="replace")
+        return text.replace(f"{self.folder}/", "").replace(str(self.folder), ".")
+
+    def left_by(self, stage: str) -> list[str]:
+        """The files among a stage's outputs, temporary ones too."""
+        own = tuple(f"{name}/{stage}/" for name in OUTPUTS)
+        return [path for path in digests(self.folder) if path.startswith(own)]
+
+    def half_written(self) -> list[str]:
+        """Outputs that stand under their name and are not those of the undisturbed run."""
+        expected, found = digests(self.spare), digests(self.folder)
+        shown = (path for path in found if not any(part[0] == "." for part in path.split("/")))
+        return sorted(path for path in shown if found[path] != expected.get(path))
+
+    def differences(self) -> list[str]:
+        """Outputs that differ from the undisturbed run's, lack, or are too many; and the lock."""
+        expected, found = digests(self.spare), digests(self.folder)
+        paths = {path for path in expected.keys() | found if expected.get(path) != found.get(path)}
+        return sorted(paths | ({"dvc.lock"} if lock(self.spare) != lock(self.folder) else set()))
+
+
+def undisturbed(folder: Path) -> Repository:
+    """Copy the repository into ``folder``, with the smallest parameters, and run it once."""
+    repository = Repository(folder / "repository", folder / "spare", {})
+    _clone(repository.folder)
+    dvc = repository.start("dvc", "repro")
+    while running := awaited_stage(dvc):
+        started = time.monotonic()
+        running.process.wait()
+        repository.seconds[running.stage] = time.monotonic() - started
+    assert dvc.wait() == 0, repository.printed()
+    settle(repository.folder)
+    _copy(repository.folder, repository.spare)
+    return repository
+
+
+def stages() -> list[str]:
+    """The stages of the pipeline."""
+    return list(read_yaml(ROOT / "dvc.yaml")["stages"])
+
+
+def awaited_stage(dvc: "subprocess.Popen[bytes]") -> RunningStage | None:
+    """Wait until a stage runs below DVC; None where DVC ends before."""
+    while dvc.poll() is None:
+        for process in descendants(dvc.pid):
+            words = command_of(process)
+            if words[1:2] == ["-m"] and words[2].startswith("stages."):
+                return RunningStage(words[2].removeprefix("stages."), process)
+        time.sleep(POLL)
+    return None
+
+
+def descendants(pid: int) -> list[psutil.Process]:
+    """The processes below one, whoever they are."""
+    try:
+        return psutil.Process(pid).children(recursive=True)
+    except psutil.NoSuchProcess:
+        return []
+
+
+def command_of(process: psutil.Process) -> list[str]:
+    """The words of a process's command; none where it has ended."""
+    try:
+        return process.cmdline()
+    except psutil.Error:
+        return []
+
+
+def inhabitants(folder: Path) -> list[psutil.Process]:
+    """The processes that work in a folder."""
+    return [
+        process
+        for process in psutil.process_iter(["cwd"])
+        if process.info["cwd"] and Path(process.info["cwd"]).is_relative_to(folder)
+    ]
+
+
+def settle(folder: Path) -> None:
+    """Let recorders come to their end, and kill whatever else is still at work in a folder."""
+    _, late = psutil.wait_procs(
+        [one for one in inhabitants(folder) if "pipeline.recorder" in command_of(one)],
+        timeout=LAST_RECORDER,
+    )
+    left = {*late, *inhabitants(folder)}
+    for process in left:
+        process.kill()
+    psutil.wait_procs(left)
+
+
+def digests(folder: Path) -> dict[str, str]:
+    """Path to SHA-256 of every file among the outputs, temporary ones too."""
+    return {
+        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for name in OUTPUTS
+        for path in (folder / name).rglob("*")
+        if path.is_file()
+    }
+
+
+def lock(folder: Path) -> Any:
+    """What dvc.lock says, in whichever order."""
+    return read_yaml(folder / "dvc.lock")
+
+
+def _environment(folder: Path) -> dict[str, str]:
+    own = {key: text for key, text in os.environ.items() if key != "MLFLOW_TRACKING_URI"}
+    temporary = folder.with_name("tmp")
+    temporary.mkdir(exist_ok=True)
+    return {
+        **own,
+        "PYTHONPATH": str(folder),
+        "TMPDIR": str(temporary),
+        "DVC_SITE_CACHE_DIR": str(folder.with_name("site_cache")),
+    }
+
+
+def _clone(folder: Path) -> None:
+    """Write all that git knows but the results into a repository of its own."""
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT, capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    results = [f"reports/{stage}/" for stage in stages()]
+    for name in filter(None, listed.split("\0")):
+        if (ROOT / name).is_file() and not name.startswith(("dvc.lock", *results)):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, folder / name)
+    params = merged(read_yaml(ROOT / "params.yaml"), read_yaml(PROFILE))
+    (folder / "params.yaml").write_text(yaml.safe_dump(params, sort_keys=False))
+    subprocess.run(["git", "init", "--quiet"], cwd=folder, check=True)
+
+
+def _copy(source: Path, target: Path) -> None:
+    shutil.rmtree(target, ignore_errors=True)
+    shutil.copytree(source, target, symlinks=True)
+
+
+def _forget(folder: Path, stage: str) -> None:
+    """Remove a stage's outputs and what DVC remembers of them, as if it had never run."""
+    for name in OUTPUTS:
+        shutil.rmtree(folder / name / stage, ignore_errors=True)
+    shutil.rmtree(folder / ".dvc" / "cache" / "runs", ignore_errors=True)
+    known = lock(folder)
+    del known["stages"][stage]
+    (folder / "dvc.lock").write_text(json.dumps(known))  # JSON is YAML
