@@ -23,6 +23,14 @@ ORIGIN = Provenance("python -m stages.segment", "f" * 64)
 NOTHING = {"metrics": {}, "inputs": [], "figures": []}
 
 
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """A working directory of its own: stages leave locks and links in theirs."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("DVC_ROOT", str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+
+
 @pytest.fixture(scope="session")
 def empty_store(tmp_path_factory):
     """A store that MLflow made, which takes seconds."""
@@ -122,10 +130,10 @@ def test_a_killed_stage_is_recorded_as_killed(store):
         "import os, signal",
         "from pipeline.provenance import Provenance",
         "from pipeline.tracking import recorded",
-        "with recorded('segment', Provenance('', ''), {}, dict):",
+        "with recorded('segment', Provenance('', 'f'), {}, dict):",
         "    os.kill(os.getpid(), signal.SIGKILL)",
     ]
-    killed = subprocess.run([sys.executable, "-c", "\n".join(lines)], cwd=ROOT, check=False)
+    killed = subprocess.run([sys.executable, "-c", "\n".join(lines)], check=False)
     assert killed.returncode == -signal.SIGKILL
     wait_for(store, {"segment": "KILLED"})
 
