@@ -26,7 +26,7 @@ def medians_figure(table: pd.DataFrame, metrics: dict[str, str]) -> Figure:
     sets, horizons = list(table["set"].unique()), list(table["horizons_ms"].unique())
     predictors = sorted(table["predictor"].unique(), key=_order)
     figure = Figure(figsize=(FIGURE_WIDTH, 1.0 + 1.75 * len(metrics)))
-    grid = figure.subplots(len(metrics), 1, sharex=True)
+    grid = figure.subplots(len(metrics), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (column, title) in zip(grid, metrics.items(), strict=True):
         _draw_panel(axes, table, column, predictors)
         axes.set_title(title)

@@ -156,7 +156,7 @@ def _write_all_contents(root: Path, title: str) -> None:
     write_stage(root, "segment", [{"kind": "table", **contacts}])
     for stage in ("score_segmentation", "train_predictor", "train_policy", "sim2sim", "sim2real"):
         write_stage(root, stage, [])
-    for stage in ("close_gap", "retrain_policy", "hidden_effects"):
+    for stage in ("close_gap", "shot_quality", "retrain_policy", "hidden_effects"):
         write_stage(root, stage, [])
     ball = {"file": "figures/ball.png", "title": "Ball", "caption": "A square crosses the picture."}
     items = [{"kind": "figure", **errors}, {"kind": "animation", **ball}]
