@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from pipeline.benchmark.command import app as benchmark
 from pipeline.console import refuse
 from pipeline.errors import InputError
 from pipeline.provenance import repository_root
@@ -25,6 +26,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Find where a table-tennis simulation and measured balls disagree.",
 )
+app.add_typer(benchmark, name="benchmark")
 
 
 def main() -> None:

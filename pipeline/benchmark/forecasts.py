@@ -1,0 +1,142 @@
+"""Anyone's forecasts of the test windows, read from a parquet file or refused in one line."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+from numpy.typing import NDArray
+from pyarrow.parquet import ParquetFile
+
+from models.predictors.errors import EVALUATED, HORIZONS_MS
+from models.predictors.protocol import FUTURE, Forecast
+from pipeline.benchmark.contracts import FORECASTS
+from pipeline.benchmark.windows import window_ids
+from pipeline.contracts import STATE_COLUMNS, checked
+from pipeline.errors import InputError
+from pipeline.measured_sets import MeasuredSet
+
+LARGEST_ROW = 200  # bytes; a row has ten numbers and a name
+LONGEST_SHOWN = 40  # characters
+KEYS = ["window_id", "horizon_ms"]
+_ARROW = {"str": pa.string(), "int64": pa.int64(), "float64": pa.float64()}
+EXPORT = "run `rallygap benchmark export` for the windows of this run"
+
+
+def read_forecasts(path: Path, sets: Sequence[MeasuredSet]) -> dict[str, Forecast]:
+    """Read forecasts of all windows of one or more sets.
+
+    Args:
+        path: of a parquet table that keeps ``FORECASTS``, its rows in any order.
+        sets: the windows that there are.
+
+    Returns:
+        Set to the forecasts of its windows, in their order; zero before the first horizon. A set
+        of which no window is forecast is left out.
+
+    Raises:
+        InputError: the file is missing, is no such table, or forecasts unknown windows, a window
+            twice or not at all; naming the row and field.
+    """
+    ids = {one.name: window_ids(one) for one in sets}
+    set_of = {name: of for of, names in ids.items() for name in names.tolist()}
+    table = _checked(_read(path, rows=len(set_of) * len(HORIZONS_MS)), path)
+    of = table["window_id"].map(set_of)
+    _refuse_first(of.isna(), table, path, f"is no window of this run; {EXPORT}")
+    _refuse_first(table.duplicated(KEYS), table, path, "has this horizon twice; keep one row")
+    return {name: _forecast(table[of == name], ids[name], path) for name in ids if name in set(of)}
+
+
+def _read(path: Path, rows: int) -> pd.DataFrame:
+    """Read a table of the right columns and not too many rows."""
+    with _reading(path), ParquetFile(path) as content:
+        _check_columns(content.schema_arrow, path)
+        if content.metadata.num_rows > rows:
+            problem = f"has {content.metadata.num_rows} rows; all windows have {rows} horizons"
+            raise InputError(path, f"{problem}. Give each once")
+        groups = range(content.metadata.num_row_groups)
+        size = sum(content.metadata.row_group(group).total_byte_size for group in groups)
+        if size > LARGEST_ROW * (rows + len(HORIZONS_MS)):
+            raise InputError(path, f"unpacks to {size} bytes, more than such forecasts take")
+        table: pd.DataFrame = _widened(content.read()).to_pandas(ignore_metadata=True)
+        return table
+
+
+def _widened(table: pa.Table) -> pa.Table:
+    """Return the table with the types of ``FORECASTS``: networks give 32 bits."""
+    columns = FORECASTS.columns.items()
+    wide = pa.schema([(name, _ARROW[str(column.dtype)]) for name, column in columns])
+    return table.select(wide.names).cast(wide)
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    """Turn what goes wrong when the file is read into an ``InputError``."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise InputError(path, "there is no such file") from None
+    except (OSError, ValueError, KeyError, TypeError, NotImplementedError, MemoryError) as error:
+        reason = " ".join(str(error).split())[:200]
+        raise InputError(path, f"is not a parquet table: {reason}") from None
+
+
+def _check_columns(schema: pa.Schema, path: Path) -> None:
+    """Raise unless the columns are those of ``FORECASTS``, in any order and of any width."""
+    for name in FORECASTS.columns:
+        if schema.names.count(name) != 1:
+            problem = "is missing" if name not in schema.names else "is there twice"
+            raise InputError(path, f"{problem}; {EXPORT} and their README.md", field=name)
+        found, wanted = schema.field(name).type, str(FORECASTS.columns[name].dtype)
+        if not _fits(found, wanted):
+            raise InputError(path, f"has the type {found}; give {wanted}", field=name)
+    for name in schema.names:
+        if name not in FORECASTS.columns:
+            raise InputError(path, "is no column of forecasts; leave it out", field=name)
+
+
+def _fits(found: pa.DataType, wanted: str) -> bool:
+    """Return whether a column can be widened to what is wanted without loss of meaning."""
+    if wanted == "str":
+        return bool(pa.types.is_string(found) or pa.types.is_large_string(found))
+    if wanted == "int64":
+        return bool(pa.types.is_integer(found))
+    return bool(pa.types.is_integer(found) or pa.types.is_floating(found))
+
+
+def _checked(table: pd.DataFrame, path: Path) -> pd.DataFrame:
+    """Return the table if it keeps ``FORECASTS``; an error names the file."""
+    try:
+        return checked(table, FORECASTS)
+    except InputError as error:
+        raise InputError(
+            path, f"{error.problem}; mend this row", row=error.row, field=error.field
+        ) from None
+
+
+def _refuse_first(at_fault: "pd.Series[bool]", table: pd.DataFrame, path: Path, what: str) -> None:
+    """Raise for the first row at fault, if there is one."""
+    if at_fault.any():
+        row = int(at_fault.to_numpy().argmax())
+        name = str(table["window_id"].iloc[row])[:LONGEST_SHOWN]
+        raise InputError(path, f"{name} {what}", row=row + 1, field="window_id")
+
+
+def _forecast(table: pd.DataFrame, ids: NDArray[np.str_], path: Path) -> Forecast:
+    """Return the rows of one set as a forecast of its windows."""
+    rows = table.set_index(KEYS)
+    wanted = pd.MultiIndex.from_product([ids, HORIZONS_MS], names=KEYS)
+    missing = wanted[~wanted.isin(rows.index)]
+    if len(missing):
+        name, horizon = missing[0]
+        problem = (
+            f"window {name} has no row for {horizon} ms, and {len(missing) - 1} more are missing; "
+            f"forecast every window at {HORIZONS_MS[0]}, {HORIZONS_MS[1]}, … {HORIZONS_MS[-1]} ms"
+        )
+        raise InputError(path, problem)
+    states = np.zeros((len(ids), FUTURE, len(STATE_COLUMNS)))
+    found = rows.loc[wanted, STATE_COLUMNS].to_numpy()
+    states[:, EVALUATED] = found.reshape(len(ids), len(HORIZONS_MS), len(STATE_COLUMNS))
+    return Forecast(states, np.ones(len(ids), dtype=bool))

@@ -1,0 +1,101 @@
+"""The test windows of the last run as others get them: what was seen, and nothing of what came."""
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from numpy.typing import NDArray
+
+from models.predictors.errors import HORIZONS_MS
+from models.predictors.protocol import HISTORY, HISTORY_TIMES
+from pipeline.artifacts import write_json, write_table, write_text
+from pipeline.benchmark.contracts import FORECASTS, WINDOWS, json_schema
+from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS, checked
+from pipeline.errors import InputError
+from pipeline.measured_sets import MeasuredSet, read_test_sets
+from pipeline.params import Params
+
+TABLE, SCHEMA, README = "windows.parquet", "schema.json", "README.md"
+ID_BYTES = 8
+_TEMPLATES = Path(__file__).parents[1] / "figures" / "templates"
+
+
+def run_sets(root: Path, params: Params) -> list[MeasuredSet]:
+    """Return the windows that the stage evaluate_predictor evaluates.
+
+    Raises:
+        InputError: an artefact is missing or broken.
+    """
+    every = params.evaluate_predictor.window_every_ms / 1000
+    return read_test_sets(root / "artifacts", every)
+
+
+def export_windows(sets: Sequence[MeasuredSet], folder: Path) -> None:
+    """Write the windows of all sets, without their futures, and what their columns mean.
+
+    Args:
+        sets: the windows.
+        folder: gets windows.parquet, schema.json and README.md.
+
+    Raises:
+        InputError: the folder cannot be written to.
+    """
+    try:
+        write_table(folder / TABLE, window_table(sets))
+        write_json(folder / SCHEMA, json_schema())
+        write_text(folder / README, _readme(sets))
+    except OSError as error:
+        raise InputError(folder, f"cannot be written to: {error.strerror}") from None
+
+
+def window_table(sets: Sequence[MeasuredSet]) -> pd.DataFrame:
+    """Return the rows of ``WINDOWS``, by set and name: an order that tells nothing."""
+    rows = pd.concat([_rows(one) for one in sets])
+    return checked(rows.sort_values(["set", "window_id", "t"], ignore_index=True), WINDOWS)
+
+
+def window_ids(one: MeasuredSet) -> NDArray[np.str_]:
+    """Return (B,) names of windows.
+
+    A name is a digest of all that is known of the window. What came is in it, so that nobody finds
+    recording and time by trying, and forecasts of another run's windows meet no window of this one.
+    """
+    cut = one.windows
+    parts = (cut.history.states, cut.anchors, cut.future)
+    names = [
+        hashlib.blake2b(
+            b"".join([recording.encode(), *(part[row].tobytes() for part in parts)]),
+            digest_size=ID_BYTES,
+        ).hexdigest()
+        for row, recording in enumerate(one.recordings.tolist())
+    ]
+    return np.array(names)
+
+
+def _rows(one: MeasuredSet) -> pd.DataFrame:
+    history, windows = one.windows.history, len(one.windows)
+    seen = np.where(history.mask, history.states, np.nan).reshape(-1, 6)
+    rows = pd.DataFrame(seen, columns=[*POSITION_COLUMNS, *SPIN_COLUMNS])
+    rows.insert(0, "t", np.tile(HISTORY_TIMES.round(3), windows))
+    rows.insert(0, "window_id", np.repeat(window_ids(one), HISTORY))
+    rows.insert(0, "set", one.name)
+    for name, columns in (("position", POSITION_COLUMNS), ("spin", SPIN_COLUMNS)):
+        rows[f"{name}_measured"] = rows[columns].notna().all(axis=1)
+    return rows
+
+
+def _readme(sets: Sequence[MeasuredSet]) -> str:
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+        trim_blocks=True,
+        autoescape=False,
+    )
+    template = environment.get_template("benchmark.md")
+    return template.render(
+        sets=sets, windows=WINDOWS, forecasts=FORECASTS, first=HORIZONS_MS[0], last=HORIZONS_MS[-1]
+    )
