@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+LONGEST = 500  # characters of a problem or a field: what is wrong with a file may quote all of it
+
 
 class InputError(Exception):
     """Input that cannot be used. The command line prints it as one line, without a traceback.
@@ -16,10 +18,15 @@ class InputError(Exception):
     def __init__(
         self, where: Path | str, problem: str, *, row: int | None = None, field: str | None = None
     ) -> None:
-        self.where, self.problem, self.row, self.field = str(where), problem, row, field
+        self.where, self.row = str(where), row
+        self.problem, self.field = _shortened(problem), field and _shortened(field)
         place = self.where
         if row is not None:
             place += f", row {row}"
         if field is not None:
-            place += f", {field}"
-        super().__init__(f"{place}: {problem}")
+            place += f", {self.field}"
+        super().__init__(f"{place}: {self.problem}")
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"

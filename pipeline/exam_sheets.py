@@ -85,6 +85,8 @@ def read_sheets(path: Path) -> list[Sheet]:
         lines = path.read_text(encoding="utf-8").splitlines()
     except FileNotFoundError:
         raise InputError(path, "there is no such file; run `make exam`") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(path, f"cannot be read as text: {error}") from None
     if not lines:
         raise InputError(path, "has no sheet; run `make exam`")
     return [_sheet(path, row, line) for row, line in enumerate(lines, start=1)]

@@ -17,6 +17,7 @@ from pydantic import (
 )
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
+from ruamel.yaml.events import AliasEvent
 
 from models.policy.settings import (
     GoalSettings,
@@ -33,6 +34,10 @@ from pipeline.sources.settings import IngestSettings
 
 # A name that is also a key of metrics, a file name and a legend entry.
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
+
+
+MOST_ALIASES = 20  # of a YAML file; a few lines of them may repeat themselves without end
+LONGEST_SHOWN = 100  # characters of a value that is refused
 
 
 class Settings(BaseModel):
@@ -259,7 +264,15 @@ class ParameterError(InputError):
 
 
 def parse_yaml(text: str) -> Any:
-    """Parse YAML the way DVC does: version 1.2, where ``1e-3`` is a number, no key twice."""
+    """Parse YAML the way DVC does: version 1.2, where ``1e-3`` is a number, no key twice.
+
+    Raises:
+        YAMLError: it is not YAML.
+        ValueError: a value is none, or too many parts repeat others.
+    """
+    aliases = sum(isinstance(event, AliasEvent) for event in YAML(typ="safe").parse(text))
+    if aliases > MOST_ALIASES:
+        raise ValueError(f"{aliases} of its parts repeat others; write out all but {MOST_ALIASES}")
     return YAML(typ="safe").load(text)
 
 
@@ -343,7 +356,8 @@ def _explanation(details: Any) -> str:
     if details["type"] == "missing":
         return "is missing"
     message = details["msg"][0].lower() + details["msg"][1:]
-    return f"{message}, not {json.dumps(details['input'], ensure_ascii=False)}"
+    found = json.dumps(details["input"], ensure_ascii=False)
+    return f"{message}, not {found[:LONGEST_SHOWN]}{'…' if len(found) > LONGEST_SHOWN else ''}"
 
 
 def _known_keys(location: Sequence[int | str]) -> set[str]:

@@ -2,11 +2,14 @@
 
 from pathlib import Path
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, field_validator
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from models.ball.simulator import Simulator
+from models.policy.court import ACTIONS
+from models.policy.observation import observation_size
 from models.policy.policy import Policy
 from models.policy.settings import (
     GoalSettings,
@@ -86,12 +89,26 @@ def load_policy(folder: Path) -> tuple[Policy, TrainedPolicy]:
     """
     description = read_as(folder / DESCRIPTION, TrainedPolicy, "train_policy")
     try:
-        return Policy.from_arrays(load((folder / WEIGHTS).read_bytes())), description
+        policy = Policy.from_arrays(load((folder / WEIGHTS).read_bytes()))
     except FileNotFoundError:
         problem = "there is no such file; run the stage train_policy"
         raise InputError(folder / WEIGHTS, problem) from None
-    except (OSError, SafetensorError, ValueError) as error:
+    except (OSError, SafetensorError, ValueError, KeyError, TypeError) as error:
         raise InputError(folder / WEIGHTS, f"is not a file of weights: {error}") from None
+    _check_fit(policy, description, folder / WEIGHTS)
+    return policy, description
+
+
+def _check_fit(policy: Policy, description: TrainedPolicy, path: Path) -> None:
+    """Raise unless the weights are numbers that take what the policy sees to what it does."""
+    seen = observation_size(
+        len(description.horizons), description.goals.count, description.observation
+    )
+    ends = policy.layers[0][0].shape[-1:], policy.layers[-1][1].shape
+    if ends != ((seen,), (ACTIONS,)):
+        raise InputError(path, f"does not fit {DESCRIPTION}: give {seen} inputs, {ACTIONS} outputs")
+    if not all(np.isfinite(part).all() for layer in policy.layers for part in layer):
+        raise InputError(path, "has numbers that are not finite; train it anew")
 
 
 def load_policies(folder: Path, group: str) -> list[tuple[Policy, TrainedPolicy]]:

@@ -203,6 +203,12 @@ def columns(table: Path) -> str | None:
     return json.dumps({"mlflow_colspec": described})
 
 
+def without_secrets(text: str) -> str:
+    """Return text without the names and passwords in its URLs."""
+    text = re.sub(r"(://)[^\s'\"]*@", r"\1***@", text)
+    return re.sub(r"(?i)((?:password|passwd|token|secret|key)=)[^&\s'\"]+", r"\1***", text)
+
+
 def batches(items: Sequence[Any], size: int) -> Iterator[Sequence[Any]]:
     """Cut a sequence into pieces that a store takes in one call."""
     return (items[first : first + size] for first in range(0, len(items), size))
@@ -213,7 +219,8 @@ if __name__ == "__main__":
     try:
         main(folder)
     except Exception as error:
-        sys.exit(f"{type(error).__name__}: {' '.join(str(error).split())[:300]}")
+        reason = without_secrets(" ".join(str(error).split()))
+        sys.exit(f"{type(error).__name__}: {reason[:300]}")
     finally:
         sys.stdin.read()  # the stage may still have something to say
         shutil.rmtree(folder)

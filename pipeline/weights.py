@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import torch
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from pydantic import BaseModel, ConfigDict
 from safetensors import SafetensorError
@@ -84,14 +85,19 @@ def load_network(folder: Path) -> ForecastNetwork:
     Raises:
         InputError: a file is missing or broken, or the weights are those of another network.
     """
-    network = build_network(read_description(folder).network)
+    described = read_description(folder).network
     weights = _read_weights(folder / WEIGHTS)
-    expected = {name: value.shape for name, value in network.state_dict().items()}
+    with torch.device("meta"):  # takes no memory: a description may ask for more than there is
+        planned = build_network(described).state_dict()
+    expected = {name: value.shape for name, value in planned.items()}
     found = {name: value.shape for name, value in weights.items()}
     if found != expected:
         names = sorted(set(found.items()) ^ set(expected.items()))
         problem = f"does not fit the network of {DESCRIPTION}: see {names[0][0]}"
         raise InputError(folder / WEIGHTS, problem)
+    if not all(value.isfinite().all() for value in weights.values()):
+        raise InputError(folder / WEIGHTS, "has numbers that are not finite; train it anew")
+    network = build_network(described)
     network.load_state_dict(weights)
     return network
 

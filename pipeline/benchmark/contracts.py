@@ -13,7 +13,7 @@ QUANTITIES = {
     "velocity (m/s)": VELOCITY_COLUMNS,
     "spin (rad/s)": SPIN_COLUMNS,
 }
-JSON_TYPES = {"str": "string", "int64": "integer", "float64": "number", "bool": "boolean"}
+JSON_TYPES = {"string": "string", "int64": "integer", "float64": "number", "bool": "boolean"}
 
 
 def _vectors(*quantities: str, note: str, nullable: bool) -> dict[str, pa.Column]:
@@ -62,6 +62,12 @@ FORECASTS = pa.DataFrameSchema(
 )
 
 
+def type_of(column: pa.Column) -> str:
+    """Return the type of a column as it is called everywhere: string, int64, float64 or bool."""
+    name = str(column.dtype)
+    return "string" if name.startswith("str") else name  # pandas knows strings of many kinds
+
+
 def json_schema() -> dict[str, Any]:
     """Return both tables as JSON Schema, which describes one row of each."""
     return {
@@ -81,7 +87,7 @@ def _row(contract: pa.DataFrameSchema) -> dict[str, Any]:
 
 
 def _property(column: pa.Column) -> dict[str, Any]:
-    kind = JSON_TYPES[str(column.dtype)]
+    kind = JSON_TYPES[type_of(column)]
     allowed = {"enum": HORIZONS_MS} if column.name == "horizon_ms" else {}
     return {
         "type": [kind, "null"] if column.nullable else kind,

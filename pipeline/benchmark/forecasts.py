@@ -12,7 +12,7 @@ from pyarrow.parquet import ParquetFile
 
 from models.predictors.errors import EVALUATED, HORIZONS_MS
 from models.predictors.protocol import FUTURE, Forecast
-from pipeline.benchmark.contracts import FORECASTS
+from pipeline.benchmark.contracts import FORECASTS, type_of
 from pipeline.benchmark.windows import window_ids
 from pipeline.contracts import STATE_COLUMNS, checked
 from pipeline.errors import InputError
@@ -21,7 +21,7 @@ from pipeline.measured_sets import MeasuredSet
 LARGEST_ROW = 200  # bytes; a row has ten numbers and a name
 LONGEST_SHOWN = 40  # characters
 KEYS = ["window_id", "horizon_ms"]
-_ARROW = {"str": pa.string(), "int64": pa.int64(), "float64": pa.float64()}
+_ARROW = {"string": pa.string(), "int64": pa.int64(), "float64": pa.float64()}
 EXPORT = "run `rallygap benchmark export` for the windows of this run"
 
 
@@ -43,6 +43,8 @@ def read_forecasts(path: Path, sets: Sequence[MeasuredSet]) -> dict[str, Forecas
     ids = {one.name: window_ids(one) for one in sets}
     set_of = {name: of for of, names in ids.items() for name in names.tolist()}
     table = _checked(_read(path, rows=len(set_of) * len(HORIZONS_MS)), path)
+    if table.empty:
+        raise InputError(path, f"has no row; {EXPORT} and forecast them")
     of = table["window_id"].map(set_of)
     _refuse_first(of.isna(), table, path, f"is no window of this run; {EXPORT}")
     _refuse_first(table.duplicated(KEYS), table, path, "has this horizon twice; keep one row")
@@ -67,7 +69,7 @@ def _read(path: Path, rows: int) -> pd.DataFrame:
 def _widened(table: pa.Table) -> pa.Table:
     """Return the table with the types of ``FORECASTS``: networks give 32 bits."""
     columns = FORECASTS.columns.items()
-    wide = pa.schema([(name, _ARROW[str(column.dtype)]) for name, column in columns])
+    wide = pa.schema([(name, _ARROW[type_of(column)]) for name, column in columns])
     return table.select(wide.names).cast(wide)
 
 
@@ -89,7 +91,7 @@ def _check_columns(schema: pa.Schema, path: Path) -> None:
         if schema.names.count(name) != 1:
             problem = "is missing" if name not in schema.names else "is there twice"
             raise InputError(path, f"{problem}; {EXPORT} and their README.md", field=name)
-        found, wanted = schema.field(name).type, str(FORECASTS.columns[name].dtype)
+        found, wanted = schema.field(name).type, type_of(FORECASTS.columns[name])
         if not _fits(found, wanted):
             raise InputError(path, f"has the type {found}; give {wanted}", field=name)
     for name in schema.names:
@@ -99,7 +101,7 @@ def _check_columns(schema: pa.Schema, path: Path) -> None:
 
 def _fits(found: pa.DataType, wanted: str) -> bool:
     """Return whether a column can be widened to what is wanted without loss of meaning."""
-    if wanted == "str":
+    if wanted == "string":
         return bool(pa.types.is_string(found) or pa.types.is_large_string(found))
     if wanted == "int64":
         return bool(pa.types.is_integer(found))

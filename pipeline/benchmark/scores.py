@@ -105,6 +105,8 @@ def _ours(path: Path, errors: pd.DataFrame) -> pd.DataFrame:
     except FileNotFoundError:
         problem = "there is no such file; run `dvc repro evaluate_predictor`"
         raise InputError(path, problem) from None
+    except (OSError, ValueError) as error:
+        raise InputError(path, f"is not a CSV table: {error}") from None
     measured = report[(report["against"] == "measured") & report["set"].isin(errors["set"])]
     ours = _of_all_windows(measured)
     keys = ["set", "quantity", "horizon_ms"]

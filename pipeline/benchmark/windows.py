@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from models.predictors.errors import HORIZONS_MS
 from models.predictors.protocol import HISTORY, HISTORY_TIMES
 from pipeline.artifacts import write_json, write_table, write_text
-from pipeline.benchmark.contracts import FORECASTS, WINDOWS, json_schema
+from pipeline.benchmark.contracts import FORECASTS, WINDOWS, json_schema, type_of
 from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS, checked
 from pipeline.errors import InputError
 from pipeline.measured_sets import MeasuredSet, read_test_sets
@@ -97,5 +97,10 @@ def _readme(sets: Sequence[MeasuredSet]) -> str:
     )
     template = environment.get_template("benchmark.md")
     return template.render(
-        sets=sets, windows=WINDOWS, forecasts=FORECASTS, first=HORIZONS_MS[0], last=HORIZONS_MS[-1]
+        sets=sets,
+        windows=WINDOWS,
+        forecasts=FORECASTS,
+        type_of=type_of,
+        first=HORIZONS_MS[0],
+        last=HORIZONS_MS[-1],
     )

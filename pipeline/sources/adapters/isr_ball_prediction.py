@@ -16,6 +16,9 @@ from pipeline.sources.source import Description, RawTable, SourceContext, Source
 
 GROUP = "originals"
 SURFACE_HEIGHT = 0.74  # m above the set's origin
+MOST_PACKED = (
+    100  # bytes of samples in a byte of file; a small file may say that it holds terabytes
+)
 
 DESCRIPTION = Description(
     name="isr_ball_prediction",
@@ -46,7 +49,7 @@ class ISRBallPrediction:
 def _read_shots(file: SourceFile) -> list[RawTable]:
     try:
         with h5py.File(file.path) as content:
-            shots = list(_shots(content))
+            shots = list(_shots(content, MOST_PACKED * file.path.stat().st_size))
     except InputError:
         raise
     except Exception as error:
@@ -56,14 +59,21 @@ def _read_shots(file: SourceFile) -> list[RawTable]:
     return [_table(file, *shot) for shot in shots]
 
 
-def _shots(content: Any) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-    """Yield the key, times (T,) and positions (T, 3) of every shot, in the order of their keys."""
+def _shots(content: Any, most: int) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+    """Yield the key, times (T,) and positions (T, 3) of every shot, in the order of their keys.
+
+    Raises:
+        ValueError: a shot is not of this form, or all unpack to more than ``most`` bytes.
+    """
     group = content[GROUP]
     if not len(group):
         raise ValueError("there is no shot in it")
     for key in sorted(group, key=lambda key: key.zfill(9)):
-        times = np.asarray(group[key]["time_stamps"][()], dtype=float)
-        positions = np.asarray(group[key]["positions"][()], dtype=float)
+        parts = [group[key][name] for name in ("time_stamps", "positions")]
+        most -= sum(part.nbytes for part in parts)
+        if most < 0:
+            raise ValueError("its shots unpack to more than such a file can hold")
+        times, positions = (np.asarray(part[()], dtype=float) for part in parts)
         if times.ndim != 1 or positions.shape != (*times.shape, 3):
             raise ValueError(f"shot {key} has {times.shape} times, {positions.shape} positions")
         if not len(times):

@@ -1,0 +1,304 @@
+"""Every reader with a good file to damage, and how to read it."""
+
+import json
+import shutil
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from models.policy.observation import observation_size
+from pipeline.artifacts import read_as, write_json
+from pipeline.benchmark.forecasts import read_forecasts
+from pipeline.benchmark.windows import run_sets, window_table
+from pipeline.beside_truth import NamedCauses
+from pipeline.contracts import LAUNCHES, RECORDINGS, checked
+from pipeline.exam_sheets import read_sheets, write_sheets
+from pipeline.figures.contents import read_columns, read_contents
+from pipeline.figures.shots import read_shots
+from pipeline.params import load_params
+from pipeline.policies import TrainedPolicy, load_policy
+from pipeline.profiles import profile_flags
+from pipeline.simulators import load_simulator
+from pipeline.sources.manifest import read_manifest
+from pipeline.truth import read_truth
+from pipeline.weights import load_predictor
+from tests.fuzz import hostile
+from tests.models.exam.sheets import answered, hidden, named, sheet
+from tests.models.predictors.balls import observed
+from tests.pipeline.benchmark.forecasting import Still, forecasts_of
+from tests.pipeline.measured_shots import params, source_record, write_inputs, write_trained
+from tests.pipeline.sources import made_up
+from tests.pipeline.trained_policies import save_drawn
+
+ROOT = Path(__file__).parents[2]
+BALL = [0.1, 1.3, 0.3, 0.2, -8.0, 0.5, -150.0, 10.0, 5.0]
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A reader under trial.
+
+    Attributes:
+        name: in the table of counts.
+        write: writes what it reads into a folder and returns the file to damage.
+        read: reads it, uses what came of it, and returns how many rows were refused.
+        hostile: files made for its format.
+    """
+
+    name: str
+    write: Callable[[Path], Path]
+    read: Callable[[Path], int]
+    hostile: list[bytes]
+
+
+def _source(name: str, folder: Path) -> int:
+    """Read a source; count what was refused of it."""
+    read = made_up.read(folder, name)
+    checked(read.recordings, RECORDINGS)
+    checked(read.launches, LAUNCHES)
+    (record,) = read.manifest.sources.values()
+    refused = sum(group.count for group in record.rows_refused.values())
+    assert record.rows_read - record.rows_kept == refused
+    return refused + sum(group.count for group in record.labels_refused.values())
+
+
+def _source_reader(
+    name: str, source: str, write: Callable[[Path], Path], hostile_files: list[bytes]
+) -> Reader:
+    return Reader(name, write, lambda folder: _source(source, folder), hostile_files)
+
+
+def _write_described_csv(folder: Path) -> Path:
+    frame = "frame:\n  rotation: [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]\n  offset: [0, 1.37, -0.76]\n"
+    made_up.write_csv(folder, settings=f"name: hall\nrate: 143\nkind: cannon\n{frame}")
+    return folder / "csv" / "source.yaml"
+
+
+def _write_index(folder: Path) -> Path:
+    made_up.write_spindoe(folder)
+    return folder / "spindoe" / "index.csv"
+
+
+def _copied(*names: str) -> Callable[[Path], Path]:
+    """Return what copies files of the repository and returns the last."""
+
+    def write(folder: Path) -> Path:
+        for name in names:
+            (folder / name).parent.mkdir(exist_ok=True)
+            shutil.copy(ROOT / name, folder / name)
+        return folder / names[-1]
+
+    return write
+
+
+def _read_params(folder: Path) -> int:
+    load_params(folder / "params.yaml")
+    return 0
+
+
+def _read_profile(folder: Path) -> int:
+    profile_flags(folder, "smoke")
+    return 0
+
+
+def _write_simulator(folder: Path) -> Path:
+    path = folder / "simulator.yaml"
+    shutil.copy(ROOT / "models/ball/simulators/literature.yaml", path)
+    return path
+
+
+def _read_simulator(folder: Path) -> int:
+    simulator = load_simulator(str(folder / "simulator.yaml"))
+    assert np.isfinite(simulator.fly(BALL, [0.1, 0.2]).states).all()
+    return 0
+
+
+def _write_predictor(file: str) -> Callable[[Path], Path]:
+    def write(folder: Path) -> Path:
+        write_trained(folder, "tiny")
+        return folder / "artifacts" / "train_predictor" / "tiny" / file
+
+    return write
+
+
+def _huge_network() -> bytes:
+    """A description that fits its contract, of a network of 20 GB."""
+    huge = {"width": 4096, "expanded": 4096, "encoder_layers": 24, "decoder_layers": 24}
+    with tempfile.TemporaryDirectory() as name:
+        content = json.loads(_write_predictor("predictor.json")(Path(name)).read_text())
+    content["network"] |= huge
+    return json.dumps(content).encode()
+
+
+def _read_predictor(folder: Path) -> int:
+    predictor = load_predictor(folder / "artifacts" / "train_predictor" / "tiny")
+    history, _ = observed(noise=0.003)
+    predictor.predict(history)
+    return 0
+
+
+def _write_policy(file: str) -> Callable[[Path], Path]:
+    def write(folder: Path) -> Path:
+        _, described = save_drawn(folder)
+        return (folder / described.name).rename(folder / "policy") / file
+
+    return write
+
+
+def _inputs(described: TrainedPolicy) -> int:
+    goals, horizons = described.goals.count, len(described.horizons)
+    return observation_size(horizons, goals, described.observation)
+
+
+def _read_policy(folder: Path) -> int:
+    policy, described = load_policy(folder / "policy")
+    policy.act(np.zeros((2, _inputs(described)), np.float32))
+    return 0
+
+
+def _write_verdict(folder: Path) -> Path:
+    cause = {"name": "wind", "parameter": "x", "interval": [0.1, 0.3], "unit": "m/s"}
+    write_json(folder / "verdict.json", {"answer": "named", "effects": [cause, cause]})
+    return folder / "verdict.json"
+
+
+def _read_verdict(folder: Path) -> int:
+    read_as(folder / "verdict.json", NamedCauses, "close_gap")
+    return 0
+
+
+def _write_sheets(folder: Path) -> Path:
+    one = sheet(hidden(), answers=answered("named", named()))
+    write_sheets(folder / "sheets.jsonl", [one, one])
+    return folder / "sheets.jsonl"
+
+
+def _read_sheets(folder: Path) -> int:
+    read_sheets(folder / "sheets.jsonl")
+    return 0
+
+
+def _write_manifest(folder: Path) -> Path:
+    write_json(folder / "manifest.json", {"sources": {"plain": source_record("plain", "none")}})
+    return folder / "manifest.json"
+
+
+def _read_manifest(folder: Path) -> int:
+    manifest = read_manifest(folder / "manifest.json")
+    assert all(isinstance(name, str) for name in manifest.labelled_once)
+    return 0
+
+
+def _write_truth(folder: Path) -> Path:
+    write_inputs(folder, sources=("arena",))
+    return folder / "artifacts" / "ingest" / "truth.json"
+
+
+def _read_truth(folder: Path) -> int:
+    read_truth(folder / "artifacts" / "ingest" / "truth.json")
+    return 0
+
+
+def _write_shots(folder: Path) -> Path:
+    forecast = {"t": [0.1, 0.2], "position": [[0.1, 1.0, 0.3], [0.1, 0.9, 0.3]]}
+    shot = {"episode_id": "plain/0/00", "source": "plain", "t": [0.0, 0.1], "anchor": 0.05}
+    measured = {"measured": forecast["position"], "forecasts": {"tiny": forecast}}
+    write_json(folder / "shots.json", [{**shot, **measured}])
+    return folder / "shots.json"
+
+
+def _read_shots(folder: Path) -> int:
+    read_shots(folder / "shots.json")
+    return 0
+
+
+def _read_contents(folder: Path) -> int:
+    read_contents(folder / "reports", "segment")
+    return 0
+
+
+def _write_columns(folder: Path) -> Path:
+    return _copied("reports/segment/splits.csv")(_made(folder / "reports"))
+
+
+def _made(folder: Path) -> Path:
+    folder.mkdir()
+    return folder.parent
+
+
+def _read_columns(folder: Path) -> int:
+    read_columns(folder / "reports" / "segment" / "splits.csv")
+    return 0
+
+
+def _write_contents(folder: Path) -> Path:
+    return _copied("reports/segment/contents.json")(_made(folder / "reports"))
+
+
+@cache
+def _windows():
+    with tempfile.TemporaryDirectory() as name:
+        write_inputs(Path(name), sources=("plain",))
+        return run_sets(Path(name), params())
+
+
+def _write_forecasts(folder: Path) -> Path:
+    path = folder / "forecasts.parquet"
+    forecasts_of(Still(), window_table(_windows())).to_parquet(path, index=False)
+    return path
+
+
+def _read_forecasts(folder: Path) -> int:
+    (forecast,) = read_forecasts(folder / "forecasts.parquet", _windows()).values()
+    assert np.isfinite(forecast.states).all()
+    return 0
+
+
+SEPARATED = [*hostile.NOTHING_GOOD, *hostile.SEPARATED]
+YAML = [*hostile.NOTHING_GOOD, *hostile.YAML]
+JSON = [*hostile.NOTHING_GOOD, *hostile.JSON]
+WEIGHTS = [*hostile.NOTHING_GOOD, *hostile.WEIGHTS]
+
+READERS = [
+    _source_reader("source csv", "csv", made_up.write_csv, SEPARATED),
+    _source_reader("source csv, source.yaml", "csv", _write_described_csv, YAML),
+    _source_reader("source spindoe", "spindoe", made_up.write_spindoe, SEPARATED),
+    _source_reader("source spindoe, index.csv", "spindoe", _write_index, SEPARATED),
+    _source_reader("source tt3d", "tt3d", made_up.write_tt3d, SEPARATED),
+    _source_reader(
+        "source isr_ball_prediction",
+        "isr_ball_prediction",
+        made_up.write_isr,
+        [*hostile.NOTHING_GOOD, *hostile.HDF5],
+    ),
+    _source_reader(
+        "source competitive_robot_table_tennis",
+        "competitive_robot_table_tennis",
+        made_up.write_competitive,
+        JSON,
+    ),
+    Reader("params.yaml", _copied("params.yaml"), _read_params, YAML),
+    Reader("profile", _copied("params.yaml", "profiles/smoke.yaml"), _read_profile, YAML),
+    Reader("simulator", _write_simulator, _read_simulator, YAML),
+    Reader("predictor, weights", _write_predictor("weights.safetensors"), _read_predictor, WEIGHTS),
+    Reader(
+        "predictor, predictor.json",
+        _write_predictor("predictor.json"),
+        _read_predictor,
+        [*JSON, _huge_network()],
+    ),
+    Reader("policy, weights", _write_policy("weights.safetensors"), _read_policy, WEIGHTS),
+    Reader("policy, policy.json", _write_policy("policy.json"), _read_policy, JSON),
+    Reader("verdict.json", _write_verdict, _read_verdict, JSON),
+    Reader("exam sheets", _write_sheets, _read_sheets, JSON),
+    Reader("benchmark forecasts", _write_forecasts, _read_forecasts, hostile.NOTHING_GOOD),
+    Reader("manifest.json", _write_manifest, _read_manifest, JSON),
+    Reader("truth.json", _write_truth, _read_truth, JSON),
+    Reader("shots.json", _write_shots, _read_shots, JSON),
+    Reader("report, contents.json", _write_contents, _read_contents, JSON),
+    Reader("report, tables", _write_columns, _read_columns, SEPARATED),
+]

@@ -1,0 +1,98 @@
+"""Readers meet damaged and hostile files: balls or numbers come out, or one clear error does."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pipeline.errors import InputError
+from pipeline.params import Params, check_params, read_yaml
+from tests.fuzz.__main__ import COUNTS, EACH
+from tests.fuzz.mutations import MUTATIONS, mutated
+from tests.fuzz.readers import READERS, ROOT
+from tests.fuzz.trial import inputs, outcome, tried
+
+SAMPLE = 10  # mutations a reader, beside every hostile file
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
+    max_leaves=5,
+)  # fmt: skip
+
+
+def faults(reader, count):
+    return [said for outcome, said, _ in tried(reader, count) if outcome == "fault"]
+
+
+@pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
+def test_no_hostile_file_and_no_mutation_of_a_sample_is_a_fault(reader):
+    assert faults(reader, 1 + len(reader.hostile) + SAMPLE) == []
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
+def test_no_mutation_is_a_fault(reader):
+    assert faults(reader, EACH) == []
+
+
+def test_the_committed_counts_are_of_these_readers_and_without_a_fault():
+    table = pd.read_csv(ROOT / COUNTS)
+    assert list(table["reader"]) == [reader.name for reader in READERS]
+    assert (table["inputs"] == EACH).all()
+    assert table["inputs"].sum() >= 5000
+    assert (table[["refused", "in_part", "accepted"]].sum(axis=1) == table["inputs"]).all()
+    assert (table["faults"] == 0).all()
+    assert (table["refused"] > 0).all()
+
+
+@pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
+def test_the_file_itself_is_read(reader, tmp_path):
+    path = reader.write(tmp_path)
+    assert outcome(reader, tmp_path, path)[0] == "accepted"
+
+
+def test_inputs_follow_from_their_number():
+    reader = READERS[0]
+    whole = b"t,x,y,z\n0,1,2,3\n0.1,1,2,3\n"
+    one, other = (list(inputs(reader, 60, whole)) for _ in range(2))
+    assert one == other
+    assert len(set(one)) > 50
+
+
+@pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda mutation: mutation.__name__)
+def test_every_mutation_takes_every_content(mutation):
+    for content in (b"", b"7", b"a: 1\nb: 2\n", bytes(range(256))):
+        for seed in range(20):
+            assert isinstance(mutation(content, np.random.default_rng(seed)), bytes)
+    assert mutated(b"seed: 1\n", np.random.default_rng(0)) is not None
+
+
+def places(content, above=()):
+    """Every place in nested dictionaries."""
+    for key, value in content.items():
+        yield (*above, key)
+        if isinstance(value, dict):
+            yield from places(value, (*above, key))
+
+
+PARAMS = read_yaml(ROOT / "params.yaml")
+PLACES = list(places(PARAMS))
+
+
+def replaced(content, place, value):
+    first, *rest = place
+    return {**content, first: replaced(content[first], rest, value) if rest else value}
+
+
+@given(place=st.sampled_from(PLACES), value=VALUES)
+@settings(max_examples=200, deadline=None, derandomize=True)
+def test_any_value_in_any_place_of_the_parameters_is_taken_or_refused_by_name(place, value):
+    try:
+        checked = check_params(replaced(PARAMS, place, value), ROOT / "params.yaml")
+    except InputError as error:
+        assert str(error).startswith(f"{ROOT / 'params.yaml'}")
+        assert place[0] in str(error) or "Unicode" in str(error) or "JSON" in str(error)
+    else:
+        assert isinstance(checked, Params)

@@ -1,0 +1,102 @@
+"""One input put before a reader: read, refused, or a fault. Time and memory are bounded."""
+
+import resource
+import signal
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from pipeline.errors import InputError
+from tests.fuzz.hostile import SENTINEL
+from tests.fuzz.mutations import mutated
+from tests.fuzz.readers import Reader
+
+Outcome = Literal["refused", "in_part", "accepted", "fault"]
+
+LONGEST = 20  # s of the processor
+LARGEST = 400_000  # kB by which one input may let the process grow
+ADDRESSES = 8 * 2**30  # bytes that a campaign may ask for beyond what it began with
+LONGEST_LINE = 1500  # characters of a refusal that can be read
+MOST_SHOWN = 400  # characters of a fault
+
+
+def inputs(reader: Reader, count: int, whole: bytes) -> Iterator[bytes]:
+    """Yield the file itself, every hostile one, and mutations of the file, ``count`` in all."""
+    made = [whole, *reader.hostile]
+    yield from made[:count]
+    for number in range(count - len(made)):
+        yield mutated(whole, np.random.default_rng([number, *reader.name.encode()]))
+
+
+def tried(reader: Reader, count: int) -> Iterator[tuple[Outcome, str, bytes]]:
+    """Yield how each input ended, what was said of it, and the input."""
+    with tempfile.TemporaryDirectory(prefix="rallygap-fuzz.") as name, limited_memory():
+        path = reader.write(Path(name))
+        for content in inputs(reader, count, path.read_bytes()):
+            path.write_bytes(content)
+            yield *outcome(reader, Path(name), path), content
+
+
+def outcome(reader: Reader, folder: Path, path: Path) -> tuple[Outcome, str]:
+    """Return how one reading ended, and what was said of it."""
+    before = _peak()
+    SENTINEL.unlink(missing_ok=True)
+    try:
+        with limited_time():
+            refused = reader.read(folder)
+        said: tuple[Outcome, str] = ("in_part" if refused else "accepted", "")
+    except InputError as error:
+        said = _judged(str(error), folder, path)
+    except (Exception, RecursionError) as error:
+        said = "fault", f"{type(error).__name__}: {error}"[:MOST_SHOWN]
+    if _peak() - before > LARGEST:
+        return "fault", f"took {(_peak() - before) // 1000} MB"
+    return ("fault", "ran code") if SENTINEL.exists() else said
+
+
+def _judged(message: str, folder: Path, path: Path) -> tuple[Outcome, str]:
+    """A refusal must name the file, or its source, and can be read."""
+    names = {path.name, path.parent.name, folder.name}
+    lines = message.splitlines()
+    if not any(name in lines[0] for name in names):
+        return "fault", f"names no file: {message[:MOST_SHOWN]}"
+    if max(map(len, lines)) > LONGEST_LINE:
+        return "fault", f"no line to be read: {message[:MOST_SHOWN]}"
+    return "refused", message
+
+
+def _peak() -> int:
+    """The most memory this process ever held, kB."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+@contextmanager
+def limited_time() -> Iterator[None]:
+    """Raise where the processor works for too long."""
+
+    def stop(*_: object) -> None:
+        raise TimeoutError(f"still reading after {LONGEST} s")
+
+    former = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, LONGEST)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, former)
+
+
+@contextmanager
+def limited_memory() -> Iterator[None]:
+    """Let no input take the machine's memory."""
+    former = resource.getrlimit(resource.RLIMIT_AS)
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + ADDRESSES, former[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, former)

@@ -1,0 +1,112 @@
+"""A file of forecasts that cannot be scored is one error: where, and what to do."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from pipeline.benchmark.forecasts import read_forecasts
+from pipeline.benchmark.windows import window_ids, window_table
+from pipeline.errors import InputError
+from tests.pipeline.benchmark.forecasting import Still, forecasts_of
+
+
+@pytest.fixture
+def forecasts(sets):
+    """A whole table of forecasts, in the order of the windows' names."""
+    return forecasts_of(Still(), window_table(sets))
+
+
+def refusal(path, forecasts, sets):
+    forecasts.to_parquet(path, index=False)
+    with pytest.raises(InputError) as refused:
+        read_forecasts(path, sets)
+    assert str(refused.value).startswith(f"{path}")
+    assert "\n" not in str(refused.value)
+    return str(refused.value).removeprefix(str(path))
+
+
+CHANGES = {
+    "unknown": (("window_id", "ffff"), r", row 7, window_id: ffff is no window of this run; run `"),
+    "nan": (("px", np.nan), r", row 7, px: breaks not_nullable"),
+    "infinite": (("vy", np.inf), r", row 7, vy: breaks in_range"),
+    "huge": (("wz", 1e300), r", row 7, wz: breaks in_range"),
+    "horizon": (("horizon_ms", 101), r", row 7, horizon_ms: breaks isin"),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_row_at_fault_is_named_with_its_field(tmp_path, sets, forecasts, change):
+    (column, value), expected = CHANGES[change]
+    forecasts.loc[6, column] = value
+    assert re.match(expected, refusal(tmp_path / "f.parquet", forecasts, sets))
+
+
+def test_a_horizon_given_twice_is_named_with_its_row(tmp_path, sets, forecasts):
+    forecasts.loc[6] = forecasts.loc[5]
+    name = forecasts.loc[5, "window_id"]
+    expected = f", row 7, window_id: {name} has this horizon twice; keep one row"
+    assert refusal(tmp_path / "f.parquet", forecasts, sets) == expected
+
+
+def test_a_missing_window_is_named_and_the_others_counted(tmp_path, sets, forecasts):
+    gone = window_ids(sets[0])[0]
+    left = forecasts[forecasts["window_id"] != gone]
+    said = refusal(tmp_path / "f.parquet", left, sets)
+    assert said.startswith(f": window {gone} has no row for 100 ms, and 40 more are missing")
+
+
+def test_too_many_rows_are_refused_unread(tmp_path, sets, forecasts):
+    said = refusal(tmp_path / "f.parquet", pd.concat([forecasts, forecasts]), sets)
+    assert f"has {2 * len(forecasts)} rows; all windows have {len(forecasts)} horizons" in said
+
+
+@pytest.mark.parametrize(
+    ("changed", "expected"),
+    [
+        (lambda table: table.drop(columns="vz"), ", vz: is missing"),
+        (lambda table: table.assign(note="mine"), ", note: is no column of forecasts"),
+        (lambda table: table.assign(px="far"), ", px: has the type large_string; give float64"),
+        (lambda table: table.assign(horizon_ms=0.1), ", horizon_ms: has the type double; give int"),
+        (lambda table: table.assign(window_id=7), ", window_id: has the type int64; give string"),
+        (lambda table: table.iloc[:0], ": has no row"),
+    ],
+)
+def test_a_table_of_another_shape_is_refused(tmp_path, sets, forecasts, changed, expected):
+    assert refusal(tmp_path / "f.parquet", changed(forecasts), sets).startswith(expected)
+
+
+def test_a_long_text_that_packs_well_is_refused_unread(tmp_path, sets, forecasts):
+    table = forecasts.assign(window_id="x" * 100_000)
+    written = pa.Table.from_pandas(table, preserve_index=False)
+    path = tmp_path / "f.parquet"
+    pq.write_table(written, path, compression="zstd", use_dictionary=False)
+    assert path.stat().st_size < 1_000_000
+    with pytest.raises(InputError, match="more than such forecasts take"):
+        read_forecasts(path, sets)
+
+
+def test_numbers_of_32_bits_and_columns_in_any_order_are_taken(tmp_path, sets, forecasts):
+    path = tmp_path / "f.parquet"
+    narrow = forecasts.astype({"px": "float32", "horizon_ms": "int16", "wx": "int64"})
+    narrow[sorted(narrow)].to_parquet(path, index=False)
+    read = read_forecasts(path, sets)
+    assert {name: len(one.states) for name, one in read.items()} == {
+        one.name: len(one.windows) for one in sets
+    }
+
+
+@pytest.mark.parametrize("made", ["missing", "folder", "text", "cut"])
+def test_what_is_no_parquet_file_is_one_error(tmp_path, sets, forecasts, made):
+    path = tmp_path / "f.parquet"
+    if made == "folder":
+        path.mkdir()
+    elif made != "missing":
+        forecasts.to_parquet(path, index=False)
+        whole = path.read_bytes()
+        path.write_bytes(b"window_id" if made == "text" else whole[: len(whole) // 2])
+    with pytest.raises(InputError, match=r"there is no such file|is not a parquet table"):
+        read_forecasts(path, sets)

@@ -1,0 +1,94 @@
+"""The exported windows say what was seen, and nothing else."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from models.predictors.protocol import HISTORY
+from pipeline.benchmark.contracts import FORECASTS, WINDOWS, type_of
+from pipeline.benchmark.windows import export_windows, run_sets, window_ids, window_table
+from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS
+from pipeline.errors import InputError
+from tests.pipeline.measured_shots import params, write_inputs
+
+
+def test_the_table_holds_every_history_exactly_and_its_mask(sets):
+    table = window_table(sets)
+    for one in sets:
+        rows = table[table["set"] == one.name].set_index("window_id")
+        for name, states, mask in zip(
+            window_ids(one), one.windows.history.states, one.windows.history.mask, strict=True
+        ):
+            window = rows.loc[name]
+            assert len(window) == HISTORY
+            found = window[[*POSITION_COLUMNS, *SPIN_COLUMNS]].to_numpy()
+            np.testing.assert_array_equal(found, np.where(mask, states, np.nan))
+            assert (window["position_measured"] == mask[:, :3].all(axis=1)).all()
+            assert (window["spin_measured"] == mask[:, 3:].all(axis=1)).all()
+
+
+def test_no_measured_future_is_in_the_table_but_where_windows_overlap(sets):
+    """Of the last window of each flight nothing that came is given away."""
+    given = set(window_table(sets)["px"])
+    for one in sets:
+        last = np.append(one.recordings[1:] != one.recordings[:-1], True)
+        future, measured = one.windows.future[last, :, 0], one.windows.measured[last, :, 0]
+        assert measured.any()
+        assert not given & set(future[measured])
+
+
+def test_neither_names_nor_rows_tell_the_order(sets):
+    table = window_table(sets)
+    ids = np.concatenate([window_ids(one) for one in sets])
+    assert len(set(ids)) == len(ids)
+    assert {len(name) for name in ids} == {16}
+    for one in sets:
+        mine = table[table["set"] == one.name]["window_id"].unique()
+        assert list(mine) == sorted(mine) != list(window_ids(one))
+    assert not {"recording_id", "episode_id", "anchor"} & set(table)
+    assert table.groupby("window_id")["t"].agg(["min", "max"]).drop_duplicates().shape[0] == 1
+
+
+def test_another_future_is_another_window(tmp_path, sets):
+    write_inputs(tmp_path, sources=("plain",))
+    path = tmp_path / "artifacts" / "segment" / "samples.parquet"
+    samples = pd.read_parquet(path)
+    samples.loc[samples["t"] == samples["t"].max() - 0.005, "px"] += 0.001  # no history has it
+    samples.to_parquet(path, index=False)
+    (changed,) = run_sets(tmp_path, params())
+    (plain,) = (one for one in sets if one.name == "plain")
+    same = window_ids(changed) == window_ids(plain)
+    assert same.any()
+    assert not same.all()
+    np.testing.assert_array_equal(changed.windows.history.states, plain.windows.history.states)
+
+
+def test_schema_and_readme_describe_every_column_and_set(tmp_path, sets):
+    export_windows(sets, tmp_path / "out")
+    schema = json.loads((tmp_path / "out" / "schema.json").read_text())
+    readme = (tmp_path / "out" / "README.md").read_text()
+    for contract in (WINDOWS, FORECASTS):
+        described = schema["$defs"][contract.name]["properties"]
+        assert list(described) == list(contract.columns)
+        for name, column in contract.columns.items():
+            assert f"| {name} | {type_of(column)} | {column.description} |" in readme
+    for one in sets:
+        assert f"| {one.name} | {len(one.windows)} |" in readme
+        assert one.source.licence in readme
+    table = pd.read_parquet(tmp_path / "out" / "windows.parquet")
+    assert list(table) == list(WINDOWS.columns)
+
+
+def test_the_same_run_gives_the_same_bytes(tmp_path, sets):
+    for name in "ab":
+        export_windows(sets, tmp_path / name)
+    for path in (tmp_path / "a").iterdir():
+        assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
+
+
+def test_a_folder_that_cannot_be_is_one_error(tmp_path, sets):
+    (tmp_path / "file").write_text("mine")
+    with pytest.raises(InputError, match="cannot be written to"):
+        export_windows(sets, tmp_path / "file")

@@ -1,0 +1,89 @@
+"""Passwords stay where they were put, and servers listen on this machine alone."""
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from pipeline import cli, tracking
+from pipeline.provenance import Provenance
+from pipeline.recorder import without_secrets
+from pipeline.tracking import description, recorded
+
+ROOT = Path(__file__).parents[2]
+ORIGIN = Provenance("python -m stages.segment", "f" * 64)
+SECRET = "hunter2"
+STORES = [
+    f"http://me:{SECRET}@127.0.0.1:9",
+    f"postgresql://me:{SECRET}@127.0.0.1:9/runs",
+    f"postgresql://127.0.0.1:9/runs?user=me&password={SECRET}",
+    f"nonsense://me:{SECRET}@127.0.0.1:9",
+]
+
+
+@pytest.mark.parametrize("store", STORES)
+def test_a_password_in_the_address_of_the_store_is_in_no_parameter_and_no_tag(monkeypatch, store):
+    monkeypatch.setenv("MLFLOW_TRACKING_URI", store)
+    described = description("segment", ORIGIN, {"seed": 1})
+    assert described.pop("store") == store  # goes to the recorder alone
+    assert SECRET not in str(described)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("store", STORES)
+def test_a_store_that_fails_is_complained_about_without_its_password(monkeypatch, capfd, store):
+    monkeypatch.setattr(tracking, "PATIENCE", 300)
+    monkeypatch.setenv("MLFLOW_TRACKING_URI", store)
+    with recorded("segment", ORIGIN, {"seed": 1}, lambda: {"metrics": {}}):
+        pass
+    said = "".join(capfd.readouterr())
+    assert "MLflow has no complete record of segment" in said
+    assert SECRET not in said
+
+
+@pytest.mark.parametrize("store", STORES)
+def test_what_libraries_quote_of_an_address_is_without_its_password(store):
+    said = without_secrets(f"API request to '{store}' failed, and ({store}) too: refused")
+    assert SECRET not in said
+    assert said.endswith("too: refused")
+    assert "127.0.0.1:9" in said
+
+
+def test_what_holds_the_address_can_be_read_by_its_owner_alone(monkeypatch, tmp_path):
+    monkeypatch.setattr(tracking.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(tracking.subprocess, "Popen", lambda *_, **__: None)
+    recorder = tracking.Recorder({"stage": "segment", "store": STORES[0]})
+    assert recorder.messages.stat().st_mode & 0o077 == 0
+
+
+def test_the_pages_of_mlflow_are_asked_to_listen_on_loopback(monkeypatch):
+    started = {}
+    monkeypatch.setattr(os, "execv", lambda program, words: started.update(words=words))
+    cli.ui(5000)
+    words = started["words"]
+    assert words[words.index("--host") + 1] == "127.0.0.1"
+
+
+def tracked_texts():
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    endings = (".py", ".md", ".yaml", ".toml", ".sh", "Makefile")
+    for name in listed.stdout.split():
+        path = ROOT / name
+        if name.endswith(endings) and path != Path(__file__) and path.is_file():
+            yield name, path.read_text(encoding="utf-8")
+
+
+STARTS_A_SERVER = re.compile(
+    r"^.*\b(?:mlflow (?:server|ui)|dask[ -]scheduler|optuna-dashboard|python3? -m http\.server)\b.*$",
+    re.MULTILINE,
+)
+
+
+def test_no_command_line_of_the_repository_starts_a_server_beyond_loopback():
+    for name, text in tracked_texts():
+        assert not re.search(r"\b0\.0\.0\.0\b|host[=\", ]+['\"]?(?:\*|::)['\"]", text), name
+        for line in STARTS_A_SERVER.findall(text):
+            if "--" in line:  # a command, not a sentence about one
+                assert "127.0.0.1" in line or "localhost" in line, f"{name}: {line}"
