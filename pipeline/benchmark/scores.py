@@ -95,7 +95,11 @@ def _table(title: str, rows: pd.DataFrame, own: str) -> Table:
 
 
 def _cell(row: Any) -> str:
-    return f"{row.mean:.3g} ({row.ci_low:.3g} to {row.ci_high:.3g})"
+    return f"{_digits(row.mean)} ({_digits(row.ci_low)}–{_digits(row.ci_high)})"
+
+
+def _digits(value: float) -> str:
+    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
 
 
 def _ours(path: Path, errors: pd.DataFrame) -> pd.DataFrame:

@@ -27,6 +27,14 @@ def _aliases(levels: int, step: str) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _merges(levels: int) -> str:
+    lines = ["b0: &b0 {x: 1}"]
+    for k in range(1, levels + 1):
+        before = ", ".join([f"*b{k - 1}"] * 9)
+        lines.append(f"b{k}: &b{k} {{<<: [{before}], y{k}: 1}}")
+    return "\n".join(lines) + "\n"
+
+
 def _packed(files: dict[str, bytes]) -> bytes:
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -45,6 +53,13 @@ def _objects() -> bytes:
 def _safetensors(header: object, data: bytes = b"") -> bytes:
     text = json.dumps(header).encode()
     return len(text).to_bytes(8, "little") + text + data
+
+
+def _one_array(kind: str, *shape: int) -> bytes:
+    """Say of four bytes that they are an array."""
+    return _safetensors(
+        {"weight.0": {"dtype": kind, "shape": shape, "data_offsets": [0, 4]}}, b"0000"
+    )
 
 
 def _hdf5(shape: tuple[int, ...], kind: object = "f8", **settings: object) -> bytes:
@@ -80,13 +95,11 @@ JSON = [
 YAML = [
     _aliases(40, "[*a{before}, *a{before}]").encode(),
     _aliases(9, "[" + ", ".join(["*a{before}"] * 9) + "]").encode(),
-    ("b: &b0 {x: 1}\n" + "".join(
-        f"b{k}: &b{k} {{<<: [{', '.join([f'*b{k - 1}'] * 9)}], y{k}: 1}}\n" for k in range(1, 10)
-    )).encode(),
-    b"a: &a [*a]", b"a: &a {b: *a}", b"[" * 100_000, b"{a: " * 5000, b"- " * 5000, b"a:\n\t- b",
-    b"seed: " + b"9" * 5000, b"!!python/object/apply:pathlib.Path.touch [/tmp/rallygap-fuzz-code-ran]",
-    b"seed: !!binary aGFsbG8=", b"? [a, b]\n: c", b"2026-99-99: 1", b"seed: 2026-01-01", b"%YAML 9.9",
-    b"--- a\n--- b", b"drag: &d {cd: *d}", b"a: !!set {b}", b"a: \"\\ud800\"", b"k: " + b"x" * 2_000_000,
+    _merges(9).encode(), b"a: &a [*a]", b"a: &a {b: *a}", b"drag: &d {cd: *d}",
+    b"[" * 100_000, b"{a: " * 5000, b"- " * 5000, b"a:\n\t- b", b"%YAML 9.9", b"--- a\n--- b",
+    b"seed: " + b"9" * 5000, f"!!python/object/apply:os.system ['touch {SENTINEL}']".encode(),
+    b"seed: !!binary aGFsbG8=", b"? [a, b]\n: c", b"2026-99-99: 1", b"seed: 2026-01-01",
+    b"a: !!set {b}", b'a: "\\ud800"', b"k: " + b"x" * 2_000_000,
 ]  # fmt: skip
 
 SEPARATED = [
@@ -98,11 +111,8 @@ SEPARATED = [
 
 WEIGHTS = [
     (2**63).to_bytes(8, "little") + b"{}", (2**40).to_bytes(8, "little") + b"{}",
-    _safetensors({"weight.0": {"dtype": "F32", "shape": [2**40, 2**40], "data_offsets": [0, 4]}}, b"0000"),
-    _safetensors({"weight.0": {"dtype": "F32", "shape": [-1], "data_offsets": [0, 4]}}, b"0000"),
-    _safetensors({"weight.0": {"dtype": "BF16", "shape": [2], "data_offsets": [0, 4]}}, b"0000"),
-    _safetensors({"weight.0": {"dtype": "F8_E4M3", "shape": [4], "data_offsets": [0, 4]}}, b"0000"),
-    _safetensors({"weight.0": {"dtype": "O", "shape": [4], "data_offsets": [0, 4]}}, b"0000"),
+    _one_array("F32", 2**40, 2**40), _one_array("F32", -1), _one_array("BF16", 2),
+    _one_array("F8_E4M3", 4), _one_array("O", 4),
     _safetensors({"weight.0": [1, 2]}), _safetensors([]), _safetensors({}), _safetensors({"": {}}),
     save({"weight.0": np.zeros((5, 0), np.float32), "bias.0": np.zeros(5, np.float32)}),
     save({"weight.0": np.zeros((), np.float32), "bias.0": np.zeros((), np.float32)}),

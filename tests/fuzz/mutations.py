@@ -9,9 +9,10 @@ Random = np.random.Generator
 
 NUMBER = re.compile(rb"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 IN_PLACE_OF_NUMBERS = [
-    b"nan", b"NaN", b".nan", b"inf", b"-inf", b"Infinity", b"1e400", b"-1e308", b"1e30", b"-1", b"0",
-    b"-0.0", b"9" * 400, b"9" * 5000, b"0x7f", b"1_000", b"null", b"true", b"~", b'""', b'"7"', b"[]",
-    b"{}", b"[1, 2]", b"7 7", b"", b"\xff", b"\x00", b"*a", b"&a 1", b"!!float x", b"2026-99-99",
+    b"nan", b"NaN", b".nan", b"inf", b"-inf", b"Infinity", b"1e400", b"-1e308", b"1e30", b"-1",
+    b"0", b"-0.0", b"9" * 400, b"9" * 5000, b"0x7f", b"1_000", b"null", b"true", b"~", b'""',
+    b'"7"', b"[]", b"{}", b"[1, 2]", b"7 7", b"", b"\xff", b"\x00", b"*a", b"&a 1",
+    b"!!float x", b"2026-99-99",
 ]  # fmt: skip
 WORDS = [0, 1, 2**31 - 1, 2**31, 2**32 - 1, 2**62, 2**63 - 1, 2**64 - 1]
 

@@ -76,7 +76,7 @@ def tracked_texts():
 
 
 STARTS_A_SERVER = re.compile(
-    r"^.*\b(?:mlflow (?:server|ui)|dask[ -]scheduler|optuna-dashboard|python3? -m http\.server)\b.*$",
+    r"^.*\b(?:mlflow (?:server|ui)|dask[ -]scheduler|optuna-dashboard|-m http\.server)\b.*$",
     re.MULTILINE,
 )
 
