@@ -47,7 +47,8 @@ test: .venv/ready ## the quick tests
 test-all: .venv/ready ## every test but the faults, the slow ones too
 	@pytest -m 'not faults'
 
-faults: .venv/ready ## an hour, as root: kill every stage, fill disks; write reports/reliability
+faults: .venv/ready ## an hour, as root: damage files, kill every stage, fill disks; write reports/reliability
+	@python -m tests.fuzz
 	@python -m tests.faults
 
 lint: .venv/ready ## style, types, import arrows

@@ -13,6 +13,8 @@ from tests.fuzz.mutations import MUTATIONS, mutated
 from tests.fuzz.readers import READERS, ROOT
 from tests.fuzz.trial import inputs, outcome, tried
 
+pytestmark = pytest.mark.faults
+
 SAMPLE = 10  # mutations a reader, beside every hostile file
 
 VALUES = st.recursive(
@@ -33,7 +35,6 @@ def test_no_hostile_file_and_no_mutation_of_a_sample_is_a_fault(reader):
     assert faults(reader, 1 + len(reader.hostile) + SAMPLE) == []
 
 
-@pytest.mark.faults
 @pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
 def test_no_mutation_is_a_fault(reader):
     assert faults(reader, EACH) == []

@@ -71,10 +71,10 @@ def test_a_set_may_be_left_out_as_a_whole(tmp_path, root, sets):
     assert set(scores.errors["set"]) == set(scores.ours["set"]) == {"plain"}
 
 
-def test_the_tables_show_theirs_above_ours_in_80_characters(tmp_path, root, sets):
+def test_the_tables_show_theirs_above_ours_unless_the_terminal_is_narrow(tmp_path, root, sets):
     scores = scored(root, forecasts_of(Still(), window_table(sets)), tmp_path)
     shown = io.StringIO()
-    console = Console(file=shown, width=80)
+    console = Console(file=shown, width=140)
     for table in score_tables(scores):
         console.print(table)
     text = shown.getvalue()
