@@ -86,7 +86,8 @@ def test_a_model_predicts_the_same_in_a_fresh_process(store, tmp_path):
     states, seen = torch.tensor(one["states"], dtype=torch.float32), torch.tensor(one["mask"])
     with torch.inference_mode():
         expected = build_network(NETWORK).eval()(states, seen).numpy()
-    np.testing.assert_array_equal(again["states"], expected.astype(np.float64))
+    # The last bits follow the number of threads.
+    np.testing.assert_allclose(again["states"], expected, rtol=1e-4, atol=1e-4)
     assert again["spin_measured"].tolist() == [True]
     assert "'states'" in str(again["signature"]) and "'mask'" in str(again["signature"])
 
