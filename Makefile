@@ -15,7 +15,7 @@ export DO_NOT_TRACK := true
 PIP := .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real exam test test-all faults lint audit bench ui
+.PHONY: help reproduce real exam test test-all faults lint audit pictures bench ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
@@ -41,8 +41,8 @@ exam: .venv/ready ## hours: sit the whole blind exam and keep its sheets; goes o
 	@python -m pipeline.exam
 	@dvc repro hidden_effects
 
-test: .venv/ready ## the quick tests
-	@pytest
+test: .venv/ready ## the quick tests, a file after another on every core
+	@pytest --numprocesses logical --dist loadfile
 
 test-all: .venv/ready ## every test but the faults, the slow ones too
 	@pytest -m 'not faults'
@@ -59,6 +59,9 @@ lint: .venv/ready ## style, types, import arrows
 
 audit: .venv/ready ## look up every pinned package among known vulnerabilities; needs pipx and the network
 	pipx run pip-audit --requirement constraints.txt --no-deps --disable-pip
+
+pictures: .venv/ready ## photograph MLflow's pages for docs/compare.md; needs Chromium
+	@pytest -m slow tests/pipeline/test_comparing_pages.py --pictures docs/images
 
 bench: .venv/ready ## half an hour: the ball simulator and the learning beside their peers, and what predictors cost
 	@python -m tests.bench

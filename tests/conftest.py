@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-pytest_plugins = ["tests.services"]
+pytest_plugins = ["tests.browser", "tests.pipeline.experiments", "tests.services"]
 
 
 @pytest.fixture(scope="session")
@@ -15,3 +15,17 @@ def real_data() -> Path:
     if not folder or not Path(folder).is_dir():
         pytest.skip("RALLYGAP_DATA is not a folder with the measured sets")
     return Path(folder)
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let `make pictures` keep what the browser tests photograph."""
+    parser.addoption("--pictures", metavar="FOLDER", help="where pictures of pages are kept")
+
+
+@pytest.fixture(scope="session")
+def pictures(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where tests leave pictures of pages."""
+    kept = request.config.getoption("--pictures")
+    folder = Path(kept) if kept else tmp_path_factory.mktemp("pictures")
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder

@@ -2,11 +2,7 @@
 
 import hashlib
 import json
-import os
-import shutil
 import sqlite3
-import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -14,49 +10,14 @@ import pytest
 
 from pipeline.params import read_yaml
 from pipeline.provenance import run_cache_key
-
-ROOT = Path(__file__).parents[2]
-IDENTITY = {
-    f"GIT_{who}_{what}": text
-    for who in ("AUTHOR", "COMMITTER")
-    for what, text in {"NAME": "a", "EMAIL": "a@example.org"}.items()
-}
+from tests.clone import cloned, rallygap, run
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory):
-    """A repository of its own with all that git knows of this one."""
-    folder = tmp_path_factory.mktemp("clone") / "rallygap"
-    listed = subprocess.run(
-        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT, capture_output=True, text=True, check=True,
-    ).stdout  # fmt: skip
-    for name in listed.split("\0"):
-        if (ROOT / name).is_file() and not name.startswith("reports/"):
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(ROOT / name, folder / name)
-    (folder / "dvc.lock").unlink(missing_ok=True)
-    run(folder, "git", "init", "--quiet")
-    run(folder, "git", "add", ".")
-    run(folder, "git", "commit", "--quiet", "--message=start")
-    return folder
-
-
-def run(folder, *command):
-    """Run a command as a user in the repository would; return what it printed."""
-    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-    environment = {**os.environ, **IDENTITY, "PATH": path, "PYTHONPATH": str(folder)}
-    environment.pop("MLFLOW_TRACKING_URI", None)
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
-    assert done.returncode >= 0, f"died of signal {-done.returncode}"
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
-def rallygap(folder, *words):
-    return run(folder, "python", "-c", "from pipeline.cli import main; main()", *words)
+    return cloned(tmp_path_factory.mktemp("clone") / "rallygap")
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from mlflow import MlflowClient
 from pipeline import tracking
 from pipeline.provenance import Provenance
 from pipeline.tracking import recorded
-from tests.pipeline.test_reproduction import IDENTITY, ROOT
+from tests.clone import ROOT, commit, run
 from tests.services import free_port
 
 pytestmark = pytest.mark.slow
@@ -31,16 +31,6 @@ stages:
 """
 
 
-def run(folder, *command):
-    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-    done = subprocess.run(
-        command, cwd=folder, env={**os.environ, **IDENTITY, "PATH": path},
-        capture_output=True, text=True,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
 @pytest.fixture
 def repository(tmp_path):
     """A repository with this one's configuration of DVC and one small stage, run and committed."""
@@ -52,8 +42,7 @@ def repository(tmp_path):
     (folder / "seed.txt").write_text("1")
     run(folder, "git", "init", "--quiet")
     run(folder, "dvc", "repro", "--quiet")
-    run(folder, "git", "add", ".")
-    run(folder, "git", "commit", "--quiet", "--message=run")
+    commit(folder, "run")
     return folder
 
 

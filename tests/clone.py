@@ -1,0 +1,53 @@
+"""A repository of its own with all that git knows of this one, for tests that run DVC in it."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+IDENTITY = {
+    f"GIT_{who}_{what}": text
+    for who in ("AUTHOR", "COMMITTER")
+    for what, text in {"NAME": "a", "EMAIL": "a@example.org"}.items()
+}
+
+
+def cloned(folder: Path) -> Path:
+    """Make the repository, without any result, and commit; return its folder."""
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT, capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    for name in listed.split("\0"):
+        if (ROOT / name).is_file() and not name.startswith(("reports/", "dvc.lock")):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, folder / name)
+    run(folder, "git", "init", "--quiet")
+    commit(folder, "start")
+    return folder
+
+
+def commit(folder: Path, message: str) -> None:
+    """Commit all that has changed."""
+    run(folder, "git", "add", ".")
+    run(folder, "git", "commit", "--quiet", f"--message={message}")
+
+
+def run(folder: Path, *command: str, below: str = ".") -> str:
+    """Run a command as a user in the repository, or in a folder below, would; return its output."""
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    environment = {**os.environ, **IDENTITY, "PATH": path, "PYTHONPATH": str(folder)}
+    environment.pop("MLFLOW_TRACKING_URI", None)
+    done = subprocess.run(
+        command, cwd=folder / below, env=environment, capture_output=True, text=True
+    )
+    assert done.returncode >= 0, f"died of signal {-done.returncode}"
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def rallygap(folder: Path, *words: str) -> str:
+    """Run our command line; return what it printed."""
+    return run(folder, "python", "-c", "from pipeline.cli import main; main()", *words)

@@ -1,0 +1,122 @@
+"""What two runs look like beside each other in MLflow: the pictures of docs/compare.md.
+
+``make pictures`` takes them anew.
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import urllib.request
+from contextlib import contextmanager
+from urllib.parse import quote
+
+import pytest
+from mlflow import MlflowClient
+from selenium.webdriver.support.wait import WebDriverWait
+
+from tests.pipeline.experiments import CHANGED
+from tests.services import free_port
+
+pytestmark = [pytest.mark.slow, pytest.mark.browser]
+
+SIZE = {"width": 1280, "height": 860, "deviceScaleFactor": 1, "mobile": False}
+PATIENCE = 60  # s
+FOLDED = "//*[@role='button'][.='Visualizations' or .='Run details']"
+
+
+@contextmanager
+def served(repository):
+    """The address of the server that `rallygap ui` starts."""
+    port = free_port()
+    command = [sys.executable, "-c", "from pipeline.cli import main; main()", "ui"]
+    environment = {**os.environ, "PYTHONPATH": str(repository)}
+    environment.pop("MLFLOW_TRACKING_URI", None)
+    server = subprocess.Popen(
+        [*command, "--port", str(port)], cwd=repository, env=environment,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+    )  # fmt: skip
+    address = f"http://127.0.0.1:{port}"
+    try:
+        await_answer(f"{address}/health")
+        yield address
+    finally:
+        os.killpg(server.pid, signal.SIGKILL)
+        server.wait()
+
+
+def await_answer(url):
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        try:
+            urllib.request.urlopen(url, timeout=5)
+            return
+        except OSError:
+            assert time.monotonic() < deadline
+            time.sleep(0.2)
+
+
+@pytest.fixture(scope="module")
+def server(experiments):
+    with served(experiments) as address:
+        yield address
+
+
+@pytest.fixture(scope="module")
+def runs(experiments):
+    """The runs of the stage that was changed: of the commit, and of the experiment `strict`."""
+    client = MlflowClient(f"sqlite:///{experiments / 'mlflow.db'}")
+    (experiment,) = client.search_experiments(filter_string="name = 'rallygap'")
+    found = client.search_runs(
+        [experiment.experiment_id],
+        f"run_name = '{CHANGED.split('.')[0]}' AND attributes.status = 'FINISHED'",
+        order_by=["start_time ASC"],
+        max_results=2,
+    )
+    return [one.info for one in found]
+
+
+@pytest.fixture
+def window(browser):
+    """A browser of the pictures' size, without MLflow's assistant."""
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", SIZE)
+    closed = "localStorage.setItem('mlflow.assistant.fab.autoOpenedOnFirstLoad_v1', 'true');"
+    done = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": closed})
+    yield browser
+    browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", done)
+
+
+def shown(window, url, text):
+    """Open a page of MLflow's and wait until it shows a text."""
+    window.get(url)
+    WebDriverWait(window, PATIENCE).until(
+        lambda one: text in one.find_element("tag name", "body").text
+    )
+
+
+def photographed(window, path):
+    time.sleep(2)  # until what moves on the page stands still
+    assert window.save_screenshot(str(path))
+
+
+def test_all_runs_are_listed_under_their_reproduction(window, server, runs, pictures):
+    url = f"{server}/#/experiments/{runs[0].experiment_id}/runs"
+    shown(window, url, "strict")
+    photographed(window, pictures / "mlflow_runs.png")
+
+
+def test_two_runs_stand_beside_each_other(window, server, runs, pictures):
+    chosen = quote(json.dumps([one.run_id for one in runs]))
+    experiments = quote(json.dumps([runs[0].experiment_id]))
+    url = f"{server}/#/compare-runs?runs={chosen}&experiments={experiments}"
+    shown(window, url, "Comparing 2 Runs")
+    for name in ("Parameters", "Metrics"):
+        toggle = window.find_element("css selector", f"[aria-label='{name} - Show diff only']")
+        window.execute_script("arguments[0].click()", toggle)
+    for heading in window.find_elements("xpath", FOLDED):
+        heading.click()
+    text = window.find_element("tag name", "body").text
+    assert f"{CHANGED} 16.0 4.0" in text and "segment.longest_gap" not in text
+    photographed(window, pictures / "mlflow_compare.png")
