@@ -1,12 +1,14 @@
 """What a stage's report holds: its contents.json, and its items as the page shows them."""
 
 import base64
+import csv
 import io
 import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
 import pandas as pd
 from PIL import Image
 from pydantic import BaseModel, ConfigDict
@@ -101,19 +103,30 @@ def read_columns(path: Path) -> list[Column]:
     """Return the columns of a CSV file, numbers rounded to the digits worth reading.
 
     Raises:
-        InputError: if the file is missing or is no CSV table.
+        InputError: if the file is missing, is no CSV table or has a number that is not finite.
     """
     _read(path)
     try:
-        table = pd.read_csv(
-            path, dtype_backend="numpy_nullable", keep_default_na=False, na_values=[""]
-        )
-    except ValueError as error:
+        table = _table(path)
+    except (ValueError, csv.Error) as error:
         raise InputError(path, f"is not a CSV table: {error}; run its stage again") from None
     return [
         Column(str(name), str(values.dtype) in ("Int64", "Float64"), _cells(values))
         for name, values in table.items()
     ]
+
+
+def _table(path: Path) -> pd.DataFrame:
+    with path.open(encoding="utf-8", newline="") as file:
+        widths = {len(row) for row in csv.reader(file) if row}
+    if len(widths) > 1:  # pandas would take what is too many for an index
+        raise ValueError("rows are longer or shorter than others")
+    table = pd.read_csv(path, dtype_backend="numpy_nullable", keep_default_na=False, na_values=[""])
+    endless = np.isinf(table.select_dtypes("Float64").to_numpy(float, na_value=0.0)).any(axis=0)
+    if endless.any():
+        name = table.select_dtypes("Float64").columns[endless][0]
+        raise ValueError(f"{name} has a number that is not finite")
+    return table
 
 
 def _data_uri(png: bytes) -> str:

@@ -58,6 +58,9 @@ class Shot(BaseModel):
         return self
 
 
+Shots = Annotated[list[Shot], Field(max_length=MOST_SHOTS)]
+
+
 def _check_path(times: Sequence[float], points: Sequence[Point], name: str) -> None:
     if len(times) != len(points):
         raise ValueError(f"{name} has {len(points)} points for {len(times)} times")
@@ -76,4 +79,4 @@ def read_shots(path: Path) -> list[Shot]:
     Raises:
         InputError: if the file is missing or breaks the schema, naming the shot and the field.
     """
-    return read_as(path, list[Shot], "evaluate_predictor")
+    return read_as(path, Shots, "evaluate_predictor")

@@ -42,6 +42,15 @@ def test_numbers_are_told_from_text(tmp_path):
     assert [column.is_number for column in read_columns(path)] == [True, False, False]
 
 
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [("x,y\n1,2,3\n", "is not a CSV table"), ("x,y\n0.5,1e999\n", "y has a number that is not")],
+)
+def test_tables_that_no_stage_writes_are_refused(tmp_path, text, problem):
+    with pytest.raises(InputError, match=problem):
+        cells(tmp_path / "a.csv", text)
+
+
 def test_missing_contents_say_which_stage_to_run(tmp_path):
     with pytest.raises(InputError, match=r"segment/contents\.json.*run `dvc repro segment` first"):
         read_contents(tmp_path, "segment")
