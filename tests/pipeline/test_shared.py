@@ -49,29 +49,15 @@ def repository(tmp_path):
 def test_results_go_through_a_folder_to_another_machine(repository, tmp_path):
     remote, other = tmp_path / "remote", tmp_path / "theirs"
     run(repository, "dvc", "remote", "add", "--local", "--default", "lab", str(remote))
-    run(repository, "dvc", "push", "--run-cache")
+    run(repository, "dvc", "push")
     assert run(repository, "git", "status", "--short") == ""  # nobody else's path is committed
 
     run(tmp_path, "git", "clone", "--quiet", str(repository), str(other))
     run(other, "dvc", "remote", "add", "--local", "--default", "lab", str(remote))
-    run(other, "dvc", "pull", "--run-cache")
+    run(other, "dvc", "pull")
 
     assert (other / "balls.bin").read_bytes() == (repository / "balls.bin").read_bytes()
     assert "up to date" in run(other, "dvc", "repro")
-
-
-def test_what_another_machine_has_run_is_not_run_again(repository, tmp_path):
-    """The lock may be lost; the cache of runs knows what the stage gave."""
-    remote, other = tmp_path / "remote", tmp_path / "theirs"
-    run(repository, "dvc", "remote", "add", "--local", "--default", "lab", str(remote))
-    run(repository, "dvc", "push", "--run-cache")
-    run(tmp_path, "git", "clone", "--quiet", str(repository), str(other))
-    run(other, "dvc", "remote", "add", "--local", "--default", "lab", str(remote))
-    run(other, "dvc", "fetch", "--run-cache")
-    (other / "dvc.lock").unlink()
-
-    assert "is cached" in run(other, "dvc", "repro")
-    assert (other / "balls.bin").read_bytes() == (repository / "balls.bin").read_bytes()
 
 
 @contextmanager
