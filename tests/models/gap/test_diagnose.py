@@ -95,7 +95,7 @@ def test_missing_lift_is_named_where_nobody_measured_the_spin():
     assert any("no spin labels" in one for one in verdict.limits)
 
 
-@pytest.mark.parametrize("flipped", [0, 8])
+@pytest.mark.parametrize("flipped", [0, pytest.param(8, marks=pytest.mark.slow)])
 def test_a_simulator_without_lift_lacks_it_where_spins_are_labelled(flipped):
     shots = measured(count=45)
     shots.labels[:flipped] *= -1.0
