@@ -13,6 +13,8 @@ NAMES = {
     "physics_c": "physics, simulator C",
     "physics_literature": "physics, literature",
     "amended_imperfect_c": "physics, C amended",
+    "amended_without_magnus": "physics, C without lift amended",
+    "amended_from_literature": "physics, literature amended",
     "oracle": "oracle",
     "transformer": "transformer",
     "transformer_fine_tuned": "transformer, fine-tuned",
