@@ -1,5 +1,7 @@
 """How far forecasts are off: mean and spread of the error over the forecast's horizon."""
 
+from typing import Literal
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -8,6 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from pipeline.figures.style import FIGURE_WIDTH, MUTED, predictor_colour, predictor_order
+
+Dashes = Literal["solid", "dashed", "dotted"]
 
 QUANTITIES = {
     "position": "position error (mm)",
@@ -22,7 +26,8 @@ ROWS = {
     "mean, without a bounce": ("without", "mean"),
 }
 HEADROOM = 0.15  # share of the panel; the number of windows stands over the lines
-LEGEND_COLUMNS = 4
+LEGEND_COLUMNS = 3
+FINE_TUNED, AMENDED = "_fine_tuned", "amended_"  # in predictors' names
 
 
 def forecast_error_figure(frame: pd.DataFrame) -> Figure:
@@ -63,16 +68,24 @@ def forecast_error_figure(frame: pd.DataFrame) -> Figure:
 def _draw_panel(axes: Axes, rows: pd.DataFrame, number: str, predictors: list[str]) -> None:
     for predictor in predictors:
         line = rows[rows["predictor"] == predictor].sort_values("horizon_ms")
-        colour = predictor_colour(predictor)
+        colour, dashes = line_style(predictor)
         if number == "mean":
-            axes.fill_between(
-                line["horizon_ms"], line["ci_low"], line["ci_high"], color=colour, alpha=0.22, lw=0
-            )
-        axes.plot(line["horizon_ms"], line[number], color=colour)
+            low, high = line["ci_low"], line["ci_high"]
+            axes.fill_between(line["horizon_ms"], low, high, color=colour, alpha=0.22, lw=0)
+        axes.plot(line["horizon_ms"], line[number], color=colour, linestyle=dashes)
     counts = sorted({rows["n"].min(), rows["n"].max()}) if len(rows) else [0]
     count = "n = " + " to ".join(f"{number:,}" for number in counts)
     note = axes.text(0.04, 0.97, count, transform=axes.transAxes, va="top", color=MUTED, fontsize=8)
     note.set_bbox({"color": "white", "pad": 1})
+
+
+def line_style(predictor: str) -> tuple[str, Dashes]:
+    """Return colour and dashes: fine-tuned is dashed, in its network's colour; amended dotted."""
+    network = predictor.removesuffix(FINE_TUNED)
+    dashes: Dashes = "dotted" if predictor.startswith(AMENDED) else "solid"
+    if network != predictor:
+        dashes = "dashed"
+    return predictor_colour(network), dashes
 
 
 def _label_axes(grid: np.ndarray, quantities: list[str]) -> None:
@@ -88,7 +101,11 @@ def _label_axes(grid: np.ndarray, quantities: list[str]) -> None:
 
 
 def _add_legends(figure: Figure, title: str, predictors: list[str]) -> None:
-    lines = [Line2D([], [], color=predictor_colour(name), label=name) for name in predictors]
+    styles = {name: line_style(name) for name in predictors}
+    lines = [
+        Line2D([], [], color=colour, linestyle=dashes, label=name)
+        for name, (colour, dashes) in styles.items()
+    ]
     figure.legend(
         handles=lines,
         loc="outside upper left",

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.figures.forecast_error import forecast_error_figure
+from pipeline.figures.forecast_error import forecast_error_figure, line_style
 from pipeline.figures.style import apply_style, predictor_colour
 from tests.pipeline.figures.made_up import HORIZONS, forecast_errors
 
@@ -41,6 +41,13 @@ def test_band_is_the_interval():
     corners = panel.collections[0].get_paths()[0].vertices
     heights = corners[corners[:, 0] == 300, 1]
     assert (heights.min(), heights.max()) == pytest.approx((last["ci_low"], last["ci_high"]))
+
+
+def test_what_was_fine_tuned_or_amended_is_told_by_its_dashes():
+    colour, dashes = line_style("transformer")
+    assert dashes == "solid"
+    assert line_style("transformer_fine_tuned") == (colour, "dashed")
+    assert line_style("amended_imperfect_c")[1] == "dotted"
 
 
 def test_order_of_rows_does_not_matter():
