@@ -14,7 +14,8 @@ PREAMBLE = """# The paper, number by number
 numbers, the stage that makes ours, and how the two compare. Written from the reports by
 `rallygap paper > docs/paper.md`; `reports/index.html` draws the same.
 
-- *laptop* is the last run (`reports/`), *paper* the profile in the paper's size (`reports/paper/`).
+- *laptop* is the last run (`reports/`), *paper* the one with the paper's balls (`reports/paper/`,
+  whose `run.json` has the command and the sizes).
 - Intervals are of 95 %. A dash: not there. Balls, arm and policy are others than the paper's:
   what can be set beside each other are differences and their signs ([deviations](deviations.md)).
 """
