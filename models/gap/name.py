@@ -8,7 +8,8 @@ poor; every round weighs all sets afresh, so that what stood in for causes not y
 What evidence promises has to come true when the shots are refitted: where spins were not measured,
 lift is a product of two unknowns, and far from where it is linear a promise may be empty.
 Before that, two causes are looked for that hide all others: lift where a simulator has none
-(lift.py), and labels that read backwards (signs.py).
+(lift.py), and labels that read backwards (signs.py). Labels in doubt are left out until the other
+causes are known, and tell which of them are wrong.
 """
 
 from collections.abc import Callable
@@ -31,8 +32,12 @@ MOST_ROUNDS = 8
 MOST_SHOTS = 70  # of which causes are looked for first; all of them only look once more
 LEAST_SPIN = 1.0  # rad/s that a component of a spin may always have
 
+# Shots about a simulator with causes in it, the explanation of these, and whether it stays.
+Followed = tuple[Refitted, Explainer, Explanation, bool]
 # From places of causes in the simulator, and of those always there, to another explanation.
 Proposal = Callable[[Explainer, Places, Places], Explanation]
+
+EXTRAPOLATED = 0.01  # of a gain, to which evidence about causes that are far off is good
 
 SIGNS = "spin_sign_flip"
 LIFT = Hypothesis("magnus", "cm")
@@ -94,28 +99,34 @@ def name(
         question: what is asked of them.
         begun: is told the evidence before causes are looked for.
     """
-    base, turned = refit(shots, question.simulator, ()), no_signs(shots)
+    base = refit(shots, question.simulator, ())
     begun(from_nominal(base, question.simulator, question.withheld))
     about = _lifted(shots, question) or base
-    if SIGNS not in question.withheld:
-        turned = signs(shots, about)
-    if turned.significant:
-        named = _with_signs(shots, question, turned)
-    else:
-        named = _explained(shots, question, about, base, turned)
-    # A simulator that lacks a cause may mistake signs; the one that has it decides.
-    if SIGNS not in question.withheld and named.explanation.causes:
-        again = turned.corrected(signs(turned.righted(shots), named.found))
-        if again != turned:
-            before = named.before if again.significant else base
-            named = _resumed(named, again.righted(shots), question, before, again)
+    if SIGNS in question.withheld:
+        return _explained(shots, question, about, base, no_signs(shots))
+    doubtful = signs(shots, about)
+    if doubtful.significant:
+        return _in_doubt(shots, question, doubtful)
+    named = _explained(shots, question, about, base, doubtful)
+    if named.explanation.causes:
+        turned = signs(shots, named.found)
+        if turned != doubtful:
+            named = _resumed(named, turned.righted(shots), question, base, turned)
     return named
 
 
-def _with_signs(shots: Shots, question: Question, turned: Signs) -> Named:
-    shots = turned.righted(shots)
-    base = refit(shots, question.simulator, ())
-    return _explained(shots, question, _lifted(shots, question) or base, base, turned)
+def _in_doubt(shots: Shots, question: Question, doubtful: Signs) -> Named:
+    """Return the causes by all labels but doubtful ones; these then read as the causes have it.
+
+    A simulator that lacks a cause may mistake signs, and causes that were found with signs put
+    wrong would confirm them.
+    """
+    silent = doubtful.left_out(shots)
+    base = refit(silent, question.simulator, ())
+    named = _explained(silent, question, _lifted(silent, question) or base, base, doubtful)
+    turned = signs(shots, refit(shots, named.simulator, ()))
+    righted = turned.righted(shots)
+    return _resumed(named, righted, question, refit(righted, question.simulator, ()), turned)
 
 
 def _resumed(
@@ -178,9 +189,7 @@ def _explained(
     return Named(found, explainer, explanation, settled, before, turned)
 
 
-def _settled(
-    found: Refitted, question: Question, always: tuple[Hypothesis, ...]
-) -> tuple[Refitted, Explainer, Explanation, bool]:
+def _settled(found: Refitted, question: Question, always: tuple[Hypothesis, ...]) -> Followed:
     """Explain and refit in turn until the explanation stays; last comes whether it does.
 
     Where an explanation breaks its promise, causes are from there on added one at a time to those
@@ -196,12 +205,36 @@ def _settled(
     broken = not stays and _hypotheses(explainer, explanation) == found.free
     for propose in (_one_more, _fewer) if broken else ():
         found, explainer, explanation, stays = _followed(found, question, always, propose)
-    return found, explainer, explanation, stays
+    simpler = _simpler(found, explainer, question, always) if stays else None
+    return simpler or (found, explainer, explanation, stays)
+
+
+def _simpler(
+    found: Refitted, explainer: Explainer, question: Question, always: tuple[Hypothesis, ...]
+) -> Followed | None:
+    """Return an explanation of fewer causes that fits as well, where about these it stays.
+
+    Evidence about causes that are far off is too poor to tell one from two that do its work: a
+    clock that runs a fifth slow from a wrong gravity and a spin sensor's gain.
+    """
+    held, known = _places(explainer, found.free), _places(explainer, always)
+    if len(held) < len(known) + 2:
+        return None
+    fewer = explained(explainer, known, len(held) - 1).causes
+    if explainer.gain(fewer) < (1 - EXTRAPOLATED) * explainer.gain(held):
+        return None
+    causes = tuple(explainer.evidence.columns[k] for k in fewer)
+    trial = refit(found.linear.shots, with_estimates(explainer, fewer), causes, begin=found)
+    if gained(found, trial) < -explainer.price * (len(held) - len(fewer)):
+        return None
+    other = _followed(trial, question, always, _afresh)
+    _, _, explanation, stays = other
+    return other if stays and len(explanation.causes) < len(held) else None
 
 
 def _followed(
     found: Refitted, question: Question, always: tuple[Hypothesis, ...], propose: Proposal
-) -> tuple[Refitted, Explainer, Explanation, bool]:
+) -> Followed:
     """Follow explanations as long as they keep their promises; last comes whether they all did."""
     earlier = [found.free]
     while True:

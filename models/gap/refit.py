@@ -113,25 +113,27 @@ def gained(one: Refitted, other: Refitted) -> float:
     """Return by how much less the same shots miss the ``other`` simulator, with fitted unknowns.
 
     It is twice the gain of log likelihood in the noise about the other, of samples and shots that
-    either trusts. Labels err by a share of the spins as fitted, and are weighed by those about
-    the other; each by its own, smaller spins would pass for a worse fit.
+    either trusts. Labels err by a share of the spins as fitted, and positions by what time stamps
+    miss at the velocities as fitted: both are weighed by those about the other. Each by its own,
+    smaller spins and velocities would pass for a worse fit.
     """
-    noise, units = other.components.noise, other.linear.units
+    noise, about = other.components.noise, other.linear
     weights = np.minimum(one.components.weights, other.components.weights)
     trust = np.minimum(one.components.trust, other.components.trust)
-    before, after = (_misfit(found.linear, units, noise, weights, trust) for found in (one, other))
+    before, after = (_misfit(found.linear, about, noise, weights, trust) for found in (one, other))
     return before - after
 
 
 def _misfit(
-    linear: Linearised, units: Floats, noise: Noise, weights: Floats, trust: Floats
+    linear: Linearised, about: Linearised, noise: Noise, weights: Floats, trust: Floats
 ) -> float:
     kept = [*range(linear.own), -1]  # the unknowns, and what is left
     alone = replace(
         linear,
         columns=(),
         positions=linear.positions[..., kept],
-        labels=linear.labels[..., kept] * (linear.units / units)[..., None, None],
+        velocities=about.velocities,
+        labels=linear.labels[..., kept] * (linear.units / about.units)[..., None, None],
     )
     left = marginal(grams(alone, noise, weights, trust).total(noise), linear.own)
     return float(left.misfit.sum())

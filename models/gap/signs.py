@@ -3,7 +3,7 @@
 Whether a label is negated is a question to one shot at a time: it is fitted with the label as it is
 and with the label negated. Where the latter fits far better, and as well as shots do, the label is
 backwards. The share of such shots is the effect ``spin_sign_flip``; the rest of the workflow sees
-them with their signs put right.
+them with their signs put right, or leaves them out as long as that is in doubt.
 """
 
 from dataclasses import dataclass, replace
@@ -70,10 +70,11 @@ class Signs:
         turn[sorted(self.backwards)] = -1.0
         return replace(shots, labels=shots.labels * turn)
 
-    def corrected(self, again: "Signs") -> "Signs":
-        """Return the signs after those that were put right were looked at once more."""
-        changed = self.backwards ^ again.backwards if self.significant else again.backwards
-        return replace(self, backwards=changed)
+    def left_out(self, shots: Shots) -> Shots:
+        """Return shots without the labels that are backwards."""
+        times, labels = shots.label_times.copy(), shots.labels.copy()
+        times[sorted(self.backwards)] = labels[sorted(self.backwards)] = np.nan
+        return replace(shots, label_times=times, labels=labels)
 
 
 def no_signs(shots: Shots) -> Signs:

@@ -1,5 +1,8 @@
 """Name: many causes at once, and none that is not there."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from models.arena.truth import draw_truth
@@ -9,6 +12,8 @@ from models.gap import name as naming
 from models.gap.diagnose import diagnose
 from models.gap.limits import WANDERING
 from models.gap.name import Question, name
+from models.gap.refit import refit
+from models.gap.signs import signs
 from models.gap.verdict import label_of
 from tests.models.gap.hidden import NOMINAL, measured
 
@@ -51,6 +56,27 @@ def test_causes_that_do_not_stay_are_ambiguous(monkeypatch):
     assert verdict.verdict == "ambiguous"
     assert [one.possible for one in verdict.effects] == [("side_force",)]
     assert verdict.limits[-1] == WANDERING
+
+
+@pytest.mark.parametrize("labels", ["rows", "one"])
+def test_a_clock_that_runs_slow_is_neither_gravity_nor_backward_labels(labels):
+    """Gravity and a spin sensor's gain do the work of such a clock; labels seem to contradict."""
+    slow = NOMINAL.amended("clock_rate", d=-0.18)
+    shots = measured(slow, count=24, seed=1, labels=labels)
+    assert signs(shots, refit(shots, NOMINAL, ())).significant
+    found = name(shots, Question(NOMINAL, 0.003))
+    assert not found.signs.backwards
+    assert [one.effect for one in found.found.free] == ["clock_rate"]
+    assert found.simulator.to_dict()["clock_rate"]["d"] == pytest.approx(-0.18, abs=0.001)
+
+
+def test_backward_labels_are_told_beside_a_cause():
+    shots = measured(NOMINAL.amended("gravity", g=10.6), count=24, seed=2)
+    turn = np.ones((24, 1, 1))
+    turn[[2, 5, 11, 17]] = -1.0
+    found = name(replace(shots, labels=shots.labels * turn), Question(NOMINAL, 0.003))
+    assert found.signs.backwards == {2, 5, 11, 17}
+    assert [one.effect for one in found.found.free] == ["gravity"]
 
 
 @pytest.mark.slow

@@ -1,10 +1,13 @@
 """Refit: values come back, and a hidden effect leads the evidence."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from models.gap.evidence import familywise
 from models.gap.hypotheses import Hypothesis
+from models.gap.linear import linearise
 from models.gap.refit import gained, refit
 from tests.models.gap.hidden import NOMINAL, measured, own
 
@@ -122,3 +125,15 @@ def test_stronger_lift_is_likelier_although_it_makes_spins_smaller():
     shots = measured(NOMINAL.amended("magnus", cm=0.094), count=30, seed=3)
     before, after = (refit(shots, NOMINAL, free) for free in ((), (lift,)))
     assert gained(before, after) > 20.0
+
+
+def test_one_path_is_as_likely_by_a_slow_clock_as_by_what_does_its_work():
+    """To a clock of rate r balls fly as if they and their spins were 1/r as fast: so is g / r^2."""
+    slow = NOMINAL.amended("clock_rate", d=-0.18)
+    shots = measured(slow, count=10, seed=3)
+    clock = refit(shots, slow, ())
+    faster = clock.linear.unknowns.copy()
+    faster[:, 3:9] /= 0.82
+    other = NOMINAL.amended("gravity", g=9.81 / 0.82**2).amended("spin_gain", s=0.82 - 1.0)
+    alike = replace(clock, linear=linearise(shots, other, faster, ()))
+    assert gained(clock, alike) == pytest.approx(0.0, abs=1.0)

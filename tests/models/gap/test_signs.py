@@ -39,8 +39,11 @@ def test_the_interval_of_a_share_is_wilsons():
     assert found.significant
 
 
-def test_signs_that_a_better_simulator_turns_back_are_right():
-    first = Signs(9, frozenset({1, 2, 3, 4}), 9)
-    assert first.corrected(Signs(9, frozenset({4, 5}), 9)).backwards == {1, 2, 3, 5}
-    few = Signs(9, frozenset({1, 2}), 9)
-    assert few.corrected(Signs(9, frozenset({1}), 9)).backwards == {1}
+def test_labels_in_doubt_are_left_out_and_no_others():
+    shots = measured(count=6)
+    left = Signs(6, frozenset({1, 4}), 6).left_out(shots)
+    assert left.labelled.any(axis=1).tolist() == [True, False, True, True, False, True]
+    kept = [0, 2, 3, 5]
+    assert np.array_equal(left.labels[kept], shots.labels[kept], equal_nan=True)
+    assert np.isnan(left.labels[[1, 4]]).all()
+    assert shots.labelled.all(axis=1).any()  # which are as they were
