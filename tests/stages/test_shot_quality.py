@@ -122,7 +122,14 @@ def test_more_folds_than_matches_are_one_error(again):
         shot_quality(stage(again, SETTINGS.model_copy(update={"folds": 7})))
 
 
-def test_without_a_return_there_is_one_error(again):
+def test_without_a_return_the_forest_is_told_and_no_medians(again, capsys):
     write_trials(again, trials().assign(returned=False))
-    with pytest.raises(InputError, match="no ball was returned"):
-        shot_quality(stage(again))
+    run = stage(again)
+    shot_quality(run)
+    assert "no ball of sim2real was returned" in capsys.readouterr().err
+    rows = table(run, "quality")
+    assert (rows["returns"] == 0).all()
+    assert rows["speed"].isna().all()
+    assert len(table(run, "scores")) == 6
+    assert table(run, "unlike").empty and table(run, "win_probability").empty
+    assert {item.file for item in run.items} >= {"figures/quality.png", "quality.csv"}
