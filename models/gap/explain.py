@@ -59,16 +59,18 @@ class Explainer:
         evidence: about departures from the nominal simulator.
         nominal: it.
         level: chance of a false name in a set without any gap.
+        refitted: hypotheses that the shots were refitted with.
     """
 
     evidence: Evidence
     nominal: Simulator
     level: float
+    refitted: Places = ()
 
     @cached_property
     def scales(self) -> Scales:
         """What weighs sets of hypotheses."""
-        return Scales.of(self.evidence, self.nominal)
+        return Scales.of(self.evidence, self.nominal, self.refitted)
 
     @cached_property
     def candidates(self) -> Places:

@@ -217,7 +217,7 @@ def _simpler(
     Evidence about causes that are far off is too poor to tell one from two that do its work: a
     clock that runs a fifth slow from a wrong gravity and a spin sensor's gain.
     """
-    held, known = _places(explainer, found.free), _places(explainer, always)
+    held, known = explainer.refitted, _places(explainer, always)
     if len(held) < len(known) + 2:
         return None
     fewer = explained(explainer, known, len(held) - 1).causes
@@ -239,8 +239,8 @@ def _followed(
     earlier = [found.free]
     while True:
         evidence = from_nominal(found, question.simulator, question.withheld)
-        explainer = Explainer(evidence, question.simulator, question.level)
-        held = _places(explainer, found.free)
+        held = tuple(k for k, one in enumerate(evidence.columns) if one in found.free)
+        explainer = Explainer(evidence, question.simulator, question.level, held)
         explanation = propose(explainer, held, _places(explainer, always))
         causes = _hypotheses(explainer, explanation)
         if causes in earlier or len(earlier) > MOST_ROUNDS:
@@ -278,7 +278,7 @@ def _keeps_promise(
 
     All is linear about what was found; far from there a promise may be empty.
     """
-    now = explainer.gain(_places(explainer, found.free))
+    now = explainer.gain(explainer.refitted)
     promised = min(explainer.gain(explanation.causes) - now, 0.0)
     return gained(found, trial) > promised - explainer.price
 

@@ -31,22 +31,32 @@ class Scales:
         scores: (K,) of all shots.
         start: (K,) values from which estimates depart.
         bounds: (K, 2) of the values.
+        refitted: (K,) whether the shots were refitted with it, by which those of them that look
+            much alike are told apart: a lift that saturates from a weaker one that does not.
     """
 
     information: Floats
     scores: Floats
     start: Floats
     bounds: Floats
+    refitted: Bools
 
     @classmethod
-    def of(cls, evidence: Evidence, nominal: Simulator) -> "Scales":
-        """Return the scales for departures from the nominal simulator."""
+    def of(cls, evidence: Evidence, nominal: Simulator, refitted: Sequence[int] = ()) -> "Scales":
+        """Return the scales for departures from the nominal simulator.
+
+        Args:
+            evidence: about them.
+            nominal: the simulator.
+            refitted: hypotheses that the shots were refitted with.
+        """
         known = np.maximum(RIDGE * np.diag(evidence.total), NOTHING)
         information = evidence.total + np.diag(known)
         start = [one.value(nominal) for one in evidence.columns]
         bounds = [one.declaration.bounds for one in evidence.columns]
         scores = evidence.scores.sum(axis=0)
-        return cls(information, scores, np.array(start), np.array(bounds))
+        with_it = np.isin(np.arange(len(start)), refitted)
+        return cls(information, scores, np.array(start), np.array(bounds), with_it)
 
     def gains(self, sets: Indices) -> tuple[Floats, Floats]:
         """Return the (R,) gains of (R, S) sets of hypotheses, and their (R, S) estimates.
@@ -90,5 +100,6 @@ class Scales:
         value, error = self.start[places] + estimates, BEYOND * np.sqrt(variance)
         low, high = self.bounds[places, 0] - error, self.bounds[places, 1] + error
         apart = variance * np.diag(self.information)[places] < MOST_ALIKE
+        apart |= self.refitted[places]
         possible: Bools = (value > low) & (value < high) & apart
         return possible

@@ -1,5 +1,7 @@
 """Explanations: the fewest causes that suffice, and their rivals, in a linear world."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -86,6 +88,12 @@ def test_values_that_cannot_be_explain_nothing():
     weighing = explainer(effect(cd=-0.9))
     assert weighing.scales.gains(np.array([[CD]]))[0][0] == -np.inf
     assert weighing.scales.gains(np.array([[Y]]))[0][0] > -np.inf
+
+
+def test_causes_that_look_much_alike_stand_where_shots_were_refitted_with_them():
+    weighing = explainer(effect(x=6.0, y=-6.5, z=-5.0))
+    assert explained(weighing).causes == (X, Y)
+    assert explained(replace(weighing, refitted=(X, Y, Z))).causes == (X, Y, Z)
 
 
 def test_what_rests_on_one_shot_is_no_cause():

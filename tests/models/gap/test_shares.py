@@ -11,7 +11,8 @@ def scales(scores, likeness=0.0):
     """Causes of the same information, all equally alike."""
     count = len(scores)
     information = np.full((count, count), likeness) + (1 - likeness) * np.eye(count)
-    return Scales(information, np.array(scores), np.zeros(count), np.tile([-1e3, 1e3], (count, 1)))
+    bounds, refitted = np.tile([-1e3, 1e3], (count, 1)), np.zeros(count, dtype=bool)
+    return Scales(information, np.array(scores), np.zeros(count), bounds, refitted)
 
 
 def test_causes_apart_have_what_each_gains_alone():
