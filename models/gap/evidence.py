@@ -66,7 +66,7 @@ class Tested:
     @cached_property
     def estimate(self) -> Floats:
         """(D,) by how much the values differ from the simulator's, to first order."""
-        change: Floats = np.linalg.solve(self.information, self.scores.sum(axis=0))
+        change: Floats = np.linalg.solve(_regular(self.information), self.scores.sum(axis=0))
         return change
 
     @cached_property

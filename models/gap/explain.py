@@ -189,7 +189,10 @@ class Explainer:
 
 @dataclass(frozen=True)
 class Explanation:
-    """A set of causes, each with the chance that the largest of all is as large by chance."""
+    """A set of causes, each with the chance that the largest of all is as large by chance.
+
+    It is 1 for known causes of which the shots decide nothing any more.
+    """
 
     causes: Places
     p_values: dict[int, float]
@@ -211,5 +214,5 @@ def explained(explainer: Explainer, always: Places = (), most: int = AT_ONCE) ->
         chances |= {k: 1.0 for k in causes if k in tests and tests[k].held_out_gain <= 0.0}
         weak = [k for k in causes if k not in always and chances.get(k, 1.0) > explainer.level]
         if not weak:
-            return Explanation(causes, {k: float(chances.get(k, 0.0)) for k in causes})
+            return Explanation(causes, {k: float(chances.get(k, 1.0)) for k in causes})
         barred.add(max(weak, key=lambda k: chances.get(k, 1.0)))

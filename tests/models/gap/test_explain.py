@@ -96,6 +96,16 @@ def test_causes_that_look_much_alike_stand_where_shots_were_refitted_with_them()
     assert explained(replace(weighing, refitted=(X, Y, Z))).causes == (X, Y, Z)
 
 
+def test_a_known_cause_that_the_shots_see_nothing_of_is_not_significant():
+    blind = explainer(effect(y=0.4))
+    blind.evidence.scores[:, Z] = 0.0
+    blind.evidence.information[:, Z] = blind.evidence.information[:, :, Z] = 0.0
+    found = explained(blind, always=(Z,))
+    assert found.causes == (Y, Z)
+    assert found.p_values[Z] == 1.0
+    assert blind.evidence.tested([Z], [Y]).estimate == 0.0
+
+
 def test_what_rests_on_one_shot_is_no_cause():
     weighing = explainer(effect())
     weighing.evidence.scores[7, Y] += 120.0
