@@ -34,8 +34,8 @@ LEAST_SPIN = 1.0  # rad/s that a component of a spin may always have
 
 # Shots about a simulator with causes in it, the explanation of these, and whether it stays.
 Followed = tuple[Refitted, Explainer, Explanation, bool]
-# From places of causes in the simulator, and of those always there, to another explanation.
-Proposal = Callable[[Explainer, Places, Places], Explanation]
+# From what weighs explanations about a refit, and places of known causes, to another explanation.
+Proposal = Callable[[Explainer, Places], Explanation]
 
 EXTRAPOLATED = 0.01  # of a gain, to which evidence about causes that are far off is good
 
@@ -217,7 +217,7 @@ def _simpler(
     Evidence about causes that are far off is too poor to tell one from two that do its work: a
     clock that runs a fifth slow from a wrong gravity and a spin sensor's gain.
     """
-    held, known = explainer.refitted, _places(explainer, always)
+    held, known = explainer.refitted, _places(explainer.evidence, always)
     if len(held) < len(known) + 2:
         return None
     fewer = explained(explainer, known, len(held) - 1).causes
@@ -239,9 +239,9 @@ def _followed(
     earlier = [found.free]
     while True:
         evidence = from_nominal(found, question.simulator, question.withheld)
-        held = tuple(k for k, one in enumerate(evidence.columns) if one in found.free)
+        held = _places(evidence, found.free)
         explainer = Explainer(evidence, question.simulator, question.level, held)
-        explanation = propose(explainer, held, _places(explainer, always))
+        explanation = propose(explainer, _places(evidence, always))
         causes = _hypotheses(explainer, explanation)
         if causes in earlier or len(earlier) > MOST_ROUNDS:
             return found, explainer, explanation, causes in earlier
@@ -253,16 +253,17 @@ def _followed(
         found = trial
 
 
-def _afresh(explainer: Explainer, held: Places, always: Places) -> Explanation:
-    return explained(explainer, always, len(held) + AT_ONCE)
+def _afresh(explainer: Explainer, always: Places) -> Explanation:
+    return explained(explainer, always, len(explainer.refitted) + AT_ONCE)
 
 
-def _one_more(explainer: Explainer, held: Places, always: Places) -> Explanation:
-    return explained(explainer, held, len(held) + 1)
+def _one_more(explainer: Explainer, always: Places) -> Explanation:
+    return explained(explainer, explainer.refitted, len(explainer.refitted) + 1)
 
 
-def _fewer(explainer: Explainer, held: Places, always: Places) -> Explanation:
+def _fewer(explainer: Explainer, always: Places) -> Explanation:
     """Return the explanation without the least significant cause, if there is one that is not."""
+    held = explainer.refitted
     whole = explained(explainer, held, len(held))
     weakest = max(set(held) - set(always), key=lambda k: whole.p_values[k], default=None)
     if weakest is None or whole.p_values[weakest] <= explainer.level:
@@ -283,8 +284,8 @@ def _keeps_promise(
     return gained(found, trial) > promised - explainer.price
 
 
-def _places(explainer: Explainer, some: tuple[Hypothesis, ...]) -> Places:
-    return tuple(k for k, one in enumerate(explainer.evidence.columns) if one in some)
+def _places(evidence: Evidence, some: tuple[Hypothesis, ...]) -> Places:
+    return tuple(k for k, one in enumerate(evidence.columns) if one in some)
 
 
 def _hypotheses(explainer: Explainer, explanation: Explanation) -> tuple[Hypothesis, ...]:

@@ -112,14 +112,16 @@ def fitted(shots: Shots, simulator: Simulator, noise: Noise) -> Refitted:
 def gained(one: Refitted, other: Refitted) -> float:
     """Return by how much less the same shots miss the ``other`` simulator, with fitted unknowns.
 
-    It is twice the gain of log likelihood in the noise about the other, of samples and shots that
-    either trusts. Labels err by a share of the spins as fitted, and positions by what time stamps
-    miss at the velocities as fitted: both are weighed by those about the other. Each by its own,
-    smaller spins and velocities would pass for a worse fit.
+    It is twice the gain of log likelihood in the noise about the other, of samples, labels and
+    shots that both trust. Labels err by a share of the spins as fitted, and positions by what time
+    stamps miss at the velocities as fitted: both are weighed by those about the other. Each by its
+    own, smaller spins and velocities would pass for a worse fit.
     """
     noise, about = other.components.noise, other.linear
+    labelled = one.linear.labelled & other.linear.labelled
     weights = np.minimum(one.components.weights, other.components.weights)
     trust = np.minimum(one.components.trust, other.components.trust)
+    about = replace(about, labelled=labelled)
     before, after = (_misfit(found.linear, about, noise, weights, trust) for found in (one, other))
     return before - after
 
@@ -128,12 +130,14 @@ def _misfit(
     linear: Linearised, about: Linearised, noise: Noise, weights: Floats, trust: Floats
 ) -> float:
     kept = [*range(linear.own), -1]  # the unknowns, and what is left
+    units = np.where(about.labelled, linear.units / about.units, 0.0)
     alone = replace(
         linear,
         columns=(),
         positions=linear.positions[..., kept],
         velocities=about.velocities,
-        labels=linear.labels[..., kept] * (linear.units / about.units)[..., None, None],
+        labels=linear.labels[..., kept] * units[..., None, None],
+        labelled=about.labelled,
     )
     left = marginal(grams(alone, noise, weights, trust).total(noise), linear.own)
     return float(left.misfit.sum())
@@ -183,7 +187,20 @@ def _moved(
     for part in SHORTER:
         simulator = _with_values(linear.simulator, free, values + part * step)
         unknowns = fit.unknowns + coefficients(total, linear.own, part * step)
-        there = refit_shots(shots, simulator, unknowns, noise, FOLLOWING)
+        there = _followed(shots, simulator, unknowns, here)
         if parts.trust @ there.cost <= WORSE * (parts.trust @ here.cost):
             return simulator, there
     return None
+
+
+def _followed(shots: Shots, simulator: Simulator, unknowns: Floats, here: ShotFit) -> ShotFit:
+    """Return shots about a simulator nearby; those that the way there loses start where they were.
+
+    One lost shot, whose samples pass for outliers, could outweigh what all others gain.
+    """
+    there = refit_shots(shots, simulator, unknowns, here.noise, FOLLOWING)
+    lost = np.flatnonzero(there.cost > WORSE * here.cost)
+    if not len(lost):
+        return there
+    again = refit_shots(shots[lost], simulator, here.unknowns[lost], here.noise, FOLLOWING)
+    return there.with_better(lost, again)

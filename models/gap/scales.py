@@ -42,7 +42,7 @@ class Scales:
     refitted: Bools
 
     @classmethod
-    def of(cls, evidence: Evidence, nominal: Simulator, refitted: Sequence[int] = ()) -> "Scales":
+    def of(cls, evidence: Evidence, nominal: Simulator, refitted: Sequence[int]) -> "Scales":
         """Return the scales for departures from the nominal simulator.
 
         Args:

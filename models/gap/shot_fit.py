@@ -54,6 +54,15 @@ class ShotFit:
     noise: Noise
     cost: Floats
 
+    def with_better(self, rows: Indices, other: "ShotFit") -> "ShotFit":
+        """Return the shots with those of ``rows`` as another fit has them where that is better."""
+        found = other.cost < self.cost[rows]
+        taken = rows[found]
+        unknowns, weights, cost = self.unknowns.copy(), self.weights.copy(), self.cost.copy()
+        unknowns[taken], weights[taken] = other.unknowns[found], other.weights[found]
+        cost[taken] = other.cost[found]
+        return replace(self, unknowns=unknowns, weights=weights, cost=cost)
+
 
 def fit_shots(shots: Shots, simulator: Simulator) -> ShotFit:
     """Fit the unknowns of shots from scratch, and guess the noise from what is left."""

@@ -114,9 +114,18 @@ def test_shots_are_likelier_about_the_simulator_with_the_hidden_effect():
     shots = measured(NOMINAL.amended("side_force", cy=0.005), count=20)
     before = refit(shots, NOMINAL, ())
     after = refit(shots, NOMINAL, (Hypothesis("side_force", "cy"),), before)
+    assert after.simulator.effects["side_force"]["cy"] == pytest.approx(0.005, abs=0.001)
     assert gained(before, after) > 30.0
     assert gained(after, before) < 0.0
     assert gained(after, after) == 0.0
+
+
+def test_labels_that_only_one_of_two_fits_can_use_are_not_compared():
+    found = refit(measured(count=10, seed=4), NOMINAL, ())
+    labels, labelled = found.linear.labels.copy(), found.linear.labelled.copy()
+    labels[0], labelled[0] = 0.0, False
+    half = replace(found, linear=replace(found.linear, labels=labels, labelled=labelled))
+    assert gained(half, found) == gained(found, half) == 0.0
 
 
 def test_stronger_lift_is_likelier_although_it_makes_spins_smaller():
