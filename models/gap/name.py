@@ -277,11 +277,12 @@ def _keeps_promise(
 ) -> bool:
     """Return whether shots refitted with an explanation are as likely as it promised, or likelier.
 
-    All is linear about what was found; far from there a promise may be empty.
+    All is linear about what was found; far from there a promise may be empty. Where values make
+    no sense, as a lift that saturates less than not at all, nothing is promised that could be kept.
     """
-    now = explainer.gain(explainer.refitted)
-    promised = min(explainer.gain(explanation.causes) - now, 0.0)
-    return gained(found, trial) > promised - explainer.price
+    gain = explainer.gain(explanation.causes)
+    promised = min(gain - explainer.gain(explainer.refitted), 0.0)
+    return gain > -np.inf and gained(found, trial) > promised - explainer.price
 
 
 def _places(evidence: Evidence, some: tuple[Hypothesis, ...]) -> Places:

@@ -10,6 +10,7 @@ from models.ball.simulator import Simulator
 from models.ball.simulators import shipped
 from models.gap import name as naming
 from models.gap.diagnose import diagnose
+from models.gap.explain import Explainer, Explanation, from_nominal
 from models.gap.limits import WANDERING
 from models.gap.name import Question, name
 from models.gap.refit import refit
@@ -68,6 +69,19 @@ def test_a_clock_that_runs_slow_is_neither_gravity_nor_backward_labels(labels):
     assert not found.signs.backwards
     assert [one.effect for one in found.found.free] == ["clock_rate"]
     assert found.simulator.to_dict()["clock_rate"]["d"] == pytest.approx(-0.18, abs=0.001)
+
+
+def test_values_that_make_no_sense_promise_nothing():
+    """More lift than in the simulator would be a saturation below nothing."""
+    found = refit(measured(NOMINAL.amended("magnus", cm=0.15), count=20), NOMINAL, ())
+    explainer = Explainer(from_nominal(found, NOMINAL), NOMINAL, 0.003)
+    places = {label_of(one): k for k, one in enumerate(explainer.evidence.columns)}
+    lift, saturation = (places[one] for one in ("magnus", "lift_saturation"))
+    assert explainer.gain((saturation,)) == -np.inf
+    hopeless, right = (Explanation((k,), {k: 0.0}) for k in (saturation, lift))
+    trial = refit(found.linear.shots, NOMINAL.amended("magnus", cm=0.15), ())
+    assert naming._keeps_promise(explainer, right, found, trial)
+    assert not naming._keeps_promise(explainer, hopeless, found, trial)
 
 
 def test_backward_labels_are_told_beside_a_cause():
