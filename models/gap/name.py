@@ -246,9 +246,8 @@ def _followed(
         if causes in earlier or len(earlier) > MOST_ROUNDS:
             return found, explainer, explanation, causes in earlier
         earlier.append(causes)
-        near = with_estimates(explainer, explanation.causes)
-        trial = refit(found.linear.shots, near, causes, begin=found)
-        if not _keeps_promise(explainer, explanation, found, trial):
+        trial = _as_promised(explainer, explanation, found)
+        if trial is None:
             return found, explainer, explained(explainer, held, len(held)), False
         found = trial
 
@@ -272,17 +271,22 @@ def _fewer(explainer: Explainer, always: Places) -> Explanation:
     return explained(explainer, rest, len(rest))
 
 
-def _keeps_promise(
-    explainer: Explainer, explanation: Explanation, found: Refitted, trial: Refitted
-) -> bool:
-    """Return whether shots refitted with an explanation are as likely as it promised, or likelier.
+def _as_promised(
+    explainer: Explainer, explanation: Explanation, found: Refitted
+) -> Refitted | None:
+    """Return shots refitted with an explanation, if they are as likely as it promised, or likelier.
 
     All is linear about what was found; far from there a promise may be empty. Where values make
     no sense, as a lift that saturates less than not at all, nothing is promised that could be kept.
     """
     gain = explainer.gain(explanation.causes)
+    if gain == -np.inf:
+        return None
+    near = with_estimates(explainer, explanation.causes)
+    causes = _hypotheses(explainer, explanation)
+    trial = refit(found.linear.shots, near, causes, begin=found)
     promised = min(gain - explainer.gain(explainer.refitted), 0.0)
-    return gain > -np.inf and gained(found, trial) > promised - explainer.price
+    return trial if gained(found, trial) > promised - explainer.price else None
 
 
 def _places(evidence: Evidence, some: tuple[Hypothesis, ...]) -> Places:

@@ -117,11 +117,10 @@ def gained(one: Refitted, other: Refitted) -> float:
     stamps miss at the velocities as fitted: both are weighed by those about the other. Each by its
     own, smaller spins and velocities would pass for a worse fit.
     """
-    noise, about = other.components.noise, other.linear
-    labelled = one.linear.labelled & other.linear.labelled
+    noise = other.components.noise
+    about = replace(other.linear, labelled=one.linear.labelled & other.linear.labelled)
     weights = np.minimum(one.components.weights, other.components.weights)
     trust = np.minimum(one.components.trust, other.components.trust)
-    about = replace(about, labelled=labelled)
     before, after = (_misfit(found.linear, about, noise, weights, trust) for found in (one, other))
     return before - after
 

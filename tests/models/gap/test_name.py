@@ -79,9 +79,9 @@ def test_values_that_make_no_sense_promise_nothing():
     lift, saturation = (places[one] for one in ("magnus", "lift_saturation"))
     assert explainer.gain((saturation,)) == -np.inf
     hopeless, right = (Explanation((k,), {k: 0.0}) for k in (saturation, lift))
-    trial = refit(found.linear.shots, NOMINAL.amended("magnus", cm=0.15), ())
-    assert naming._keeps_promise(explainer, right, found, trial)
-    assert not naming._keeps_promise(explainer, hopeless, found, trial)
+    trial = naming._as_promised(explainer, right, found)
+    assert trial is not None and [one.effect for one in trial.free] == ["magnus"]
+    assert naming._as_promised(explainer, hopeless, found) is None
 
 
 def test_backward_labels_are_told_beside_a_cause():
