@@ -90,6 +90,7 @@ def _new(environment: ReturnVecEnv, task: Task, settings: LearningSettings) -> S
         buffer_size=settings.legs * settings.ticks + settings.arms,
         ent_coef=f"auto_{settings.entropy}",
         gamma=settings.discount,
+        tau=settings.target_step,
         gradient_steps=settings.gradient_steps,
         learning_starts=settings.warm_up,
         replay_buffer_class=RetoldReplay,

@@ -82,6 +82,8 @@ class LearningSettings(BaseModel):
     """Of the last leg; in between it falls by the same factor from leg to leg."""
     discount: Annotated[float, Field(gt=0, lt=1)]
     """Of a tick."""
+    target_step: Annotated[float, Field(gt=0, le=1)]
+    """Share of the way to the critics that their targets go in a gradient step."""
     entropy: Annotated[float, Field(gt=0, le=10)]
     """First weight of the entropy, which is then tuned automatically."""
 

@@ -15,7 +15,7 @@ GOALS = GoalSettings(landing_across=(-0.4, 0.4), landing_along=(0.5, 1.1), speed
 TASK = Task(SIMULATOR, (115, 120, 125), GOALS, "intercept")
 BRIEF = LearningSettings(
     legs=3, ticks=48, arms=4, gradient_steps=2, warm_up=16, batch=8, width=8, learning_rate=0.01,
-    final_learning_rate=0.0001, discount=0.98, entropy=0.1,
+    final_learning_rate=0.0001, discount=0.98, target_step=0.005, entropy=0.1,
 )  # fmt: skip
 
 
