@@ -39,12 +39,14 @@ class Worker:
         trials: trains.
         signature: by which other workers know whether it lives.
         say: told about each trial.
+        master: the process that started it; when that has died, it ends, too.
     """
 
     plan: Plan
     trials: Trials
     signature: Signature
     say: Callable[[str], None]
+    master: int
 
     def work(self, study: optuna.Study, wanted: int, retry_lost: Callable[[], None]) -> None:
         """Do trials until there are as many as wanted, those of others counted.
@@ -52,6 +54,7 @@ class Worker:
         Others may die: the last trials are waited for, and done again where they are lost.
         """
         while (done := tried(study)) < wanted:
+            self._end_with_master()
             retry_lost()
             if done + len(running(study)) < wanted:
                 study.optimize(self._trial, n_trials=1)
@@ -79,16 +82,35 @@ class Worker:
             recorded_trial(self.plan, trial.study.study_name, trial.number, params) as record,
             _folder(self.plan) as folder,
         ):
-            score = self.trials.score(params, Path(folder), _watch(trial, record, self.plan))
+            score = self.trials.score(params, Path(folder), self._watch(trial, record))
         self.say(f"trial {trial.number}: {self.plan.settings.score} {score:.4g}")
         return score
+
+    def _watch(self, trial: optuna.Trial, record: TrialRecord) -> Watch:
+        settings = self.plan.settings
+
+        def watch(step: int, score: float) -> None:
+            self._end_with_master()
+            record.scores[step] = score
+            if not math.isfinite(score):
+                raise TrialPruned(f"{settings.score} {score} after {settings.step} {step}")
+            trial.report(score, step)
+            if trial.should_prune():
+                raise TrialPruned(f"{settings.score} {score:.4g} after {settings.step} {step}")
+
+        return watch
+
+    def _end_with_master(self) -> None:
+        """End where nobody waits any more; the trial is lost, and tried again."""
+        if os.getppid() != self.master:
+            raise SystemExit(1)
 
 
 def work(plan: Plan, name: str, wanted: int, url: str | None, say: Callable[[str], None]) -> None:
     """Do trials of a study until it has as many as wanted."""
     study = load_study(plan, name, url)
     with Signature(plan.scratch / "workers") as signature:
-        worker = Worker(plan, trials_of(plan), signature, say)
+        worker = Worker(plan, trials_of(plan), signature, say, os.getppid())
         if url is None:
             worker.work(study, wanted, lambda: signature.retry_lost(study))
         else:
@@ -104,20 +126,6 @@ def trials_of(plan: Plan) -> Trials:
     from pipeline.sweeps.policy import PolicyTrials
 
     return PolicyTrials(plan.settings)
-
-
-def _watch(trial: optuna.Trial, record: TrialRecord, plan: Plan) -> Watch:
-    def watch(step: int, score: float) -> None:
-        record.scores[step] = score
-        if not math.isfinite(score):
-            raise TrialPruned(f"{plan.settings.score} {score} after {plan.settings.step} {step}")
-        trial.report(score, step)
-        if trial.should_prune():
-            raise TrialPruned(
-                f"{plan.settings.score} {score:.4g} after {plan.settings.step} {step}"
-            )
-
-    return watch
 
 
 def _folder(plan: Plan) -> "tempfile.TemporaryDirectory[str]":

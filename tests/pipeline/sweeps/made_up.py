@@ -1,6 +1,7 @@
 """A repository with small sweeps, and trials that take no time."""
 
 import math
+import os
 import shutil
 from contextlib import contextmanager
 from pathlib import Path
@@ -64,7 +65,7 @@ def done(plan, wanted, trials=None, url=None):
     study = create_study(plan, url)
     own = load_study(plan, study.study_name, url)
     with Signature(plan.scratch / "workers") as signature:
-        worker = Worker(plan, trials or Valley(), signature, lambda line: None)
+        worker = Worker(plan, trials or Valley(), signature, lambda line: None, os.getppid())
         worker.work(own, wanted, lambda: signature.retry_lost(own))
     return study
 

@@ -40,8 +40,12 @@ worker.work(load_plan(root, "tiny"), sys.argv[2], int(sys.argv[3]), url, lambda 
 """
 
 
-def start(swept, study, wanted, url=None):
-    command = [sys.executable, "-c", WORKER, str(swept.root), study, str(wanted)]
+# The command of argv[1:] in a process of its own.
+MASTER = "import subprocess, sys; subprocess.run(sys.argv[1:])"
+
+
+def start(swept, study, wanted, url=None, master=()):
+    command = [*master, sys.executable, "-c", WORKER, str(swept.root), study, str(wanted)]
     environment = {
         **os.environ,
         "PYTHONPATH": str(ROOT),
@@ -148,6 +152,18 @@ def test_a_trial_whose_worker_was_killed_is_tried_again_at_once(tmp_path):
     assert states(study)[0] == TrialState.FAIL
     assert study.trials[1].params == study.trials[0].params
     assert tried(study) == 4
+
+
+def test_workers_end_with_the_command_that_started_them(tmp_path):
+    swept = plan(tmp_path)
+    (tmp_path / "hold").touch()
+    study = create_study(swept, None)
+    with start(swept, study.study_name, 4, master=(sys.executable, "-c", MASTER)) as command:
+        assert command.stdout.readline() == "begun\n"
+        command.send_signal(signal.SIGKILL)
+        (tmp_path / "hold").unlink()
+        assert command.stdout.read() == ""  # no other trial, and then nobody to begin one
+    assert states(study) == [TrialState.RUNNING]
 
 
 def test_a_trial_of_a_worker_that_lives_is_waited_for(tmp_path):
