@@ -8,12 +8,14 @@ import numpy as np
 import pandas as pd
 import pytest
 from optuna import TrialPruned
+from ruamel.yaml import YAML
 
 from pipeline import policy_training
 from pipeline.artifacts import read_json
 from pipeline.errors import InputError
 from pipeline.params import load_params
 from pipeline.policy_training import Pupil, train_policies
+from pipeline.profiles import merged
 from pipeline.sweeps.confirm import run_confirm
 from pipeline.sweeps.judged import Judged
 from pipeline.sweeps.plan import load_plan
@@ -127,20 +129,18 @@ def confirmed(swept, best):
     return run_confirm(swept)
 
 
-def small(root, changes):
+def small(root, **changes):
     """Let the full trainings of a repository be small, too."""
     params = root / "params.yaml"
-    text = params.read_text()
-    for old, new in changes.items():
-        assert old in text
-        text = text.replace(old, new)
-    params.write_text(text)
+    settings = YAML(typ="safe").load(params.read_text())
+    write_yaml(params, merged(settings, changes))
 
 
 def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
     predictor_plan(tmp_path)
     # At its first step the learning rate is zero.
-    small(tmp_path, {"epochs: 70": "epochs: 3", "width: 64 ": "width: 16 "})
+    network = {"transformer": {"width": 16}}
+    small(tmp_path, train_predictor={"training": {"epochs": 3}, "networks": network})
     swept = load_plan(tmp_path, "tiny")
     table = confirmed(swept, {"train_predictor": {"training": {"learning_rate": 0.02}}})
     assert table["measure"].tolist()[:2] == [
@@ -159,14 +159,8 @@ def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
 
 def test_policies_are_confirmed_on_unseen_balls_with_three_seeds(tmp_path):
     policy_plan(tmp_path)
-    small(
-        tmp_path,
-        {
-            "legs: 6": "legs: 1", "ticks: 16000": "ticks: 48", "arms: 32": "arms: 4",
-            "warm_up: 8000": "warm_up: 16", "batch: 256": "batch: 8", "width: 128": "width: 8",
-            "gradient_steps: 8": "gradient_steps: 1", "trials: 1000": "trials: 10",
-        },
-    )  # fmt: skip
+    groups = {"sim2sim": {"learning": BRIEF.model_copy(update={"legs": 1}).model_dump()}}
+    small(tmp_path, train_policy={"groups": groups, "trials": 10})
     swept = load_plan(tmp_path, "tiny")
     group = {"sim2sim": {"learning": {"discount": 0.9}}}
     table = confirmed(swept, {"train_policy": {"groups": group}})
