@@ -1,5 +1,7 @@
 """Evaluate the predictors: forecast error over the horizon, on every set of measured balls."""
 
+from collections.abc import Sequence
+from functools import partial
 from itertools import zip_longest
 from typing import Any
 
@@ -18,9 +20,10 @@ from pipeline.figures.shots import Forecast as ShownForecast
 from pipeline.measured_sets import MeasuredSet, read_test_sets
 from pipeline.metrics import place, rounded
 from pipeline.predictors import ARENA, Contender, one_thread, read_contenders
-from pipeline.progress import progress
+from pipeline.progress import progress_bar
 from pipeline.run import StageRun, run_stage
 from pipeline.truth import read_truth, true_windows
+from pipeline.workers import parallel
 
 WINDOWS_AT_ONCE = 256
 MEASURED, TRUTH = "measured", "truth"  # what forecasts are compared with
@@ -38,11 +41,7 @@ def evaluate_predictor(run: StageRun) -> None:
     results: Results = {}
     for one in sets:
         run.log_input(one.name, run.input("segment", "samples.parquet"), len(one.windows))
-        forecasts = {
-            contender.name: _forecast(one, contender)
-            for contender in contenders
-            if contender.forecasts(one.name)
-        }
+        forecasts = _forecasts(one, [each for each in contenders if each.forecasts(one.name)])
         for against, judged in _judged_by(run, one, truth).items():
             results[one.name, against] = ForecastErrors(
                 errors_of(forecasts, judged),
@@ -55,13 +54,27 @@ def evaluate_predictor(run: StageRun) -> None:
     write_shots(run.artifact("shots.json"), _shots(sets, contenders, run.seed))
 
 
-def _forecast(one: MeasuredSet, contender: Contender) -> Forecast:
+def _forecasts(one: MeasuredSet, contenders: Sequence[Contender]) -> dict[str, Forecast]:
+    """Return each contender's forecast of all windows; the cores share them out."""
     history = one.windows.history
     starts = range(0, len(history), WINDOWS_AT_ONCE)
-    parts = [
-        contender.predictor.predict(history[start : start + WINDOWS_AT_ONCE])
-        for start in progress(starts, f"{contender.name} on {one.name}")
+    tasks = [
+        partial(contender.predictor.predict, history[start : start + WINDOWS_AT_ONCE])
+        for contender in contenders
+        for start in starts
     ]
+    parts = []
+    with progress_bar(f"forecasts on {one.name}", len(tasks)) as advance:
+        for part in parallel(tasks):
+            parts.append(part)
+            advance()
+    return {
+        each.name: _joined(parts[k * len(starts) : (k + 1) * len(starts)])
+        for k, each in enumerate(contenders)
+    }
+
+
+def _joined(parts: Sequence[Forecast]) -> Forecast:
     return Forecast(
         np.concatenate([part.states for part in parts]),
         np.concatenate([part.spin_measured for part in parts]),

@@ -22,10 +22,12 @@ from tests.pipeline.measured_shots import (
 )
 
 
-def evaluated(root, **inputs):
+def evaluated(root, processes=1, **inputs):
     write_inputs(root, **inputs)
     run = StageRun("evaluate_predictor", root, params())
-    evaluate_predictor(run)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LOKY_MAX_CPU_COUNT", str(processes))
+        evaluate_predictor(run)
     return run, json.loads(run.report("metrics.json").read_text())
 
 
@@ -33,6 +35,12 @@ def evaluated(root, **inputs):
 def whole(tmp_path_factory):
     """One run on all sets; not to be changed."""
     return evaluated(tmp_path_factory.mktemp("whole"))
+
+
+def test_two_processes_forecast_the_same(whole, tmp_path):
+    run, _ = evaluated(tmp_path, processes=2)
+    for one in ("forecast_error.csv", "forecast_error_difference.csv", "metrics.json"):
+        assert run.report(one).read_bytes() == whole[0].report(one).read_bytes()
 
 
 def table(run, name):
