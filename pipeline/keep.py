@@ -10,11 +10,15 @@ from pipeline.errors import InputError
 from pipeline.params import parse_yaml
 from pipeline.profiles import flags
 
+PREDICTORS = "artifacts/train_predictor"
+LARGEST_FILE = 30_000_000  # bytes; larger ones git would carry about for ever
+
 
 def keep_experiment(root: Path, name: str) -> None:
     """Copy the reports of the newest experiment of a name into ``reports/<name>``.
 
-    ``run.json`` beside them names the commit, the command, the parameters and each stage's
+    Its trained predictors come with them, into ``predictors/``, but no file that is too large for
+    git. ``run.json`` beside them names the commit, the command, the parameters and each stage's
     fingerprint. Nothing in it comes from this machine: the folder of the measured sets is a setting
     of the environment.
 
@@ -28,6 +32,7 @@ def keep_experiment(root: Path, name: str) -> None:
         raise InputError(f"experiment {name}", problem, field="ingest.folder")
     with replacing_folder(root / "reports" / name) as folder:
         stages = _copy_reports(root, revision, folder)
+        _copy_predictors(root, revision, folder / "predictors")
         command = ["dvc", "exp", "run", *flags(_params_at(root, baseline), params)]
         record = {
             "experiment": name,
@@ -76,6 +81,18 @@ def _copy_reports(root: Path, revision: str, folder: Path) -> list[str]:
         files.get(f"reports/{stage}", str(folder / stage), recursive=True)
     files.get_file("reports/index.html", str(folder / "index.html"))
     return stages
+
+
+def _copy_predictors(root: Path, revision: str, folder: Path) -> None:
+    """Copy the trained predictors of a revision: cards, descriptions and weights."""
+    from dvc.api import DVCFileSystem
+
+    files = DVCFileSystem(str(root), rev=revision)
+    for path in files.find(PREDICTORS) if files.exists(PREDICTORS) else []:
+        if files.info(path)["size"] <= LARGEST_FILE:
+            target = folder / Path(path).relative_to(PREDICTORS)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            files.get_file(path, str(target))
 
 
 def _params_at(root: Path, revision: str) -> Any:

@@ -6,6 +6,7 @@ import subprocess
 
 import pytest
 
+from pipeline import keep
 from pipeline.errors import InputError
 from pipeline.keep import keep_experiment
 
@@ -71,6 +72,22 @@ def test_the_newest_experiment_of_a_name_is_kept_and_takes_the_old_one_s_place(r
     experiment(repository, PARAMS, "newest", day=5)
     keep_experiment(repository, "warm")
     assert (repository / "reports" / "warm" / "index.html").read_text() == "newest"
+
+
+def test_trained_predictors_come_along_unless_they_are_too_large(repository, monkeypatch):
+    monkeypatch.setattr(keep, "LARGEST_FILE", 10)
+    trained = {"transformer/MODEL_CARD.md": "card", "transformer/weights.safetensors": 11 * "x"}
+    trained |= {"tae/weights.safetensors": 10 * "x"}
+    commit(
+        repository, {f"artifacts/train_predictor/{path}": text for path, text in trained.items()}
+    )
+    experiment(repository, PARAMS)
+    keep_experiment(repository, "warm")
+    kept = repository / "reports" / "warm" / "predictors"
+    assert {str(path.relative_to(kept)) for path in kept.rglob("*") if path.is_file()} == {
+        "transformer/MODEL_CARD.md",
+        "tae/weights.safetensors",
+    }
 
 
 @pytest.mark.parametrize("name", ["cold", "", "*", "../warm"])
