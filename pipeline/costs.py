@@ -62,9 +62,8 @@ def measure_costs(root: Path) -> pd.DataFrame:
         one for one in read_contenders(root / "artifacts", settings) if one.forecasts(first.name)
     ]
     errors = _position_errors(root / "reports/evaluate_predictor/forecast_error.csv", first.name)
-    training = {
-        name: one["training_s"] for name, one in kept_timings(root, "train_predictor").items()
-    }
+    timings = kept_timings(root, root / "reports" / "train_predictor")
+    training = {name: one["training_s"] for name, one in timings.items()}
     histories = _single_histories(first.windows.history)
     with one_core():
         latencies = {

@@ -2,11 +2,13 @@
 
 import shlex
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from pipeline.artifacts import read_json, replacing_folder, write_json
 from pipeline.errors import InputError
+from pipeline.leftovers import kept_timings
 from pipeline.params import parse_yaml
 from pipeline.profiles import flags
 
@@ -18,9 +20,9 @@ def keep_experiment(root: Path, name: str) -> None:
     """Copy the reports of the newest experiment of a name into ``reports/<name>``.
 
     Its trained predictors come with them, into ``predictors/``, but no file that is too large for
-    git. ``run.json`` beside them names the commit, the command, the parameters and each stage's
-    fingerprint. Nothing in it comes from this machine: the folder of the measured sets is a setting
-    of the environment.
+    git. ``run.json`` names the commit, the command, the parameters and each stage's fingerprint.
+    Nothing in it comes from this machine: the folder of the measured sets is a setting of the
+    environment. Where this machine ran it, ``timings.json`` has how long that took.
 
     Raises:
         InputError: there is no such experiment, or its parameters name a folder of this machine.
@@ -45,6 +47,7 @@ def keep_experiment(root: Path, name: str) -> None:
             "params": params,
         }
         write_json(folder / "run.json", record)
+        _write_timings(root, baseline, [folder / stage for stage in stages])
 
 
 def find_experiment(root: Path, name: str) -> tuple[str, str]:
@@ -88,11 +91,22 @@ def _copy_predictors(root: Path, revision: str, folder: Path) -> None:
     from dvc.api import DVCFileSystem
 
     files = DVCFileSystem(str(root), rev=revision)
-    for path in files.find(PREDICTORS) if files.exists(PREDICTORS) else []:
-        if files.info(path)["size"] <= LARGEST_FILE:
-            target = folder / Path(path).relative_to(PREDICTORS)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            files.get_file(path, str(target))
+    if files.exists(PREDICTORS):
+        files.get(PREDICTORS, str(folder), recursive=True)
+    for path in list(folder.rglob("*")):
+        if path.is_file() and path.stat().st_size > LARGEST_FILE:
+            path.unlink()
+
+
+def _write_timings(root: Path, commit: str, reports: Sequence[Path]) -> None:
+    """Write how long things took, and on what machine, where it was this one."""
+    timings = {report.name: kept_timings(root, report) for report in reports}
+    known = {stage: seconds for stage, seconds in timings.items() if seconds}
+    if known:
+        from pipeline.costs import machine  # takes seconds
+
+        ran = {**machine(root), "commit": commit}
+        write_json(reports[0].parent / "timings.json", {"machine": ran, **known})
 
 
 def _params_at(root: Path, revision: str) -> Any:

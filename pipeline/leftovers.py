@@ -44,15 +44,19 @@ def keep_timings(stage: str, fingerprint: str, timings: dict[str, Any]) -> None:
         write_json(_timings_file(repository_root(), stage, fingerprint), timings)
 
 
-def kept_timings(root: Path, stage: str) -> dict[str, Any]:
-    """How long things took when the stage's present outputs were made.
+def kept_timings(root: Path, report: Path) -> dict[str, Any]:
+    """How long things took when a stage left this report.
 
     Empty where that was on another machine, or never.
+
+    Args:
+        root: of the repository.
+        report: the stage's folder, among the present reports or those of an experiment.
     """
-    contents = root / "reports" / stage / "contents.json"
+    contents = report / "contents.json"
     if not contents.exists():
         return {}
-    path = _timings_file(root, stage, read_json(contents)["fingerprint"])
+    path = _timings_file(root, report.name, read_json(contents)["fingerprint"])
     return dict(read_json(path)) if path.exists() else {}
 
 

@@ -98,10 +98,10 @@ def expected_loop():
     return "\n".join(lines)
 
 
-def expected_sim2sim():
+def expected_sim2sim(report="reports"):
     """Return rates of a run, and what the ground truth's predictions gain."""
-    rates = pd.read_csv(ROOT / "reports/sim2sim/return_rate.csv")
-    gains = pd.read_csv(ROOT / "reports/sim2sim/difference.csv")
+    rates = pd.read_csv(ROOT / report / "sim2sim/return_rate.csv")
+    gains = pd.read_csv(ROOT / report / "sim2sim/difference.csv")
     lines = [
         "| protocol | trained in | horizons (ms) | truth | own simulator | difference |",
         "|---|---|---|---|---|---|",
@@ -141,9 +141,9 @@ def expected_real_swap():
     return "\n".join(lines)
 
 
-def expected_sim2real():
+def expected_sim2real(report="reports"):
     """Hits and returns of a run and of the paper, as many as the shots of each."""
-    shots = pd.read_csv(ROOT / "reports/sim2real/transfer.csv")
+    shots = pd.read_csv(ROOT / report / "sim2real/transfer.csv")
     lines = [
         "| shots | learned by | horizons (ms) | hits, physics | hits, learned "
         "| returns, physics | returns, learned |",
@@ -195,7 +195,14 @@ def test_the_tables_of_transfer_are_the_committed_run_s(expected):
     assert expected() in README
 
 
-@pytest.mark.parametrize(("report", "of_arena"), [("reports", True), ("reports/real", False)])
+@pytest.mark.parametrize("expected", [expected_sim2sim, expected_sim2real])
+def test_the_tables_of_transfer_with_the_paper_s_balls_are_the_kept_run_s(expected):
+    assert expected("reports/paper") in README
+
+
+@pytest.mark.parametrize(
+    ("report", "of_arena"), [("reports", True), ("reports/real", False), ("reports/paper", True)]
+)
 def test_the_tables_are_the_committed_runs(report, of_arena):
     assert expected_table(report, of_arena) in README
 

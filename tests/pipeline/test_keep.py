@@ -7,6 +7,7 @@ import subprocess
 import pytest
 
 from pipeline import keep
+from pipeline.artifacts import write_json
 from pipeline.errors import InputError
 from pipeline.keep import keep_experiment
 
@@ -88,6 +89,18 @@ def test_trained_predictors_come_along_unless_they_are_too_large(repository, mon
         "transformer/MODEL_CARD.md",
         "tae/weights.safetensors",
     }
+
+
+def test_it_is_told_how_long_this_machine_took(repository):
+    start = experiment(repository, PARAMS)
+    keep_experiment(repository, "warm")
+    assert not (repository / "reports/warm/timings.json").exists()
+    took = {"net": {"training_s": 3.5}}
+    write_json(repository / "timings/segment/f00d.json", took)
+    keep_experiment(repository, "warm")
+    timings = json.loads((repository / "reports/warm/timings.json").read_text())
+    assert timings["segment"] == took
+    assert timings["machine"]["commit"] == start
 
 
 @pytest.mark.parametrize("name", ["cold", "", "*", "../warm"])

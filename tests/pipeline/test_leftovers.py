@@ -63,6 +63,7 @@ def test_in_the_repository_itself_nothing_is_linked(home, monkeypatch):
 def test_timings_are_those_of_the_run_that_made_the_present_outputs(home):
     keep_timings("segment", FINGERPRINT, {"net": {"training_s": 3}})
     keep_timings("segment", OTHER, {"net": {"training_s": 5}})
-    assert kept_timings(home, "segment") == {}
-    write_json(home / "reports/segment/contents.json", {"fingerprint": FINGERPRINT[:12]})
-    assert kept_timings(home, "segment") == {"net": {"training_s": 3}}
+    report = home / "reports" / "segment"
+    assert kept_timings(home, report) == {}
+    write_json(report / "contents.json", {"fingerprint": FINGERPRINT[:12]})
+    assert kept_timings(home, report) == {"net": {"training_s": 3}}

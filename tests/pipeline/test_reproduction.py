@@ -126,11 +126,15 @@ def recorded_runs(repository):
 def test_an_experiment_is_kept_without_a_trace_of_this_machine(reproduced):
     rallygap(reproduced, "keep", "smoke")
     kept = reproduced / "reports" / "smoke"
-    original = reproduced / "reports"
+    reports, trained = reproduced / "reports", reproduced / "artifacts" / "train_predictor"
     for path in kept.rglob("*.*"):
+        inside = path.relative_to(kept)
         assert str(reproduced).encode() not in path.read_bytes()
-        if path.is_file() and path.name != "run.json":
-            assert path.read_bytes() == (original / path.relative_to(kept)).read_bytes()
+        if inside.parts[0] == "predictors":
+            assert path.read_bytes() == trained.joinpath(*inside.parts[1:]).read_bytes()
+        elif inside.name not in ("run.json", "timings.json"):
+            assert path.read_bytes() == (reports / inside).read_bytes()
+    assert (kept / "predictors" / "transformer" / "weights.safetensors").exists()
     flags = rallygap(reproduced, "profile", "smoke").split()[1::2]
     command = json.loads((kept / "run.json").read_text())["command"]
     assert all(flag in command for flag in flags)
