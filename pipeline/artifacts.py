@@ -138,6 +138,25 @@ def read_row_groups(path: Path) -> Iterator[pd.DataFrame]:
             yield content.read_row_group(group).to_pandas()
 
 
+def count_row_groups(path: Path) -> int:
+    """Return in how many parts a parquet table was written.
+
+    A missing or broken one is an ``InputError``.
+    """
+    with _reading(path), ParquetFile(path) as content:
+        return int(content.num_row_groups)
+
+
+def read_row_group(path: Path, number: int) -> pd.DataFrame:
+    """Read one of the parts that a parquet table was written in; they count from 0.
+
+    A missing or broken one is an ``InputError``.
+    """
+    with _reading(path), ParquetFile(path) as content:
+        table: pd.DataFrame = content.read_row_group(number).to_pandas()
+        return table
+
+
 def read_rows(path: Path, rows: NDArray[np.int64], columns: Sequence[str]) -> pd.DataFrame:
     """Read some rows of a parquet table that need not fit into memory.
 

@@ -1,6 +1,8 @@
 """The one error that a user's input may raise: where it is, what is wrong, what to do."""
 
+import copyreg
 from pathlib import Path
+from typing import Any
 
 LONGEST = 500  # characters of a problem or a field: what is wrong with a file may quote all of it
 
@@ -26,6 +28,10 @@ class InputError(Exception):
         if field is not None:
             place += f", {self.field}"
         super().__init__(f"{place}: {self.problem}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Say how to make it again in another process, where workers raise it."""
+        return copyreg.__newobj__, (type(self), *self.args), self.__dict__  # type: ignore[attr-defined]
 
 
 def _shortened(text: str) -> str:

@@ -1,5 +1,7 @@
 """Cut recordings into episodes: contacts, gaps, ends of rallies, velocities; share them out."""
 
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,13 +10,21 @@ import pandas as pd
 from models.segmentation.settings import SegmentSettings
 from models.segmentation.split import recording_groups, split
 from models.segmentation.tables import Segmented, segment_recordings
-from pipeline.artifacts import read_row_groups, table_writer, write_table
+from pipeline.artifacts import (
+    count_row_groups,
+    read_row_group,
+    read_row_groups,
+    table_writer,
+    write_table,
+)
 from pipeline.console import warn
 from pipeline.contracts import CONTACTS, EPISODES, RECORDINGS, SAMPLES, checked, empty
 from pipeline.errors import InputError
 from pipeline.figures.cuts import SHOWN_SECONDS, cuts_figure
+from pipeline.progress import progress_bar
 from pipeline.run import StageRun, run_stage
 from pipeline.sources.manifest import Manifest, read_manifest
+from pipeline.workers import parallel
 
 DRAWN_RECORDINGS = 20  # of each source
 
@@ -57,28 +67,54 @@ def _drawn(run: StageRun) -> dict[str, list[str]]:
     }
 
 
+@dataclass(frozen=True)
+class Part:
+    """A part of the recordings, in memory on its own: a row group of their table."""
+
+    path: Path
+    number: int
+    manifest: Manifest
+    settings: SegmentSettings
+    shown: list[str]
+
+    def cut(self) -> tuple[Segmented, pd.DataFrame, "pd.Series[str]"]:
+        """Return what it is cut into, the measured samples to show, the recording of every gap."""
+        recordings = checked(read_row_group(self.path, self.number), RECORDINGS)
+        found = segment_recordings(recordings, self.manifest.begins_with_launch, self.settings)
+        checked(found.samples, SAMPLES)
+        measured = recordings[recordings["recording_id"].isin(self.shown)]
+        return found, measured, _gaps(recordings, self.settings.longest_gap)
+
+
 def _cut(
     run: StageRun, manifest: Manifest, drawn: dict[str, list[str]]
 ) -> tuple[pd.DataFrame, Segmented, "pd.Series[str]"]:
-    """Cut recordings, one row group in memory at a time, and write their samples.
+    """Cut the parts of the recordings side by side, and write their samples.
 
     Returns:
         The measured samples to show; all contacts and episodes, with the cut samples to show; and
         the recording of every gap.
     """
+    path = run.input("ingest", "recordings.parquet")
     shown = [recording_id for chosen in drawn.values() for recording_id in chosen]
-    measured, parts, gaps = [], [], []
-    with table_writer(run.artifact("samples.parquet"), empty(SAMPLES)) as add:
-        for recordings in read_row_groups(run.input("ingest", "recordings.parquet")):
-            checked(recordings, RECORDINGS)
-            found = segment_recordings(recordings, manifest.begins_with_launch, run.params.segment)
-            add(checked(found.samples, SAMPLES))
-            measured.append(recordings[recordings["recording_id"].isin(shown)])
+    parts = [
+        Part(path, number, manifest, run.params.segment, shown)
+        for number in range(count_row_groups(path))
+    ]
+    measured, tables, gaps = [], [], []
+    with (
+        table_writer(run.artifact("samples.parquet"), empty(SAMPLES)) as add,
+        progress_bar("parts of the recordings", len(parts)) as advance,
+    ):
+        for found, seen, broken in parallel([part.cut for part in parts]):
+            add(found.samples)
             samples = found.samples[found.samples["recording_id"].isin(shown)]
-            parts.append((samples, found.contacts, found.episodes))
-            gaps.append(_gaps(recordings, run.params.segment.longest_gap))
-    tables = (pd.concat(tables, ignore_index=True) for tables in zip(*parts, strict=True))
-    return pd.concat(measured), Segmented(*tables), pd.concat(gaps)
+            tables.append((samples, found.contacts, found.episodes))
+            measured.append(seen)
+            gaps.append(broken)
+            advance()
+    joined = (pd.concat(kind, ignore_index=True) for kind in zip(*tables, strict=True))
+    return pd.concat(measured), Segmented(*joined), pd.concat(gaps)
 
 
 def _gaps(recordings: pd.DataFrame, longest: float) -> "pd.Series[str]":

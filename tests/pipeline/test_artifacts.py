@@ -5,7 +5,9 @@ import pandas as pd
 import pytest
 
 from pipeline.artifacts import (
+    count_row_groups,
     read_json,
+    read_row_group,
     read_row_groups,
     read_rows,
     read_table,
@@ -25,7 +27,11 @@ def read_groups(path):
     return list(read_row_groups(path))
 
 
-READERS = [read_json, read_table, read_groups]
+def read_first_group(path):
+    return read_row_group(path, 0)
+
+
+READERS = [read_json, read_table, read_groups, read_first_group, count_row_groups]
 
 
 def write_groups(path, *groups):
@@ -106,11 +112,14 @@ def test_tables_come_back_and_the_same_table_gives_the_same_bytes(tmp_path):
 def test_a_table_comes_back_in_the_groups_it_was_written_in(tmp_path):
     groups = [TABLE, TABLE.iloc[:1], TABLE.assign(name="c")]
 
-    write_groups(tmp_path / "table.parquet", *groups)
+    path = tmp_path / "table.parquet"
+    write_groups(path, *groups)
 
-    for read, group in zip(read_groups(tmp_path / "table.parquet"), groups, strict=True):
+    assert count_row_groups(path) == len(groups)
+    for number, (read, group) in enumerate(zip(read_groups(path), groups, strict=True)):
         pd.testing.assert_frame_equal(read, group)
-    whole = read_table(tmp_path / "table.parquet")
+        pd.testing.assert_frame_equal(read_row_group(path, number), group)
+    whole = read_table(path)
     pd.testing.assert_frame_equal(whole, pd.concat(groups, ignore_index=True))
 
 

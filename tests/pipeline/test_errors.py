@@ -1,0 +1,18 @@
+"""Errors of input: one line that says where, what and what to do."""
+
+import pickle
+
+import pytest
+
+from pipeline.errors import InputError
+from pipeline.params import ParameterError
+
+ERROR = InputError("balls.csv", "is not a number", row=3, field="px")
+
+
+@pytest.mark.parametrize("error", [ERROR, ParameterError([ERROR, InputError("params.yaml", "?")])])
+def test_an_error_comes_whole_out_of_a_worker(error):
+    again = pickle.loads(pickle.dumps(error))
+    assert type(again) is type(error)
+    assert str(again) == str(error)
+    assert vars(again) == vars(error)
