@@ -211,8 +211,6 @@ class RetrainPolicySettings(Settings):
 
     sources: Annotated[list[Name], Field(min_length=1)]
     """Sets of measured balls: policies are trained for each, and play its balls."""
-    trials: Annotated[int, Field(ge=10, le=100_000)]
-    """Unseen balls of its own simulator that every policy plays, old or new."""
 
 
 class HiddenEffectsSettings(Settings):

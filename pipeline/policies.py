@@ -68,6 +68,16 @@ class TrainedPolicy(BaseModel):
         return f"{self.horizons[0]}-{self.horizons[-1]}"
 
     @property
+    def labels(self) -> dict[str, str | int]:
+        """What tells it from others in tables."""
+        return {
+            "group": self.group,
+            "simulator": self.simulator,
+            "horizons_ms": self.horizons_label,
+            "repeat": self.repeat,
+        }
+
+    @property
     def task(self) -> Task:
         """What it was trained for."""
         simulator = Simulator.from_dict(self.effects)

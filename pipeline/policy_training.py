@@ -20,8 +20,9 @@ from pipeline.policies import WEIGHTS, TrainedPolicy
 from pipeline.progress import progress_bar
 from pipeline.workers import parallel
 
-TRIALS = 200  # balls on which a policy is watched after every leg
+TRIALS = 100  # balls on which a policy is watched after every leg
 RECORD = "record.json"
+UNSEEN = "unseen.parquet"  # among trained policies: how the balls of ``try_policies`` ended
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,8 @@ def try_policies(graduates: Sequence[Graduate], trials: int) -> list[pd.DataFram
     """Let every policy play balls of its own simulator that it has never seen, side by side.
 
     Returns:
-        Of each policy what ``play`` returns: how ``trials`` balls ended.
+        Of each policy how ``trials`` balls ended: its labels, the ``ball``'s number, and what
+        ``play`` returns.
     """
     return list(parallel([partial(_played_unseen, one, trials) for one in graduates]))
 
@@ -127,7 +129,8 @@ def _played(
 
 
 def _played_unseen(one: Graduate, count: int) -> pd.DataFrame:
-    return _played(one.policy, one.description, count, unseen_balls(one.description.seed))
+    played = _played(one.policy, one.description, count, unseen_balls(one.description.seed))
+    return played.assign(**one.description.labels, ball=np.arange(count))
 
 
 def _forget_learner(folder: Path) -> None:

@@ -1,20 +1,16 @@
 """Back into the loop: policies trained anew in amended simulators, beside those of before."""
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
-from models.policy.policy import Policy
-from models.policy.streams import unseen_balls
 from pipeline.outcomes import differences, rates
 from pipeline.policies import TrainedPolicy
 from pipeline.predictors import ORACLE
 from pipeline.transfer import PHYSICS, SETTING
-from pipeline.trials import try_policy
 
 Floats = NDArray[np.float64]
 
@@ -24,20 +20,9 @@ KEYS = [*SETTING, *BASELINE]  # what tells two experiments apart
 CLOSED = ["gap_closed", "closed_low", "closed_high"]
 
 
-@dataclass(frozen=True)
-class OwnTrial:
-    """A policy plays unseen balls of its own simulator, told their exact future."""
-
-    policy: Policy
-    trained: TrainedPolicy
-    balls: int
-
-    def results(self) -> pd.DataFrame:
-        """Return how each ball ended."""
-        task = self.trained.task
-        balls, goals = task.practice(self.balls, unseen_balls(self.trained.seed))
-        played = try_policy(self.policy, self.trained, task.simulator, balls, goals)
-        return played.assign(simulator=self.trained.simulator)
+def amended_name(source: str) -> str:
+    """What a simulator is called that balls of a source amended."""
+    return f"amended_by_{source}"
 
 
 def anew(trained: TrainedPolicy, source: str, simulator: Simulator) -> TrainedPolicy:
@@ -48,7 +33,7 @@ def anew(trained: TrainedPolicy, source: str, simulator: Simulator) -> TrainedPo
         source: whose balls amended the simulator.
         simulator: amended.
     """
-    changes = {"simulator": f"amended_by_{source}", "effects": simulator.to_dict()}
+    changes = {"simulator": amended_name(source), "effects": simulator.to_dict()}
     return trained.model_copy(update=changes)
 
 

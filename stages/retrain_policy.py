@@ -16,11 +16,11 @@ from pipeline.metrics import place, rounded
 from pipeline.outcomes import rates
 from pipeline.params import Sim2RealSettings
 from pipeline.policies import save_policy
-from pipeline.policy_training import Pupil, train_policies
+from pipeline.policy_training import UNSEEN, Graduate, Pupil, train_policies, try_policies
 from pipeline.predictors import ARENA, read_learned
 from pipeline.replay_trials import EveryTick, Policies, informed, players, replays, source_of
 from pipeline.replays import read_replay_sets
-from pipeline.retraining import KEYS, ORIGINAL, RETRAINED, OwnTrial, anew, loop_table, pooled
+from pipeline.retraining import KEYS, ORIGINAL, RETRAINED, amended_name, anew, loop_table, pooled
 from pipeline.run import StageRun, run_stage
 from pipeline.simulators import load_simulator
 from pipeline.trials import play_all
@@ -37,13 +37,10 @@ def retrain_policy(run: StageRun) -> None:
         for source in run.params.retrain_policy.sources
     }
     before = players(run.input("train_policy", ""), settings)
-    after = _trained(run, before, simulators)
-    replayed = _replayed(run, settings, simulators, after)
+    graduates = _trained(run, before, simulators)
+    replayed = _replayed(run, settings, simulators, graduates)
     write_table(run.artifact("played.parquet"), pd.concat(replayed.values(), ignore_index=True))
-    everybody = [*before, *(one for policies in after.values() for one in policies)]
-    balls = run.params.retrain_policy.trials
-    own = play_all([OwnTrial(policy, trained, balls) for policy, trained in everybody])
-    _report(run, settings, replayed, own)
+    _report(run, settings, replayed, _own(run, settings, graduates))
     _add_number_table(run, settings.simulator, simulators)
 
 
@@ -57,29 +54,34 @@ def _amended(run: StageRun, source: str, begun: str) -> Simulator:
 
 def _trained(
     run: StageRun, before: Policies, simulators: Mapping[str, Simulator]
-) -> dict[str, Policies]:
-    """Train every policy anew in every amended simulator; return them by its source."""
-    wanted = {
-        source: [anew(trained, source, simulator) for _, trained in before]
+) -> list[Graduate]:
+    """Train every policy anew in every amended simulator."""
+    wanted = [
+        anew(trained, source, simulator)
         for source, simulator in simulators.items()
-    }
-    pupils = [Pupil(one, run.scratch(one.name)) for members in wanted.values() for one in members]
-    policies = {}
-    for one in train_policies(pupils):
+        for _, trained in before
+    ]
+    graduates = train_policies([Pupil(one, run.scratch(one.name)) for one in wanted])
+    for one in graduates:
         name = one.description.name
         save_policy(run.artifact(name), one.policy, one.description)
         run.timings[name] = {"training_cpu_s": round(one.seconds, 1)}
-        policies[name] = one.policy
-    return {
-        source: [(policies[one.name], one) for one in members] for source, members in wanted.items()
-    }
+    return graduates
+
+
+def _own(run: StageRun, settings: Sim2RealSettings, graduates: Sequence[Graduate]) -> pd.DataFrame:
+    """Return how balls of their own simulators ended, as many for every policy."""
+    known = read_table(run.input("train_policy", UNSEEN))
+    known = known[(known["group"] == settings.group) & (known["simulator"] == settings.simulator)]
+    balls = int(known["ball"].max()) + 1
+    return pd.concat([known, *try_policies(graduates, balls)], ignore_index=True)
 
 
 def _replayed(
     run: StageRun,
     settings: Sim2RealSettings,
     simulators: Mapping[str, Simulator],
-    after: Mapping[str, Policies],
+    graduates: Sequence[Graduate],
 ) -> dict[str, pd.DataFrame]:
     """Return how the balls of every source ended, with policies of before and after."""
     known = read_table(run.input("sim2real", "played.parquet"))
@@ -92,10 +94,15 @@ def _replayed(
         if not own:
             problem = f"no ball of {source} can be replayed; see reports/sim2real/replayed.csv"
             raise InputError("params.yaml", problem, field="retrain_policy.sources")
+        after = [
+            (one.policy, one.description)
+            for one in graduates
+            if one.description.simulator == amended_name(source)
+        ]
         trials = [
             trial
             for one in own
-            for trial in replays(one, informed(one, learned, simulator), after[source], run.seed)
+            for trial in replays(one, informed(one, learned, simulator), after, run.seed)
         ]
         played = known[known["set"].isin([one.name for one in own])]
         parts = [played, play_all(trials).assign(policy=RETRAINED)]
@@ -142,9 +149,9 @@ def _report(
         own,
         "own_simulator",
         title="Policies in their own simulators",
-        caption=f"Each policy plays {run.params.retrain_policy.trials} balls of the simulator it "
-        "was trained in that it has never seen, told their exact future. 95 % intervals are "
-        "bootstrapped over balls.",
+        caption="Each policy plays balls of the simulator it was trained in that it has never "
+        "seen, told their exact future: those of before as train_policy tried them, the others as "
+        "many. 95 % intervals are bootstrapped over balls.",
     )
 
 

@@ -10,10 +10,18 @@ from models.policy.film import film
 from models.policy.scores import scores
 from models.policy.streams import unseen_balls
 from models.robot.view import frames
+from pipeline.artifacts import write_table
 from pipeline.figures.learning import achieved_figure, learning_figure
 from pipeline.metrics import over_seeds, place, rounded
 from pipeline.policies import TrainedPolicy, save_policy
-from pipeline.policy_training import TRIALS, Graduate, Pupil, train_policies, try_policies
+from pipeline.policy_training import (
+    TRIALS,
+    UNSEEN,
+    Graduate,
+    Pupil,
+    train_policies,
+    try_policies,
+)
 from pipeline.run import StageRun, run_stage
 from pipeline.simulators import load_simulator
 
@@ -30,6 +38,7 @@ def train_policy(run: StageRun) -> None:
     for one in graduates:
         save_policy(run.artifact(one.description.name), one.policy, one.description)
         run.timings[one.description.name] = {"training_cpu_s": round(one.seconds, 1)}
+    write_table(run.artifact(UNSEEN), pd.concat(played, ignore_index=True))
     _report(run, graduates, played)
 
 
@@ -57,14 +66,13 @@ def _seed(seed: int, repeat: int) -> int:
 
 
 def _report(run: StageRun, graduates: Sequence[Graduate], played: Sequence[pd.DataFrame]) -> None:
-    labels = [_labels(one.description) for one in graduates]
     rows = [
-        {**label, "ticks": one.curve["ticks"].iloc[-1], **scores(balls)}
-        for label, one, balls in zip(labels, graduates, played, strict=True)
+        {**one.description.labels, "ticks": one.curve["ticks"].iloc[-1], **scores(balls)}
+        for one, balls in zip(graduates, played, strict=True)
     ]
     results = pd.DataFrame(rows)
     run.write_metrics(_metrics(results))
-    curves = [one.curve.assign(**label) for label, one in zip(labels, graduates, strict=True)]
+    curves = [one.curve.assign(**one.description.labels) for one in graduates]
     run.add_figure(
         learning_figure(pd.concat(curves)),
         "learning",
@@ -84,15 +92,6 @@ def _report(run: StageRun, graduates: Sequence[Graduate], played: Sequence[pd.Da
         "is their mean distance from the goal. Slopes: by how much the speed and the topspin of "
         "returns grow with what is asked for, where it is.",
     )
-
-
-def _labels(description: TrainedPolicy) -> dict[str, Any]:
-    return {
-        "group": description.group,
-        "simulator": description.simulator,
-        "horizons_ms": description.horizons_label,
-        "repeat": description.repeat,
-    }
 
 
 def _metrics(results: pd.DataFrame) -> dict[str, Any]:

@@ -154,7 +154,8 @@ def test_a_policy_is_tried_on_balls_that_it_was_never_watched_on(undisturbed):
     for one, table in zip(undisturbed, tables, strict=True):
         task = one.description.task
         watched = task.practice(6, watched_balls(one.description.seed))[1].landing[:, 0]
-        assert len(table) == 6
+        assert table["ball"].tolist() == list(range(6))
+        assert (table["horizons_ms"] == one.description.horizons_label).all()
         assert not set(watched) & set(table["goal_landing_across"])
     pd.testing.assert_frame_equal(tables[0], try_policies(undisturbed, 6)[0], check_exact=True)
 

@@ -6,9 +6,9 @@ import pytest
 
 from models.ball.simulators import shipped
 from pipeline.policies import TrainedPolicy
-from pipeline.retraining import OwnTrial, anew, loop_table, pooled, share_closed
+from pipeline.retraining import anew, loop_table, pooled, share_closed
 from tests.pipeline.played_trials import trials
-from tests.pipeline.trained_policies import chaser, description
+from tests.pipeline.trained_policies import description
 
 OWN = {"115-125": 0.75}
 
@@ -89,10 +89,3 @@ def test_a_policy_is_trained_anew_in_nothing_but_another_simulator():
         name for name in TrainedPolicy.model_fields if getattr(before, name) != getattr(after, name)
     }
     assert changed == {"simulator", "effects"}
-
-
-def test_a_policy_plays_unseen_balls_of_its_own_simulator():
-    rows = OwnTrial(chaser(), description(), 6).results()
-    assert rows["ball"].tolist() == list(range(6))
-    assert (rows["simulator"] == "imperfect_c").all()
-    assert rows["forecast_error_m"].max() < 1e-6  # told their exact future

@@ -8,7 +8,7 @@ import pytest
 
 from models.ball.simulators import shipped
 from pipeline import policy_training
-from pipeline.artifacts import read_table
+from pipeline.artifacts import read_table, write_table
 from pipeline.errors import InputError
 from pipeline.params import RetrainPolicySettings
 from pipeline.policies import load_policies, save_policy
@@ -31,8 +31,10 @@ def prepared(root, sources=("arena",)):
     write_replays(root, shots, sources=("arena",))
     write_amended(root / "artifacts" / "close_gap", "arena", "imperfect_c", AMENDED)
     trained = description(learning=SPELLED)
-    save_policy(root / "artifacts" / "train_policy" / trained.name, chaser(), trained)
-    settings = RetrainPolicySettings(sources=list(sources), trials=10)
+    policies = root / "artifacts" / "train_policy"
+    save_policy(policies / trained.name, chaser(), trained)
+    save_unseen(policies, trained)
+    settings = RetrainPolicySettings(sources=list(sources))
     known = params(sim2real=SETTINGS, retrain_policy=settings)
     sim2real(StageRun("sim2real", root, known))
     return StageRun("retrain_policy", root, known, "f" * 64)
@@ -47,6 +49,14 @@ def whole(tmp_path_factory):
         run = prepared(tmp_path_factory.mktemp("whole"))
         retrain_policy(run)
     return run
+
+
+def save_unseen(policies, trained):
+    """What train_policy tells of the policy's own balls, and of those of another simulator."""
+    unseen = pd.DataFrame({"ball": range(10), **trained.labels})
+    unseen = unseen.assign(hit=unseen["ball"] < 8, returned=unseen["ball"] < 6)
+    elsewhere = unseen.assign(simulator="imperfect_a", hit=True, returned=True)
+    write_table(policies / policy_training.UNSEEN, pd.concat([unseen, elsewhere]))
 
 
 def table(run, name, keys):
@@ -85,6 +95,7 @@ def test_the_trials_of_before_are_those_of_sim2real(whole):
 def test_all_policies_play_in_their_own_simulators(whole):
     rows = table(whole, "own_simulator", ["simulator"])
     assert rows["balls"].to_dict() == {"imperfect_c": 10, "amended_by_arena": 10}
+    assert rows.loc["imperfect_c", ["hits", "returns"]].tolist() == [8, 6]  # as written above
     metrics = json.loads(whole.report("metrics.json").read_text())
     told = metrics["own_simulator"]["imperfect_c"]["115-125"]["return_rate"]
     assert told == rows.loc["imperfect_c", "return_rate"]
@@ -103,7 +114,7 @@ def test_the_amended_simulator_stands_beside_the_truth(whole):
     ("source", "said"), [("hall", "has not amended imperfect_c by balls of hall")]
 )
 def test_a_source_that_amended_nothing_is_named(whole, source, said):
-    settings = RetrainPolicySettings(sources=[source], trials=10)
+    settings = RetrainPolicySettings(sources=[source])
     run = StageRun("retrain_policy", whole.root, params(retrain_policy=settings), "f" * 64)
     with pytest.raises(InputError, match=said):
         retrain_policy(run)

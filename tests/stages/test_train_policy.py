@@ -11,7 +11,7 @@ from models.policy.scores import scores
 from models.policy.streams import unseen_balls
 from models.policy.trial import play
 from pipeline import policy_training
-from pipeline.artifacts import read_json
+from pipeline.artifacts import read_json, read_table
 from pipeline.errors import InputError
 from pipeline.params import PolicyGroupSettings, TrainPolicySettings
 from pipeline.policies import load_policy
@@ -76,7 +76,7 @@ def written(run):
 
 
 def test_there_is_a_policy_for_each_simulator_horizons_and_repeat(whole):
-    assert {path.name for path in whole.artifact(".").iterdir()} == set(NAMES)
+    assert {path.name for path in whole.artifact(".").glob("*/")} == set(NAMES)
     for name, (_, described) in policies(whole).items():
         group = GROUPS[described.group]
         assert described.name == name
@@ -95,6 +95,7 @@ def test_a_repeat_has_the_same_seed_everywhere_and_another_than_the_next(whole):
 
 def test_the_report_scores_each_policy_on_unseen_balls_of_its_own_simulator(whole):
     table = pd.read_csv(whole.report("policies.csv")).set_index("group", append=True)
+    unseen = read_table(whole.artifact("unseen.parquet"))
 
     for (policy, described), (_, row) in zip(
         policies(whole).values(), table.iterrows(), strict=True
@@ -104,6 +105,8 @@ def test_the_report_scores_each_policy_on_unseen_balls_of_its_own_simulator(whol
         expected = scores(play(policy, task.simulator, balls, goals, task.observation))
         found = {name: row[name] for name in expected}
         assert found == pytest.approx(expected, rel=1e-5, nan_ok=True)
+        own = (unseen[list(described.labels)] == described.labels.values()).all(axis=1)
+        assert unseen.loc[own, "returned"].mean() == expected["return_rate"]
         assert (row["simulator"], row["repeat"]) == (described.simulator, described.repeat)
         assert row["ticks"] == described.learning.legs * BRIEF.ticks
 
