@@ -17,6 +17,7 @@ from typing import Any
 import lightning
 import numpy as np
 import pandas as pd
+import torch
 from rich.console import Console
 
 from models.ball.catalogue import catalogue
@@ -125,7 +126,7 @@ def measure_training(processes: int, times: int) -> dict[str, Any]:
     data = WindowData(balls(BALLS, 0), balls(3, 1), changed, SEED)
     data.fit_normaliser(training.network)
     with tempfile.TemporaryDirectory() as folder:
-        train(training, data, "predictor", Path(folder))
+        train(training, data, Path(folder))
     done = data.train.episodes * changed.windows_an_episode * changed.epochs
     return row("train the predictor", "windows", processes, done, training.seconds)
 
@@ -149,14 +150,14 @@ def sizes() -> dict[str, float]:
     taught = [_episode(rows) for _, rows in samples.groupby("episode_id")]
     held = [*taught, tracks(taught)]  # a training has read the ones and made the others of them
     arrays = (part for one in held for part in vars(one).values())
-    memory = sum(part.nbytes for part in arrays if isinstance(part, np.ndarray))
+    memory = sum(part.nbytes for part in arrays if isinstance(part, np.ndarray | torch.Tensor))
     return {"disk_bytes": disk / len(taught), "memory_bytes": memory / len(taught)}
 
 
 def main() -> None:
     """Measure, write, fill in the page, print."""
-    rows = [measure(work, *setting) for work in WORKS for setting in SETTINGS]
-    rows += [measure_training(*setting) for setting in SETTINGS]
+    rows = [measure_training(*setting) for setting in SETTINGS]
+    rows += [measure(work, *setting) for work in WORKS for setting in SETTINGS]
     with replacing(MEASURED) as temporary:
         table = pd.DataFrame(rows)
         table.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")

@@ -1,14 +1,17 @@
-"""Training windows as arrays: every episode once, on the 200 Hz grid, any window a slice of it.
+"""Training windows as tensors: every episode once, on the 200 Hz grid, any window a slice of it.
 
 Windows overlap almost wholly, so they are not stored: a batch of them is one indexing of the
-tracks' rows. No Python runs for a single window.
+tracks' rows, in the memory of the device that trains. No Python runs for a single window.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from models.predictors.protocol import FUTURE, HISTORY, TICK
 from models.predictors.windows import (
@@ -21,12 +24,10 @@ from models.predictors.windows import (
     windows,
 )
 
-Singles = NDArray[np.float32]
-Bools = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
-BEFORE = np.arange(1 - HISTORY, 1)
-AFTER = np.arange(1, FUTURE + 1)
+BEFORE = torch.arange(1 - HISTORY, 1)
+AFTER = torch.arange(1, FUTURE + 1)
 GRID_TOLERANCE = 1e-6  # s
 
 
@@ -43,10 +44,10 @@ class Tracks:
         bounds: (E + 1,) where each episode's anchors begin and the last one's end.
     """
 
-    history: Singles
-    seen: Bools
-    future: Singles
-    measured: Bools
+    history: Tensor
+    seen: Tensor
+    future: Tensor
+    measured: Tensor
     anchors: Indices
     bounds: Indices
 
@@ -55,9 +56,15 @@ class Tracks:
         """How many episodes there are."""
         return len(self.bounds) - 1
 
-    def windows(self, anchors: Indices) -> tuple[Singles, Bools, Singles, Bools]:
+    def to(self, device: torch.device) -> "Tracks":
+        """Return the tracks with their rows in the memory of a device."""
+        rows = ("history", "seen", "future", "measured")
+        return replace(self, **{name: getattr(self, name).to(device) for name in rows})
+
+    def windows(self, anchors: Indices) -> tuple[Tensor, Tensor, Tensor, Tensor]:
         """Return history (B, 12, 6), seen, future (B, 60, 9) and measured at ``anchors``."""
-        before, after = anchors[:, None] + BEFORE, anchors[:, None] + AFTER
+        ends = torch.from_numpy(anchors).to(self.history.device)[:, None]
+        before, after = ends + BEFORE.to(ends.device), ends + AFTER.to(ends.device)
         return self.history[before], self.seen[before], self.future[after], self.measured[after]
 
     def drawn(self, episodes: Indices, random: np.random.Generator) -> Indices:
@@ -84,10 +91,10 @@ def tracks(episodes: Sequence[Episode]) -> Tracks:
     counts = [np.diff(part.bounds) for part in parts]
     anchors = [part.anchors + row for part, row in zip(parts, rows, strict=False)]
     return Tracks(
-        np.concatenate([part.history for part in parts]),
-        np.concatenate([part.seen for part in parts]),
-        np.concatenate([part.future for part in parts]),
-        np.concatenate([part.measured for part in parts]),
+        torch.cat([part.history for part in parts]),
+        torch.cat([part.seen for part in parts]),
+        torch.cat([part.future for part in parts]),
+        torch.cat([part.measured for part in parts]),
         np.concatenate(anchors),
         np.concatenate([[0], np.cumsum(np.concatenate(counts))]),
     )
@@ -116,10 +123,10 @@ def _whole(episode: Episode, ticks: Indices) -> Tracks:
     bounds = np.array([0, len(anchors)] if len(anchors) else [0])
     beyond = ((0, FUTURE), (0, 0))  # nothing is measured there
     return Tracks(
-        np.pad(history.astype(np.float32), beyond),
-        np.pad(seen, beyond),
-        np.pad(future.astype(np.float32), beyond),
-        np.pad(measured, beyond),
+        _tensor(np.pad(history, beyond)),
+        _tensor(np.pad(seen, beyond)),
+        _tensor(np.pad(future, beyond)),
+        _tensor(np.pad(measured, beyond)),
         anchors,
         bounds,
     )
@@ -128,12 +135,17 @@ def _whole(episode: Episode, ticks: Indices) -> Tracks:
 def _cut(cut: Windows) -> Tracks:
     """Return the tracks of windows, one below the other, all of one episode."""
     ahead, behind = ((0, 0), (0, FUTURE), (0, 0)), ((0, 0), (HISTORY, 0), (0, 0))
-    history, seen = cut.history.states.astype(np.float32), cut.history.mask
+    history, seen = cut.history.states, cut.history.mask
     return Tracks(
-        np.pad(history, ahead).reshape(-1, history.shape[2]),
-        np.pad(seen, ahead).reshape(-1, history.shape[2]),
-        np.pad(cut.future.astype(np.float32), behind).reshape(-1, cut.future.shape[2]),
-        np.pad(cut.measured, behind).reshape(-1, cut.future.shape[2]),
+        _tensor(np.pad(history, ahead).reshape(-1, history.shape[2])),
+        _tensor(np.pad(seen, ahead).reshape(-1, history.shape[2])),
+        _tensor(np.pad(cut.future, behind).reshape(-1, cut.future.shape[2])),
+        _tensor(np.pad(cut.measured, behind).reshape(-1, cut.future.shape[2])),
         HISTORY - 1 + (HISTORY + FUTURE) * np.arange(len(cut)),
         np.array([0, len(cut)] if len(cut) else [0]),
     )
+
+
+def _tensor(rows: NDArray[Any]) -> Tensor:
+    """Return rows as a tensor, numbers in single precision."""
+    return torch.from_numpy(rows.astype(rows.dtype if rows.dtype == bool else np.float32))

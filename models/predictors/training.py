@@ -139,8 +139,7 @@ class WindowData(lightning.LightningDataModule):
         """Fit the network's normaliser to training windows."""
         random = np.random.default_rng([self.seed, _FITTING])
         episodes = random.integers(0, self.train.episodes, LARGEST_FIT)
-        windows = self.train.windows(self.train.drawn(episodes, random))
-        network.normaliser.fit(*(torch.from_numpy(part) for part in windows))
+        network.normaliser.fit(*self.train.windows(self.train.drawn(episodes, random)))
 
     def train_dataloader(self) -> DataLoader[Batch]:
         """Return the batches of the trainer's present epoch."""
@@ -160,6 +159,8 @@ class WindowData(lightning.LightningDataModule):
         anchors = tracks.drawn(episodes, random)
         hidden = random.random(len(anchors)) < self.settings.hidden_spin
         share = (self.trainer.global_rank, self.trainer.world_size) if self.trainer else (0, 1)
+        if self.trainer:
+            tracks = tracks.to(self.trainer.strategy.root_device)
         batches = _Batches(tracks, anchors, hidden, self.settings.batch, share)
         return DataLoader(batches, batch_size=None)
 
@@ -187,9 +188,9 @@ class _Batches(Dataset[Batch]):
         end = min((number + 1) * self.batch, len(self.anchors))
         part = slice(number * self.batch + self.rank, end, self.processes)
         history, seen, future, measured = self.tracks.windows(self.anchors[part])
-        history[self.hidden[part], :, 3:] = 0.0
-        seen[self.hidden[part], :, 3:] = False
+        hidden = torch.from_numpy(self.hidden[part]).to(seen.device)
+        history[hidden, :, 3:] = 0.0
+        seen[hidden, :, 3:] = False
         # Nor is it asked for: guesses at what the path hardly tells would drown all other errors.
-        measured[~seen[:, :, 3:].any(axis=(1, 2)), :, 6:] = False
-        numpy = torch.from_numpy
-        return numpy(history), numpy(seen), numpy(future), numpy(measured)
+        measured[~seen[:, :, 3:].any(dim=(1, 2)), :, 6:] = False
+        return history, seen, future, measured

@@ -3,6 +3,7 @@
 import os
 import signal
 from pathlib import Path
+from types import SimpleNamespace
 
 import psutil
 import pytest
@@ -77,6 +78,7 @@ class Ranked:
     """A trainer that is one of two."""
 
     current_epoch, world_size = 0, 2
+    strategy = SimpleNamespace(root_device=torch.device("cpu"))
 
     def __init__(self, rank):
         self.global_rank = rank

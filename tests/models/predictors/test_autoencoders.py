@@ -204,7 +204,7 @@ def test_a_handful_of_windows_is_learned_by_heart(settings):
     windows = WindowData(one_each, one_each, plain, seed=0)
     windows.fit_normaliser(training.network)
     curve = fit(training, windows).curve
-    history, seen, future, _ = one_each.windows(one_each.anchors)
+    history, seen, future, _ = map(np.asarray, one_each.windows(one_each.anchors))
     forecast = LearnedPredictor(training.network).predict(History(history, seen)).states
     assert curve[-1]["validation"] < 0.01  # a network that says nothing loses 3
     assert np.linalg.norm((forecast - future)[:, -1, :3], axis=1).max() < 0.06

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chisquare
@@ -16,7 +17,7 @@ from tests.models.predictors.episodes import GRID, flown, spoilt
 
 
 def every_window(track):
-    return track.windows(track.anchors)
+    return [part.numpy() for part in track.windows(track.anchors)]
 
 
 def assert_windows_are_those_of(track, *episodes):
@@ -95,3 +96,10 @@ def test_the_same_seed_draws_the_same_anchors():
 def test_nothing_to_learn_from_is_refused(episodes):
     with pytest.raises(ValueError, match="no episode has a window"):
         tracks(episodes)
+
+
+def test_windows_are_cut_in_the_memory_of_the_device():
+    track = tracks([flown()])
+    there = track.to(torch.device("meta")).windows(track.anchors)
+    assert {part.device.type for part in there} == {"meta"}
+    assert [part.shape for part in there] == [part.shape for part in track.windows(track.anchors)]

@@ -65,7 +65,7 @@ def test_a_handful_of_windows_is_learned_by_heart():
 
     curve = fit(training, windows).curve
 
-    history, seen, future, measured = one_each.windows(one_each.anchors)
+    history, seen, future, measured = map(np.asarray, one_each.windows(one_each.anchors))
     forecast = LearnedPredictor(training.network).predict(History(history, seen)).states
     assert measured[:, -1].all()
     assert curve[-1]["validation"] < 0.01  # a network that says nothing loses 3
@@ -74,7 +74,7 @@ def test_a_handful_of_windows_is_learned_by_heart():
 
 def test_a_network_that_says_nothing_loses_the_variance_of_what_was_measured():
     train = balls(6, 0)
-    batch = [torch.from_numpy(part) for part in train.windows(train.anchors)]
+    batch = train.windows(train.anchors)
     training = ForecastTraining(ForecastNetwork(Silent()), BRIEF)
     training.network.normaliser.fit(*batch)
     motion = uniform_motion(*batch[:2])
@@ -141,7 +141,7 @@ def test_the_share_of_windows_asked_for_hides_its_spin():
 
 def test_an_epoch_has_as_many_windows_of_each_episode_as_asked():
     train = balls(6, 0)
-    every = train.windows(train.anchors)[2]
+    every = train.windows(train.anchors)[2].numpy()
     owner = np.repeat(np.arange(6), np.diff(train.bounds))
     loader = data().train_dataloader()
     drawn = [owner[(every == window).all(axis=(1, 2))].tolist() for window in joined(loader)[2]]
