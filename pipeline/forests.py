@@ -54,7 +54,7 @@ def load_forest(folder: Path) -> tuple[Forest, TrainedForest]:
         forest = Forest.from_arrays(load(path.read_bytes()))
     except FileNotFoundError:
         raise InputError(path, "there is no such file; run the stage shot_quality") from None
-    except (OSError, SafetensorError, ValueError) as error:
+    except (OSError, SafetensorError, ValueError, KeyError) as error:
         raise InputError(path, f"is not a file of trees: {error}") from None
     if len(forest.low) != len(description.features):
         raise InputError(path, f"does not fit {DESCRIPTION}: other features")

@@ -17,7 +17,7 @@ from pydantic import (
 )
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
-from ruamel.yaml.events import AliasEvent
+from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent
 
 from models.policy.settings import (
     GoalSettings,
@@ -37,6 +37,7 @@ Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$", max_length
 
 
 MOST_ALIASES = 20  # of a YAML file; a few lines of them may repeat themselves without end
+DEEPEST = 100  # parts of YAML that one part may stand in
 LONGEST_SHOWN = 100  # characters of a value that is refused
 
 
@@ -266,11 +267,16 @@ def parse_yaml(text: str) -> Any:
 
     Raises:
         YAMLError: it is not YAML.
-        ValueError: a value is none, or too many parts repeat others.
+        ValueError: a value is none, or parts repeat others too often or stand too deep in others.
     """
-    aliases = sum(isinstance(event, AliasEvent) for event in YAML(typ="safe").parse(text))
-    if aliases > MOST_ALIASES:
-        raise ValueError(f"{aliases} of its parts repeat others; write out all but {MOST_ALIASES}")
+    aliases = depth = 0
+    for event in YAML(typ="safe").parse(text):
+        aliases += isinstance(event, AliasEvent)
+        depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+        if aliases > MOST_ALIASES:
+            raise ValueError(f"parts repeat others; write out all but {MOST_ALIASES}")
+        if depth > DEEPEST:
+            raise ValueError(f"parts stand in more than {DEEPEST} others")
     return YAML(typ="safe").load(text)
 
 

@@ -5,7 +5,12 @@ from pathlib import Path
 
 import pytest
 
-pytest_plugins = ["tests.browser", "tests.pipeline.experiments", "tests.services"]
+pytest_plugins = [
+    "tests.browser",
+    "tests.pipeline.experiments",
+    "tests.reliability",
+    "tests.services",
+]
 
 
 @pytest.fixture(scope="session")
@@ -18,8 +23,9 @@ def real_data() -> Path:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Let `make pictures` keep what the browser tests photograph."""
+    """Let `make pictures` and `make faults` keep what tests photograph and count."""
     parser.addoption("--pictures", metavar="FOLDER", help="where pictures of pages are kept")
+    parser.addoption("--tables", action="store_true", help="write reports/reliability")
 
 
 @pytest.fixture(scope="session")

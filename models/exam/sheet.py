@@ -7,7 +7,7 @@ bits.
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import AfterValidator, BaseModel, ConfigDict
 
 from models.exam.finding import Answer
 from models.exam.trial import SpinLabels, World
@@ -18,7 +18,7 @@ def rounded(value: float) -> float:
     return float(f"{value:.6g}")
 
 
-Number = Annotated[float, BeforeValidator(rounded)]
+Number = Annotated[float, AfterValidator(rounded)]
 
 
 class _Part(BaseModel):

@@ -13,6 +13,8 @@ Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 Integers = NDArray[np.int64]
 
+INDICES = ("roots", "left", "right", "feature")  # among a forest's arrays
+
 
 @dataclass(frozen=True)
 class Forest:
@@ -66,7 +68,8 @@ class Forest:
         if set(arrays) != names:
             raise ValueError(f"a forest has the arrays {', '.join(sorted(names))}")
         forest = cls(**arrays)
-        forest._check()
+        forest._check_numbers()
+        forest._check_ways()
         return forest
 
     def _leaves(self, root: int, seen: NDArray[np.float32]) -> Integers:
@@ -80,7 +83,16 @@ class Forest:
                 return nodes
             nodes = following
 
-    def _check(self) -> None:
+    def _check_numbers(self) -> None:
+        """Refuse arrays that are no rows of such numbers."""
+        for name, array in self.to_arrays().items():
+            kind = np.int64 if name in INDICES else np.float64
+            if array.ndim != 1 or array.dtype != kind or not np.isfinite(array).all():
+                raise ValueError(f"{name} is no row of finite {kind.__name__} numbers")
+        if not ((self.share >= 0) & (self.share <= 1)).all():
+            raise ValueError("a share is not between 0 and 1")
+
+    def _check_ways(self) -> None:
         """Refuse trees that lead nowhere, or in circles."""
         nodes = np.arange(len(self.share))
         shapes = {one.shape for one in (self.left, self.right, self.feature, self.threshold)}

@@ -16,10 +16,8 @@ from pipeline.params import Params, check_params, read_yaml
 from pipeline.profiles import merged
 from pipeline.sweeps.judged import SEEDS, Judged
 from pipeline.sweeps.plan import FINGERPRINT_SHOWN, Plan
-from pipeline.sweeps.report import BEST
+from pipeline.sweeps.report import BEST, CONFIRMED, CONFIRMED_SUMMARY
 from pipeline.sweeps.settings import PredictorSweep
-
-TABLE, SUMMARY = "confirmed.csv", "confirmed.json"
 
 
 def run_confirm(plan: Plan) -> pd.DataFrame:
@@ -33,18 +31,22 @@ def run_confirm(plan: Plan) -> pd.DataFrame:
     Raises:
         InputError: the sweep has not been run, or params.yaml says already what it found.
     """
-    both = _both_params(plan)
+    both = compared_params(plan)
     folder = plan.scratch / "confirm" / _fingerprint(plan, both)
     table = _judged(plan, both, folder).table(plan.params["seed"])
-    with replacing(plan.report / TABLE) as temporary:
+    with replacing(plan.report / CONFIRMED) as temporary:
         table.to_csv(temporary, index=False, float_format="%.6g", lineterminator="\n")
-    write_json(plan.report / SUMMARY, _summary(plan, table))
+    write_json(plan.report / CONFIRMED_SUMMARY, _summary(plan, table))
     shutil.rmtree(plan.scratch / "confirm", ignore_errors=True)
     return table
 
 
-def _both_params(plan: Plan) -> list[Params]:
-    """Return the parameters as they are and with what the sweep found."""
+def compared_params(plan: Plan) -> list[Params]:
+    """Return the parameters as they are and with what the sweep found.
+
+    Raises:
+        InputError: the sweep has not been run, its file is broken, or params.yaml says the same.
+    """
     path = plan.report / BEST
     if not path.is_file():
         raise InputError(path, f"there is no such file; run `rallygap sweep {plan.name}`")

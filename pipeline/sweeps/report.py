@@ -1,6 +1,5 @@
 """What a sweep found: parameters that params.yaml can take, all trials, and two figures."""
 
-import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,8 @@ from pipeline.profiles import flags, merged
 from pipeline.sweeps.plan import Plan, nested
 
 BEST, TRIALS, SUMMARY = "best_params.yaml", "trials.csv", "sweep.json"
+HISTORY, IMPORTANCE = "history.png", "importance.png"
+CONFIRMED, CONFIRMED_SUMMARY = "confirmed.csv", "confirmed.json"  # see confirm.py
 FIGURE_DPI = 150
 OUTCOMES = {TrialState.COMPLETE: "finished", TrialState.PRUNED: "given up"}
 
@@ -37,15 +38,16 @@ def write_report(plan: Plan, study: optuna.Study) -> list[str]:
     if "finished" not in set(trials["outcome"]):
         raise InputError(f"sweep {plan.name}", "no trial was finished: all lagged behind or failed")
     best = plan.suggested(study.best_trial)
-    _write_text(plan.report / BEST, plan, best)
+    _forget_outdated(plan, best)
+    write_text(plan.report / BEST, _best_text(plan, best))
     with replacing(plan.report / TRIALS) as temporary:
         trials.to_csv(temporary, index=False, float_format="%.6g", lineterminator="\n")
     write_json(plan.report / SUMMARY, _summary(plan, study, trials))
     apply_style()
-    _write_figure(plan.report / "history.png", history_figure(trials, plan.settings))
+    _write_figure(plan.report / HISTORY, history_figure(trials, plan.settings))
     importances = _importances(study)
     if importances:
-        _write_figure(plan.report / "importance.png", importance_figure(importances))
+        _write_figure(plan.report / IMPORTANCE, importance_figure(importances))
     return flags(plan.params, merged(plan.params, nested(best)))
 
 
@@ -104,12 +106,20 @@ def _importances(study: optuna.Study) -> dict[str, float]:
     return {name: share for name, share in found.items() if share == share}
 
 
-def _write_text(path: Path, plan: Plan, best: dict[str, Any]) -> None:
-    text = io.StringIO()
-    text.write(f"# The best trial of `rallygap sweep {plan.name}`. What holds up in\n")
-    text.write(f"# `rallygap confirm {plan.name}` may go into params.yaml.\n")
-    yaml.safe_dump(nested(best), text, sort_keys=False)
-    write_text(path, text.getvalue())
+def _forget_outdated(plan: Plan, best: dict[str, Any]) -> None:
+    """Remove what an earlier sweep of this name left that this one may not replace."""
+    path = plan.report / BEST
+    if path.is_file() and path.read_text(encoding="utf-8") != _best_text(plan, best):
+        for name in (IMPORTANCE, CONFIRMED, CONFIRMED_SUMMARY):
+            (plan.report / name).unlink(missing_ok=True)
+
+
+def _best_text(plan: Plan, best: dict[str, Any]) -> str:
+    heading = (
+        f"# The best trial of `rallygap sweep {plan.name}`. What holds up in\n"
+        f"# `rallygap confirm {plan.name}` may go into params.yaml.\n"
+    )
+    return heading + str(yaml.safe_dump(nested(best), sort_keys=False))
 
 
 def _write_figure(path: Path, figure: Figure) -> None:

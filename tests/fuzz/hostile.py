@@ -8,7 +8,11 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import pyarrow as pa
+from pyarrow import parquet
 from safetensors.numpy import save
+
+from pipeline.contracts import STATE_COLUMNS
 
 SENTINEL = Path("/tmp/rallygap-fuzz-code-ran")  # what hostile code would leave behind
 
@@ -80,6 +84,18 @@ def _endless_hdf5() -> bytes:
     return made.getvalue()
 
 
+def _forecasts(rows: int, name: str, count: int = 0) -> bytes:
+    """Forecasts whose windows all have one name, which stands in the file once."""
+    names = pa.array([name]).dictionary_encode().dictionary
+    columns = {"window_id": pa.DictionaryArray.from_arrays(np.zeros(rows, np.int32), names)}
+    columns["horizon_ms"] = pa.array(np.full(rows, 100))
+    columns |= {state: pa.array(np.zeros(rows)) for state in STATE_COLUMNS}
+    columns |= {f"another_{k}": pa.array(np.zeros(rows)) for k in range(count)}
+    made = io.BytesIO()
+    parquet.write_table(pa.table(columns), made)
+    return made.getvalue()
+
+
 NOTHING_GOOD = [
     b"", b"\n", b"\x00" * 100, b"\xff\xfe", b"\xef\xbb\xbf", b"null", b"[]", b"{}", b"0", b'"text"',
     pickle.dumps(Trap()), _objects(), _packed({"weight.npy": b"\x00" * 50_000_000}),
@@ -118,6 +134,11 @@ WEIGHTS = [
     save({"weight.0": np.zeros((), np.float32), "bias.0": np.zeros((), np.float32)}),
     save({"weight.0": np.zeros((5, 3), np.int64), "bias.0": np.zeros(5, np.int64)}),
     save({"weight.0": np.full((5, 3), np.nan, np.float32), "bias.0": np.zeros(5, np.float32)}),
+]  # fmt: skip
+
+PARQUET = [
+    _forecasts(10_000_000, "x"), _forecasts(12, "x" * 5_000_000), _forecasts(24, "x" * 50_000_000),
+    _forecasts(0, "x"), _forecasts(12, "\x00"), _forecasts(12, "x", count=3000),
 ]  # fmt: skip
 
 HDF5 = [

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from models.policy.observation import observation_size
+from models.quality.forest import grown
 from pipeline.artifacts import read_as, write_json
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import run_sets, window_table
@@ -19,22 +20,28 @@ from pipeline.contracts import LAUNCHES, RECORDINGS, checked
 from pipeline.exam_sheets import read_sheets, write_sheets
 from pipeline.figures.contents import read_columns, read_contents
 from pipeline.figures.shots import read_shots
+from pipeline.forests import DESCRIPTION, TREES, TrainedForest, load_forest, save_forest
 from pipeline.params import load_params
 from pipeline.policies import TrainedPolicy, load_policy
 from pipeline.profiles import profile_flags
 from pipeline.simulators import load_simulator
 from pipeline.sources.manifest import read_manifest
+from pipeline.sweeps.confirm import compared_params
+from pipeline.sweeps.plan import load_plan
+from pipeline.sweeps.report import BEST
 from pipeline.truth import read_truth
 from pipeline.weights import load_predictor
 from tests.fuzz import hostile
 from tests.models.exam.sheets import answered, hidden, named, sheet
 from tests.models.predictors.balls import observed
+from tests.models.quality.planted import SETTINGS, planted
 from tests.pipeline.benchmark.forecasting import Still, forecasts_of
 from tests.pipeline.measured_shots import params, source_record, write_inputs, write_trained
 from tests.pipeline.sources import made_up
 from tests.pipeline.trained_policies import save_drawn
 
 ROOT = Path(__file__).parents[2]
+SWEEP = "profiles/sweeps/predictor.yaml"
 BALL = [0.1, 1.3, 0.3, 0.2, -8.0, 0.5, -150.0, 10.0, 5.0]
 
 
@@ -88,7 +95,7 @@ def _copied(*names: str) -> Callable[[Path], Path]:
 
     def write(folder: Path) -> Path:
         for name in names:
-            (folder / name).parent.mkdir(exist_ok=True)
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, folder / name)
         return folder / names[-1]
 
@@ -114,6 +121,41 @@ def _write_simulator(folder: Path) -> Path:
 def _read_simulator(folder: Path) -> int:
     simulator = load_simulator(str(folder / "simulator.yaml"))
     assert np.isfinite(simulator.fly(BALL, [0.1, 0.2]).states).all()
+    return 0
+
+
+def _read_sweep(folder: Path) -> int:
+    load_plan(folder, "predictor")
+    return 0
+
+
+def _write_best(folder: Path) -> Path:
+    _copied("params.yaml", SWEEP)(folder)
+    path = folder / "reports" / "sweeps" / "predictor" / BEST
+    path.parent.mkdir(parents=True)
+    path.write_text("train_predictor:\n  training:\n    learning_rate: 0.005\n    batch: 48\n")
+    return path
+
+
+def _read_best(folder: Path) -> int:
+    compared_params(load_plan(folder, "predictor"))
+    return 0
+
+
+def _write_forest(file: str) -> Callable[[Path], Path]:
+    def write(folder: Path) -> Path:
+        features, wins, _ = planted()
+        described = TrainedForest(shots=len(wins), matches=100, settings=SETTINGS, seed=0)
+        save_forest(folder / "forest", grown(features, wins, SETTINGS, 0), described)
+        return folder / "forest" / file
+
+    return write
+
+
+def _read_forest(folder: Path) -> int:
+    forest, described = load_forest(folder / "forest")
+    shares = forest.probabilities(np.zeros((2, len(described.features))))
+    assert ((shares >= 0) & (shares <= 1)).all()
     return 0
 
 
@@ -262,6 +304,7 @@ SEPARATED = [*hostile.NOTHING_GOOD, *hostile.SEPARATED]
 YAML = [*hostile.NOTHING_GOOD, *hostile.YAML]
 JSON = [*hostile.NOTHING_GOOD, *hostile.JSON]
 WEIGHTS = [*hostile.NOTHING_GOOD, *hostile.WEIGHTS]
+PARQUET = [*hostile.NOTHING_GOOD, *hostile.PARQUET]
 
 READERS = [
     _source_reader("source csv", "csv", made_up.write_csv, SEPARATED),
@@ -283,6 +326,8 @@ READERS = [
     ),
     Reader("params.yaml", _copied("params.yaml"), _read_params, YAML),
     Reader("profile", _copied("params.yaml", "profiles/smoke.yaml"), _read_profile, YAML),
+    Reader("sweep", _copied("params.yaml", SWEEP), _read_sweep, YAML),
+    Reader("best_params.yaml", _write_best, _read_best, YAML),
     Reader("simulator", _write_simulator, _read_simulator, YAML),
     Reader("predictor, weights", _write_predictor("weights.safetensors"), _read_predictor, WEIGHTS),
     Reader(
@@ -293,9 +338,11 @@ READERS = [
     ),
     Reader("policy, weights", _write_policy("weights.safetensors"), _read_policy, WEIGHTS),
     Reader("policy, policy.json", _write_policy("policy.json"), _read_policy, JSON),
+    Reader("forest, trees", _write_forest(TREES), _read_forest, WEIGHTS),
+    Reader("forest, forest.json", _write_forest(DESCRIPTION), _read_forest, JSON),
     Reader("verdict.json", _write_verdict, _read_verdict, JSON),
     Reader("exam sheets", _write_sheets, _read_sheets, JSON),
-    Reader("benchmark forecasts", _write_forecasts, _read_forecasts, hostile.NOTHING_GOOD),
+    Reader("benchmark forecasts", _write_forecasts, _read_forecasts, PARQUET),
     Reader("manifest.json", _write_manifest, _read_manifest, JSON),
     Reader("truth.json", _write_truth, _read_truth, JSON),
     Reader("shots.json", _write_shots, _read_shots, JSON),

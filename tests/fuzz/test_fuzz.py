@@ -1,5 +1,7 @@
 """Readers meet damaged and hostile files: balls or numbers come out, or one clear error does."""
 
+import pickle
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,13 +10,14 @@ from hypothesis import strategies as st
 
 from pipeline.errors import InputError
 from pipeline.params import Params, check_params, read_yaml
-from tests.fuzz.__main__ import COUNTS, EACH
+from tests.fuzz.counts import counted
+from tests.fuzz.hostile import Trap
 from tests.fuzz.mutations import MUTATIONS, mutated
-from tests.fuzz.readers import READERS, ROOT
+from tests.fuzz.readers import READERS, Reader
 from tests.fuzz.trial import inputs, outcome, tried
+from tests.reliability import REPORT, ROOT
 
-pytestmark = pytest.mark.faults
-
+EACH = 240  # inputs a reader
 SAMPLE = 10  # mutations a reader, beside every hostile file
 
 VALUES = st.recursive(
@@ -26,22 +29,31 @@ VALUES = st.recursive(
 )
 
 
-def faults(reader, count):
-    return [said for outcome, said, _ in tried(reader, count) if outcome == "fault"]
+def judged(reader, count):
+    """How each input ended, what was said of it, and its beginning."""
+    return [(outcome, said, content[:60]) for outcome, said, content in tried(reader, count)]
 
 
+def faults(found):
+    return [one for one in found if one[0] == "fault"]
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
 def test_no_hostile_file_and_no_mutation_of_a_sample_is_a_fault(reader):
-    assert faults(reader, 1 + len(reader.hostile) + SAMPLE) == []
+    assert faults(judged(reader, 1 + len(reader.hostile) + SAMPLE)) == []
 
 
+@pytest.mark.faults
 @pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
-def test_no_mutation_is_a_fault(reader):
-    assert faults(reader, EACH) == []
+def test_no_mutation_is_a_fault(reader, tables):
+    found = judged(reader, EACH)
+    tables.add("fuzz", [counted(reader.name, (outcome for outcome, *_ in found))])
+    assert faults(found) == []
 
 
 def test_the_committed_counts_are_of_these_readers_and_without_a_fault():
-    table = pd.read_csv(ROOT / COUNTS)
+    table = pd.read_csv(REPORT / "fuzz.csv")
     assert list(table["reader"]) == [reader.name for reader in READERS]
     assert (table["inputs"] == EACH).all()
     assert table["inputs"].sum() >= 5000
@@ -62,6 +74,29 @@ def test_inputs_follow_from_their_number():
     one, other = (list(inputs(reader, 60, whole)) for _ in range(2))
     assert one == other
     assert len(set(one)) > 50
+
+
+def test_what_works_too_long_or_runs_code_is_a_fault(tmp_path, monkeypatch):
+    monkeypatch.setattr("tests.fuzz.trial.LONGEST", 0.2)
+
+    def swallowed(_):
+        try:
+            while True:
+                pass
+        except Exception as error:
+            raise InputError("file", f"is none: {error}") from None
+
+    def unpickled(_):
+        pickle.loads(pickle.dumps(Trap()))
+        raise InputError("file", "is none")
+
+    def taken(_):
+        return len(b"0" * 1_000_000_000) * 0
+
+    for read, said in ((swallowed, "still reading"), (unpickled, "ran code"), (taken, "took")):
+        reader = Reader("made up", lambda folder: folder / "file", read, [])
+        kind, message = outcome(reader, tmp_path, tmp_path / "file")
+        assert kind == "fault" and said in message
 
 
 @pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda mutation: mutation.__name__)
@@ -89,6 +124,7 @@ def replaced(content, place, value):
     return {**content, first: replaced(content[first], rest, value) if rest else value}
 
 
+@pytest.mark.slow
 @given(place=st.sampled_from(PLACES), value=VALUES)
 @settings(max_examples=200, deadline=None, derandomize=True)
 def test_any_value_in_any_place_of_the_parameters_is_taken_or_refused_by_name(place, value):

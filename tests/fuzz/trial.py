@@ -1,5 +1,6 @@
 """One input put before a reader: read, refused, or a fault. Time and memory are bounded."""
 
+import faulthandler
 import resource
 import signal
 import tempfile
@@ -18,10 +19,15 @@ from tests.fuzz.readers import Reader
 Outcome = Literal["refused", "in_part", "accepted", "fault"]
 
 LONGEST = 20  # s of the processor
-LARGEST = 400_000  # kB by which one input may let the process grow
+LONGEST_WAIT = 300  # s on the clock, after which nothing but the end of the campaign helps
+LARGEST = 400_000  # kB that one input may take
 ADDRESSES = 8 * 2**30  # bytes that a campaign may ask for beyond what it began with
 LONGEST_LINE = 1500  # characters of a refusal that can be read
 MOST_SHOWN = 400  # characters of a fault
+
+
+class TooLong(BaseException):
+    """A reader works for too long; no error, so that no reader takes it for one of its file's."""
 
 
 def inputs(reader: Reader, count: int, whole: bytes) -> Iterator[bytes]:
@@ -43,7 +49,7 @@ def tried(reader: Reader, count: int) -> Iterator[tuple[Outcome, str, bytes]]:
 
 def outcome(reader: Reader, folder: Path, path: Path) -> tuple[Outcome, str]:
     """Return how one reading ended, and what was said of it."""
-    before = _peak()
+    before = _held_from_now()
     SENTINEL.unlink(missing_ok=True)
     try:
         with limited_time():
@@ -51,10 +57,11 @@ def outcome(reader: Reader, folder: Path, path: Path) -> tuple[Outcome, str]:
         said: tuple[Outcome, str] = ("in_part" if refused else "accepted", "")
     except InputError as error:
         said = _judged(str(error), folder, path)
-    except (Exception, RecursionError) as error:
+    except (Exception, TooLong) as error:
         said = "fault", f"{type(error).__name__}: {error}"[:MOST_SHOWN]
-    if _peak() - before > LARGEST:
-        return "fault", f"took {(_peak() - before) // 1000} MB"
+    taken = _memory("VmHWM") - before
+    if taken > LARGEST:
+        return "fault", f"took {taken // 1000} MB"
     return ("fault", "ran code") if SENTINEL.exists() else said
 
 
@@ -69,23 +76,33 @@ def _judged(message: str, folder: Path, path: Path) -> tuple[Outcome, str]:
     return "refused", message
 
 
-def _peak() -> int:
-    """The most memory this process ever held, kB."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+def _held_from_now() -> int:
+    """The memory of this process, kB; from here on its peak is counted anew."""
+    Path("/proc/self/clear_refs").write_text("5")
+    return _memory("VmRSS")
+
+
+def _memory(name: str) -> int:
+    """A number of /proc/self/status, kB."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    (line,) = (line for line in lines if line.startswith(f"{name}:"))
+    return int(line.split()[1])
 
 
 @contextmanager
 def limited_time() -> Iterator[None]:
-    """Raise where the processor works for too long."""
+    """Raise where the processor works for too long, and end it all where nothing comes back."""
 
     def stop(*_: object) -> None:
-        raise TimeoutError(f"still reading after {LONGEST} s")
+        raise TooLong(f"still reading after {LONGEST} s")
 
     former = signal.signal(signal.SIGPROF, stop)
     signal.setitimer(signal.ITIMER_PROF, LONGEST)
+    faulthandler.dump_traceback_later(LONGEST_WAIT, exit=True)
     try:
         yield
     finally:
+        faulthandler.cancel_dump_traceback_later()
         signal.setitimer(signal.ITIMER_PROF, 0)
         signal.signal(signal.SIGPROF, former)
 

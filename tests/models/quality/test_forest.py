@@ -70,6 +70,9 @@ def test_unlike_is_what_is_beyond_all_training_shots_and_only_that(forest):
         ("left", lambda nodes: nodes + 10**6, "leads to none"),
         ("feature", lambda which: which + 9, "a feature that there is not"),
         ("roots", lambda roots: roots - 1, "a feature that there is not"),
+        ("share", lambda share: share + 1, "not between 0 and 1"),
+        ("low", lambda low: low * np.nan, "no row of finite float64 numbers"),
+        ("left", lambda nodes: nodes.astype(float), "no row of finite int64 numbers"),
     ],
 )
 def test_trees_that_lead_nowhere_are_refused(forest, name, change, said):
