@@ -30,6 +30,7 @@ def history_figure(trials: pd.DataFrame, settings: PredictorSweep | PolicySweep)
     best = running.accumulate(finished["score"].to_numpy(dtype=np.float64))
     axes.step(finished["trial"], best, where="post", color=BEST, label="best so far")
     axes.set(xlabel="trial", ylabel=settings.score)
+    axes.locator_params(axis="x", integer=True)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.15), ncols=3)
     return figure
 

@@ -51,7 +51,7 @@ def load_study(plan: Plan, name: str, url: str | None) -> optuna.Study:
         study_name=name,
         storage=storage(plan, url),
         sampler=NumberedSampler(plan.params["seed"]),
-        pruner=MedianPruner(pruning.first_trials, pruning.first_steps),
+        pruner=MedianPruner(pruning.first_trials, pruning.first_steps + 1),  # steps count from 1
     )
 
 

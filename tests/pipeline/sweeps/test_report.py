@@ -9,9 +9,10 @@ from pipeline.artifacts import read_json
 from pipeline.errors import InputError
 from pipeline.params import check_params, read_yaml
 from pipeline.profiles import merged
+from pipeline.sweeps.plan import load_plan
 from pipeline.sweeps.records import recorded_trial
-from pipeline.sweeps.report import write_report
-from tests.pipeline.sweeps.made_up import HEADS, RATE, Valley, done, plan
+from pipeline.sweeps.report import trials_table, write_report
+from tests.pipeline.sweeps.made_up import HEADS, RATE, ROOT, Valley, done, plan, unrecorded
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +24,6 @@ def swept(tmp_path_factory):
 
 def _swept(root):
     from pipeline.sweeps import worker
-    from tests.pipeline.sweeps.made_up import unrecorded
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(worker, "recorded_trial", unrecorded)
@@ -66,6 +66,25 @@ def test_another_run_leaves_the_same_bytes(swept, tmp_path):
     assert {path.name: path.read_bytes() for path in again.report.iterdir()} == files
 
 
+def test_what_another_sweep_finds_has_not_been_confirmed(tmp_path):
+    own, study = _swept(tmp_path)
+    write_report(own, study)
+    confirmed = own.report / "confirmed.json"
+    confirmed.write_text("{}")
+    write_report(own, study)
+    assert confirmed.exists()
+    (own.report / "best_params.yaml").write_text("train_predictor: {}\n")
+    write_report(own, study)
+    assert not confirmed.exists()
+
+
+def test_no_trial_is_given_up_in_its_first_steps(tmp_path, monkeypatch):
+    monkeypatch.setattr("pipeline.sweeps.worker.recorded_trial", unrecorded)
+    own = plan(tmp_path, pruning={"first_trials": 3, "first_steps": 1})
+    table = trials_table(own, done(own, 16))
+    assert table["steps"].min() == 2
+
+
 class Nothing(Valley):
     """Trials of which none comes to anything."""
 
@@ -105,3 +124,14 @@ def test_trials_are_runs_of_mlflow_under_one_parent_that_a_failed_one_does_not_f
     assert parents == [(parent,)] * 2
     assert rates == [("0.02",)] * 2
     assert scores == [("validation_loss", 1, 0.5), ("validation_loss", 2, 0.25)]
+
+
+@pytest.mark.parametrize("name", ["policy"])
+def test_the_committed_sweep_has_all_its_trials_and_was_confirmed(name):
+    kept = load_plan(ROOT, name)
+    summary, confirmed = (read_json(kept.report / f"{one}.json") for one in ("sweep", "confirmed"))
+    assert sum(summary["trials"].values()) == kept.settings.trials
+    assert pd.read_csv(kept.report / "trials.csv")["score"].max() == summary["best_score"]
+    assert confirmed["holds"] == all(
+        one > 0 for one in [*confirmed["per_seed"], confirmed["ci_low"]]
+    )

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 
 import pytest
 from optuna.trial import TrialState
@@ -44,14 +45,22 @@ worker.work(load_plan(root, "tiny"), sys.argv[2], int(sys.argv[3]), url, lambda 
 MASTER = "import subprocess, sys; subprocess.run(sys.argv[1:])"
 
 
+@contextmanager
 def start(swept, study, wanted, url=None, master=()):
+    """A worker, which must have ended at the end of the block; where that fails it is killed."""
     command = [*master, sys.executable, "-c", WORKER, str(swept.root), study, str(wanted)]
     environment = {
         **os.environ,
         "PYTHONPATH": str(ROOT),
         **({"RALLYGAP_STUDY": url} if url else {}),
     }
-    return subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True)
+    told = {"stdout": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, cwd=ROOT, env=environment, **told) as process:
+        try:
+            yield process
+        except BaseException:
+            process.kill()
+            raise
 
 
 def table(study):
