@@ -1,12 +1,14 @@
 """Keep the results of a DVC experiment in the repository, with all it takes to make them again."""
 
 import shlex
+import shutil
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.artifacts import read_json, replacing_folder, write_json
+from pipeline.artifacts import read_json, replacing_folder, write_json, write_text
+from pipeline.console import warn
 from pipeline.errors import InputError
 from pipeline.leftovers import kept_timings
 from pipeline.params import parse_yaml
@@ -19,7 +21,7 @@ LARGEST_FILE = 30_000_000  # bytes; larger ones git would carry about for ever
 def keep_experiment(root: Path, name: str) -> None:
     """Copy the reports of the newest experiment of a name into ``reports/<name>``.
 
-    Its trained predictors come with them, into ``predictors/``, but no file that is too large for
+    Its trained predictors come with them, into ``predictors/``, but none that is too large for
     git. ``run.json`` names the commit, the command, the parameters and each stage's fingerprint.
     Nothing in it comes from this machine: the folder of the measured sets is a setting of the
     environment. Where this machine ran it, ``timings.json`` has how long that took.
@@ -34,7 +36,7 @@ def keep_experiment(root: Path, name: str) -> None:
         raise InputError(f"experiment {name}", problem, field="ingest.folder")
     with replacing_folder(root / "reports" / name) as folder:
         stages = _copy_reports(root, revision, folder)
-        _copy_predictors(root, revision, folder / "predictors")
+        _copy_predictors(root, revision, folder / "predictors", f"reports/{name}")
         command = ["dvc", "exp", "run", *flags(_params_at(root, baseline), params)]
         record = {
             "experiment": name,
@@ -86,16 +88,21 @@ def _copy_reports(root: Path, revision: str, folder: Path) -> list[str]:
     return stages
 
 
-def _copy_predictors(root: Path, revision: str, folder: Path) -> None:
-    """Copy the trained predictors of a revision: cards, descriptions and weights."""
+def _copy_predictors(root: Path, revision: str, folder: Path, reports: str) -> None:
+    """Copy the trained predictors of a revision; their cards then name ``reports`` of their own."""
     from dvc.api import DVCFileSystem
+
+    from pipeline.weights import CARD, WEIGHTS
 
     files = DVCFileSystem(str(root), rev=revision)
     if files.exists(PREDICTORS):
         files.get(PREDICTORS, str(folder), recursive=True)
-    for path in list(folder.rglob("*")):
-        if path.is_file() and path.stat().st_size > LARGEST_FILE:
-            path.unlink()
+    for weights in list(folder.rglob(WEIGHTS)):
+        if weights.stat().st_size > LARGEST_FILE:
+            shutil.rmtree(weights.parent)
+            warn(f"{weights.parent.name} is left out: its weights are too large for git")
+    for card in folder.rglob(CARD):
+        write_text(card, card.read_text(encoding="utf-8").replace("`reports/", f"`{reports}/"))
 
 
 def _write_timings(root: Path, commit: str, reports: Sequence[Path]) -> None:

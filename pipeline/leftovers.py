@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock
+
 from pipeline.artifacts import read_json, write_json
 from pipeline.provenance import repository_root
 
@@ -22,7 +24,8 @@ def scratch_kept(stage: str, fingerprint: str) -> Iterator[None]:
     """Let a stage in a temporary copy go on where a killed one in another copy stopped.
 
     Its scratch folder becomes a link into the repository. What is kept there goes when the stage
-    succeeds, and nothing else: another copy may be at the same stage with other parameters.
+    succeeds, and nothing else: another copy may be at the same stage with other parameters. Where
+    it is at the same stage with the same ones, this one waits until it has ended.
     """
     here, home = Path.cwd(), repository_root()
     if here.resolve() == home.resolve():
@@ -30,12 +33,14 @@ def scratch_kept(stage: str, fingerprint: str) -> Iterator[None]:
         return
     name = fingerprint[:FINGERPRINT_SHOWN]
     kept, link = home / "scratch" / COPIES / stage / name, here / "scratch" / stage / name
-    kept.mkdir(parents=True, exist_ok=True)
-    link.parent.mkdir(parents=True, exist_ok=True)
-    if not link.is_symlink():
-        link.symlink_to(kept, target_is_directory=True)
-    yield
-    shutil.rmtree(kept, ignore_errors=True)
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    with FileLock(kept.with_name(f"{name}.lock")):
+        kept.mkdir(exist_ok=True)
+        link.parent.mkdir(parents=True, exist_ok=True)
+        if not link.is_symlink():
+            link.symlink_to(kept, target_is_directory=True)
+        yield
+        shutil.rmtree(kept, ignore_errors=True)
 
 
 def keep_timings(stage: str, fingerprint: str, timings: dict[str, Any]) -> None:

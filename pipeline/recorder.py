@@ -29,6 +29,7 @@ from mlflow.entities import Dataset, DatasetInput, Metric, Param
 from mlflow.system_metrics.system_metrics_monitor import SystemMetricsMonitor
 from pyarrow.parquet import read_schema
 
+from pipeline.redaction import without_secrets
 from pipeline.registration import STAGE_OF_PREDICTORS, register_predictors
 
 EXPERIMENT = "rallygap"
@@ -201,12 +202,6 @@ def columns(table: Path) -> str | None:
         for one in read_schema(table)
     ]
     return json.dumps({"mlflow_colspec": described})
-
-
-def without_secrets(text: str) -> str:
-    """Return text without the names and passwords in its URLs."""
-    text = re.sub(r"(://)[^\s'\"]*@", r"\1***@", text)
-    return re.sub(r"(?i)((?:password|passwd|token|secret|key)=)[^&\s'\"]+", r"\1***", text)
 
 
 def batches(items: Sequence[Any], size: int) -> Iterator[Sequence[Any]]:

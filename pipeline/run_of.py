@@ -8,6 +8,7 @@ from typing import Any
 from pipeline.artifacts import read_json
 from pipeline.errors import InputError
 from pipeline.params import read_yaml
+from pipeline.redaction import without_secrets
 from pipeline.tracking import store_uri
 
 EXPERIMENT_TAG = "dvc.experiment"
@@ -44,16 +45,17 @@ def origin_of(root: Path, path: Path) -> Origin:
         path: an output of a stage, or its like in a kept experiment's folder under reports.
 
     Raises:
-        InputError: no stage writes it, its report is not there, or MLflow knows no such run.
+        InputError: no stage writes it, its report is not there, or MLflow cannot be asked or
+            knows no such run.
     """
     stage, contents = _report_of(root, path)
     fingerprint = read_json(contents)["fingerprint"]
     store = os.environ.get("MLFLOW_TRACKING_URI") or store_uri(root)
     run = _newest_run(store, fingerprint)
     if run is None:
-        problem = f"no run in {store} has the fingerprint {fingerprint}; was it made elsewhere?"
-        raise InputError(path, problem)
-    served = store if store.startswith("http") else "http://127.0.0.1:5000"
+        problem = f"has the fingerprint {fingerprint}; was it made elsewhere?"
+        raise InputError(path, f"no run in {without_secrets(store)} {problem}")
+    served = without_secrets(store) if store.startswith("http") else "http://127.0.0.1:5000"
     tags, info = run.data.tags, run.info
     return Origin(
         stage,
@@ -86,10 +88,15 @@ def _report_of(root: Path, path: Path) -> tuple[str, Path]:
 def _newest_run(store: str, fingerprint: str) -> Any:
     """The newest run of a fingerprint; those that ended well first."""
     from mlflow import MlflowClient
+    from mlflow.exceptions import MlflowException
+    from sqlalchemy.exc import SQLAlchemyError
 
-    client = MlflowClient(store)
-    experiments = [one.experiment_id for one in client.search_experiments()]
-    runs = client.search_runs(
-        experiments, f"tags.`dvc.lock_hash` LIKE '{fingerprint}%'", order_by=["start_time DESC"]
-    )
+    sought = f"tags.`dvc.lock_hash` LIKE '{fingerprint}%'"
+    try:
+        client = MlflowClient(store)
+        experiments = [one.experiment_id for one in client.search_experiments()]
+        runs = client.search_runs(experiments, sought, order_by=["start_time DESC"])
+    except (MlflowException, SQLAlchemyError, ImportError) as error:
+        reason = without_secrets(" ".join(str(error).split()))
+        raise InputError(without_secrets(store), f"cannot be asked: {reason[:200]}") from None
     return next((run for run in runs if run.info.status == "FINISHED"), next(iter(runs), None))

@@ -75,10 +75,10 @@ def test_the_newest_experiment_of_a_name_is_kept_and_takes_the_old_one_s_place(r
     assert (repository / "reports" / "warm" / "index.html").read_text() == "newest"
 
 
-def test_trained_predictors_come_along_unless_they_are_too_large(repository, monkeypatch):
+def test_trained_predictors_come_along_unless_they_are_too_large(repository, monkeypatch, capsys):
     monkeypatch.setattr(keep, "LARGEST_FILE", 10)
     trained = {"transformer/MODEL_CARD.md": "card", "transformer/weights.safetensors": 11 * "x"}
-    trained |= {"tae/weights.safetensors": 10 * "x"}
+    trained |= {"tae/MODEL_CARD.md": "see `reports/a.csv`", "tae/weights.safetensors": 10 * "x"}
     commit(
         repository, {f"artifacts/train_predictor/{path}": text for path, text in trained.items()}
     )
@@ -86,9 +86,11 @@ def test_trained_predictors_come_along_unless_they_are_too_large(repository, mon
     keep_experiment(repository, "warm")
     kept = repository / "reports" / "warm" / "predictors"
     assert {str(path.relative_to(kept)) for path in kept.rglob("*") if path.is_file()} == {
-        "transformer/MODEL_CARD.md",
+        "tae/MODEL_CARD.md",
         "tae/weights.safetensors",
     }
+    assert (kept / "tae" / "MODEL_CARD.md").read_text() == "see `reports/warm/a.csv`"
+    assert "transformer is left out" in capsys.readouterr().err
 
 
 def test_it_is_told_how_long_this_machine_took(repository):

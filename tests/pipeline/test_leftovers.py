@@ -1,6 +1,7 @@
 """What a stage leaves beside its outputs survives the temporary copies that DVC removes."""
 
 import shutil
+import threading
 
 import pytest
 
@@ -52,6 +53,22 @@ def test_a_stage_that_succeeds_leaves_the_scratch_of_others(home, tmp_path, monk
         assert not run.scratch("net").exists()
         run.settle()
     assert [path.read_text() for path in home.rglob("last")] == ["epoch 3"]
+
+
+def test_copies_that_are_at_the_same_take_turns(home, tmp_path, monkeypatch):
+    copied_run(tmp_path, monkeypatch, "first")
+    entered = threading.Event()
+
+    def other():
+        with scratch_kept("segment", FINGERPRINT):
+            entered.set()
+
+    waiting = threading.Thread(target=other)
+    with scratch_kept("segment", FINGERPRINT):
+        waiting.start()
+        assert not entered.wait(0.3)
+    waiting.join()
+    assert entered.is_set()
 
 
 def test_in_the_repository_itself_nothing_is_linked(home, monkeypatch):

@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 from pipeline import cli, tracking
+from pipeline.errors import InputError
 from pipeline.provenance import Provenance
-from pipeline.recorder import without_secrets
+from pipeline.redaction import without_secrets
+from pipeline.run_of import origin_of
 from pipeline.tracking import description, recorded
 
 ROOT = Path(__file__).parents[2]
@@ -43,6 +45,16 @@ def test_a_store_that_fails_is_complained_about_without_its_password(monkeypatch
     assert SECRET not in said
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("store", STORES)
+def test_the_way_back_to_a_run_is_told_without_the_password(monkeypatch, store):
+    monkeypatch.setenv("MLFLOW_TRACKING_URI", store)
+    monkeypatch.setenv("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "0")
+    with pytest.raises(InputError, match="cannot be asked") as error:
+        origin_of(ROOT, ROOT / "reports" / "segment")
+    assert SECRET not in str(error.value)
+
+
 @pytest.mark.parametrize("store", STORES)
 def test_what_libraries_quote_of_an_address_is_without_its_password(store):
     said = without_secrets(f"API request to '{store}' failed, and ({store}) too: refused")
@@ -58,12 +70,16 @@ def test_what_holds_the_address_can_be_read_by_its_owner_alone(monkeypatch, tmp_
     assert recorder.messages.stat().st_mode & 0o077 == 0
 
 
-def test_the_pages_of_mlflow_are_asked_to_listen_on_loopback(monkeypatch):
+def test_the_pages_of_mlflow_are_lean_and_asked_to_listen_on_loopback(monkeypatch):
     started = {}
+    for name in cli.LEAN:
+        monkeypatch.setenv(name, "")
     monkeypatch.setattr(os, "execv", lambda program, words: started.update(words=words))
     cli.ui(5000)
     words = started["words"]
     assert words[words.index("--host") + 1] == "127.0.0.1"
+    assert words[words.index("--workers") + 1] == "1"
+    assert os.environ["MLFLOW_SERVER_ENABLE_JOB_EXECUTION"] == "false"
 
 
 # They look for such addresses.
@@ -80,7 +96,8 @@ def tracked_texts():
 
 
 STARTS_A_SERVER = re.compile(
-    r"^.*\b(?:mlflow (?:server|ui)|dask[ -]scheduler|optuna-dashboard|-m http\.server)\b.*$",
+    r"^.*\b(?:mlflow (?:server|ui)|dask[ -](?:scheduler|worker)|optuna-dashboard"
+    r"|-m http\.server)\b.*$",
     re.MULTILINE,
 )
 
@@ -91,5 +108,5 @@ def test_no_command_line_of_the_repository_starts_a_server_for_everyone():
         assert not re.search(r"\b0\.0\.0\.0\b|host[=\", ]+['\"]?(?:\*|::)['\"]", text), name
         for line in STARTS_A_SERVER.findall(text):
             if "--" in line:  # a command, not a sentence about one
-                said = re.search(r"127\.0\.0\.1|localhost|--host 10\.0\.0\.1", line)
+                said = re.search(r"127\.0\.0\.1|localhost|--host 10\.0\.0\.", line)
                 assert said, f"{name}: {line}"
