@@ -186,7 +186,7 @@ def _report_receivers(
     told = (
         f"Forests that were grown on {settings.points} points each, between professionals and a "
         "receiver whose reach or errors are a third smaller or larger, in a hall that is not the "
-        "arena's. Only shots of the professionals count, who are the same each time."
+        "arena's. Only shots of the professionals count, the same ones each time."
     )
     run.add_table(
         table,
@@ -194,7 +194,8 @@ def _report_receivers(
         title="What if the receiver were another one?",
         caption=f"{told} reach, error: factors. share: of the shots that won. order_kept: share "
         "of the pairs of predictors, on the same set and horizons, of whose medians the same one "
-        "is larger as with the usual receiver.",
+        "is larger as with the usual receiver. usual_again: the usual one on other points, which "
+        "tells what chance changes.",
     )
     run.add_table(
         medians.reset_index(),
@@ -210,7 +211,7 @@ def _against(run: StageRun) -> tuple[pd.DataFrame, dict[str, Forest]]:
     hall = draw_truth(run.seed + ANOTHER_HALL)
     rows, forests = [], {}
     for one in RECEIVERS:
-        random = np.random.default_rng([run.seed, *b"receivers"])  # the same strikers for all
+        random = np.random.default_rng([run.seed, *b"receivers", one.draw])
         shots = played_against(one, hall, run.params.shot_quality.points, random)
         forests[one.name] = _grown(run, shots)
         rows.append({**asdict(one), "shots": len(shots), "share": shots.wins.mean()})

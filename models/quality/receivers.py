@@ -28,15 +28,18 @@ class Receiver:
         name: for reports.
         reach: factor on how far they reach.
         error: factor on the errors of their strokes.
+        draw: of points; those of one draw have the same strikers.
     """
 
     name: str
     reach: float = 1.0
     error: float = 1.0
+    draw: int = 0
 
 
 RECEIVERS = (
     Receiver("usual"),
+    Receiver("usual_again", draw=1),
     Receiver("less_reach", reach=2 / 3),
     Receiver("more_reach", reach=4 / 3),
     Receiver("less_error", error=2 / 3),

@@ -19,7 +19,7 @@ from pipeline.measured_sets import MeasuredSet, read_test_sets
 from pipeline.params import Params
 
 TABLE, SCHEMA, README = "windows.parquet", "schema.json", "README.md"
-ID_BYTES = 8
+ID_BYTES, DIGITS = 8, 6
 _TEMPLATES = Path(__file__).parents[1] / "figures" / "templates"
 
 
@@ -60,11 +60,13 @@ def window_table(sets: Sequence[MeasuredSet]) -> pd.DataFrame:
 def window_ids(one: MeasuredSet) -> NDArray[np.str_]:
     """Return (B,) names of windows.
 
-    A name is a digest of all that is known of the window. What came is in it, so that nobody finds
-    recording and time by trying, and forecasts of another run's windows meet no window of this one.
+    A name is a digest of all that is known of the window, to the micrometre: machines differ in the
+    last bits. What came is in it, so that nobody finds recording and time by trying, and forecasts
+    of another run's windows meet no window of this one.
     """
     cut = one.windows
-    parts = (cut.history.states, cut.anchors, cut.future)
+    # Plus zero, because what rounds to nothing may keep its sign.
+    parts = [np.round(part, DIGITS) + 0.0 for part in (cut.history.states, cut.anchors, cut.future)]
     names = [
         hashlib.blake2b(
             b"".join([recording.encode(), *(part[row].tobytes() for part in parts)]),

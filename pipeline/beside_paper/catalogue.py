@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from pipeline.beside_paper.entries import Finding, Group
-from pipeline.beside_paper.forecasts import ACCURACY, BESIDE_AMENDED
+from pipeline.beside_paper.forecasts import ACCURACY, BESIDE_OTHERS
 from pipeline.beside_paper.reports import Reports
 from pipeline.beside_paper.settings import DATA, EXPERIMENTS, PREDICTOR, QUOTED
 from pipeline.beside_paper.shot_quality import DOUBLED, QUALITY
@@ -12,7 +12,7 @@ from pipeline.beside_paper.verdicts import NO_NUMBER, of_all
 
 GROUPS = (
     ACCURACY,
-    BESIDE_AMENDED,
+    BESIDE_OTHERS,
     SIM2SIM,
     COUNTS,
     GAINS,

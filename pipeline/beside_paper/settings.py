@@ -11,6 +11,8 @@ from models.predictors.protocol import FUTURE, HISTORY, TICK
 from pipeline.beside_paper.entries import MISSING, Entry, Finding, Group
 from pipeline.beside_paper.reports import Reports
 from pipeline.beside_paper.verdicts import NO_NUMBER, setting
+from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
+from pipeline.paper import SHOTS
 
 SPLITS = "segment/splits.csv"
 ARENA, NETWORK = "ingest.arena", "train_predictor.networks.transformer"
@@ -21,7 +23,6 @@ SIMULATORS = {
     "imperfect_b": ("imperfect B", 0.40, 0.98),
     "imperfect_c": ("imperfect C", 0.40, 0.90),
 }
-REPLAYED = {"stroke_pro": 200, "stroke_uni": 200, "receive": 100}
 
 Value = float | str | None
 
@@ -167,9 +168,9 @@ PREDICTOR = Group(
         _constant("furthest", "furthest forecast", 300, "ms", "train_predictor",
                   "models/predictors/protocol.py", 1000 * TICK * FUTURE),
         _constant("inputs", "numbers of a state in", 6, "", "train_predictor",
-                  "models/predictors/protocol.py", 6),
+                  "models/predictors/protocol.py", len(POSITION_COLUMNS) + len(SPIN_COLUMNS)),
         _constant("outputs", "numbers of a state out", 9, "", "train_predictor",
-                  "models/predictors/protocol.py", 9),
+                  "models/predictors/protocol.py", len(STATE_COLUMNS)),
         _constant("kernel", "kernel of the input convolution", 3, "", "train_predictor",
                   "models/predictors/transformer.py", 3),
         _param("encoder layers", 3, "", f"{NETWORK}.encoder_layers"),
@@ -222,7 +223,7 @@ EXPERIMENTS = Group(
         *(
             _entry(f"setting.replayed.{name}", f"sim-to-real: shots of {name}", shots, "",
                    "sim2real", "sim2real/replayed.csv: replayed", partial(_replayed, name))
-            for name, shots in REPLAYED.items()
+            for name, shots in SHOTS.items()
         ),
     ),
 )  # fmt: skip

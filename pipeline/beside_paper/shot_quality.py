@@ -87,7 +87,8 @@ QUALITY = Group(
     "quality",
     "Figure 5: shot quality",
     "Medians over the returns told by the transformer minus those told by physics, in percent of "
-    "the latter; the interval is put together from those of the two medians.",
+    "the latter; the interval is put together from those of the two medians, as if of different "
+    "balls. How many returns are unlike all shots that the forest has learned from: unlike, there.",
     (-100.0, 100.0),
     tuple(
         _entry(name, horizons, metric)

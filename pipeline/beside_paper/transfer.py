@@ -100,10 +100,10 @@ def _gain(name: str, horizons: str, outcome: str) -> Entry:
 SIM2SIM = Group(
     "sim2sim",
     "Figure 4: sim-to-sim",
-    "Returns of 300 balls of the ground truth, told by it, minus returns told by the simulator "
-    "that the policy was trained in: percentage points. Predictions start from the ball's first "
-    "state, as in the paper, which draws the rates and prints none. From the ball's true state at "
-    "every tick there is hardly a difference (reports/sim2sim/difference.csv).",
+    "Returns of balls of the ground truth, told by it, minus returns told by the simulator that "
+    "the policy was trained in: percentage points. Predictions start from the ball's first state, "
+    "as in the paper, which draws the rates and prints none. The differences where they start from "
+    "its true state at every tick are in sim2sim/difference.csv, too.",
     (-20.0, 50.0),
     tuple(
         Entry(

@@ -44,7 +44,7 @@ def write_pdf(path: Path, run: Reports, contents: Sequence[Contents]) -> None:
 
 
 def _figures(run: Reports, contents: Sequence[Contents]) -> Iterator[Figure]:
-    yield from _paper(run)
+    yield from _paper(run, contents)
     for stage in contents:
         for item in stage.items:
             made = f"Stage {stage.stage}, run {stage.fingerprint}. File: {stage.stage}/{item.file}"
@@ -54,12 +54,14 @@ def _figures(run: Reports, contents: Sequence[Contents]) -> Iterator[Figure]:
             )
 
 
-def _paper(run: Reports) -> Iterator[Figure]:
+def _paper(run: Reports, contents: Sequence[Contents]) -> Iterator[Figure]:
     """Yield the pages of the paper's figures, tables and numbers."""
     about = (
         "Bridging the sim2real gap in the table tennis robot with a transformer-based ball states "
         "predictor (Bi et al., Sony AI): what it shows, and what this run found. Balls, arm and "
-        "policy are others than the paper's."
+        "policy are others than the paper's. Stages and their runs: "
+        + ", ".join(f"{stage.stage} {stage.fingerprint}" for stage in contents)
+        + "."
     )
     rows: list[Row] = [(one.name, one.what, one.stage, one.verdict(run)) for one in EXHIBITS]
     title = "The paper, number by number"

@@ -4,7 +4,7 @@ import pytest
 
 from pipeline import paper
 from pipeline.beside_paper.catalogue import EXHIBITS
-from pipeline.beside_paper.forecasts import ACCURACY, BESIDE_AMENDED, QUANTITIES, RIVALS
+from pipeline.beside_paper.forecasts import ACCURACY, BESIDE_OTHERS, OTHERS, QUANTITIES, RIVALS
 from pipeline.beside_paper.shot_quality import DOUBLED, QUALITY
 from pipeline.beside_paper.transfer import COUNTS, GAINS, SIM2SIM
 from pipeline.beside_paper.verdicts import (
@@ -60,15 +60,15 @@ def test_errors_spread_least_beside_all_but_the_oracle(tmp_path):
     assert accuracy(tmp_path, key, {"tae": 9.0}).verdict == FAILS
 
 
-def test_the_paper_s_figure_is_judged_without_our_own_contender(tmp_path):
+def test_the_paper_s_figure_is_judged_without_our_own_contenders(tmp_path):
     ahead = [row for rival in RIVALS for row in differences(other=rival)]
-    behind = differences(other="amended_imperfect_c", mean=20.0)
+    behind = [row for rival in OTHERS for row in differences(other=rival, mean=20.0)]
     write(tmp_path, "evaluate_predictor/forecast_error.csv", errors())
     run = write(tmp_path, "evaluate_predictor/forecast_error_difference.csv", ahead + behind)
     figure = next(one for one in EXHIBITS if one.name == "Figure 3")
     assert figure.verdict(run) == HOLDS
-    assert {entry.find(run).verdict for entry in BESIDE_AMENDED.entries} == {FAILS}
-    assert len(BESIDE_AMENDED.entries) == len(QUANTITIES)
+    assert {entry.find(run).verdict for entry in BESIDE_OTHERS.entries} == {FAILS}
+    assert len(BESIDE_OTHERS.entries) == len(OTHERS) * len(QUANTITIES)
 
 
 def test_sim_to_sim_is_judged_from_the_first_state(tmp_path):

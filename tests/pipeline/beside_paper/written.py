@@ -4,7 +4,7 @@ import itertools
 
 import pandas as pd
 
-from pipeline.beside_paper.forecasts import AMENDED, HORIZONS_MS, LEARNED, QUANTITIES, RIVALS
+from pipeline.beside_paper.forecasts import HORIZONS_MS, LEARNED, OTHERS, QUANTITIES, RIVALS
 from pipeline.beside_paper.reports import Reports
 
 
@@ -19,7 +19,7 @@ def write(root, file, rows):
 def errors(spread=None):
     """Mean errors of 40, and 20 of the transformer; standard deviations of their own."""
     spread = {LEARNED: 10.0} | (spread or {})
-    keys = itertools.product([LEARNED, *RIVALS, *AMENDED, "oracle"], QUANTITIES, HORIZONS_MS)
+    keys = itertools.product([LEARNED, *RIVALS, *OTHERS], QUANTITIES, HORIZONS_MS)
     return [
         {
             "set": "arena", "against": "measured", "predictor": name, "quantity": quantity,

@@ -2,6 +2,7 @@
 
 import json
 import time
+from pathlib import Path
 
 import pytest
 from selenium.webdriver import ActionChains
@@ -16,6 +17,7 @@ from tests.pipeline.figures.made_up import OFFSETS
 
 pytestmark = pytest.mark.browser
 
+PAGES = sorted((Path(__file__).parents[3] / "reports").rglob("index.html"))
 DESKTOP, PHONE = (1280, 900), (390, 844)
 COLOURS_DRAWN = """
 const canvas = document.getElementById(`${arguments[0]}-view`);
@@ -84,10 +86,24 @@ def test_no_console_message_and_no_request_leaves_the_page(browser, page_file, s
     assert requests(browser) == [page_file.as_uri()]
 
 
-def test_every_image_decodes(page):
-    widths = page.execute_script("return [...document.images].map((image) => image.naturalWidth)")
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.parent.name)
+def test_the_pages_of_runs_are_quiet_offline_and_whole(browser, path):
+    open_page(browser, path, PHONE)
+    for button in browser.find_elements("css selector", "button[id$='-play']"):
+        button.click()
+    time.sleep(0.3)
 
-    assert widths == [1280, 60, 60]
+    assert browser.get_log("browser") == []
+    assert requests(browser) == [path.as_uri()]
+    assert min(image_widths(browser)) > 0
+
+
+def image_widths(page):
+    return page.execute_script("return [...document.images].map((image) => image.naturalWidth)")
+
+
+def test_every_image_decodes(page):
+    assert image_widths(page) == [1280, 60, 60]
 
 
 @pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
