@@ -15,11 +15,13 @@ import psutil
 import torch
 from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch.callbacks import Callback, ModelCheckpoint
+from lightning.pytorch.plugins.io import TorchCheckpointIO
 from lightning.pytorch.strategies import DDPStrategy
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
 from models.predictors.settings import TrainingSettings
 from models.predictors.training import ForecastTraining, WindowData
+from pipeline.artifacts import replacing
 from pipeline.errors import InputError
 
 
@@ -83,12 +85,27 @@ def _configured(
         # Batches depend on the number of the epoch.
         reload_dataloaders_every_n_epochs=1,
         callbacks=[_saved_every_epoch(checkpoints), *watchers],
+        plugins=[WholeCheckpoints()],
         default_root_dir=checkpoints,
         logger=False,
         enable_progress_bar=False,
         enable_model_summary=False,
         num_sanity_val_steps=0,
     )
+
+
+class WholeCheckpoints(TorchCheckpointIO):
+    """Checkpoints that appear whole or not at all, so that a full disk leaves the one before.
+
+    Lightning's own are written elsewhere and moved, which on another disk is a copy.
+    """
+
+    def save_checkpoint(
+        self, checkpoint: dict[str, Any], path: str | Path, storage_options: Any = None
+    ) -> None:
+        """Write a checkpoint."""
+        with replacing(Path(path)) as temporary:
+            torch.save(checkpoint, temporary)
 
 
 class SideBySide(DDPStrategy):

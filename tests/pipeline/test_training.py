@@ -1,5 +1,6 @@
 """Training as a stage runs it: the same whether or not it was killed on the way."""
 
+import errno
 import os
 import signal
 
@@ -106,6 +107,26 @@ def test_a_training_that_was_killed_twice_goes_on_to_the_same_result(undisturbed
         with pytest.raises(RuntimeError, match="killed"):
             train(killed, data, tmp_path / "checkpoints")
     assert_same(trained(tmp_path / "checkpoints"), undisturbed)
+
+
+def test_a_checkpoint_for_which_the_disk_has_no_room_leaves_the_one_before(
+    undisturbed, tmp_path, monkeypatch
+):
+    save, written = torch.save, []
+
+    def full(checkpoint, path):
+        save(checkpoint, path)
+        written.append(path)
+        if len(written) == 2:
+            os.truncate(path, path.stat().st_size // 2)
+            raise OSError(errno.ENOSPC, "No space left on device", str(path))
+
+    monkeypatch.setattr(torch, "save", full)
+    with pytest.raises(OSError, match="No space left"):
+        trained(tmp_path)
+    again = trained(tmp_path)
+    assert again.steps == 2 * undisturbed.steps / 3
+    assert_same(again, undisturbed)
 
 
 class ToldToStop(ForecastTraining):
