@@ -48,8 +48,7 @@ test-all: .venv/ready ## every test but the faults, the slow ones too
 	@pytest -m 'not faults'
 
 faults: .venv/ready ## an hour, as root: damage files, kill every stage, fill disks; write reports/reliability
-	@python -m tests.fuzz
-	@python -m tests.faults
+	@pytest -m faults -v --tables
 
 lint: .venv/ready ## style, types, import arrows
 	ruff check .

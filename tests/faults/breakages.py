@@ -1,7 +1,7 @@
 """Faults other than kills of everything: what strikes, whether the run should bear it."""
 
-import hashlib
 import os
+import shutil
 import signal
 import socket
 import sqlite3
@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,14 +20,15 @@ from tests.faults.repository import (
     Ended,
     Repository,
     awaited_stage,
+    cached,
     command_of,
     descendants,
     inhabitants,
 )
 
 INTERRUPTED = Path(__file__).parent / "interrupted"
+STORE_BEGUN = 60.0  # s, within which a recorder must have begun to make a store
 WORKERS_GONE = 10.0  # s, within which workers of a stage that was told to stop must be gone
-CACHE = Path(".dvc") / "cache" / "files" / "md5"
 
 Strike = Callable[[Repository, str], Ended]
 
@@ -40,6 +41,7 @@ class Fault:
         name: what it is.
         stage: that it strikes.
         strike: runs ``dvc repro`` with it.
+        says: what the run must say, so that a fault that never struck is not taken for borne.
         borne: whether that ends well all the same.
         needs_root: whether it mounts disks.
         damages_cache: whether `rallygap mend` must come before the next ``dvc repro``.
@@ -48,7 +50,8 @@ class Fault:
     name: str
     stage: str
     strike: Strike
-    borne: bool
+    says: str = ""
+    borne: bool = False
     needs_root: bool = False
     damages_cache: bool = False
 
@@ -61,7 +64,7 @@ class Suffered:
         fault: its name.
         stage: that it struck.
         happened: how ``dvc repro`` ended.
-        as_expected: whether it ended well exactly where it should.
+        as_expected: whether it ended well exactly where it should, and said what it should.
         message: what it said.
         half_written: how many outputs stood under their name and were not whole.
         same_hashes: whether ``dvc repro``, run again without the fault, ended with the undisturbed
@@ -82,7 +85,7 @@ class Suffered:
 def suffer(repository: Repository, fault: Fault) -> Suffered:
     """Let a stage meet a fault, and DVC run once more without it."""
     with repository.anew(fault.stage):
-        struck = fault.strike(repository, fault.stage)
+        struck, kept = _struck(repository, fault)
         half = repository.half_written()
         if fault.damages_cache:
             repository.mend()
@@ -94,12 +97,20 @@ def suffer(repository: Repository, fault: Fault) -> Suffered:
         fault=fault.name,
         stage=fault.stage,
         happened="went on" if struck.status == 0 else "stopped",
-        as_expected=fault.borne == (struck.status == 0),
+        as_expected=kept and fault.borne == (struck.status == 0) and fault.says in struck.printed,
         message=struck.message,
         half_written=len(half),
         same_hashes=not differences,
         differences="; ".join(differences),
     )
+
+
+def _struck(repository: Repository, fault: Fault) -> tuple[Ended, bool]:
+    """Return how the run ended, and whether all that the fault must leave in order is."""
+    try:
+        return fault.strike(repository, fault.stage), True
+    except AssertionError as error:
+        return Ended(1, f"AssertionError: {error}"), False
 
 
 def _running(
@@ -140,12 +151,12 @@ def temporary_full(repository: Repository, stage: str) -> Ended:
 
 
 def _fill(path: Path) -> None:
-    try:
-        with path.open("wb", buffering=0) as filler:
-            while filler.write(b"0" * 512):
-                pass
-    except OSError:
-        return
+    """Leave one page: Python passes over a folder for temporary files that can hold nothing."""
+    page = os.sysconf("SC_PAGE_SIZE")
+    with path.open("wb", buffering=0) as filler, suppress(OSError):
+        while filler.write(b"0" * page):
+            pass
+    os.truncate(path, path.stat().st_size - page)
 
 
 def cache_full(repository: Repository, stage: str) -> Ended:
@@ -194,13 +205,15 @@ def recorder_killed_in_a_new_store(repository: Repository, stage: str) -> Ended:
     store.unlink()
     dvc, process = _running(repository, stage)
     recorder = _recorder(process)
-    while not any(path.stat().st_size for path in store.parent.glob("mlflow.db*")):
+    unfinished = store.with_name("mlflow.db.new")  # see pipeline.recorder.make_store
+    deadline = time.monotonic() + STORE_BEGUN
+    while not (unfinished.exists() or store.exists()):
+        assert time.monotonic() < deadline, "the recorder makes no store"
         time.sleep(0.01)
     time.sleep(0.3)
     recorder.kill()
     ended = _ended(repository, dvc)
-    if store.exists() and not _opens(store):
-        return Ended(1, "RuntimeError: the store can never be opened again")
+    assert not store.exists() or _opens(store), "the store can never be opened again"
     return ended
 
 
@@ -226,8 +239,7 @@ def stage_told_to_stop(repository: Repository, stage: str) -> Ended:
     ended = _struck_halfway(repository, stage, signal.SIGTERM)
     deadline = time.monotonic() + WORKERS_GONE
     while left := _workers(repository.folder):
-        if time.monotonic() > deadline:
-            return Ended(ended.status, f"RuntimeError: {len(left)} workers live on")
+        assert time.monotonic() < deadline, f"{len(left)} workers live on"
         time.sleep(0.1)
     return ended
 
@@ -289,48 +301,64 @@ def _flipped(content: bytes, place: int) -> bytes:
 
 
 def _with_damage(repository: Repository, stage: str, damage: Callable[[bytes], bytes]) -> Ended:
-    """Damage the stage's largest output in the cache, and let DVC fetch or make it."""
-    entry = max(_entries(repository, stage), key=lambda path: path.stat().st_size)
-    content = damage(entry.read_bytes())
-    entry.chmod(0o644)
-    entry.write_bytes(content)
-    entry.chmod(0o444)  # DVC trusts what is read-only
+    """Damage the stage's largest output in the cache, from where DVC fetches it."""
+    largest = max(cached(repository.spare, stage), key=lambda entry: _size(repository, entry))
+    for name in ("dvc.lock", *cached(repository.spare, stage)):
+        shutil.copy2(repository.spare / name, repository.folder / name)
+    damaged = repository.folder / largest
+    damaged.chmod(0o644)
+    damaged.write_bytes(damage(damaged.read_bytes()))
+    damaged.chmod(0o444)  # DVC trusts what is read-only
     return repository.reproduce(stage)
 
 
-def _entries(repository: Repository, stage: str) -> list[Path]:
-    """The cached files of what the stage left undisturbed."""
-    found = (repository.spare / "artifacts" / stage).rglob("*")
-    digests = (hashlib.md5(path.read_bytes()).hexdigest() for path in found if path.is_file())
-    return [repository.folder / CACHE / digest[:2] / digest[2:] for digest in digests]
+def _size(repository: Repository, entry: Path) -> int:
+    return (repository.spare / entry).stat().st_size
 
 
 WORKERS = "sim2sim"  # a stage with worker processes even where there is one policy
+FULL, READ_ONLY = "the disk is full", "the disk can only be read"
+UNRECORDED = "warning: MLflow has no "
 FAULTS = (
-    Fault("disk of artifacts full", "segment", artifacts_full, borne=False, needs_root=True),
-    Fault("disk of reports full", "segment", reports_full, borne=False, needs_root=True),
-    Fault("disk of checkpoints full", "train_predictor", scratch_full, False, needs_root=True),
-    Fault("disk of checkpoints full", "train_policy", scratch_full, False, needs_root=True),
-    Fault("disk of DVC's cache full", "segment", cache_full, borne=False, needs_root=True),
-    Fault("disk of temporary files full", "segment", temporary_full, True, needs_root=True),
-    Fault("disk of artifacts read-only", "segment", artifacts_read_only, False, needs_root=True),
-    Fault("disk of reports read-only", "segment", reports_read_only, False, needs_root=True),
-    Fault("tracking server gone", "segment", store_gone, borne=True),
-    Fault("tracking server hangs", "segment", store_hangs, borne=True),
-    Fault("tracking store locked", "segment", store_locked, borne=True),
-    Fault("recorder killed", "segment", recorder_killed, borne=True),
-    Fault("recorder killed in a new store", "segment", recorder_killed_in_a_new_store, borne=True),
-    Fault("stage alone killed", WORKERS, stage_alone_killed, borne=False),
-    Fault("stage told to stop (SIGTERM)", WORKERS, stage_told_to_stop, borne=False),
-    Fault("stage told to stop (SIGTERM)", "train_predictor", stage_told_to_stop, borne=False),
+    Fault("disk of artifacts full", "segment", artifacts_full, FULL, needs_root=True),
+    Fault("disk of reports full", "segment", reports_full, FULL, needs_root=True),
+    Fault("disk of checkpoints full", "train_predictor", scratch_full, FULL, needs_root=True),
+    Fault("disk of checkpoints full", "train_policy", scratch_full, FULL, needs_root=True),
+    Fault("disk of DVC's cache full", "segment", cache_full, "No space left", needs_root=True),
+    Fault(
+        "disk of temporary files full",
+        "segment",
+        temporary_full,
+        UNRECORDED,
+        borne=True,
+        needs_root=True,
+    ),
+    Fault(
+        "disk of artifacts read-only", "segment", artifacts_read_only, READ_ONLY, needs_root=True
+    ),
+    Fault("disk of reports read-only", "segment", reports_read_only, READ_ONLY, needs_root=True),
+    Fault("tracking server gone", "segment", store_gone, UNRECORDED, borne=True),
+    Fault("tracking server hangs", "segment", store_hangs, "warning: MLflow", borne=True),
+    Fault("tracking store locked", "segment", store_locked, "warning: MLflow", borne=True),
+    Fault("recorder killed", "segment", recorder_killed, UNRECORDED, borne=True),
+    Fault(
+        "recorder killed in a new store",
+        "segment",
+        recorder_killed_in_a_new_store,
+        UNRECORDED,
+        borne=True,
+    ),
+    Fault("stage alone killed", WORKERS, stage_alone_killed),
+    Fault("stage told to stop (SIGTERM)", WORKERS, stage_told_to_stop),
+    Fault("stage told to stop (SIGTERM)", "train_predictor", stage_told_to_stop),
     Fault("DVC alone killed, started again", "segment", dvc_alone_killed, borne=True),
     Fault("DVC alone killed, started again", "train_policy", dvc_alone_killed, borne=True),
-    Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps, borne=False),
-    Fault("first write cut short", "ingest", first_write_interrupted, borne=False),
-    Fault("first write cut short", "segment", first_write_interrupted, borne=False),
-    Fault("third write cut short", "ingest", third_write_interrupted, borne=False),
-    Fault("third write cut short", "segment", third_write_interrupted, borne=False),
-    Fault("first write cut short", "train_predictor", first_write_interrupted, borne=False),
+    Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps),
+    Fault("first write cut short", "ingest", first_write_interrupted),
+    Fault("first write cut short", "segment", first_write_interrupted),
+    Fault("third write cut short", "ingest", third_write_interrupted),
+    Fault("third write cut short", "segment", third_write_interrupted),
+    Fault("first write cut short", "train_predictor", first_write_interrupted),
     Fault("cached file damaged", "segment", cache_damaged, borne=True, damages_cache=True),
     Fault("cached file cut short", "segment", cache_cut, borne=True, damages_cache=True),
 )

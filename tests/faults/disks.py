@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,7 +13,13 @@ LEFT = 16 * 1024  # bytes
 
 def may_mount() -> bool:
     """Whether this process may mount file systems."""
-    return os.geteuid() == 0 and shutil.which("mount") is not None
+    if shutil.which("mount") is None:
+        return False
+    with tempfile.TemporaryDirectory() as folder:
+        tried = subprocess.run(["mount", "-t", "tmpfs", "tmpfs", folder], capture_output=True)
+        if tried.returncode == 0:
+            _run("umount", folder)
+    return tried.returncode == 0
 
 
 @contextmanager
@@ -45,9 +52,10 @@ def read_only_disk(folder: Path) -> Iterator[None]:
 
 
 def _size(folder: Path) -> int:
-    """Bytes that a folder takes, in pages as a tmpfs counts them."""
+    """Bytes that files below a folder take, in pages as a tmpfs counts them; folders take none."""
     page = os.sysconf("SC_PAGE_SIZE")
-    return sum(-(-path.stat().st_size // page) * page for path in folder.rglob("*"))
+    files = (path for path in folder.rglob("*") if path.is_file())
+    return sum(-(-path.stat().st_size // page) * page for path in files)
 
 
 def _run(*command: str) -> None:

@@ -1,10 +1,8 @@
-"""The tables of docs/reliability.md, from what `python -m tests.faults` wrote."""
+"""The tables of docs/reliability.md, from what `make faults` wrote."""
 
 import pandas as pd
 
-from tests.faults.repository import ROOT
-
-REPORT = ROOT / "reports" / "reliability"
+from tests.reliability import REPORT
 
 
 def kills_table(kills: pd.DataFrame) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests.faults.repository import descendants, undisturbed
+from tests.faults.repository import descendants, stages
 
 ROOT = Path(__file__).parents[2]
 SECONDS = 300.0  # that the pages may take to come up on a busy machine
@@ -65,12 +65,12 @@ def test_the_pages_listen_on_loopback_alone(tmp_path):
 
 
 @pytest.mark.faults
-def test_nothing_listens_beyond_loopback_while_the_pipeline_runs(tmp_path):
-    repository = undisturbed(tmp_path)
+def test_nothing_listens_beyond_loopback_while_the_pipeline_runs(repository):
     seen = set()
-    dvc = repository.start("dvc", "repro", "--force")
-    while dvc.poll() is None:
-        seen |= listening(dvc.pid)
-        time.sleep(0.2)
+    with repository.anew(stages()[0]):
+        dvc = repository.start("dvc", "repro", "--force")
+        while dvc.poll() is None:
+            seen |= listening(dvc.pid)
+            time.sleep(0.2)
     assert dvc.returncode == 0
     assert beyond_loopback(seen) == set()
