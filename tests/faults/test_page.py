@@ -12,6 +12,7 @@ PAGE = ROOT / "docs" / "reliability.md"
 
 def test_the_page_has_the_committed_table_of_kills():
     page = PAGE.read_text(encoding="utf-8")
+    assert "`make faults`" in page
     assert kills_table(pd.read_csv(REPORT / "kills.csv")) in page
 
 
