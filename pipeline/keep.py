@@ -3,7 +3,8 @@
 import shlex
 import shutil
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -27,14 +28,15 @@ def keep_experiment(root: Path, name: str) -> None:
     environment. Where this machine ran it, ``timings.json`` has how long that took.
 
     Raises:
-        InputError: there is no such experiment, or its parameters name a folder of this machine.
+        InputError: there is no such experiment, or its parameters name a folder of this machine, or
+            a file of it is not to be had.
     """
     revision, baseline = find_experiment(root, name)
     params = _params_at(root, revision)
     if Path(params.get("ingest", {}).get("folder") or "").is_absolute():
         problem = "names a folder of this machine; run it anew with RALLYGAP_DATA in its place"
         raise InputError(f"experiment {name}", problem, field="ingest.folder")
-    with replacing_folder(root / "reports" / name) as folder:
+    with _complete(name), replacing_folder(root / "reports" / name) as folder:
         stages = _copy_reports(root, revision, folder)
         _copy_predictors(root, revision, folder / "predictors", f"reports/{name}")
         command = ["dvc", "exp", "run", *flags(_params_at(root, baseline), params)]
@@ -50,6 +52,16 @@ def keep_experiment(root: Path, name: str) -> None:
         }
         write_json(folder / "run.json", record)
         _write_timings(root, baseline, [folder / stage for stage in stages])
+
+
+@contextmanager
+def _complete(name: str) -> Iterator[None]:
+    """Refuse an experiment of which DVC cannot find a file."""
+    try:
+        yield
+    except FileNotFoundError as error:
+        problem = f"neither this machine nor a remote has {error.filename}; `dvc exp pull` may"
+        raise InputError(f"experiment {name}", problem) from None
 
 
 def find_experiment(root: Path, name: str) -> tuple[str, str]:

@@ -105,6 +105,20 @@ def test_it_is_told_how_long_this_machine_took(repository):
     assert timings["machine"]["commit"] == start
 
 
+def test_an_experiment_whose_figures_are_nowhere_is_refused_and_nothing_is_written(repository):
+    out = "reports/segment/figure.png"
+    lock = {"cmd": "a", "outs": [{"path": out, "hash": "md5", "md5": 32 * "a", "size": 4}]}
+    pipeline = {"dvc.yaml": f"stages: {{segment: {{cmd: a, outs: [{out}]}}}}"}
+    commit(
+        repository,
+        pipeline | {"dvc.lock": json.dumps({"schema": "2.0", "stages": {"segment": lock}})},
+    )
+    experiment(repository, PARAMS)
+    with pytest.raises(InputError, match=f"experiment warm: neither .* has {out}; `dvc exp pull`"):
+        keep_experiment(repository, "warm")
+    assert not (repository / "reports" / "warm").exists()
+
+
 @pytest.mark.parametrize("name", ["cold", "", "*", "../warm"])
 def test_an_unknown_experiment_is_refused_and_nothing_is_written(repository, name):
     experiment(repository, PARAMS)
