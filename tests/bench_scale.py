@@ -18,6 +18,7 @@ import lightning
 import numpy as np
 import pandas as pd
 import torch
+from joblib.externals.loky import get_reusable_executor
 from rich.console import Console
 
 from models.ball.catalogue import catalogue
@@ -110,6 +111,8 @@ WORKS = (
 def measure(work: Work, processes: int, times: int) -> dict[str, Any]:
     """Do a work so many times over, on so many processes; return a row of the table."""
     os.environ["LOKY_MAX_CPU_COUNT"] = str(processes)
+    # What workers of another work import counts as a leak, for which loky ends them meanwhile.
+    get_reusable_executor().shutdown()
     list(parallel([partial(work.do, 0)] * processes))  # started, imported, compiled
     start = time.monotonic()
     done = sum(parallel([partial(work.do, SEED + k) for k in range(times * work.tasks)]))
