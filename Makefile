@@ -57,7 +57,7 @@ lint: .venv/ready ## style, types, import arrows
 	lint-imports
 
 audit: .venv/ready ## look up every pinned package among known vulnerabilities; needs pipx and the network
-	pipx run pip-audit --requirement constraints.txt --no-deps --disable-pip
+	pipx run pip-audit --strict --requirement constraints.txt --no-deps --disable-pip
 
 pictures: .venv/ready ## photograph MLflow's pages for docs/compare.md; needs Chromium
 	@pytest -m slow tests/pipeline/test_comparing_pages.py --pictures docs/images
