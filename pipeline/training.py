@@ -1,5 +1,6 @@
 """Runs Lightning for a stage: on what there is, quietly, and so that it can resume."""
 
+import io
 import logging
 import os
 import signal
@@ -103,9 +104,11 @@ class WholeCheckpoints(TorchCheckpointIO):
     def save_checkpoint(
         self, checkpoint: dict[str, Any], path: str | Path, storage_options: Any = None
     ) -> None:
-        """Write a checkpoint."""
+        """Write a checkpoint, by Python: torch's own writing does not say that a disk is full."""
+        content = io.BytesIO()
+        torch.save(checkpoint, content)
         with replacing(Path(path)) as temporary:
-            torch.save(checkpoint, temporary)
+            temporary.write_bytes(content.getbuffer())
 
 
 class SideBySide(DDPStrategy):

@@ -324,7 +324,14 @@ FAULTS = (
     Fault("disk of reports full", "segment", reports_full, FULL, needs_root=True),
     Fault("disk of checkpoints full", "train_predictor", scratch_full, FULL, needs_root=True),
     Fault("disk of checkpoints full", "train_policy", scratch_full, FULL, needs_root=True),
-    Fault("disk of DVC's cache full", "segment", cache_full, "No space left", needs_root=True),
+    Fault(
+        "disk of DVC's cache full",
+        "segment",
+        cache_full,
+        "failed to transfer",  # DVC goes on, and makes anew what its cache lacks at the next run
+        borne=True,
+        needs_root=True,
+    ),
     Fault(
         "disk of temporary files full",
         "segment",

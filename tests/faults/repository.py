@@ -125,10 +125,14 @@ class Repository:
         return sorted(path for path in shown if found[path] != expected.get(path))
 
     def differences(self) -> list[str]:
-        """Outputs that differ from the undisturbed run's, lack, or are too many; and the lock."""
+        """Outputs that differ from the undisturbed run's, lack, or are too many; what DVC lost."""
         expected, found = digests(self.spare), digests(self.folder)
         paths = {path for path in expected.keys() | found if expected.get(path) != found.get(path)}
-        return sorted(paths | ({"dvc.lock"} if lock(self.spare) != lock(self.folder) else set()))
+        entries = {entry for stage in stages() for entry in cached(self.spare, stage)}
+        lost = {entry.as_posix() for entry in entries if not (self.folder / entry).exists()}
+        return sorted(
+            paths | lost | ({"dvc.lock"} if lock(self.spare) != lock(self.folder) else set())
+        )
 
 
 def undisturbed(folder: Path) -> Repository:
