@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from models.arena.truth import draw_truth
 from models.quality.forest import Forest, grown
@@ -38,7 +39,7 @@ from pipeline.returns import read_played
 from pipeline.run import StageRun, run_stage
 
 ANOTHER_HALL = 1  # added to the seed: the arena's own stays sealed
-MEASURED, USUAL = "as_measured", RECEIVERS[0].name
+MEASURED, POINT, USUAL = "as_measured", "point", RECEIVERS[0].name
 
 
 def shot_quality(run: StageRun) -> None:
@@ -47,7 +48,7 @@ def shot_quality(run: StageRun) -> None:
     shots = read_professionals(run.root / "artifacts")
     run.log_input("returns of professionals", run.input("ingest", "points.parquet"), len(shots))
     methods = _judged(run, shots)
-    own = _grown(run, shots)
+    own = _grown(run, shots, shots.wins)
     _keep(run, own, shots)
     returns = returns_table(played, own)
     if not len(returns):
@@ -56,7 +57,8 @@ def shot_quality(run: StageRun) -> None:
     quality = quality_table(played, returns, run.params.shot_quality.bootstrap_resamples, run.seed)
     _report_quality(run, quality, returns)
     scores = _report_forest(run, shots, methods)
-    receivers = _report_receivers(run, played, returns, own)
+    forests = {MEASURED: own, POINT: _grown(run, shots, shots.point)}
+    receivers = _report_receivers(run, played, returns, forests)
     run.write_metrics(_metrics(quality, scores, receivers))
 
 
@@ -78,8 +80,8 @@ def _judged(run: StageRun, shots: Shots) -> dict[str, list[Judged]]:
         raise InputError("params.yaml", problem, field="shot_quality.folds") from None
 
 
-def _grown(run: StageRun, shots: Shots) -> Forest:
-    return grown(shots.features, shots.wins, run.params.shot_quality.forest, run.seed)
+def _grown(run: StageRun, shots: Shots, wins: NDArray[np.bool_]) -> Forest:
+    return grown(shots.features, wins, run.params.shot_quality.forest, run.seed)
 
 
 def _keep(run: StageRun, own: Forest, shots: Shots) -> None:
@@ -175,11 +177,11 @@ def _report_forest(
 
 
 def _report_receivers(
-    run: StageRun, played: pd.DataFrame, returns: pd.DataFrame, own: Forest
+    run: StageRun, played: pd.DataFrame, returns: pd.DataFrame, own: Mapping[str, Forest]
 ) -> pd.DataFrame:
     settings = run.params.shot_quality
-    table, forests = _against(run)
-    forests = {MEASURED: own, **forests}
+    table, others = _against(run)
+    forests = {**own, **others}
     features = return_features(played[played["returned"]])
     medians = win_medians(returns, features, forests)
     table["order_kept"] = [order_kept(medians, name, USUAL) for name in table["receiver"]]
@@ -200,8 +202,9 @@ def _report_receivers(
     run.add_table(
         medians.reset_index(),
         "win_probability",
-        title="Winning probabilities with other receivers",
-        caption=f"Medians over the returns. {told} as_measured: the forest of the other tables.",
+        title="Winning probabilities with other receivers and labels",
+        caption=f"Medians over the returns. {told} as_measured: the forest of the other tables. "
+        "point: the same shots, labelled by who won the point in the end.",
     )
     return table
 
@@ -213,7 +216,7 @@ def _against(run: StageRun) -> tuple[pd.DataFrame, dict[str, Forest]]:
     for one in RECEIVERS:
         random = np.random.default_rng([run.seed, *b"receivers", one.draw])
         shots = played_against(one, hall, run.params.shot_quality.points, random)
-        forests[one.name] = _grown(run, shots)
+        forests[one.name] = _grown(run, shots, shots.wins)
         rows.append({**asdict(one), "shots": len(shots), "share": shots.wins.mean()})
     return pd.DataFrame(rows).rename(columns={"name": "receiver"}), forests
 

@@ -83,9 +83,11 @@ def test_forest_regression_and_base_rate_are_scored_on_both_outcomes(whole):
 def test_medians_are_told_for_every_receiver(whole):
     rows = table(whole, "win_probability")
     names = [one.name for one in RECEIVERS]
-    assert list(rows.columns[4:]) == ["as_measured", *names]
+    assert list(rows.columns[4:]) == ["as_measured", "point", *names]
     own = table(whole, "quality")["win_probability"]
     assert rows["as_measured"].to_numpy() == pytest.approx(own.to_numpy())
+    # Who wins with a shot has won the point, too.
+    assert rows["point"].mean() > rows["as_measured"].mean()
     receivers = table(whole, "receivers").set_index("receiver")
     assert receivers.loc["usual", "order_kept"] == 1
     assert receivers["order_kept"].between(0, 1).all()
