@@ -141,6 +141,12 @@ class WindowData(lightning.LightningDataModule):
         episodes = random.integers(0, self.train.episodes, LARGEST_FIT)
         network.normaliser.fit(*self.train.windows(self.train.drawn(episodes, random)))
 
+    def setup(self, stage: str) -> None:
+        """Bring the tracks to the device that trains, once and for all epochs."""
+        assert self.trainer is not None
+        device = self.trainer.strategy.root_device
+        self.train, self.validation = self.train.to(device), self.validation.to(device)
+
     def train_dataloader(self) -> DataLoader[Batch]:
         """Return the batches of the trainer's present epoch."""
         epoch = self.trainer.current_epoch if self.trainer else 0
@@ -159,8 +165,6 @@ class WindowData(lightning.LightningDataModule):
         anchors = tracks.drawn(episodes, random)
         hidden = random.random(len(anchors)) < self.settings.hidden_spin
         share = (self.trainer.global_rank, self.trainer.world_size) if self.trainer else (0, 1)
-        if self.trainer:
-            tracks = tracks.to(self.trainer.strategy.root_device)
         batches = _Batches(tracks, anchors, hidden, self.settings.batch, share)
         return DataLoader(batches, batch_size=None)
 
