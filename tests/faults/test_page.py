@@ -2,18 +2,19 @@
 
 import pandas as pd
 
+from tests.faults.breakages import FAULTS
 from tests.faults.kills import A_STAGE, IN_ALL
-from tests.faults.page import faults_table, kills_table
+from tests.faults.page import faults_table, kills_table, tables
 from tests.faults.repository import stages
 from tests.reliability import REPORT, ROOT
 
 PAGE = ROOT / "docs" / "reliability.md"
 
 
-def test_the_page_has_the_committed_table_of_kills():
+def test_the_page_has_the_committed_tables():
     page = PAGE.read_text(encoding="utf-8")
     assert "`make faults`" in page
-    assert kills_table(pd.read_csv(REPORT / "kills.csv")) in page
+    assert all(table in page for table in tables())
 
 
 def test_enough_kills_hit_every_stage_and_left_nothing():
@@ -23,6 +24,13 @@ def test_enough_kills_hit_every_stage_and_left_nothing():
     assert hits.min() >= A_STAGE and hits.sum() >= IN_ALL
     assert kills["same_hashes"].all()
     assert (kills["half_written"] == 0).all()
+
+
+def test_every_fault_was_tried_and_ended_as_it_should():
+    faults = pd.read_csv(REPORT / "faults.csv")
+    tried = list(zip(faults["fault"], faults["stage"], strict=True))
+    assert tried == [(fault.name, fault.stage) for fault in FAULTS]
+    assert faults[["as_expected", "same_hashes"]].all(axis=None)
 
 
 def test_kills_that_came_too_late_do_not_count():
