@@ -3,9 +3,13 @@
 from pathlib import Path
 
 from pipeline.beside_paper.catalogue import EXHIBITS, GROUPS, findings
-from pipeline.beside_paper.entries import NOTHING, Entry, Finding, Group
+from pipeline.beside_paper.entries import NOTHING, Entry, Finding, Group, with_unit
+from pipeline.beside_paper.forecasts import LEARNED
 from pipeline.beside_paper.reports import Reports, laptop_reports, paper_reports
-from pipeline.beside_paper.verdicts import MEANINGS
+from pipeline.beside_paper.settings import NETWORK, TRAINING
+from pipeline.beside_paper.verdicts import DIFFERS, MEANINGS
+
+PREDICTORS = "evaluate_predictor/predictors.csv"
 
 PREAMBLE = """# The paper, number by number
 
@@ -24,6 +28,12 @@ NOT_RUN = """- `reports/paper/` is not there: its columns have settings alone. T
   `dvc exp run --name paper $(rallygap profile paper)`, `rallygap keep paper`.
 """
 
+SMALLER = """- The column *paper* is the profile `two_cores`: the paper's number of balls, but a
+  transformer {width} of {width_printed} wide ({numbers} trained numbers) that learned for
+  {epochs} of {epochs_printed} epochs. The profile `paper`, with the paper's network and training,
+  has not been run: `dvc exp run --name paper $(rallygap profile paper)`, `rallygap keep paper`.
+"""
+
 
 def paper_page(root: Path) -> str:
     """Return the comparison of a repository's reports with the paper as Markdown.
@@ -32,11 +42,28 @@ def paper_page(root: Path) -> str:
         InputError: a report is broken.
     """
     laptop, paper = laptop_reports(root), paper_reports(root)
-    parts = [PREAMBLE + ("" if paper.folder.is_dir() else NOT_RUN)]
-    parts += [_words(), _exhibits(laptop, paper)]
     found = findings(laptop), findings(paper)
+    parts = [PREAMBLE + _size(paper, found[1]), _words(), _exhibits(laptop, paper)]
     parts += [_group(group, *found) for group in GROUPS]
     return "\n".join(parts).rstrip()
+
+
+def _size(paper: Reports, found: dict[str, Finding]) -> str:
+    """Return what the column `paper` is, where it is not the profile `paper`."""
+    if not paper.folder.is_dir():
+        return NOT_RUN
+    width, epochs = f"setting.{NETWORK}.width", f"setting.{TRAINING}.epochs"
+    if found[width].verdict != DIFFERS:
+        return ""
+    printed = {entry.key: entry.paper for group in GROUPS for entry in group.entries}
+    row = paper.row(PREDICTORS, predictor=LEARNED)
+    return SMALLER.format(
+        width=with_unit(found[width].value, ""),
+        width_printed=printed[width],
+        numbers=with_unit(None if row is None else float(row["parameters"]), ""),
+        epochs=with_unit(found[epochs].value, ""),
+        epochs_printed=printed[epochs],
+    )
 
 
 def _words() -> str:

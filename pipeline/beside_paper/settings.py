@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from models.ball.simulators import shipped
+from models.predictors.errors import HORIZONS_MS
 from models.predictors.protocol import FUTURE, HISTORY, TICK
 from pipeline.beside_paper.entries import MISSING, Entry, Finding, Group
 from pipeline.beside_paper.reports import Reports
@@ -17,6 +18,7 @@ from pipeline.paper import SHOTS
 SPLITS = "segment/splits.csv"
 ARENA, NETWORK = "ingest.arena", "train_predictor.networks.transformer"
 TRAINING, POLICIES = "train_predictor.training", "train_policy.groups.sim2sim"
+INPUTS, OUTPUTS = len(POSITION_COLUMNS) + len(SPIN_COLUMNS), len(STATE_COLUMNS)
 SIMULATORS = {
     "ground_truth": ("ground truth", 0.55, 0.98),
     "imperfect_a": ("imperfect A", 0.55, 0.90),
@@ -108,6 +110,25 @@ def _decay(run: Reports) -> Value:
     return run.param(f"{TRAINING}.decay") or "half a cosine"
 
 
+def _future_rows(run: Reports) -> int | None:
+    """Return how many rows of the decoder stand for future states."""
+    states = run.param(f"{NETWORK}.states_a_row")
+    return None if states is None else FUTURE // states
+
+
+def _decoder_rows(run: Reports) -> Value:
+    rows = _future_rows(run)
+    return None if rows is None else HISTORY + rows
+
+
+def _placeholders(run: Reports) -> Value:
+    rows = _future_rows(run)
+    if rows is None:
+        return None
+    told = run.param(f"{NETWORK}.uniform_motion")
+    return f"{rows} rows of uniform motion" if told else f"{rows} x {INPUTS} zeros"
+
+
 def _replayed(name: str, run: Reports) -> Value:
     row = run.row("sim2real/replayed.csv", set=name)
     return None if row is None else float(row["replayed"])
@@ -168,11 +189,18 @@ PREDICTOR = Group(
         _constant("furthest", "furthest forecast", 300, "ms", "train_predictor",
                   "models/predictors/protocol.py", 1000 * TICK * FUTURE),
         _constant("inputs", "numbers of a state in", 6, "", "train_predictor",
-                  "models/predictors/protocol.py", len(POSITION_COLUMNS) + len(SPIN_COLUMNS)),
+                  "models/predictors/protocol.py", INPUTS),
         _constant("outputs", "numbers of a state out", 9, "", "train_predictor",
-                  "models/predictors/protocol.py", len(STATE_COLUMNS)),
+                  "models/predictors/protocol.py", OUTPUTS),
         _constant("kernel", "kernel of the input convolution", 3, "", "train_predictor",
                   "models/predictors/transformer.py", 3),
+        _constant("stride", "stride of the input convolution", 1, "", "train_predictor",
+                  "models/predictors/transformer.py", 1),
+        _entry("setting.decoder_rows", "rows of the decoder, of the past and of the future", 72,
+               "", "train_predictor", f"params.yaml: {NETWORK}.states_a_row", _decoder_rows),
+        _entry("setting.placeholders", "placeholders of the future", "60 x 6 zeros", "",
+               "train_predictor", f"params.yaml: {NETWORK}.states_a_row, uniform_motion",
+               _placeholders),
         _param("encoder layers", 3, "", f"{NETWORK}.encoder_layers"),
         _param("decoder layers", 2, "", f"{NETWORK}.decoder_layers"),
         _param("width of the layers", 512, "", f"{NETWORK}.width"),
@@ -183,6 +211,11 @@ PREDICTOR = Group(
         _param("first learning rate", 0.0001, "", f"{TRAINING}.learning_rate"),
         _entry(f"setting.{TRAINING}.decay", "its factor after an epoch", 0.95, "",
                "train_predictor", f"params.yaml: {TRAINING}.decay", _decay),
+        _constant("baseline_inputs", "TAE and GRU-TAE: numbers of a state in, 3 in their authors'",
+                  6, "", "train_predictor", "models/predictors/normaliser.py", INPUTS),
+        _constant("baseline_outputs",
+                  "TAE and GRU-TAE: numbers of a state out, 3 in their authors'", 9, "",
+                  "train_predictor", "models/predictors/normaliser.py", OUTPUTS),
         _entry("setting.optimizer", "optimizer", "Adam", "", "train_predictor",
                f"params.yaml: {TRAINING}.matrix_learning_rate", _optimizer),
     ),
@@ -194,6 +227,14 @@ EXPERIMENTS = Group(
     "",
     None,
     (
+        _constant("filtered", "physics baseline: states that the Kalman filter reads", 12, "",
+                  "evaluate_predictor", "models/predictors/physics.py", HISTORY),
+        _constant("judged.first", "forecasts are judged from", 100, "ms", "evaluate_predictor",
+                  "models/predictors/errors.py", HORIZONS_MS[0]),
+        _constant("judged.last", "forecasts are judged to", 300, "ms", "evaluate_predictor",
+                  "models/predictors/errors.py", HORIZONS_MS[-1]),
+        _constant("judged.every", "forecasts are judged every", 5, "ms", "evaluate_predictor",
+                  "models/predictors/errors.py", HORIZONS_MS[1] - HORIZONS_MS[0]),
         *(
             _constant(f"{name}.{parameter}", f"{title}: {words}", value, "", "sim2sim",
                       f"models/ball/simulators/{name}.yaml: {effect}.{parameter}",

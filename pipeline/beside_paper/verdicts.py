@@ -59,6 +59,15 @@ def minus(one: Interval, other: Interval) -> Interval:
     return Interval(value, value - below, value + above)
 
 
+def ratio(one: Interval, other: Interval) -> Interval:
+    """Return the ratio of two positive numbers measured apart: ``minus`` of their logarithms."""
+    logarithms = (
+        Interval(*(math.log(end) if end > 0 else -math.inf for end in ends))
+        for ends in (one, other)
+    )
+    return Interval(*map(math.exp, minus(*logarithms)))
+
+
 def beside(ours: Interval, printed: Interval) -> str:
     """Return where a number of ours lies, seen from the paper's."""
     difference = minus(ours, printed)
@@ -83,6 +92,13 @@ def claim(difference: Interval, *, grows: bool = True) -> str:
     if towards.low > 0:
         return HOLDS
     return FAILS if towards.high < 0 else OPEN
+
+
+def within(ours: Interval, low: float, high: float) -> str:
+    """Return whether a number lies within the ends that a claim allows."""
+    if low <= ours.low and ours.high <= high:
+        return HOLDS
+    return FAILS if ours.high < low or ours.low > high else OPEN
 
 
 def of_all(parts: Iterable[str]) -> str:

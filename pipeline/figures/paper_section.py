@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.beside_paper.catalogue import EXHIBITS, GROUPS, findings
+from pipeline.beside_paper.catalogue import EXHIBITS, GROUPS, OTHERS, findings
 from pipeline.beside_paper.entries import NOTHING, Entry, Finding, Group
 from pipeline.beside_paper.reports import Reports
 from pipeline.beside_paper.verdicts import MEANINGS
@@ -44,7 +44,7 @@ def paper_section(run: Reports, fingerprints: Mapping[str, str]) -> dict[str, An
         for one in EXHIBITS
     ]
     groups = [_group(group, found, fingerprints) for group in GROUPS]
-    return {"exhibits": exhibits, "groups": groups, "meanings": MEANINGS}
+    return {"others": OTHERS, "exhibits": exhibits, "groups": groups, "meanings": MEANINGS}
 
 
 def mark(group: Group, entry: Entry, found: Finding) -> Mark:

@@ -9,7 +9,7 @@ from textwrap import wrap
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
-from pipeline.beside_paper.catalogue import EXHIBITS, GROUPS, findings
+from pipeline.beside_paper.catalogue import EXHIBITS, GROUPS, OTHERS, findings
 from pipeline.beside_paper.reports import Reports
 from pipeline.figures.contents import Contents, Item, read_columns, read_picture
 from pipeline.figures.style import INK, MUTED
@@ -58,8 +58,8 @@ def _paper(run: Reports, contents: Sequence[Contents]) -> Iterator[Figure]:
     """Yield the pages of the paper's figures, tables and numbers."""
     about = (
         "Bridging the sim2real gap in the table tennis robot with a transformer-based ball states "
-        "predictor (Bi et al., Sony AI): what it shows, and what this run found. Balls, arm and "
-        "policy are others than the paper's. Stages and their runs: "
+        f"predictor (Bi et al., Sony AI): what it shows, and what this run found. {OTHERS} Stages "
+        "and their runs: "
         + ", ".join(f"{stage.stage} {stage.fingerprint}" for stage in contents)
         + "."
     )

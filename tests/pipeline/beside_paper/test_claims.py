@@ -6,7 +6,7 @@ from pipeline import paper
 from pipeline.beside_paper.catalogue import EXHIBITS
 from pipeline.beside_paper.forecasts import ACCURACY, BESIDE_OTHERS, OTHERS, QUANTITIES, RIVALS
 from pipeline.beside_paper.shot_quality import DOUBLED, QUALITY
-from pipeline.beside_paper.transfer import COUNTS, GAINS, SIM2SIM
+from pipeline.beside_paper.transfer import COUNTS, ESPECIALLY, GAINS, SIM2SIM
 from pipeline.beside_paper.verdicts import (
     FAILS,
     HIGHER,
@@ -100,6 +100,31 @@ def test_gains_of_the_paper_are_those_of_its_table():
     assert printed["gain.receive.115-125.hits"] == 0
 
 
+def gained(name, points, half=0.01):
+    return {
+        "set": name, "horizons_ms": "115-125", "predictor": "transformer", "outcome": "returns",
+        "protocol": "every_tick", "difference": points, "ci_low": points - half,
+        "ci_high": points + half,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("uni", "half", "word"), [(0.3, 0.01, HOLDS), (0.1, 0.01, FAILS), (0.3, 0.2, OPEN)]
+)
+def test_the_swap_gains_the_most_in_strokes_of_universities(tmp_path, uni, half, word):
+    rows = [gained("stroke_uni", uni, half), gained("stroke_pro", 0.2, half)]
+    run = write(tmp_path, "sim2real/difference.csv", rows)
+    more = found(ESPECIALLY, run, "most.stroke_pro.115-125.returns")
+    assert more.verdict == word and more.value == pytest.approx(100 * (uni - 0.2))
+    assert found(ESPECIALLY, run, "most.receive.115-125.returns").verdict == NOT_MEASURED
+
+
+def test_the_paper_s_own_gains_are_the_largest_in_strokes_of_universities():
+    printed = {entry.key: entry.printed for entry in ESPECIALLY.entries}
+    assert printed["most.receive.115-125.returns"] == 100 * (146 - 80) / 200 - (76 - 68)
+    assert min(printed.values()) == 0 and sum(value > 0 for value in printed.values()) == 7
+
+
 def test_returns_get_faster_and_flatter(tmp_path):
     run = write(tmp_path, "shot_quality/quality.csv", quality(physics=4.0, learned=5.0))
     faster = found(QUALITY, run, "quality.speed.receive.115-125")
@@ -110,9 +135,19 @@ def test_returns_get_faster_and_flatter(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("learned", "half", "word"), [(8.0, 0.2, HOLDS), (5.0, 0.2, FAILS), (8.0, 9.0, OPEN)]
+    ("learned", "half", "word"),
+    [(8.0, 0.2, HOLDS), (4.2, 0.1, FAILS), (12.0, 0.2, FAILS), (8.0, 3.0, OPEN), (6.2, 0.3, OPEN)],
 )
-def test_twice_is_about_twice_and_surely_more(tmp_path, learned, half, word):
+def test_twice_is_about_twice_as_a_whole(tmp_path, learned, half, word):
     rows = quality(physics=4.0, learned=learned, half=half)
     run = write(tmp_path, "shot_quality/quality.csv", rows)
-    assert found(DOUBLED, run, "quality.doubled.stroke_pro").verdict == word
+    twice = found(DOUBLED, run, "quality.doubled.stroke_pro")
+    assert twice.verdict == word
+    assert twice.interval.value == pytest.approx(learned / 4.0)
+    assert twice.interval.low < learned / 4.0 < twice.interval.high
+
+
+def test_a_median_of_nothing_is_doubled_by_none(tmp_path):
+    for medians in ({"physics": 0.0}, {"learned": 0.0}):
+        run = write(tmp_path, "shot_quality/quality.csv", quality(**medians))
+        assert found(DOUBLED, run, "quality.doubled.stroke_pro").verdict == NOT_MEASURED

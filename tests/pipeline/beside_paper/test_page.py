@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from models.predictors.normaliser import INPUTS, OUTPUTS
+from models.predictors.transformer import Transformer
 from pipeline.artifacts import write_json
 from pipeline.beside_paper.catalogue import EXHIBITS, GROUPS, findings
 from pipeline.beside_paper.entries import number
@@ -13,6 +15,7 @@ from pipeline.beside_paper.reports import Reports, laptop_reports, paper_reports
 from pipeline.beside_paper.verdicts import MEANINGS, NO_NUMBER, NOT_MEASURED, SAME
 from pipeline.errors import InputError
 from pipeline.params import read_yaml
+from pipeline.profiles import merged
 
 ROOT = Path(__file__).parents[3]
 ENTRIES = [entry for group in GROUPS for entry in group.entries]
@@ -27,6 +30,71 @@ def test_the_committed_page_is_what_is_printed():
 def test_every_figure_and_table_of_the_paper_has_its_row():
     names = [*(f"Figure {number}" for number in range(1, 6)), "Table I", "Algorithm 1"]
     assert sorted(one.name for one in EXHIBITS) == sorted(names)
+
+
+def test_what_shows_a_claim_is_there():
+    files = [file for one in EXHIBITS if one.claims for file in one.ours.split(", ")]
+    assert [file for file in files if not (ROOT / "reports" / "paper" / file).is_file()] == []
+
+
+@pytest.mark.parametrize(
+    ("key", "printed"),
+    [
+        ("setting.kernel", 3),
+        ("setting.stride", 1),
+        ("setting.decoder_rows", 12 + 60),
+        ("setting.placeholders", "60 x 6 zeros"),
+        ("setting.baseline_inputs", 6),
+        ("setting.baseline_outputs", 9),
+        ("setting.filtered", 12),
+        ("setting.judged.first", 100),
+        ("setting.judged.last", 300),
+        ("setting.judged.every", 5),
+    ],
+)
+def test_numbers_of_the_paper_s_text_have_their_row(key, printed):
+    assert next(entry.printed for entry in ENTRIES if entry.key == key) == printed
+
+
+def test_settings_that_no_parameter_changes_are_those_of_the_network():
+    network = Transformer(8, 16, 2, 1, 1, states_a_row=1, uniform_motion=False)
+    convolution = network.decoder_embedding.projection
+    found = findings(Reports(Path("nowhere"), {}))
+    assert convolution.kernel_size == (found["setting.kernel"].value,)
+    assert convolution.stride == (found["setting.stride"].value,)
+    assert convolution.in_channels == found["setting.inputs"].value == INPUTS
+    assert found["setting.baseline_inputs"].value == INPUTS
+    assert found["setting.baseline_outputs"].value == found["setting.outputs"].value == OUTPUTS
+
+
+@pytest.mark.parametrize("states", [1, 10])
+def test_rows_of_the_decoder_are_the_network_s(tmp_path, states):
+    network = Transformer(8, 16, 2, 1, 1, states_a_row=states, uniform_motion=True)
+    settings = {"states_a_row": states, "uniform_motion": True}
+    params = {"train_predictor": {"networks": {"transformer": settings}}}
+    found = findings(Reports(tmp_path, params))
+    assert found["setting.decoder_rows"].value == len(network.decoder_embedding.positions)
+    assert found["setting.placeholders"].value == f"{network.rows} rows of uniform motion"
+
+
+def test_the_kept_run_is_the_profile_that_the_page_names():
+    kept = paper_reports(ROOT).params
+    assert merged(kept, read_yaml(ROOT / "profiles" / "two_cores.yaml")) == kept
+
+
+def test_a_run_in_the_paper_s_size_is_not_called_smaller(tmp_path):
+    page = kept_page(tmp_path, width=512)
+    assert "two_cores" not in page and "has not been run" not in page
+    smaller = kept_page(tmp_path, width=96)
+    assert "96 of 512 wide (– trained numbers)" in smaller and "has not been run" in smaller
+
+
+def kept_page(root, width):
+    """The page of a repository that keeps a run with networks of a width."""
+    shutil.copy(ROOT / "params.yaml", root)
+    params = {"train_predictor": {"networks": {"transformer": {"width": width}}}}
+    write_json(root / "reports" / "paper" / "run.json", {"params": params})
+    return paper_page(root)
 
 
 def test_every_entry_has_a_key_of_its_own_and_a_stage_that_is_there():

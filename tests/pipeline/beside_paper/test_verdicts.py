@@ -19,8 +19,10 @@ from pipeline.beside_paper.verdicts import (
     claim,
     minus,
     of_all,
+    ratio,
     setting,
     share,
+    within,
 )
 
 
@@ -56,6 +58,28 @@ def test_the_interval_of_a_difference_covers_as_it_says():
     found = [minus(share(a, 60), share(b, 200)) for a, b in zip(ones, others, strict=True)]
     covered = np.mean([one.low <= 0.1 <= one.high for one in found])
     assert 0.93 < covered < 0.97
+
+
+def test_the_interval_of_a_ratio_covers_as_it_says():
+    """Of shares of which one is twice the other, drawn 2,000 times."""
+    random = np.random.default_rng(0)
+    ones, others = random.binomial(60, 0.8, 2000), random.binomial(200, 0.4, 2000)
+    found = [ratio(share(a, 60), share(b, 200)) for a, b in zip(ones, others, strict=True)]
+    covered = np.mean([one.low <= 2 <= one.high for one in found])
+    assert 0.93 < covered < 0.97
+
+
+def test_a_ratio_to_what_may_be_nothing_has_no_upper_end():
+    found = ratio(Interval(8.0, 7.0, 9.0), Interval(4.0, 0.0, 8.0))
+    assert found.value == pytest.approx(2.0) and found.high == np.inf
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "word"),
+    [(1.6, 2.4, HOLDS), (1.4, 2.4, OPEN), (1.0, 3.0, OPEN), (0.9, 1.1, FAILS), (2.6, 3.0, FAILS)],
+)
+def test_what_is_allowed_between_two_ends_holds_as_a_whole(low, high, word):
+    assert within(Interval((low + high) / 2, low, high), 1.5, 2.5) == word
 
 
 def test_numbers_are_level_where_the_difference_may_be_none():
