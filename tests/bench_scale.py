@@ -1,6 +1,8 @@
 """What grows how, on one process and on two (`python -m tests.bench_scale`; minutes).
 
-Every work is done once as it is, once twice as large, and that once more on two processes. Writes
+Every work is done once as it is, once twice as large, and that once more on two processes. Twice as
+large is one hall with twice the balls, and one training on twice the balls; of questions and
+policies, which are independent, twice as many. Writes
 ``reports/costs/scale.csv`` and ``scale.json`` and fills in docs/scale.md. Give the machine nothing
 else to do meanwhile.
 """
@@ -8,7 +10,7 @@ else to do meanwhile.
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -30,14 +32,16 @@ from models.policy.learning import learn_leg
 from models.predictors.learned import build_network
 from models.predictors.tracks import tracks
 from models.predictors.training import ForecastTraining, WindowData
-from models.segmentation.tables import segment_recordings
-from pipeline.artifacts import read_row_groups, replacing, write_json, write_table
+from models.segmentation.tables import Segmented
+from pipeline.artifacts import read_table, replacing, write_json
 from pipeline.costs import machine
 from pipeline.episodes import _episode
 from pipeline.exam_sheets import OURS
+from pipeline.run import StageRun
 from pipeline.sources.gather import gather
 from pipeline.training import train
 from pipeline.workers import parallel
+from stages.segment import _cut
 from tests.bench_policy import LEARNING, PARAMS, SEED, TASK
 from tests.models.predictors.schooling import balls
 from tests.pipeline.sources.made_up import ARENA
@@ -64,21 +68,6 @@ class Work:
     do: Callable[[int], int]
 
 
-def cut_hall(seed: int) -> int:
-    """Simulate a hall, write its recordings, cut them; return how many episodes there are."""
-    with tempfile.TemporaryDirectory() as folder:
-        return sum(len(part.episodes) for part in _cut(seed, Path(folder)))
-
-
-def _cut(seed: int, folder: Path) -> Iterator[Any]:
-    gathered = gather(PARAMS.ingest.model_copy(update={"arena": HALL}), seed, folder)
-    begins = gathered.manifest.begins_with_launch
-    for number, rows in enumerate(read_row_groups(folder / "recordings.parquet")):
-        found = segment_recordings(rows, begins, PARAMS.segment)
-        write_table(folder / f"samples_{number}.parquet", found.samples)
-        yield found
-
-
 def sit_question(number: int, withheld: Sequence[str] = ()) -> int:
     """Let our method answer a question of the exam."""
     trial = Trial(
@@ -101,32 +90,65 @@ def learn(seed: int) -> int:
 
 
 WORKS = (
-    Work("simulate, write and cut balls", "episodes", 1, cut_hall),
     Work(f"verdicts on {SHOTS} shots", "questions of the exam", 2, sit_question),
     Work("verdicts with half the effects", "such questions", 2, sit_with_half_the_effects),
     Work("train policies", "control ticks", 1, learn),
 )
 
 
-def measure(work: Work, processes: int, times: int) -> dict[str, Any]:
-    """Do a work so many times over, on so many processes; return a row of the table."""
+def use(processes: int) -> None:
+    """Have all that runs side by side run on so many processes."""
     os.environ["LOKY_MAX_CPU_COUNT"] = str(processes)
     # What workers of another work import counts as a leak, for which loky ends them meanwhile.
     get_reusable_executor().shutdown()
+
+
+def measure(work: Work, processes: int, times: int) -> dict[str, Any]:
+    """Do a work so many times over, on so many processes; return a row of the table."""
+    use(processes)
     list(parallel([partial(work.do, 0)] * processes))  # started, imported, compiled
     start = time.monotonic()
     done = sum(parallel([partial(work.do, SEED + k) for k in range(times * work.tasks)]))
     return row(work.name, work.unit, processes, done, time.monotonic() - start)
 
 
+def measure_balls(processes: int, times: int) -> dict[str, Any]:
+    """Simulate a hall with so many times the balls, write and cut them."""
+    use(processes)
+    cut_hall(1)  # started, imported, compiled
+    start = time.monotonic()
+    done = cut_hall(times)
+    return row(
+        "simulate, write and cut balls", "episodes", processes, done, time.monotonic() - start
+    )
+
+
+def cut_hall(times: int) -> int:
+    """Return how many episodes a hall with so many times the balls has."""
+    with tempfile.TemporaryDirectory() as root:
+        return len(cut(Path(root), times).episodes)
+
+
+def cut(root: Path, times: int = 1) -> Segmented:
+    """Do what `ingest` and `segment` do to a hall with so many times the balls."""
+    shots = {name: times * getattr(HALL, name) for name in ("game_episodes", "cannon_shots")}
+    settings = PARAMS.ingest.model_copy(update={"arena": HALL.model_copy(update=shots)})
+    gathered = gather(settings, SEED, root / "artifacts" / "ingest")
+    _, found, _ = _cut(StageRun("segment", root, PARAMS), gathered.manifest, {})
+    return found
+
+
 def measure_training(processes: int, times: int) -> dict[str, Any]:
-    """Train the predictor of params.yaml on made-up balls; its start is not counted."""
+    """Train the predictor of params.yaml on so many times the balls, which are made up.
+
+    Its start is not counted.
+    """
     settings = PARAMS.train_predictor
     (shape,) = list(settings.networks.values())[:1]
-    changed = settings.training.model_copy(update={"epochs": times * EPOCHS, "devices": processes})
+    changed = settings.training.model_copy(update={"epochs": EPOCHS, "devices": processes})
     lightning.seed_everything(SEED, verbose=False)
     training = ForecastTraining(build_network(shape), changed)
-    data = WindowData(balls(BALLS, 0), balls(3, 1), changed, SEED)
+    data = WindowData(balls(times * BALLS, 0), balls(3, 1), changed, SEED)
     data.fit_normaliser(training.network)
     with tempfile.TemporaryDirectory() as folder:
         train(training, data, Path(folder))
@@ -145,11 +167,11 @@ def row(work: str, unit: str, processes: int, units: int, seconds: float) -> dic
 
 def sizes() -> dict[str, float]:
     """Return what an episode takes: bytes on disk in all tables, and in memory while it teaches."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        parts = list(_cut(SEED, folder))
-        disk = sum(path.stat().st_size for path in folder.iterdir())
-    samples = pd.concat([part.samples for part in parts])
+    use(1)
+    with tempfile.TemporaryDirectory() as root:
+        cut(Path(root))
+        disk = sum(path.stat().st_size for path in Path(root).rglob("*.parquet"))
+        samples = read_table(Path(root) / "artifacts" / "segment" / "samples.parquet")
     taught = [_episode(rows) for _, rows in samples.groupby("episode_id")]
     held = [*taught, tracks(taught)]  # a training has read the ones and made the others of them
     arrays = (part for one in held for part in vars(one).values())
@@ -160,6 +182,7 @@ def sizes() -> dict[str, float]:
 def main() -> None:
     """Measure, write, fill in the page, print."""
     rows = [measure_training(*setting) for setting in SETTINGS]
+    rows += [measure_balls(*setting) for setting in SETTINGS]
     rows += [measure(work, *setting) for work in WORKS for setting in SETTINGS]
     with replacing(MEASURED) as temporary:
         table = pd.DataFrame(rows)

@@ -14,6 +14,8 @@ MEASURED = ROOT / "reports" / "costs" / "scale.csv"
 SIZES = ROOT / "reports" / "costs" / "scale.json"
 MANY = 10_000_000  # shots of the plan
 GIGABYTE = 1e9
+PRICE = 0.05  # EUR a core-hour: an assumption, as the page says
+EPOCH = "an epoch of the laptop's transformer"
 
 
 def measured_table(measured: pd.DataFrame) -> str:
@@ -35,18 +37,26 @@ def plan_table(measured: pd.DataFrame, sizes: dict[str, float]) -> str:
     """Return what many shots take at the rates of one process."""
     alone = measured[measured["processes"] == 1].groupby("unit", sort=False)["per_second"].last()
     params = load_params(ROOT / "params.yaml")
+    training = params.train_predictor.training
+    windows = MANY * training.windows_an_episode
     group = params.train_policy.groups["sim2sim"]
     policies = len(group.simulators) * len(group.horizons_ms) * group.repeats
     ticks = policies * group.learning.legs * group.learning.ticks
-    lines = ["| what | how much | with the shots it |", "|---|---|---|"]
-    for what, units, unit, growth in (
+    works = (
         ("simulate, write and cut them", MANY, "episodes", "grows"),
-        ("an epoch of the laptop's transformer", MANY, "windows", "grows"),
+        (EPOCH, windows, "windows", "grows"),
+        (f"its {training.epochs} epochs", training.epochs * windows, "windows", "grows"),
         ("the laptop's policies", ticks, "control ticks", "stays"),
         ("1,000 verdicts on 100 shots", 1000, "questions of the exam", "stays"),
-    ):
-        hours = units / alone[unit] / 3600
-        lines.append(f"| {what} | {hours:,.1f} core-hours | {growth} |")
+    )
+    lines = ["| what | how much | with the shots it |", "|---|---|---|"]
+    hours = {what: units / alone[unit] / 3600 for what, units, unit, _ in works}
+    lines += [
+        f"| {what} | {hours[what]:,.1f} core-hours | {growth} |" for what, *_, growth in works
+    ]
+    total = sum(hours.values()) - hours[EPOCH]  # which is one of all epochs
+    lines.append(f"| all of that together | {total:,.1f} core-hours | grows |")
+    lines.append(f"| at {PRICE:.2f} EUR a core-hour | {PRICE * total:,.2f} EUR | grows |")
     disk, memory = (MANY * sizes[name] / GIGABYTE for name in ("disk_bytes", "memory_bytes"))
     lines.append(f"| their tables on disk | {disk:,.0f} GB | grows |")
     lines.append(f"| the memory of every process that trains | {memory:,.0f} GB | grows |")

@@ -9,6 +9,7 @@ from models.arena.settings import ArenaSettings
 from models.arena.truth import draw_truth
 from pipeline.contracts import POINTS, POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
 from pipeline.sources.source import Description, PathKind, RawTable, SourceContext, SourceData
+from pipeline.workers import parallel
 
 KINDS: dict[str, PathKind] = {
     "cannon": "cannon",
@@ -26,10 +27,14 @@ class Arena:
     name = "arena"
 
     def read(self, context: SourceContext) -> SourceData:
-        """Simulate the sessions that the settings describe; the same seed gives the same balls."""
+        """Simulate the sessions that the settings describe; the same seed gives the same balls.
+
+        Raises:
+            InputError: the cluster to simulate on is not there, or is lost on the way.
+        """
         settings, seed = context.settings.arena, context.seed
         truth = draw_truth(seed)
-        tables = map(_table, recordings(settings, truth, seed))
+        tables = map(_table, recordings(settings, truth, seed, parallel))
         return SourceData(_describe(settings), tables, truth={"seed": seed, **truth.to_dict()})
 
 

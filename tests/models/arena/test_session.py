@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from models.arena.session import recordings
+from models.arena.session import one_by_one, recordings
 from tests.models.arena.halls import LEVELS, TRUTH, games, session, settings
 
 
@@ -33,6 +33,26 @@ def test_a_longer_session_begins_with_a_shorter_one():
 
     assert list(map(flattened, cannon)) == list(map(flattened, session()[:3]))
     assert list(map(flattened, short)) == list(map(flattened, islice(games(), len(short))))
+
+
+@pytest.mark.parametrize(
+    ("batches", "wanted", "recordings_taken", "rounds"),
+    [(1, {"cannon_shots": 501}, 501, [1, 1, 1]), (8, {"game_episodes": 10**6}, 101, [4, 8])],
+)
+def test_no_more_than_a_round_is_shared_out_at_once(
+    monkeypatch, batches, wanted, recordings_taken, rounds
+):
+    """A longer session would have to wait in memory; the first round of games is a guess."""
+    monkeypatch.setattr("models.arena.session.ROUND", batches)
+    shared = []
+
+    def share(tasks):
+        shared.append(len(tasks))
+        return one_by_one(tasks)
+
+    found = islice(recordings(settings(**wanted), TRUTH, 0, share), recordings_taken)
+    assert len({recording.name for recording in found}) == recordings_taken
+    assert shared == rounds
 
 
 def test_it_has_as_many_strokes_and_shots_as_asked_for():

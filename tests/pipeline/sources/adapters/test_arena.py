@@ -8,6 +8,11 @@ from models.arena.truth import Truth, draw_truth
 from models.arena.truth_path import true_states
 from models.ball.state import POSITION
 from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
+from pipeline.errors import InputError
+from pipeline.sources.gather import TABLES, gather
+from pipeline.sources.settings import IngestSettings
+from pipeline.workers import CLUSTER
+from tests.cluster import cluster
 from tests.pipeline.sources.made_up import ARENA, read
 
 LEVELS = {"amateur", "club", "semi_pro", "pro"}
@@ -16,7 +21,9 @@ GAMES = ARENA.model_copy(update={"game_episodes": 8})
 
 @pytest.fixture(scope="module")
 def session():
-    return read(None, "arena", arena=GAMES)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LOKY_MAX_CPU_COUNT", "1")
+        return read(None, "arena", arena=GAMES)
 
 
 def group(table):
@@ -41,12 +48,37 @@ def test_shots_of_the_cannon_begin_with_a_launch_and_games_do_not(session):
     assert set(ids[~launched].str.split("/").str[1]) <= LEVELS
 
 
-def test_the_same_seed_gives_the_same_tables(session):
-    again = read(None, "arena", arena=GAMES)
+def written(folder, processes):
+    """What gathering writes, by file, with so many processes."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LOKY_MAX_CPU_COUNT", str(processes))
+        gather(IngestSettings(folder=None, sources=["arena"], arena=GAMES), 0, folder)
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
 
-    for name in ("recordings", "points", "true_contacts"):
-        assert getattr(again, name).equals(getattr(session, name))
-    assert again.truth == session.truth
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    return written(tmp_path_factory.mktemp("one_process"), 1)
+
+
+def test_two_processes_write_the_same_bytes(tmp_path, files):
+    assert set(files) == {f"{name}.parquet" for name in TABLES}
+    assert written(tmp_path, 2) == files
+
+
+@pytest.mark.slow
+def test_a_cluster_writes_the_same_bytes(tmp_path, monkeypatch, files):
+    with cluster(tmp_path) as found:
+        monkeypatch.setenv(CLUSTER, found.address)
+        assert written(tmp_path / "tables", 1) == files
+
+
+def test_a_cluster_that_is_not_there_is_an_error_and_leaves_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr("pipeline.workers.PATIENCE", 0.5)
+    monkeypatch.setenv(CLUSTER, "carrier-pigeon://loft:1")
+    with pytest.raises(InputError, match=f"{CLUSTER}: no scheduler answers"):
+        written(tmp_path, 1)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_another_seed_gives_other_balls_and_other_physics():
