@@ -54,13 +54,15 @@ def _on_cores(tasks: Sequence[Callable[[], Result]]) -> Iterator[Result]:
 
 def _on_cluster(address: str, tasks: Sequence[Callable[[], Result]]) -> Iterator[Result]:
     with _connected(address) as client:
+        from distributed.comm.core import CommClosedError
+
         _check_workers(client)
         # Not pure: equal tasks of two runs are two tasks.
         waiting = deque(client.map(_on_one_thread, tasks, pure=False))
         while waiting:
             try:
                 result = waiting.popleft().result()
-            except CancelledError:
+            except (CancelledError, CommClosedError):
                 problem = f"the scheduler {address} was lost; what is done is kept, run again"
                 raise InputError(CLUSTER, problem) from None
             yield result

@@ -53,14 +53,14 @@ class ForecastTraining(lightning.LightningModule):
     def training_step(self, batch: Batch) -> Tensor:
         """Return the loss of a batch."""
         loss = self._loss(batch)
-        size = len(batch[0])
+        size = _windows(batch)
         self.log("training", loss, on_step=False, on_epoch=True, batch_size=size, sync_dist=True)
         return loss
 
     def validation_step(self, batch: Batch) -> None:
         """Note the loss of a batch that training never sees."""
         loss = self._loss(batch)
-        self.log("validation", loss, batch_size=len(batch[0]), sync_dist=True)
+        self.log("validation", loss, batch_size=_windows(batch), sync_dist=True)
 
     def configure_optimizers(self) -> Any:
         """Return the optimizer and its schedule."""
@@ -102,19 +102,30 @@ class ForecastTraining(lightning.LightningModule):
         wanted = self.network.normaliser.deviation(future, motion)
         output = self.network.deviation(history, seen, motion)
         squares = torch.where(measured, output - wanted, 0.0).square()
-        return squares.sum() / _mean_over_processes(measured.sum()).clamp(min=1)
+        if not torch.distributed.is_initialized():
+            return squares.sum() / measured.sum().clamp(min=1)
+        # They average their gradients: shares of a loss want the same denominator.
+        mean = _over_processes(measured.sum()) / torch.distributed.get_world_size()
+        return squares.sum() / mean.clamp(min=1)
 
 
-def _mean_over_processes(number: Tensor) -> Tensor:
-    """Return the mean of a number over the processes that share a batch.
+def _windows(batch: Batch) -> int:
+    """Return how many windows a batch has in all processes that share it.
 
-    They average their gradients: shares of a loss want the same denominator.
+    Lightning weighs the shares of a logged loss by their windows; as shares of a sum, all weigh
+    the same.
     """
+    own = len(batch[0])
     if not torch.distributed.is_initialized():
-        return number
-    mean = number.float()
-    torch.distributed.all_reduce(mean)
-    return mean / torch.distributed.get_world_size()
+        return own
+    return int(_over_processes(torch.tensor(own, device=batch[0].device)))
+
+
+def _over_processes(number: Tensor) -> Tensor:
+    """Return the sum of a number over the processes that share a batch."""
+    total = number.float()
+    torch.distributed.all_reduce(total)
+    return total
 
 
 class WindowData(lightning.LightningDataModule):

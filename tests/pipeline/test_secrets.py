@@ -51,7 +51,7 @@ def test_the_way_back_to_a_run_is_told_without_the_password(monkeypatch, store):
     monkeypatch.setenv("MLFLOW_TRACKING_URI", store)
     monkeypatch.setenv("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "0")
     with pytest.raises(InputError, match="cannot be asked") as error:
-        origin_of(ROOT, ROOT / "reports" / "segment")
+        origin_of(ROOT, ROOT / "reports" / "segment" / "metrics.json")
     assert SECRET not in str(error.value)
 
 
