@@ -160,7 +160,7 @@ def run_of(path: Annotated[Path, typer.Argument(help="under reports or artifacts
 
 @app.command()
 def sweep(
-    name: Annotated[str, typer.Argument(help="predictor, policy: a file of profiles/sweeps")],
+    name: Annotated[str, typer.Argument(help="a file of profiles/sweeps, such as quick")],
     study: Annotated[
         str | None,
         typer.Option(envvar="RALLYGAP_STUDY", help="a database's URL; a file where there is none"),
@@ -184,7 +184,7 @@ def sweep(
 
 @app.command()
 def confirm(
-    name: Annotated[str, typer.Argument(help="a sweep that was run: predictor, policy")],
+    name: Annotated[str, typer.Argument(help="a sweep that was run, such as predictor")],
 ) -> None:
     """Train what a sweep found, and params.yaml, with new seeds; compare them on unseen balls."""
     from rich.console import Console

@@ -16,7 +16,8 @@ from optuna.exceptions import UpdateFinishedTrialError
 from optuna.storages import RetryHeartbeatStaleTrialCallback as Retry
 from optuna.trial import FrozenTrial, Trial, TrialState
 
-from pipeline.sweeps.study import RETRIES, running
+from pipeline.sweeps.storage import RETRIES
+from pipeline.sweeps.study import running
 
 WORKER = "worker"  # the signature, an attribute of trials
 UNSIGNED = timedelta(minutes=1)  # trials are signed as they begin; by then they would have been

@@ -7,7 +7,7 @@ from pipeline.sweeps.plan import load_plan, nested
 from tests.pipeline.sweeps.made_up import HEADS, RATE, ROOT, TINY, plan, write_repository
 
 
-@pytest.mark.parametrize("name", ["predictor", "policy"])
+@pytest.mark.parametrize("name", ["predictor", "policy", "quick"])
 def test_the_sweeps_of_the_repository_begin_with_its_parameters(name):
     swept = load_plan(ROOT, name)
     defaults = swept.defaults()

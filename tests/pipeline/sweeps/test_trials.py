@@ -3,6 +3,7 @@
 import sqlite3
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pandas as pd
@@ -18,12 +19,15 @@ from pipeline.policy_training import Pupil, train_policies
 from pipeline.profiles import merged
 from pipeline.sweeps.confirm import run_confirm
 from pipeline.sweeps.judged import Judged
+from pipeline.sweeps.lost import WORKER
 from pipeline.sweeps.plan import load_plan
 from pipeline.sweeps.policy import described
+from pipeline.sweeps.study import load_study
 from pipeline.sweeps.worker import trials_of
 from tests.models.policy.schooling import BRIEF
 from tests.pipeline.measured_shots import shot_tables, write_inputs
 from tests.pipeline.sweeps.made_up import RATE, ROOT, TINY, plan, write_yaml
+from tests.services import PASSWORD
 
 NETWORK = "train_predictor.networks.transformer"
 TINY_TRAINING = {
@@ -178,21 +182,64 @@ def test_there_is_nothing_to_confirm_before_a_sweep_nor_once_it_was_adopted(tmp_
         confirmed(swept, {"train_predictor": {"training": {"learning_rate": rate}}})
 
 
+def swept_by_two(root, **environment):
+    """Let the command line do a sweep of four trials with two workers; return all that it said."""
+    (root / "pyproject.toml").touch()
+    (root / "tmp").mkdir(exist_ok=True)
+    places = {"PATH": "/usr/bin:/bin", "HOME": str(root), "TMPDIR": str(root / "tmp")}
+    environment |= {"PYTHONPATH": str(ROOT), **places}
+    program = [sys.executable, "-c", "from pipeline.cli import main; main()", "sweep", "tiny"]
+    command = [*program, "--workers", "2", "--trials", "4"]
+    run = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert f"All of it: {root}/reports/sweeps/tiny\n" in run.stdout
+    await_recorders(root / "tmp")
+    return run.stdout + run.stderr
+
+
+def await_recorders(temporary):
+    """On a busy machine they outlive the sweep; with the last message gone they have written."""
+    deadline = time.monotonic() + 300
+    while list(temporary.glob("rallygap-*")):
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+
+
+def assert_recorded(root):
+    """Every trial of the report is a finished run of MLflow within that of the sweep."""
+    trials = pd.read_csv(root / "reports" / "sweeps" / "tiny" / "trials.csv")
+    assert len(trials) >= 4  # two workers may begin the last trial at once
+    with sqlite3.connect(root / "mlflow.db") as store:
+        runs = store.execute(
+            "SELECT run.name, run.status, parent.name FROM runs run "
+            "LEFT JOIN tags t ON t.run_uuid = run.run_uuid AND t.key = 'mlflow.parentRunId' "
+            "LEFT JOIN runs parent ON parent.run_uuid = t.value"
+        ).fetchall()
+    sweep = "rallygap sweep tiny"
+    nested = {(f"trial {number}", "FINISHED", sweep) for number in trials["trial"]}
+    assert sorted(runs) == sorted({(sweep, "FINISHED", None), *nested})
+
+
 @pytest.mark.slow
 def test_the_command_line_sweeps_with_two_workers_and_records_every_trial(tmp_path):
     predictor_plan(tmp_path)
-    (tmp_path / "pyproject.toml").touch()
-    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
-    program = [sys.executable, "-c", "from pipeline.cli import main; main()", "sweep", "tiny"]
     for _ in range(2):  # the second time there is nothing left to do
-        command = [*program, "--workers", "2", "--trials", "4"]
-        run = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
-        assert run.returncode == 0, run.stderr
-        assert f"All of it: {tmp_path}/reports/sweeps/tiny\n" in run.stdout
-    with sqlite3.connect(tmp_path / "mlflow.db") as store:
-        runs = dict(store.execute("SELECT name, status FROM runs").fetchall())
-    trials = pd.read_csv(tmp_path / "reports" / "sweeps" / "tiny" / "trials.csv")
-    assert len(trials) >= 4  # two workers may begin the last trial at once
-    names = {"rallygap sweep tiny", *(f"trial {number}" for number in trials["trial"])}
-    assert runs == dict.fromkeys(names, "FINISHED")
+        swept_by_two(tmp_path)
+    assert_recorded(tmp_path)
     assert not (tmp_path / "scratch" / "sweeps" / "tiny" / "trials").exists()
+
+
+@pytest.mark.slow
+def test_a_sweep_in_postgresql_records_every_trial_and_leaves_the_password_nowhere(
+    tmp_path, postgres_url
+):
+    swept = predictor_plan(tmp_path)
+    said = swept_by_two(tmp_path, RALLYGAP_STUDY=postgres_url)
+    assert_recorded(tmp_path)
+    trials = load_study(swept, swept.study, postgres_url).trials
+    assert len({trial.user_attrs[WORKER] for trial in trials}) == 2
+    kept = [path for path in tmp_path.rglob("*") if path.is_file()]
+    places = {path.relative_to(tmp_path).parts[0] for path in kept}
+    assert {"mlflow.db", "reports", "scratch"} <= places
+    assert not [path for path in kept if PASSWORD.encode() in path.read_bytes()]
+    assert PASSWORD not in said

@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from contextlib import contextmanager
 
 import pytest
@@ -12,7 +11,7 @@ from optuna.trial import TrialState
 
 from pipeline.errors import InputError
 from pipeline.sweeps.lost import Signature
-from pipeline.sweeps.run import run_sweep
+from pipeline.sweeps.storage import storage
 from pipeline.sweeps.study import create_study, load_study, tried
 from pipeline.sweeps.worker import trials_of
 from tests.pipeline.sweeps.made_up import HEADS, RATE, ROOT, Valley, done, plan
@@ -22,7 +21,7 @@ from tests.pipeline.sweeps.made_up import HEADS, RATE, ROOT, Valley, done, plan
 WORKER = """
 import os, sys, time
 from pathlib import Path
-from pipeline.sweeps import study, worker
+from pipeline.sweeps import storage, worker
 from pipeline.sweeps.plan import load_plan
 from tests.pipeline.sweeps.made_up import Valley, unrecorded
 
@@ -35,9 +34,23 @@ class Held(Valley):
 
 root = Path(sys.argv[1])
 worker.trials_of, worker.recorded_trial, worker.LOOK_AGAIN = lambda plan: Held(), unrecorded, 0.1
-study.HEARTBEAT, study.GRACE = 1, 3
+storage.HEARTBEAT, storage.GRACE = 1, 3
 url = os.environ.get(worker.STUDY)
 worker.work(load_plan(root, "tiny"), sys.argv[2], int(sys.argv[3]), url, lambda line: None)
+"""
+
+
+# Makes the study of a repository as soon as its input ends.
+MAKER = """
+import os, sys
+from pathlib import Path
+from pipeline.sweeps import study, worker
+from pipeline.sweeps.plan import load_plan
+
+swept = load_plan(Path(sys.argv[1]), "tiny")
+print("ready", flush=True)
+sys.stdin.read()
+study.create_study(swept, os.environ.get(worker.STUDY))
 """
 
 
@@ -45,17 +58,17 @@ worker.work(load_plan(root, "tiny"), sys.argv[2], int(sys.argv[3]), url, lambda 
 MASTER = "import subprocess, sys; subprocess.run(sys.argv[1:])"
 
 
+def surroundings(url):
+    """The environment of a process that works on a study."""
+    return {**os.environ, "PYTHONPATH": str(ROOT), **({"RALLYGAP_STUDY": url} if url else {})}
+
+
 @contextmanager
 def start(swept, study, wanted, url=None, master=()):
     """A worker, which must have ended at the end of the block; where that fails it is killed."""
     command = [*master, sys.executable, "-c", WORKER, str(swept.root), study, str(wanted)]
-    environment = {
-        **os.environ,
-        "PYTHONPATH": str(ROOT),
-        **({"RALLYGAP_STUDY": url} if url else {}),
-    }
     told = {"stdout": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, cwd=ROOT, env=environment, **told) as process:
+    with subprocess.Popen(command, cwd=ROOT, env=surroundings(url), **told) as process:
         try:
             yield process
         except BaseException:
@@ -200,12 +213,18 @@ def test_a_trial_that_keeps_killing_its_workers_is_given_up(tmp_path):
     assert len(tries) == 4  # itself, and three more
 
 
+@pytest.mark.parametrize("uses", [create_study, storage])
 @pytest.mark.parametrize(
-    "url", ["postgresql://ann:sesame@127.0.0.1:1/studies?sslpassword=simsalabim", "sesame"]
+    "url",
+    [
+        "postgresql://ann:sesame@127.0.0.1:1/studies?sslpassword=simsalabim",
+        "postgresql://ann:{sesame}@127.0.0.1:1/studies",
+        "sesame",
+    ],
 )
-def test_a_database_that_cannot_be_used_is_named_without_its_password(tmp_path, url):
+def test_a_database_that_cannot_be_used_is_named_without_its_password(tmp_path, url, uses):
     with pytest.raises(InputError) as refused:
-        create_study(plan(tmp_path), url)
+        uses(plan(tmp_path), url)
     assert "sesame" not in str(refused.value)
     assert "simsalabim" not in str(refused.value)
 
@@ -239,11 +258,18 @@ def test_two_workers_share_a_study_in_postgresql_and_one_is_killed(tmp_path, pos
 
 
 @pytest.mark.slow
-def test_a_password_is_left_nowhere(tmp_path, postgres_url, monkeypatch, capfd):
+def test_of_two_sweeps_that_start_at_once_on_an_empty_database_one_makes_the_study(
+    tmp_path, postgres_url
+):
     swept = plan(tmp_path)
-    done(swept, 4, url=postgres_url)
-    monkeypatch.setattr(time, "sleep", lambda _: None)
-    run_sweep(swept, postgres_url, 1, 4)
-    files = [path for path in tmp_path.rglob("*") if path.is_file()]
-    assert not [path for path in files if b"open-sesame" in path.read_bytes()]
-    assert "open-sesame" not in "".join(capfd.readouterr())
+    command = [sys.executable, "-c", MAKER, str(tmp_path)]
+    told = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "env": surroundings(postgres_url)}
+    with (
+        subprocess.Popen(command, cwd=ROOT, **told) as one,
+        subprocess.Popen(command, cwd=ROOT, **told) as other,
+    ):
+        assert one.stdout.readline() == other.stdout.readline() == b"ready\n"
+        one.stdin.close()
+        other.stdin.close()
+        assert one.wait() == other.wait() == 0
+    assert states(create_study(swept, postgres_url)) == [TrialState.WAITING]
