@@ -47,7 +47,7 @@ test: .venv/ready ## the quick tests, a file after another on every core
 test-all: .venv/ready ## every test but the faults, the slow ones too
 	@pytest -m 'not faults'
 
-faults: .venv/ready ## an hour, as root: damage files, kill every stage, fill disks; write reports/reliability
+faults: .venv/ready ## an hour and a half, as root: damage files, kill every stage, fill disks; write reports/reliability
 	@pytest -m faults -v --tables
 
 lint: .venv/ready ## style, types, import arrows

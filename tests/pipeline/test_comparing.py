@@ -4,10 +4,10 @@ import json
 import time
 
 import pytest
-from mlflow import MlflowClient
 
 from tests.clone import rallygap, run
 from tests.pipeline.experiments import CHANGED, TARGET
+from tests.pipeline.runs import runs
 
 pytestmark = pytest.mark.slow
 
@@ -84,9 +84,3 @@ def test_a_result_leads_to_its_run_and_the_run_to_its_experiment(experiments):
     (strict,) = runs(experiments, f"tags.`dvc.experiment` = 'strict' AND run_name = '{TARGET}'")
     assert strict.data.tags["dvc.baseline"] == run(experiments, "git", "rev-parse", "HEAD").strip()
     assert strict.data.tags["dvc.stage"] == TARGET
-
-
-def runs(repository, query):
-    client = MlflowClient(f"sqlite:///{repository / 'mlflow.db'}")
-    (experiment,) = client.search_experiments(filter_string="name = 'rallygap'")
-    return client.search_runs([experiment.experiment_id], query)

@@ -14,10 +14,10 @@ from contextlib import contextmanager
 from urllib.parse import quote
 
 import pytest
-from mlflow import MlflowClient
 from selenium.webdriver.support.wait import WebDriverWait
 
 from tests.pipeline.experiments import CHANGED
+from tests.pipeline.runs import runs
 from tests.services import free_port
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
@@ -65,16 +65,10 @@ def server(experiments):
 
 
 @pytest.fixture(scope="module")
-def runs(experiments):
+def changed(experiments):
     """The runs of the stage that was changed: of the commit, and of the experiment `strict`."""
-    client = MlflowClient(f"sqlite:///{experiments / 'mlflow.db'}")
-    (experiment,) = client.search_experiments(filter_string="name = 'rallygap'")
-    found = client.search_runs(
-        [experiment.experiment_id],
-        f"run_name = '{CHANGED.split('.')[0]}' AND attributes.status = 'FINISHED'",
-        order_by=["start_time ASC"],
-        max_results=2,
-    )
+    query = f"run_name = '{CHANGED.split('.')[0]}' AND attributes.status = 'FINISHED'"
+    found = runs(experiments, query, order_by=["start_time ASC"], max_results=2)
     return [one.info for one in found]
 
 
@@ -101,15 +95,15 @@ def photographed(window, path):
     assert window.save_screenshot(str(path))
 
 
-def test_all_runs_are_listed_under_their_reproduction(window, server, runs, pictures):
-    url = f"{server}/#/experiments/{runs[0].experiment_id}/runs"
+def test_all_runs_are_listed_under_their_reproduction(window, server, changed, pictures):
+    url = f"{server}/#/experiments/{changed[0].experiment_id}/runs"
     shown(window, url, "strict")
     photographed(window, pictures / "mlflow_runs.png")
 
 
-def test_two_runs_stand_beside_each_other(window, server, runs, pictures):
-    chosen = quote(json.dumps([one.run_id for one in runs]))
-    experiments = quote(json.dumps([runs[0].experiment_id]))
+def test_two_runs_stand_beside_each_other(window, server, changed, pictures):
+    chosen = quote(json.dumps([one.run_id for one in changed]))
+    experiments = quote(json.dumps([changed[0].experiment_id]))
     url = f"{server}/#/compare-runs?runs={chosen}&experiments={experiments}"
     shown(window, url, "Comparing 2 Runs")
     for name in ("Parameters", "Metrics"):

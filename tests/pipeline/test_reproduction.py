@@ -4,21 +4,29 @@ import hashlib
 import json
 import os
 import signal
-import sqlite3
 import subprocess
 import sys
 import time
 from pathlib import Path
 
+import mlflow
+import numpy as np
+import pandas as pd
 import pytest
 import yaml
 
+from models.predictors.protocol import History
 from pipeline.params import read_yaml
 from pipeline.profiles import merged
 from pipeline.provenance import run_cache_key
+from pipeline.registration import CHAMPION, SIGNATURE, current_champion
+from pipeline.weights import load_predictor
 from tests.clone import cloned, rallygap, run
+from tests.pipeline.runs import runs, store
 
 pytestmark = pytest.mark.slow
+
+REGISTERED = "predictor-arena"
 
 
 @pytest.fixture(scope="module")
@@ -29,8 +37,36 @@ def clone(tmp_path_factory):
 @pytest.fixture(scope="module")
 def reproduced(clone):
     """The clone after an experiment with the profile `smoke`."""
-    run(clone, "dvc", "exp", "run", "--name", "smoke", *rallygap(clone, "profile", "smoke").split())
+    flags = rallygap(clone, "profile", "smoke").split()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MLFLOW_SYSTEM_METRICS_SAMPLING_INTERVAL", "1")  # s; such stages are short
+        run(clone, "dvc", "exp", "run", "--name", "smoke", *flags)
     return clone
+
+
+def await_equal(found, expected):
+    """Wait until a call returns what is expected: on a busy machine, it is recorded later."""
+    deadline = time.monotonic() + 60
+    while (value := found()) != expected and time.monotonic() < deadline:
+        time.sleep(1)
+    assert value == expected
+
+
+def experiment_runs(repository):
+    """The experiment's run and those of its stages, by name."""
+    found = runs(repository, "tags.`dvc.experiment` = 'smoke'")
+    return {one.info.run_name: one for one in found}
+
+
+@pytest.fixture(scope="module")
+def tracked(reproduced):
+    """The same, when all have ended."""
+    names = {"smoke", *read_yaml(reproduced / "dvc.yaml")["stages"]}
+    await_equal(
+        lambda: {name: one.info.status for name, one in experiment_runs(reproduced).items()},
+        dict.fromkeys(names, "FINISHED"),
+    )
+    return experiment_runs(reproduced)
 
 
 def digests(folder):
@@ -101,25 +137,66 @@ def test_the_fingerprint_follows_from_the_lock(reproduced):
         assert key.startswith(contents["fingerprint"])
 
 
-def test_mlflow_has_a_parent_and_a_run_for_each_stage(reproduced):
-    stages = set(read_yaml(reproduced / "dvc.yaml")["stages"])
-    expected = {(name, "FINISHED") for name in ("smoke", *stages)}
-    deadline = time.monotonic() + 60
-    while recorded_runs(reproduced) != expected:  # on a busy machine, they come later
-        assert time.monotonic() < deadline
-        time.sleep(1)
+def test_mlflow_has_a_parent_and_a_run_for_each_stage(tracked):
+    parents = {name: one.data.tags.get("mlflow.parentRunId") for name, one in tracked.items()}
+    assert parents.pop("smoke") is None
+    assert set(parents.values()) == {tracked["smoke"].info.run_id}
 
 
-def recorded_runs(repository):
-    """Name and status of the experiment's run and of its children."""
-    with sqlite3.connect(repository / "mlflow.db") as store:
-        return set(
-            store.execute(
-                "WITH parent AS (SELECT run_uuid FROM runs WHERE name = 'smoke') "
-                "SELECT name, status FROM runs WHERE run_uuid IN parent OR run_uuid IN "
-                "(SELECT run_uuid FROM tags WHERE key = 'mlflow.parentRunId' AND value IN parent)"
-            )
-        )
+def test_a_stage_s_run_shows_what_the_machine_did(tracked):
+    metrics = {name: [*one.data.metrics] for name, one in tracked.items()}
+    assert any(one.startswith("system/") for one in metrics["train_policy"])
+    assert metrics["smoke"] == []
+
+
+def test_tables_that_stages_read_are_logged_with_their_columns(reproduced, tracked):
+    read = [one.dataset for each in tracked.values() for one in each.inputs.dataset_inputs]
+    sets = {Path(json.loads(one.source)["uri"]): one.schema for one in read}
+    assert sets.pop(reproduced / "artifacts" / "train_policy") is None  # a folder has none
+    assert not sets.pop(reproduced / "reports" / "exam" / "sheets.jsonl")
+    assert reproduced / "artifacts" / "segment" / "samples.parquet" in sets
+    for path, schema in sets.items():
+        columns = [one["name"] for one in json.loads(schema)["mlflow_colspec"]]
+        assert columns == list(pd.read_parquet(path).columns)
+
+
+@pytest.fixture
+def trained(reproduced, monkeypatch):
+    """The folder of the trained predictors, with MLflow's own functions at the clone's store."""
+    monkeypatch.setenv("MLFLOW_TRACKING_URI", f"sqlite:///{reproduced / 'mlflow.db'}")
+    return reproduced / "artifacts" / "train_predictor"
+
+
+def test_every_trained_predictor_is_registered_and_the_best_is_the_champion(reproduced, trained):
+    report = reproduced / "reports" / "train_predictor" / "metrics.json"
+    curves = json.loads(report.read_text()).items()
+    losses = {name: epochs[max(epochs, key=int)]["validation"] for name, epochs in curves}
+    assert set(losses) == {path.name for path in trained.iterdir()}
+    await_equal(lambda: {tags["predictor"] for tags in registered(reproduced)}, set(losses))
+    await_equal(lambda: champion(reproduced), min(losses, key=losses.get))
+
+
+def registered(repository):
+    """The tags of every version."""
+    return [one.tags for one in store(repository).search_model_versions(f"name = '{REGISTERED}'")]
+
+
+def champion(repository):
+    """The name of the predictor that is the champion; None where there is none yet."""
+    found = current_champion(store(repository), REGISTERED)
+    return found and found.tags["predictor"]
+
+
+def test_the_champion_forecasts_as_the_predictor_that_was_trained(reproduced, trained):
+    model = mlflow.pyfunc.load_model(f"models:/{REGISTERED}@{CHAMPION}")
+    assert model.metadata.signature == SIGNATURE
+    balls = model.input_example
+    forecast = model.predict(balls)
+    predictor = load_predictor(trained / champion(reproduced))
+    expected = predictor.predict(History(balls["states"], balls["mask"]))
+    assert np.isfinite(expected.states).all()
+    np.testing.assert_array_equal(forecast["states"], expected.states)
+    np.testing.assert_array_equal(forecast["spin_measured"], expected.spin_measured)
 
 
 def test_an_experiment_is_kept_without_a_trace_of_this_machine(reproduced):

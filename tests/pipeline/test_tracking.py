@@ -1,5 +1,6 @@
 """Stages are recorded in MLflow, and no store can hold them up."""
 
+import json
 import shutil
 import signal
 import socket
@@ -10,16 +11,20 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
+import pandas as pd
 import psutil
 import pytest
+from mlflow.data import from_pandas
+from mlflow.types import Schema
 
 from pipeline import tracking
 from pipeline.provenance import Provenance
-from pipeline.recorder import MlflowClient, shortened
+from pipeline.recorder import MlflowClient, columns, shortened
 from pipeline.tracking import recorded
 
 ROOT = Path(__file__).parents[2]
 ORIGIN = Provenance("python -m stages.segment", "f" * 64)
+BALLS = pd.DataFrame({"ball": ["a", "b"], "bounces": [0, 1], "x": [0.1, 0.2], "in": [True, False]})
 NOTHING = {"metrics": {}, "inputs": [], "figures": []}
 
 
@@ -78,12 +83,14 @@ def recorded_quickly(stage="segment", results=NOTHING):
 def test_a_stage_leaves_its_parameters_metrics_inputs_figures_and_tags(store, tmp_path):
     figure = tmp_path / "cuts.png"
     figure.write_bytes(b"drawn")
+    table = tmp_path / "a.parquet"
+    BALLS.to_parquet(table)
     results = {
         "metrics": {
             "tt3d": {"position": {"100": {"mean": 1.5}, "105": {"mean": 2.5}}},
             "v > 60 m/s": 3,
         },
-        "inputs": [{"name": "recordings", "source": "a.parquet", "rows": 7, "digest": "ab12"}],
+        "inputs": [{"name": "recordings", "source": str(table), "rows": 2, "digest": "ab12"}],
         "figures": [str(figure)],
     }
     with recorded("segment", ORIGIN, {"seed": 1, "segment": {"gap": 0.1}}, lambda: results):
@@ -98,10 +105,26 @@ def test_a_stage_leaves_its_parameters_metrics_inputs_figures_and_tags(store, tm
         ("tt3d/position/mean", 105, 2.5),
         ("v _ 60 m_s", 0, 3.0),
     ]
-    assert rows(store, "SELECT name, digest FROM datasets") == [("recordings", "ab12")]
+    assert rows(store, "SELECT name, digest, dataset_schema FROM datasets") == [
+        ("recordings", "ab12", columns(table))
+    ]
     tags = dict(rows(store, "SELECT key, value FROM tags"))
     assert (tags["dvc.stage"], tags["dvc.lock_hash"]) == ("segment", ORIGIN.fingerprint)
     assert [path.read_bytes() for path in store.parent.rglob("cuts.png")] == [b"drawn"]
+
+
+@pytest.mark.filterwarnings("ignore:Hint. Inferred schema")
+def test_a_table_has_the_columns_that_mlflow_would_find(tmp_path):
+    BALLS.to_parquet(tmp_path / "balls.parquet")
+    described = json.loads(columns(tmp_path / "balls.parquet"))["mlflow_colspec"]
+    assert Schema.from_json(json.dumps(described)) == from_pandas(BALLS).schema
+
+
+def test_what_is_no_table_has_no_columns(tmp_path):
+    (tmp_path / "sheets.jsonl").write_text("{}")
+    folder = tmp_path / "balls.parquet"
+    folder.mkdir()
+    assert [columns(path) for path in (tmp_path / "sheets.jsonl", folder)] == [None, None]
 
 
 def test_stages_of_one_reproduction_share_a_parent(store, monkeypatch):
