@@ -54,6 +54,26 @@ def expected_table(report, of_arena):
     return "\n".join(lines)
 
 
+def expected_costs():
+    """Size, training, latency and position errors of predictors, by ``rallygap costs``."""
+    costs = pd.read_csv(ROOT / "reports/costs/costs.csv")
+    lines = [
+        "| predictor | parameters | training (s) | one ball, median (ms) | 99th percentile (ms) "
+        "| mm at 100 ms | at 200 ms | at 300 ms |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for row in costs.to_dict("records"):
+        size, training = (
+            f"{row[name]:,.0f}" if pd.notna(row[name]) else "–"
+            for name in ("parameters", "training_s")
+        )
+        times = [f"{row[f'latency_ms_{name}']:.2f}" for name in ("median", "p99")]
+        errors = [f"{row[f'position_error_mm_{horizon}ms']:.0f}" for horizon in (100, 200, 300)]
+        cells = " | ".join([size, training, *times, *errors])
+        lines.append(f"| {NAMES[row['predictor']]} | {cells} |")
+    return "\n".join(lines)
+
+
 def expected_numbers():
     """Numbers of the simulator before and after, beside the arena's, those that shots can show."""
     numbers = pd.read_csv(ROOT / "reports/retrain_policy/numbers.csv").query("source == 'arena'")
@@ -205,6 +225,10 @@ def test_the_tables_of_transfer_with_the_paper_s_balls_are_the_kept_run_s(expect
 )
 def test_the_tables_are_the_committed_runs(report, of_arena):
     assert expected_table(report, of_arena) in README
+
+
+def test_the_table_of_costs_is_the_committed_measurement_s():
+    assert expected_costs() in README
 
 
 def test_every_link_into_the_repository_leads_somewhere():

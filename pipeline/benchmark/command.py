@@ -12,7 +12,7 @@ app = typer.Typer(no_args_is_help=True, help="Test windows for any predictor, an
 
 @app.command()
 def export(folder: Annotated[Path, typer.Argument(help="the folder to write to")]) -> None:
-    """Write the test windows of the last run, without their futures, into FOLDER."""
+    """Write test windows of the last run, one a flight, without their futures, into FOLDER."""
     from pipeline.benchmark.windows import export_windows, run_sets
     from pipeline.params import load_params
 
@@ -28,7 +28,7 @@ def score(
     forecasts: Annotated[Path, typer.Argument(help="a parquet file as the README asks for")],
     out: Annotated[Path | None, typer.Option(help="a JSON file to write")] = None,
 ) -> None:
-    """Score FORECASTS of the last run's test windows, beside the run's own predictors."""
+    """Score FORECASTS of the last run's test windows, and its own predictors on the same."""
     from rich.console import Console
 
     from pipeline.benchmark.scores import score as score_forecasts

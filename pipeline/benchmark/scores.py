@@ -1,6 +1,6 @@
 """Scores of anyone's forecasts, beside those of our own predictors on the same windows."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,66 +9,83 @@ import pandas as pd
 from rich.table import Table
 
 from models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErrors, errors_of, stacked
+from models.predictors.protocol import Forecast
 from pipeline.artifacts import write_json
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import run_sets
 from pipeline.errors import InputError
+from pipeline.measured_sets import MeasuredSet
 from pipeline.metrics import place, rounded
 from pipeline.params import Params
+from pipeline.predictors import Contender, one_thread, read_contenders
+from pipeline.progress import progress
 
 UNITS = {"position": "mm", "velocity": "m/s", "spin": "rad/s"}
 NUMBERS = ["mean", "std", "n", "ci_low", "ci_high"]
-REPORT = Path("reports") / "evaluate_predictor" / "forecast_error.csv"
 
 
 @dataclass(frozen=True)
 class Scores:
-    """Errors of forecasts against the measured state.
+    """Errors of forecasts against the measured state, beside those of the run's own predictors.
 
     Attributes:
-        name: of the file of forecasts.
-        errors: its own: a row a set, quantity and horizon, with mean, std, n and 95 % interval.
-        ours: of the run's predictors, at 100, 200 and 300 ms, on the same sets.
+        name: of the file of forecasts, which stands among the predictors, first.
+        errors: a row a set, predictor, quantity and horizon, with mean, std, n and 95 % interval.
     """
 
     name: str
     errors: pd.DataFrame
-    ours: pd.DataFrame
 
 
+@one_thread()
 def score(root: Path, params: Params, path: Path) -> Scores:
-    """Score forecasts of the last run's test windows as evaluate_predictor scores its own.
+    """Score forecasts of the last run's test windows, and its own predictors on the same windows.
 
     Args:
-        root: of the repository, with the artefacts and reports of a finished run.
+        root: of the repository, with the artefacts of a finished run.
         params: of that run.
         path: of the forecasts.
 
     Raises:
-        InputError: the forecasts, an artefact or the report is missing or broken.
+        InputError: the forecasts or an artefact are missing or broken, or the forecasts are called
+            as one of the run's predictors.
     """
     sets = run_sets(root, params)
-    forecasts = read_forecasts(path, sets)
-    frames = {
-        (one.name,): ForecastErrors(
-            errors_of({path.name: forecasts[one.name]}, one.windows),
-            one.recordings,
-            one.windows.bounced[:, -1],
-            params.evaluate_predictor.bootstrap_resamples,
-            params.seed,
-        ).over_horizon()
-        for one in sets
-        if one.name in forecasts
-    }
-    errors = _of_all_windows(stacked(frames, ["set"]))
-    return Scores(path.name, errors, _ours(root / REPORT, errors))
+    theirs = read_forecasts(path, sets)
+    contenders = read_contenders(root / "artifacts", params.evaluate_predictor)
+    if path.name in {one.name for one in contenders}:
+        raise InputError(path, "is called as a predictor of the run; give it another name")
+    frames = {}
+    for one in sets:
+        if one.name in theirs:
+            forecasts = {path.name: theirs[one.name], **_ours(contenders, one)}
+            frames[(one.name,)] = _errors(forecasts, one, params)
+    return Scores(path.name, stacked(frames, ["set"]))
+
+
+def _ours(contenders: Sequence[Contender], one: MeasuredSet) -> dict[str, Forecast]:
+    known = [each for each in contenders if each.forecasts(one.name)]
+    history = one.windows.history
+    return {each.name: each.predictor.predict(history) for each in progress(known, one.name)}
+
+
+def _errors(forecasts: dict[str, Forecast], one: MeasuredSet, params: Params) -> pd.DataFrame:
+    """Return the errors on a set as evaluate_predictor has them, over all windows."""
+    errors = ForecastErrors(
+        errors_of(forecasts, one.windows),
+        one.recordings,
+        one.windows.bounced[:, -1],
+        params.evaluate_predictor.bootstrap_resamples,
+        params.seed,
+    ).over_horizon()
+    return errors[errors["bounce"] == "all"].drop(columns="bounce")
 
 
 def write_scores(path: Path, scores: Scores) -> None:
-    """Write the scores as JSON: ``{set: {quantity: {horizon_ms: {mean, std, n, …}}}}``."""
+    """Write all as JSON: ``{set: {predictor: {quantity: {horizon_ms: {mean, std, n, …}}}}}``."""
     result: dict[str, Any] = {}
     for row in scores.errors.to_dict("records"):
-        keys = (row["set"], row["quantity"], row["horizon_ms"])
+        keys = (row["set"], row["predictor"], row["quantity"], row["horizon_ms"])
         place(result, keys).update({name: rounded(row[name]) for name in NUMBERS})
     write_json(path, result)
 
@@ -76,8 +93,7 @@ def write_scores(path: Path, scores: Scores) -> None:
 def score_tables(scores: Scores) -> Iterator[Table]:
     """Yield a table for the terminal a set and quantity, narrow enough for 80 characters."""
     shown = scores.errors[scores.errors["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
-    both = pd.concat([shown, scores.ours])
-    for (name, quantity), rows in both.groupby(["set", "quantity"], sort=False):
+    for (name, quantity), rows in shown.groupby(["set", "quantity"], sort=False):
         title = f"{name}: mean error of the {quantity} ({UNITS[str(quantity)]})"
         yield _table(title, rows, scores.name)
 
@@ -100,28 +116,3 @@ def _cell(row: Any) -> str:
 
 def _digits(value: float) -> str:
     return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
-
-
-def _ours(path: Path, errors: pd.DataFrame) -> pd.DataFrame:
-    """Read the errors of our predictors on the same windows."""
-    try:
-        report = pd.read_csv(path)
-    except FileNotFoundError:
-        problem = "there is no such file; run `dvc repro evaluate_predictor`"
-        raise InputError(path, problem) from None
-    except (OSError, ValueError) as error:
-        raise InputError(path, f"is not a CSV table: {error}") from None
-    measured = report[(report["against"] == "measured") & report["set"].isin(errors["set"])]
-    ours = _of_all_windows(measured)
-    keys = ["set", "quantity", "horizon_ms"]
-    both = ours.merge(errors, on=keys, suffixes=("", "_theirs"))
-    if len(both) < len(ours) or (both["n"] != both["n_theirs"]).any():
-        problem = "was made on other windows; run `dvc repro evaluate_predictor`"
-        raise InputError(path, problem)
-    return ours
-
-
-def _of_all_windows(errors: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows that bounces do not tell apart."""
-    rows: pd.DataFrame = errors[errors["bounce"] == "all"]
-    return rows[["set", "predictor", "quantity", "horizon_ms", *NUMBERS]]

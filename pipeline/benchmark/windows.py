@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from numpy.typing import NDArray
 
 from models.predictors.errors import HORIZONS_MS
-from models.predictors.protocol import HISTORY, HISTORY_TIMES
+from models.predictors.protocol import HISTORY, HISTORY_TIMES, History
+from models.predictors.windows import Windows
 from pipeline.artifacts import write_json, write_table, write_text
 from pipeline.benchmark.contracts import FORECASTS, WINDOWS, json_schema, type_of
 from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS, checked
@@ -24,13 +26,15 @@ _TEMPLATES = Path(__file__).parents[1] / "figures" / "templates"
 
 
 def run_sets(root: Path, params: Params) -> list[MeasuredSet]:
-    """Return the windows that the stage evaluate_predictor evaluates.
+    """Return one window a flight of those that the stage evaluate_predictor evaluates.
+
+    Windows of one flight overlap: each would show what came after another.
 
     Raises:
         InputError: an artefact is missing or broken.
     """
     every = params.evaluate_predictor.window_every_ms / 1000
-    return read_test_sets(root / "artifacts", every)
+    return [_one_a_flight(one) for one in read_test_sets(root / "artifacts", every)]
 
 
 def export_windows(sets: Sequence[MeasuredSet], folder: Path) -> None:
@@ -75,6 +79,27 @@ def window_ids(one: MeasuredSet) -> NDArray[np.str_]:
         for row, recording in enumerate(one.recordings.tolist())
     ]
     return np.array(names)
+
+
+def _one_a_flight(one: MeasuredSet) -> MeasuredSet:
+    """Return the set with the window of each flight whose name sorts first: any instant of it."""
+    flight_at = {
+        (flight.recording_id, time): number
+        for number, flight in enumerate(one.episodes)
+        for time in flight.episode.times.tolist()
+    }
+    ends = zip(one.recordings.tolist(), one.windows.anchors.tolist(), strict=True)
+    flights = np.array([flight_at[end] for end in ends])
+    by_name = np.argsort(window_ids(one))
+    _, first = np.unique(flights[by_name], return_index=True)
+    rows = by_name[first]
+    return replace(one, windows=_at(one.windows, rows), recordings=one.recordings[rows])
+
+
+def _at(cut: Windows, rows: NDArray[np.intp]) -> Windows:
+    history = History(cut.history.states[rows], cut.history.mask[rows])
+    future, measured, bounced = cut.future[rows], cut.measured[rows], cut.bounced[rows]
+    return Windows(history, cut.anchors[rows], future, measured, bounced)
 
 
 def _rows(one: MeasuredSet) -> pd.DataFrame:

@@ -48,7 +48,7 @@ def render_page(
     stages = {one.stage: one for one in contents}
     return TEMPLATES.get_template("page.html").render(
         stages=[_shown_stage(run.folder, stage) for stage in contents],
-        paper=paper_section(run, {name: one.fingerprint for name, one in stages.items()}),
+        paper=paper_section(run, contents),
         shot_stage=stages.get(SHOTS_STAGE),
         return_stage=stages.get(RETURNS_STAGE),
         shots=shot_scenes(shots),

@@ -1,7 +1,8 @@
 """The page's section on the paper: every number beside ours, and the difference drawn."""
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,7 @@ from pipeline.beside_paper.catalogue import EXHIBITS, GROUPS, OTHERS, findings
 from pipeline.beside_paper.entries import NOTHING, Entry, Finding, Group
 from pipeline.beside_paper.reports import Reports
 from pipeline.beside_paper.verdicts import MEANINGS
+from pipeline.figures.contents import Contents
 
 DECADES = 2.0  # of the scale on which sizes are drawn, on each side of the paper's
 
@@ -24,19 +26,20 @@ class Mark:
     high: float | None
 
 
-def paper_section(run: Reports, fingerprints: Mapping[str, str]) -> dict[str, Any]:
+def paper_section(run: Reports, contents: Sequence[Contents]) -> dict[str, Any]:
     """Return what the template shows of the paper.
 
     Args:
         run: the reports that the page is about.
-        fingerprints: of the runs that made them, by stage.
+        contents: what the stages report, on the same page.
     """
     found = findings(run)
+    fingerprints = {one.stage: one.fingerprint for one in contents}
     exhibits = [
         {
             "name": one.name,
             "what": one.what,
-            "ours": one.ours,
+            "ours": _linked(one.ours, _anchors(contents)),
             "verdict": one.verdict(run),
             "stage": one.stage,
             "fingerprint": fingerprints.get(one.stage, ""),
@@ -45,6 +48,21 @@ def paper_section(run: Reports, fingerprints: Mapping[str, str]) -> dict[str, An
     ]
     groups = [_group(group, found, fingerprints) for group in GROUPS]
     return {"others": OTHERS, "exhibits": exhibits, "groups": groups, "meanings": MEANINGS}
+
+
+def _anchors(contents: Sequence[Contents]) -> set[str]:
+    """Return the anchors of stages and of what they report."""
+    files = {f"{stage.stage}/{item.file}" for stage in contents for item in stage.items}
+    return files | {stage.stage for stage in contents}
+
+
+def _linked(ours: str, anchors: Set[str]) -> list[tuple[str, str | None]]:
+    """Return the parts of a list of files, each with its anchor where the page has it."""
+    parts = re.split("([,;] )", ours)
+    names = [part.rstrip("/") for part in parts]
+    return [
+        (part, name if name in anchors else None) for part, name in zip(parts, names, strict=True)
+    ]
 
 
 def mark(group: Group, entry: Entry, found: Finding) -> Mark:

@@ -1,4 +1,4 @@
-"""Forecasts are scored as evaluate_predictor scores ours, to the digit."""
+"""Forecasts are scored as evaluate_predictor scores ours, to the digit, on one window a flight."""
 
 import io
 import json
@@ -14,12 +14,16 @@ import pytest
 from rich.console import Console
 
 from models.predictors.evaluation import SHOWN_HORIZONS_MS
+from models.predictors.windows import windows
 from pipeline.benchmark.scores import score, score_tables, write_scores
-from pipeline.benchmark.windows import export_windows, window_table
+from pipeline.benchmark.windows import export_windows, run_sets, window_table
 from pipeline.errors import InputError
 from pipeline.predictors import read_contenders
+from pipeline.run import StageRun
+from stages.evaluate_predictor import evaluate_predictor
 from tests.pipeline.benchmark.forecasting import Still, forecasts_of
-from tests.pipeline.measured_shots import params
+from tests.pipeline.measured_shots import params, write_inputs, write_trained
+from tests.stages.small_runs import run_ingest, run_segment
 
 REPOSITORY = Path(__file__).parents[3]
 NUMBERS = ["mean", "std", "n", "ci_low", "ci_high"]
@@ -41,34 +45,36 @@ def test_our_own_predictor_exported_and_scored_has_exactly_its_numbers(tmp_path,
     export_windows(sets, tmp_path)
     exported = pd.read_parquet(tmp_path / "windows.parquet")
     forecasts = forecasts_of(predictor(root, name), exported).sample(frac=1, random_state=0)
-    scores = scored(root, forecasts, tmp_path)
-    write_scores(tmp_path / "scores.json", scores)
+    write_scores(tmp_path / "scores.json", scored(root, forecasts, tmp_path))
     written = json.loads((tmp_path / "scores.json").read_text())
-    metrics = json.loads((root / "reports/evaluate_predictor/metrics.json").read_text())
     assert set(written) == {one.name for one in sets}
-    for source, quantities in written.items():
-        reported = metrics[source][name]
-        assert set(quantities) == set(reported)
-        for quantity, horizons in quantities.items():
-            for horizon, numbers in horizons.items():
-                assert {key: numbers[key] for key in ("mean", "std", "n")} == (
-                    reported[quantity][horizon]
-                )
+    for source, predictors in written.items():
+        assert predictors["mine.parquet"] == predictors[name], source
+        horizons = [list(one["position"]) for one in predictors.values()]
+        assert len(horizons[0]) > 3 and horizons == horizons[:1] * len(predictors)
 
 
-def test_intervals_are_those_of_the_report(tmp_path, root, sets):
-    scores = scored(root, forecasts_of(predictor(root, "tiny"), window_table(sets)), tmp_path)
-    report = pd.read_csv(root / "reports/evaluate_predictor/forecast_error.csv")
-    ours = report.query("predictor == 'tiny' and against == 'measured' and bounce == 'all'")
-    theirs = scores.errors[scores.errors["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
-    six_digits = theirs[NUMBERS].map(lambda value: float(f"{value:.6g}"))
-    np.testing.assert_array_equal(six_digits.to_numpy(), ours[NUMBERS].to_numpy())
+def test_numbers_are_those_of_evaluate_predictor_where_a_flight_has_one_window(tmp_path):
+    write_inputs(tmp_path)
+    settings = params().evaluate_predictor.model_copy(update={"window_every_ms": 1000})
+    seldom = params(evaluate_predictor=settings)
+    evaluate_predictor(StageRun("evaluate_predictor", tmp_path, seldom))
+    path = tmp_path / "mine.parquet"
+    table = window_table(run_sets(tmp_path, seldom))
+    forecasts_of(Still(), table).to_parquet(path, index=False)
+    scores = score(tmp_path, seldom, path)
+    report = pd.read_csv(tmp_path / "reports/evaluate_predictor/forecast_error.csv")
+    reported = report.query("against == 'measured' and bounce == 'all'")
+    ours = scores.errors[scores.errors["predictor"] != "mine.parquet"]
+    shown = ours[ours["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
+    six_digits = shown[NUMBERS].map(lambda value: float(f"{value:.6g}"))
+    np.testing.assert_array_equal(six_digits.to_numpy(), reported[NUMBERS].to_numpy())
 
 
 def test_a_set_may_be_left_out_as_a_whole(tmp_path, root, sets):
     table = window_table([one for one in sets if one.name == "plain"])
     scores = scored(root, forecasts_of(Still(), table), tmp_path)
-    assert set(scores.errors["set"]) == set(scores.ours["set"]) == {"plain"}
+    assert set(scores.errors["set"]) == {"plain"}
 
 
 def test_the_tables_show_theirs_above_ours_unless_the_terminal_is_narrow(tmp_path, root, sets):
@@ -86,25 +92,42 @@ def test_the_tables_show_theirs_above_ours_unless_the_terminal_is_narrow(tmp_pat
     ]  # fmt: skip
 
 
-def test_a_report_of_other_windows_is_not_compared_with(tmp_path, root, sets):
-    (tmp_path / "artifacts").symlink_to(root / "artifacts")
-    forecasts = forecasts_of(Still(), window_table(sets))
-    with pytest.raises(InputError, match="dvc repro evaluate_predictor"):
-        scored(tmp_path, forecasts, tmp_path)
-    folder = tmp_path / "reports" / "evaluate_predictor"
-    folder.mkdir(parents=True)
-    report = pd.read_csv(root / "reports/evaluate_predictor/forecast_error.csv")
-    report.assign(n=report["n"] + 1).to_csv(folder / "forecast_error.csv", index=False)
-    with pytest.raises(InputError, match="was made on other windows"):
-        scored(tmp_path, forecasts, tmp_path)
+def test_forecasts_called_as_one_of_ours_are_one_error(tmp_path, root, sets):
+    path = tmp_path / "tiny"
+    forecasts_of(Still(), window_table(sets)).to_parquet(path, index=False)
+    with pytest.raises(InputError, match="is called as a predictor of the run; give it another"):
+        score(root, params(), path)
+
+
+def test_without_a_trained_predictor_the_error_says_what_to_run(tmp_path, root, sets):
+    for name in ("ingest", "segment"):
+        (tmp_path / "artifacts").mkdir(exist_ok=True)
+        (tmp_path / "artifacts" / name).symlink_to(root / "artifacts" / name)
+    with pytest.raises(InputError, match="run `dvc repro train_predictor`"):
+        scored(tmp_path, forecasts_of(Still(), window_table(sets)), tmp_path)
+
+
+@pytest.mark.real
+def test_windows_of_a_public_set_are_exported_and_scored(tmp_path, real_data):
+    run_ingest(tmp_path, real_data, ["tt3d"])
+    run_segment(tmp_path)
+    write_trained(tmp_path, "tiny")
+    sets = run_sets(tmp_path, params())
+    export_windows(sets, tmp_path / "windows")
+    exported = pd.read_parquet(tmp_path / "windows" / "windows.parquet")
+    flights = [one for one in sets[0].episodes if len(windows(one.episode, every=0.05))]
+    assert exported["window_id"].nunique() == len(flights) > 10
+    scores = scored(tmp_path, forecasts_of(Still(), exported), tmp_path)
+    errors = scores.errors.query("quantity == 'position' and horizon_ms == 100")
+    by_name = errors.set_index("predictor")["mean"]
+    assert by_name["physics_true"] < 0.2 * by_name["mine.parquet"]
 
 
 @pytest.fixture(scope="module")
 def repository(tmp_path_factory, root):
-    """A repository after that run, whose parameters are the repository's own."""
+    """A repository with that run's artefacts, whose parameters are the repository's own."""
     made = tmp_path_factory.mktemp("repository")
     (made / "artifacts").symlink_to(root / "artifacts")
-    (made / "reports").symlink_to(root / "reports")
     for name in ("params.yaml", "pyproject.toml"):
         (made / name).write_bytes((REPOSITORY / name).read_bytes())
     return made

@@ -8,10 +8,13 @@ import pytest
 
 from models.predictors.protocol import HISTORY
 from pipeline.benchmark.contracts import FORECASTS, WINDOWS, type_of
-from pipeline.benchmark.windows import export_windows, run_sets, window_ids, window_table
+from pipeline.benchmark.windows import export_windows, window_ids, window_table
 from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS
 from pipeline.errors import InputError
+from pipeline.measured_sets import read_test_sets
 from tests.pipeline.measured_shots import params, write_inputs
+
+EVERY = params().evaluate_predictor.window_every_ms / 1000  # s
 
 
 def test_the_table_holds_every_history_exactly_and_its_mask(sets):
@@ -29,14 +32,18 @@ def test_the_table_holds_every_history_exactly_and_its_mask(sets):
             assert (window["spin_measured"] == mask[:, 3:].all(axis=1)).all()
 
 
-def test_no_measured_future_is_in_the_table_but_where_windows_overlap(sets):
-    """Of the last window of each flight nothing that came is given away."""
-    given = set(window_table(sets)["px"])
+def test_no_row_shows_what_came_after_any_window(sets):
     for one in sets:
-        last = np.append(one.recordings[1:] != one.recordings[:-1], True)
-        future, measured = one.windows.future[last, :, 0], one.windows.measured[last, :, 0]
-        assert measured.any()
-        assert not given & set(future[measured])
+        given = set(window_table([one])["px"])
+        future = one.windows.future[..., 0][one.windows.measured[..., 0]]
+        assert len(future) and not given & set(future)
+
+
+def test_every_flight_has_one_window_of_those_that_are_evaluated(root, sets):
+    for one, whole in zip(sets, read_test_sets(root / "artifacts", EVERY), strict=True):
+        assert len(whole.windows) > len(one.windows) == len(whole.episodes)
+        assert sorted(one.recordings) == sorted(each.recording_id for each in one.episodes)
+        assert set(window_ids(one)) <= set(window_ids(whole))
 
 
 def test_neither_names_nor_rows_tell_the_order(sets):
@@ -51,14 +58,14 @@ def test_neither_names_nor_rows_tell_the_order(sets):
     assert table.groupby("window_id")["t"].agg(["min", "max"]).drop_duplicates().shape[0] == 1
 
 
-def test_another_future_is_another_window(tmp_path, sets):
+def test_another_future_is_another_window(tmp_path, root):
     write_inputs(tmp_path, sources=("plain",))
     path = tmp_path / "artifacts" / "segment" / "samples.parquet"
     samples = pd.read_parquet(path)
     samples.loc[samples["t"] == samples["t"].max() - 0.005, "px"] += 0.001  # no history has it
     samples.to_parquet(path, index=False)
-    (changed,) = run_sets(tmp_path, params())
-    (plain,) = (one for one in sets if one.name == "plain")
+    (changed,) = read_test_sets(tmp_path / "artifacts", EVERY)
+    (plain,) = (one for one in read_test_sets(root / "artifacts", EVERY) if one.name == "plain")
     same = window_ids(changed) == window_ids(plain)
     assert same.any()
     assert not same.all()

@@ -13,8 +13,10 @@ from pipeline.errors import InputError
 from pipeline.figures.contents import read_contents
 from pipeline.figures.page import render_page
 from pipeline.figures.style import CONTACT_COLOURS, predictor_colour
-from tests.pipeline.figures.made_up import OFFSETS, made_up_page, make_reports
+from tests.pipeline.figures.made_up import OFFSETS, made_up_page, make_reports, write_stage
 
+PAGES = sorted((Path(__file__).parents[3] / "reports").rglob("index.html"))
+LIGHT, WHOLE = 1.5e6, 16e6  # bytes for a phone: all 3-D views, and the page with its pictures
 STYLES = Path(__file__).parents[3] / "pipeline" / "figures" / "templates" / "page.css"
 HOSTILE = "</script><img src=x onerror=alert(1)>\"'&"
 
@@ -78,6 +80,16 @@ def test_every_table_of_the_paper_names_the_runs_that_it_is_from(root):
     )  # shares, gains, where they are most
 
 
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.parent.name)
+def test_pages_of_runs_are_light_enough_for_a_phone(path):
+    page = path.read_text(encoding="utf-8")
+    views = re.findall(r'<script type="application/json"[^>]*>(.*?)</script>', page, re.DOTALL)
+
+    assert views
+    assert sum(len(view.encode()) for view in views) < LIGHT
+    assert len(page.encode()) < WHOLE
+
+
 def test_names_from_the_data_cannot_become_markup(root, tmp_path):
     make_reports(tmp_path, title=HOSTILE, shot=HOSTILE)
 
@@ -118,6 +130,23 @@ def test_contents_link_to_every_item(root):
     assert len(ids) == len(set(ids))
     assert all(link["href"][1:] in ids for link in tags.named("a"))
     assert len(tags.named("a")) == 4 + 4 + 2 + 1 + len(GROUPS)
+
+
+def test_figures_and_tables_of_the_paper_link_to_ours(tmp_path):
+    make_reports(tmp_path)
+    error = {"kind": "figure", "title": "Errors", "caption": "Errors."}
+    drawn = tmp_path / "reports" / "evaluate_predictor" / "figures"
+    (drawn / "spindoe.png").rename(drawn / "forecast_error_arena.png")
+    item = {**error, "file": "figures/forecast_error_arena.png"}
+    write_stage(tmp_path, "evaluate_predictor", [item])
+
+    page = made_up_page(tmp_path)
+
+    target = "evaluate_predictor/figures/forecast_error_arena.png"
+    assert f'<td><a href="#{target}">Figure 3</a></td>' in page
+    assert f'<a href="#{target}">{target}</a>' in page
+    assert f'<article id="{target}">' in page
+    assert "<td>Figure 4</td>" in page  # whose stage reports nothing here
 
 
 def test_numbers_are_rounded_by_column(root):

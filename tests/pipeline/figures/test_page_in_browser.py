@@ -19,6 +19,7 @@ pytestmark = pytest.mark.browser
 
 PAGES = sorted((Path(__file__).parents[3] / "reports").rglob("index.html"))
 DESKTOP, PHONE = (1280, 900), (390, 844)
+PAPER = (718, 1047)  # A4 without its margins, CSS pixels
 COLOURS_DRAWN = """
 const canvas = document.getElementById(`${arguments[0]}-view`);
 const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
@@ -41,6 +42,20 @@ def open_page(browser, page_file, size, theme="light"):
     browser.get_log("browser")
     browser.get_log("performance")
     browser.get(page_file.as_uri())
+
+
+def open_on_paper(browser, page_file):
+    """Open the page in dark colours, as a printer then takes it."""
+    open_page(browser, page_file, PAPER, "dark")
+    dark = {"name": "prefers-color-scheme", "value": "dark"}
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print", "features": [dark]})
+
+
+def displayed(page, selector):
+    """Whether each element that a selector finds, of which there are some, can be seen."""
+    found = page.find_elements("css selector", selector)
+    assert found, selector
+    return [one.is_displayed() for one in found]
 
 
 @pytest.fixture
@@ -131,6 +146,51 @@ def test_dark_theme_is_dark(browser, page_file):
         backgrounds[theme] = browser.execute_script(script)
 
     assert backgrounds == {"light": "rgb(251, 251, 250)", "dark": "rgb(21, 25, 29)"}
+
+
+def test_paper_has_nothing_to_press_or_to_play(browser, page_file):
+    open_on_paper(browser, page_file)
+    for useless in ("nav", ".hint", "button", "input", ".speed", ".animation .moving"):
+        assert not any(displayed(browser, useless)), useless
+
+
+def test_paper_has_every_article_and_says_what_the_views_show(browser, page_file):
+    open_on_paper(browser, page_file)
+    for told in ("article", "h1, h2, h3", ".caption, figcaption", ".run:not(.hint)", ".still"):
+        assert all(displayed(browser, told)), told
+    for told in ("canvas", ".viewer .clock", ".legend output", "select[id$='-picker']"):
+        assert all(displayed(browser, told)), told
+
+
+def test_a_predictor_that_is_not_drawn_is_not_in_the_printed_legend(browser, page_file):
+    open_page(browser, page_file, PAPER)
+    browser.find_element("css selector", "#shot-legend input").click()
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+
+    assert displayed(browser, "#shot-legend label") == [False, True]
+
+
+@pytest.mark.parametrize("path", [None, *PAGES], ids=lambda path: path and path.parent.name)
+def test_paper_cuts_nothing_off(browser, page_file, path):
+    open_on_paper(browser, path or page_file)
+    cut_off = """
+return [...document.querySelectorAll(".box, main, body")].filter((box) =>
+  box.scrollWidth > box.clientWidth || box.getBoundingClientRect().right > innerWidth
+  || getComputedStyle(box).maxHeight !== "none").map((box) => box.outerHTML.slice(0, 200));
+"""
+    assert browser.execute_script(cut_off) == []
+
+
+def test_paper_is_white_and_its_views_are_drawn_for_it(browser, page_file):
+    open_on_paper(browser, page_file)
+    drawn = "return getComputedStyle(document.body)[arguments[0]]"
+
+    assert browser.execute_script(drawn, "backgroundColor") == "rgba(0, 0, 0, 0)"
+    assert browser.execute_script(drawn, "color") == "rgb(32, 38, 45)"
+    light_table = "#dbe6ee"
+    WebDriverWait(browser, 10).until(
+        lambda page: light_table in page.execute_script(COLOURS_DRAWN, "shot")
+    )
 
 
 def test_animation_moves_until_it_is_stopped(page):

@@ -1,13 +1,18 @@
 """What the page draws of the paper."""
 
+from pathlib import Path
+
 import pytest
 
-from pipeline.beside_paper.catalogue import GROUPS
+from pipeline.beside_paper.catalogue import EXHIBITS, GROUPS
 from pipeline.beside_paper.entries import Entry, Finding, Group
-from pipeline.beside_paper.reports import Reports
+from pipeline.beside_paper.reports import Reports, laptop_reports
 from pipeline.beside_paper.verdicts import LEVEL, Interval
+from pipeline.figures.contents import Contents, read_contents
 from pipeline.figures.paper_section import mark, paper_section
+from stages.report import STAGES
 
+ROOT = Path(__file__).parents[3]
 ENTRY = Entry("key", "what", 50.0, "%", "sim2real", "file", lambda _: Finding(LEVEL))
 
 
@@ -34,7 +39,24 @@ def test_what_is_no_number_is_not_drawn():
 
 
 def test_every_entry_is_shown_with_the_run_that_it_is_from(tmp_path):
-    shown = paper_section(Reports(tmp_path, {}), {"sim2real": "3fa9c1d20b77"})
+    made = Contents(stage="sim2real", command="", fingerprint="3fa9c1d20b77", items=[])
+    shown = paper_section(Reports(tmp_path, {}), [made])
     assert [len(one["rows"]) for one in shown["groups"]] == [len(one.entries) for one in GROUPS]
     runs = {run["stage"]: run["fingerprint"] for one in shown["groups"] for run in one["runs"]}
     assert runs["sim2real"] == "3fa9c1d20b77" and runs["sim2sim"] == ""
+
+
+def test_the_files_of_every_figure_and_table_with_a_number_are_linked():
+    contents = [read_contents(ROOT / "reports", stage) for stage in STAGES]
+    shown = paper_section(laptop_reports(ROOT), contents)["exhibits"]
+    linked = {one["name"]: [anchor for _, anchor in one["ours"] if anchor] for one in shown}
+    for one in EXHIBITS:
+        files = one.ours.rstrip("/").split(", ") if one.claims else []
+        assert linked[one.name] == files
+
+
+def test_what_the_page_does_not_have_is_not_linked(tmp_path):
+    shown = paper_section(Reports(tmp_path, {}), [])["exhibits"]
+    parts = [one["ours"] for one in shown]
+    assert ["".join(text for text, _ in one) for one in parts] == [one.ours for one in EXHIBITS]
+    assert not any(anchor for one in parts for _, anchor in one)
