@@ -56,7 +56,6 @@ def remote(request, tmp_path):
     if request.param == "folder":
         yield str(place), {}
         return
-    pytest.importorskip("dvc_ssh")
     place.mkdir()
     key = tmp_path / "key"
     with file_server(place, key) as port:
