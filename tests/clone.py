@@ -39,17 +39,22 @@ def commit(folder: Path, message: str) -> None:
 
 def run(folder: Path, *command: str, below: str = ".") -> str:
     """Run a command as a user in the repository, or in a folder below, would; return its output."""
-    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-    environment = {**os.environ, **IDENTITY, "PATH": path, "PYTHONPATH": str(folder)}
-    environment.pop("MLFLOW_TRACKING_URI", None)
     done = subprocess.run(
-        command, cwd=folder / below, env=environment, capture_output=True, text=True
+        command, cwd=folder / below, env=environment(folder), capture_output=True, text=True
     )
     assert done.returncode >= 0, f"died of signal {-done.returncode}"
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
 
-def rallygap(folder: Path, *words: str) -> str:
-    """Run our command line; return what it printed."""
-    return run(folder, "python", "-c", "from pipeline.cli import main; main()", *words)
+def environment(folder: Path) -> dict[str, str]:
+    """The variables with which commands run the repository's code, and keep runs in it."""
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    own = {key: text for key, text in os.environ.items() if key != "MLFLOW_TRACKING_URI"}
+    return {**own, **IDENTITY, "PATH": path, "PYTHONPATH": str(folder)}
+
+
+def rallygap(folder: Path, *words: str, below: str = ".") -> str:
+    """Run our command line in the repository, or in a folder below; return what it printed."""
+    program = "from pipeline.cli import main; main()"
+    return run(folder, "python", "-c", program, *words, below=below)

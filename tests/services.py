@@ -5,12 +5,15 @@ import shutil
 import socket
 import subprocess
 import tempfile
+import time
+import urllib.request
 import uuid
 from pathlib import Path
 
 import pytest
 
 USER, PASSWORD = "rallygap", "open-sesame"  # the password of a server that lives for some tests
+PATIENCE = 60  # s, for a server to answer
 
 
 def program(name):
@@ -29,6 +32,18 @@ def as_server(*command):
 def free_port():
     with socket.create_server(("127.0.0.1", 0)) as server:
         return server.getsockname()[1]
+
+
+def await_answer(url):
+    """Wait until a server that was just started answers."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        try:
+            urllib.request.urlopen(url, timeout=5)
+            return
+        except OSError:
+            assert time.monotonic() < deadline
+            time.sleep(0.2)
 
 
 @pytest.fixture(scope="session")

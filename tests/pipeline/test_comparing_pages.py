@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import time
-import urllib.request
 from contextlib import contextmanager
 from urllib.parse import quote
 
@@ -18,12 +17,11 @@ from selenium.webdriver.support.wait import WebDriverWait
 
 from tests.pipeline.experiments import CHANGED
 from tests.pipeline.runs import runs
-from tests.services import free_port
+from tests.services import PATIENCE, await_answer, free_port
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 SIZE = {"width": 1280, "height": 860, "deviceScaleFactor": 1, "mobile": False}
-PATIENCE = 60  # s
 FOLDED = "//*[@role='button'][.='Visualizations' or .='Run details']"
 
 
@@ -45,17 +43,6 @@ def served(repository):
     finally:
         os.killpg(server.pid, signal.SIGKILL)
         server.wait()
-
-
-def await_answer(url):
-    deadline = time.monotonic() + PATIENCE
-    while True:
-        try:
-            urllib.request.urlopen(url, timeout=5)
-            return
-        except OSError:
-            assert time.monotonic() < deadline
-            time.sleep(0.2)
 
 
 @pytest.fixture(scope="module")

@@ -1,15 +1,18 @@
 """What several machines share: a DVC remote, and an MLflow server on PostgreSQL."""
 
+import asyncio
 import os
 import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 import urllib.request
 from contextlib import contextmanager
 from pathlib import Path
 
+import asyncssh
 import psutil
 import pytest
 from mlflow import MlflowClient
@@ -46,14 +49,63 @@ def repository(tmp_path):
     return folder
 
 
-def test_results_go_through_a_folder_to_another_machine(repository, tmp_path):
-    remote, other = tmp_path / "remote", tmp_path / "theirs"
-    run(repository, "dvc", "remote", "add", "--local", "--default", "lab", str(remote))
+@pytest.fixture(params=["folder", "ssh"])
+def remote(request, tmp_path):
+    """A place that all machines reach, and what DVC has to know of it besides."""
+    place = tmp_path / "remote"
+    if request.param == "folder":
+        yield str(place), {}
+        return
+    place.mkdir()
+    key = tmp_path / "key"
+    with file_server(place, key) as port:
+        yield f"ssh://127.0.0.1:{port}/lab", {"user": "me", "keyfile": str(key)}
+
+
+@contextmanager
+def file_server(folder, path):
+    """An SSH server of a folder on loopback, for whoever has the key at a path; yields its port."""
+    key = asyncssh.generate_private_key("ssh-ed25519")
+    key.write_private_key(path)
+    key.write_public_key(path.with_suffix(".pub"))
+    loop = asyncio.new_event_loop()
+    thread = threading.Thread(target=loop.run_forever)
+    thread.start()
+    server = listening_server(folder, path.with_suffix(".pub"))
+    try:
+        yield asyncio.run_coroutine_threadsafe(server, loop).result().get_port()
+    finally:
+        loop.call_soon_threadsafe(loop.stop)
+        thread.join()
+        loop.close()
+
+
+async def listening_server(folder, keys):
+    return await asyncssh.listen(
+        "127.0.0.1",
+        0,
+        server_host_keys=[asyncssh.generate_private_key("ssh-ed25519")],
+        authorized_client_keys=str(keys),
+        sftp_factory=lambda channel: asyncssh.SFTPServer(channel, chroot=os.fsencode(folder)),
+    )
+
+
+def use(repository, remote):
+    """Make a place the remote of a repository, as docs/scale.md does."""
+    url, settings = remote
+    run(repository, "dvc", "remote", "add", "--local", "--default", "lab", url)
+    for name, value in settings.items():
+        run(repository, "dvc", "remote", "modify", "--local", "lab", name, value)
+
+
+def test_results_go_through_a_remote_to_another_machine(repository, remote, tmp_path):
+    other = tmp_path / "theirs"
+    use(repository, remote)
     run(repository, "dvc", "push")
     assert run(repository, "git", "status", "--short") == ""  # nobody else's path is committed
 
     run(tmp_path, "git", "clone", "--quiet", str(repository), str(other))
-    run(other, "dvc", "remote", "add", "--local", "--default", "lab", str(remote))
+    use(other, remote)
     run(other, "dvc", "pull")
 
     assert (other / "balls.bin").read_bytes() == (repository / "balls.bin").read_bytes()
