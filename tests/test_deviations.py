@@ -187,6 +187,16 @@ def of_the_forest():
     return f"ROC-AUC {areas['forest']}, that of a logistic regression {areas['logistic']}"
 
 
+def of_the_forest_s_label():
+    rows = pd.read_csv(REPORTS / "shot_quality/win_probability.csv").query(
+        "protocol == 'every_tick' and predictor in ('physics', 'transformer')"
+    )
+    by_predictor = rows.pivot_table("point", ["set", "horizons_ms"], "predictor")
+    apart = (by_predictor["transformer"] - by_predictor["physics"]).abs().max()
+    medians = ends(rows["point"], 2)
+    return f"medians by it are {medians}, with and without the swap at most {apart:.2f} apart"
+
+
 def of_the_forest_s_settings():
     forest = read_yaml(ROOT / "params.yaml")["shot_quality"]["forest"]
     return f"{forest['trees']} trees with at least {forest['smallest_leaf']} shots a leaf"
@@ -230,6 +240,7 @@ def of_precision():
         of_the_swap_on_the_arena,
         of_reach,
         of_the_forest,
+        of_the_forest_s_label,
         of_the_forest_s_settings,
         of_precision,
     ],
