@@ -14,6 +14,7 @@ from pipeline.artifacts import write_json
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import run_sets
 from pipeline.errors import InputError
+from pipeline.forecast_errors import NUMBERS
 from pipeline.measured_sets import MeasuredSet
 from pipeline.metrics import place, rounded
 from pipeline.params import Params
@@ -21,7 +22,6 @@ from pipeline.predictors import Contender, one_thread, read_contenders
 from pipeline.progress import progress
 
 UNITS = {"position": "mm", "velocity": "m/s", "spin": "rad/s"}
-NUMBERS = ["mean", "std", "n", "ci_low", "ci_high"]
 
 
 @dataclass(frozen=True)
