@@ -20,7 +20,7 @@ from rich.table import Table
 from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from models.predictors.protocol import History, Predictor
 from pipeline.artifacts import replacing, write_json
-from pipeline.errors import InputError
+from pipeline.forecast_errors import read_errors
 from pipeline.leftovers import kept_timings
 from pipeline.measured_sets import read_test_sets
 from pipeline.params import load_params
@@ -61,9 +61,13 @@ def measure_costs(root: Path) -> pd.DataFrame:
     contenders = [
         one for one in read_contenders(root / "artifacts", settings) if one.forecasts(first.name)
     ]
-    errors = _position_errors(root / "reports/evaluate_predictor/forecast_error.csv", first.name)
+    errors = _position_errors(read_errors(root), first.name)
     timings = kept_timings(root, root / "reports" / "train_predictor")
-    training = {name: one["training_s"] for name, one in timings.items()}
+    training = {
+        name: one["training_s"]
+        for name, one in timings.items()
+        if isinstance(one, dict) and "training_s" in one
+    }
     histories = _single_histories(first.windows.history)
     with one_core():
         latencies = {
@@ -147,14 +151,8 @@ def _row(
     }
 
 
-def _position_errors(path: Path, source: str) -> pd.DataFrame:
+def _position_errors(errors: pd.DataFrame, source: str) -> pd.DataFrame:
     """Return the mean errors (mm) of one set against the measured state: predictor by horizon."""
-    try:
-        errors = pd.read_csv(path)
-    except FileNotFoundError:
-        raise InputError(
-            path, "there is no such file; run `dvc repro evaluate_predictor`"
-        ) from None
     chosen = errors.query(
         "set == @source and against == 'measured' and quantity == 'position' and bounce == 'all'"
     )

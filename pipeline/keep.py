@@ -8,9 +8,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from pipeline.artifacts import read_json, replacing_folder, write_json, write_text
+from pipeline.artifacts import replacing_folder, write_json, write_text
 from pipeline.console import warn
 from pipeline.errors import InputError
+from pipeline.figures.contents import read_contents
 from pipeline.leftovers import kept_timings
 from pipeline.params import parse_yaml
 from pipeline.profiles import flags
@@ -44,10 +45,7 @@ def keep_experiment(root: Path, name: str) -> None:
             "experiment": name,
             "commit": baseline,
             "command": shlex.join(command),
-            "fingerprints": {
-                stage: read_json(folder / stage / "contents.json")["fingerprint"]
-                for stage in stages
-            },
+            "fingerprints": {stage: read_contents(folder, stage).fingerprint for stage in stages},
             "params": params,
         }
         write_json(folder / "run.json", record)

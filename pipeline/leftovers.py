@@ -11,12 +11,16 @@ from pathlib import Path
 from typing import Any
 
 from filelock import FileLock
+from pydantic import FiniteFloat
 
-from pipeline.artifacts import read_json, write_json
+from pipeline.artifacts import read_as, write_json
+from pipeline.figures.contents import read_contents
 from pipeline.provenance import repository_root
 
 COPIES = "copies"  # folder of scratch/ for what killed stages left in temporary copies
 FINGERPRINT_SHOWN = 12  # characters, as in contents.json
+
+Timings = dict[str, FiniteFloat | dict[str, FiniteFloat]]
 
 
 @contextmanager
@@ -49,7 +53,7 @@ def keep_timings(stage: str, fingerprint: str, timings: dict[str, Any]) -> None:
         write_json(_timings_file(repository_root(), stage, fingerprint), timings)
 
 
-def kept_timings(root: Path, report: Path) -> dict[str, Any]:
+def kept_timings(root: Path, report: Path) -> Timings:
     """How long things took when a stage left this report.
 
     Empty where that was on another machine, or never.
@@ -57,12 +61,18 @@ def kept_timings(root: Path, report: Path) -> dict[str, Any]:
     Args:
         root: of the repository.
         report: the stage's folder, among the present reports or those of an experiment.
+
+    Returns:
+        Name to seconds, or to seconds by name, as the stage noted them.
+
+    Raises:
+        InputError: the report's contents.json or the file with the timings is broken.
     """
-    contents = report / "contents.json"
-    if not contents.exists():
+    if not (report / "contents.json").exists():
         return {}
-    path = _timings_file(root, report.name, read_json(contents)["fingerprint"])
-    return dict(read_json(path)) if path.exists() else {}
+    fingerprint = read_contents(report.parent, report.name).fingerprint
+    path = _timings_file(root, report.name, fingerprint)
+    return read_as(path, Timings, report.name) if path.exists() else {}
 
 
 def _timings_file(root: Path, stage: str, fingerprint: str) -> Path:

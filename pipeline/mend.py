@@ -9,7 +9,7 @@ import hashlib
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipeline.params import read_yaml
+from pipeline.dvc_files import stage_outputs
 
 
 def mend(root: Path) -> list[Path]:
@@ -17,6 +17,9 @@ def mend(root: Path) -> list[Path]:
 
     Returns:
         What was removed.
+
+    Raises:
+        InputError: dvc.lock is broken; nothing was removed.
     """
     from dvc.repo import Repo
 
@@ -44,8 +47,8 @@ def _named(path: Path) -> str:
 def _outputs(root: Path) -> Iterator[Path]:
     """Yield every file among the outputs that DVC has noted."""
     lock = root / "dvc.lock"
-    stages = read_yaml(lock)["stages"].values() if lock.exists() else []
-    for path in sorted({root / out["path"] for stage in stages for out in stage["outs"]}):
+    noted = stage_outputs(lock).values() if lock.exists() else []
+    for path in sorted({root / output for outputs in noted for output in outputs}):
         yield from (file for file in [path, *path.rglob("*")] if file.is_file())
 
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.artifacts import read_json
+from pipeline.dvc_files import stage_outputs
 from pipeline.errors import InputError
-from pipeline.params import read_yaml
+from pipeline.figures.contents import read_contents
 from pipeline.redaction import without_secrets
 from pipeline.tracking import store_uri
 
@@ -45,11 +45,11 @@ def origin_of(root: Path, path: Path) -> Origin:
         path: an output of a stage, or its like in a kept experiment's folder under reports.
 
     Raises:
-        InputError: no stage writes it, its report is not there, or MLflow cannot be asked or
-            knows no such run.
+        InputError: no stage writes it, its report is missing or broken, or MLflow cannot be asked
+            or knows no such run.
     """
-    stage, contents = _report_of(root, path)
-    fingerprint = read_json(contents)["fingerprint"]
+    stage, reports = report_of(root, path)
+    fingerprint = read_contents(reports, stage).fingerprint
     store = os.environ.get("MLFLOW_TRACKING_URI") or store_uri(root)
     run = _newest_run(store, fingerprint)
     if run is None:
@@ -68,8 +68,16 @@ def origin_of(root: Path, path: Path) -> Origin:
     )
 
 
-def _report_of(root: Path, path: Path) -> tuple[str, Path]:
-    """The stage that writes a file, and the contents.json of its report."""
+def report_of(root: Path, path: Path) -> tuple[str, Path]:
+    """Find the stage that writes a file, and the folder that the stage's report is in.
+
+    Args:
+        root: the repository.
+        path: as in ``origin_of``.
+
+    Raises:
+        InputError: it is not in the repository, no stage writes it, or dvc.yaml is broken.
+    """
     try:
         inside = path.resolve().relative_to(root.resolve())
     except ValueError:
@@ -78,10 +86,9 @@ def _report_of(root: Path, path: Path) -> tuple[str, Path]:
     if len(inside.parts) > 2 and (root / Path(*inside.parts[:2]) / "run.json").is_file():
         reports = root / Path(*inside.parts[:2])  # of an experiment that was kept
         inside = Path("reports", *inside.parts[2:])
-    for stage, entry in read_yaml(root / "dvc.yaml")["stages"].items():
-        outputs = {Path(out if isinstance(out, str) else next(iter(out))) for out in entry["outs"]}
-        if outputs & {inside, *inside.parents}:
-            return stage, reports / stage / "contents.json"
+    for stage, outputs in stage_outputs(root / "dvc.yaml").items():
+        if set(map(Path, outputs)) & {inside, *inside.parents}:
+            return stage, reports
     raise InputError(path, "no stage of dvc.yaml writes it; give a file under reports or artifacts")
 
 

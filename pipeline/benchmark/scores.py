@@ -13,12 +13,11 @@ from pipeline.artifacts import write_json
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import run_sets
 from pipeline.errors import InputError
+from pipeline.forecast_errors import NUMBERS, REPORT, read_errors
 from pipeline.metrics import place, rounded
 from pipeline.params import Params
 
 UNITS = {"position": "mm", "velocity": "m/s", "spin": "rad/s"}
-NUMBERS = ["mean", "std", "n", "ci_low", "ci_high"]
-REPORT = Path("reports") / "evaluate_predictor" / "forecast_error.csv"
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,7 @@ def score(root: Path, params: Params, path: Path) -> Scores:
         if one.name in forecasts
     }
     errors = _of_all_windows(stacked(frames, ["set"]))
-    return Scores(path.name, errors, _ours(root / REPORT, errors))
+    return Scores(path.name, errors, _ours(root, errors))
 
 
 def write_scores(path: Path, scores: Scores) -> None:
@@ -102,22 +101,16 @@ def _digits(value: float) -> str:
     return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
 
 
-def _ours(path: Path, errors: pd.DataFrame) -> pd.DataFrame:
+def _ours(root: Path, errors: pd.DataFrame) -> pd.DataFrame:
     """Read the errors of our predictors on the same windows."""
-    try:
-        report = pd.read_csv(path)
-    except FileNotFoundError:
-        problem = "there is no such file; run `dvc repro evaluate_predictor`"
-        raise InputError(path, problem) from None
-    except (OSError, ValueError) as error:
-        raise InputError(path, f"is not a CSV table: {error}") from None
+    report = read_errors(root)
     measured = report[(report["against"] == "measured") & report["set"].isin(errors["set"])]
     ours = _of_all_windows(measured)
     keys = ["set", "quantity", "horizon_ms"]
     both = ours.merge(errors, on=keys, suffixes=("", "_theirs"))
     if len(both) < len(ours) or (both["n"] != both["n_theirs"]).any():
         problem = "was made on other windows; run `dvc repro evaluate_predictor`"
-        raise InputError(path, problem)
+        raise InputError(root / REPORT, problem)
     return ours
 
 

@@ -85,6 +85,16 @@ def paper_reports(root: Path) -> Reports:
     """
     folder = root / "reports" / "paper"
     if (folder / "run.json").is_file():
-        return Reports(folder, read_json(folder / "run.json")["params"])
+        return Reports(folder, _kept_params(folder / "run.json"))
     params = read_yaml(root / "params.yaml")
     return Reports(folder, merged(params, read_yaml(root / "profiles" / "paper.yaml")))
+
+
+def _kept_params(path: Path) -> dict[str, Any]:
+    """Return the parameters in the record of a kept run."""
+    record = read_json(path)
+    params = record.get("params") if isinstance(record, dict) else None
+    if not isinstance(params, dict):
+        problem = "is missing or holds no parameters; `rallygap keep` writes it anew"
+        raise InputError(path, problem, field="params")
+    return params

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 from PIL import Image
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 from pipeline.artifacts import read_as
 from pipeline.errors import InputError
@@ -37,7 +37,7 @@ class Contents(BaseModel):
 
     stage: str
     command: str
-    fingerprint: str
+    fingerprint: str = Field(pattern="^[0-9a-f]+$")  # others look for files and runs by it
     items: list[Item]
 
 
@@ -105,15 +105,23 @@ def read_columns(path: Path) -> list[Column]:
     Raises:
         InputError: if the file is missing, is no CSV table or has a number that is not finite.
     """
-    _read(path)
-    try:
-        table = _table(path)
-    except (ValueError, csv.Error) as error:
-        raise InputError(path, f"is not a CSV table: {error}; run its stage again") from None
     return [
         Column(str(name), str(values.dtype) in ("Int64", "Float64"), _cells(values))
-        for name, values in table.items()
+        for name, values in read_rows(path).items()
     ]
+
+
+def read_rows(path: Path) -> pd.DataFrame:
+    """Return a CSV file as a table; what is not there is null.
+
+    Raises:
+        InputError: as ``read_columns``.
+    """
+    _read(path)
+    try:
+        return _table(path)
+    except (ValueError, csv.Error) as error:
+        raise InputError(path, f"is not a CSV table: {error}; run its stage again") from None
 
 
 def _table(path: Path) -> pd.DataFrame:

@@ -15,15 +15,22 @@ from models.quality.forest import grown
 from pipeline.artifacts import read_as, write_json
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import run_sets, window_table
+from pipeline.beside_paper.catalogue import findings
+from pipeline.beside_paper.reports import paper_reports
 from pipeline.beside_truth import NamedCauses
 from pipeline.contracts import LAUNCHES, RECORDINGS, checked
+from pipeline.dvc_files import stage_outputs
 from pipeline.exam_sheets import read_sheets, write_sheets
 from pipeline.figures.contents import read_columns, read_contents
 from pipeline.figures.shots import read_shots
+from pipeline.forecast_errors import REPORT as FORECAST_ERRORS
+from pipeline.forecast_errors import read_errors
 from pipeline.forests import DESCRIPTION, TREES, TrainedForest, load_forest, save_forest
+from pipeline.leftovers import kept_timings
 from pipeline.params import load_params
 from pipeline.policies import TrainedPolicy, load_policy
 from pipeline.profiles import profile_flags
+from pipeline.run_of import report_of
 from pipeline.simulators import load_simulator
 from pipeline.sources.manifest import read_manifest
 from pipeline.sweeps.confirm import compared_params
@@ -300,6 +307,51 @@ def _read_forecasts(folder: Path) -> int:
     return 0
 
 
+def _read_errors(folder: Path) -> int:
+    errors = read_errors(folder)
+    assert np.isfinite(errors.select_dtypes("number").to_numpy()).all()
+    return 0
+
+
+def _write_listed(name: str, outputs: str) -> Callable[[Path], Path]:
+    def write(folder: Path) -> Path:
+        path = folder / name
+        path.write_text(f"stages:\n  segment:\n    cmd: a\n    outs:\n{outputs}")
+        return path
+
+    return write
+
+
+def _read_lock(folder: Path) -> int:
+    for outputs in stage_outputs(folder / "dvc.lock").values():
+        assert all((folder / path).resolve().is_relative_to(folder) for path in outputs)
+    return 0
+
+
+def _read_origin(folder: Path) -> int:
+    report_of(folder, folder / "reports" / "segment" / "splits.csv")
+    return 0
+
+
+def _write_timings(folder: Path) -> Path:
+    _write_contents(folder)
+    fingerprint = read_contents(folder / "reports", "segment").fingerprint
+    path = folder / "timings" / "segment" / f"{fingerprint}.json"
+    write_json(path, {"tiny": {"training_s": 61.5}, "fitted_cpu_s_median": 3.25})
+    return path
+
+
+def _read_timings(folder: Path) -> int:
+    for took in kept_timings(folder, folder / "reports" / "segment").values():
+        assert all(map(np.isfinite, took.values() if isinstance(took, dict) else [took]))
+    return 0
+
+
+def _read_kept_run(folder: Path) -> int:
+    findings(paper_reports(folder))
+    return 0
+
+
 SEPARATED = [*hostile.NOTHING_GOOD, *hostile.SEPARATED]
 YAML = [*hostile.NOTHING_GOOD, *hostile.YAML]
 JSON = [*hostile.NOTHING_GOOD, *hostile.JSON]
@@ -348,4 +400,19 @@ READERS = [
     Reader("shots.json", _write_shots, _read_shots, JSON),
     Reader("report, contents.json", _write_contents, _read_contents, JSON),
     Reader("report, tables", _write_columns, _read_columns, SEPARATED),
+    Reader("forecast_error.csv", _copied(str(FORECAST_ERRORS)), _read_errors, SEPARATED),
+    Reader("kept run, run.json", _copied("reports/paper/run.json"), _read_kept_run, JSON),
+    Reader("timings", _write_timings, _read_timings, JSON),
+    Reader(
+        "run-of, dvc.yaml",
+        _write_listed("dvc.yaml", "    - reports/segment/splits.csv: {cache: false}\n"),
+        _read_origin,
+        YAML,
+    ),
+    Reader(
+        "mend, dvc.lock",
+        _write_listed("dvc.lock", "    - path: artifacts/segment\n      md5: 2f.dir\n"),
+        _read_lock,
+        YAML,
+    ),
 ]

@@ -68,6 +68,21 @@ def test_the_file_itself_is_read(reader, tmp_path):
     assert outcome(reader, tmp_path, path)[0] == "accepted"
 
 
+@pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
+def test_bytes_put_anywhere_are_no_fault(reader, tmp_path):
+    path = reader.write(tmp_path)
+    whole = path.read_bytes()
+
+    @given(place=st.integers(0, len(whole)), put=st.binary(min_size=1, max_size=8))
+    @settings(max_examples=5, deadline=None, derandomize=True)
+    def damage(place, put):
+        path.write_bytes(whole[:place] + put + whole[place + len(put) :])
+        ended, said = outcome(reader, tmp_path, path)
+        assert ended != "fault", said
+
+    damage()
+
+
 def test_inputs_follow_from_their_number():
     reader = READERS[0]
     whole = b"t,x,y,z\n0,1,2,3\n0.1,1,2,3\n"

@@ -17,6 +17,7 @@ from models.predictors.protocol import History
 from pipeline.artifacts import write_json
 from pipeline.costs import costs_table, latency, machine, measure_costs, one_core, write_costs
 from pipeline.errors import InputError
+from pipeline.forecast_errors import KEYS, NUMBERS, REPORT
 from tests.pipeline.measured_shots import write_inputs
 
 REPOSITORY = Path(__file__).parents[2]
@@ -40,18 +41,18 @@ def root(tmp_path_factory):
     write_inputs(made, sources=("arena",))
     shutil.copy(REPOSITORY / "params.yaml", made)
     rows = [
-        ("arena", against, predictor, "position", bounce, horizon, mean)
+        ("arena", against, predictor, "position", bounce, horizon, mean, 1.0, 9, mean, mean)
         for against, bounce, mean in (
             ("measured", "all", 12.5), ("truth", "all", 1.0), ("measured", "with", 2.0),
         )
         for predictor in ("tiny", "oracle")
         for horizon in (100, 200, 300)
     ]  # fmt: skip
-    columns = ["set", "against", "predictor", "quantity", "bounce", "horizon_ms", "mean"]
-    report = made / "reports" / "evaluate_predictor"
-    report.mkdir(parents=True)
-    pd.DataFrame(rows, columns=columns).to_csv(report / "forecast_error.csv", index=False)
-    write_json(made / "reports/train_predictor/contents.json", {"fingerprint": "0123456789ab"})
+    (made / REPORT).parent.mkdir(parents=True)
+    pd.DataFrame(rows, columns=[*KEYS, *NUMBERS]).to_csv(made / REPORT, index=False)
+    contents = {"stage": "train_predictor", "command": "a", "items": []}
+    contents |= {"fingerprint": "0123456789ab"}
+    write_json(made / "reports/train_predictor/contents.json", contents)
     for name, seconds in (("0123456789ab", 61.5), ("another run", 7.0)):
         times = {"tiny": {"training_s": seconds}}
         write_json(made / "timings" / "train_predictor" / f"{name}.json", times)

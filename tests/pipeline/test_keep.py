@@ -12,6 +12,7 @@ from pipeline.errors import InputError
 from pipeline.keep import keep_experiment
 
 PARAMS = "seed: 1\ningest: {folder: null}\n"
+CONTENTS = '{"stage": "segment", "command": "a", "fingerprint": "f00d", "items": []}'
 
 
 def git(root, *words, day=1):
@@ -41,10 +42,10 @@ def repository(tmp_path):
     return tmp_path
 
 
-def experiment(root, params, page="page", day=2, name="warm"):
+def experiment(root, params, page="page", day=2, name="warm", contents=CONTENTS):
     """Leave an experiment the way DVC does, and return the commit it started from."""
     start = git(root, "rev-parse", "HEAD")
-    report = {"index.html": page, "segment/contents.json": '{"fingerprint": "f00d"}'}
+    report = {"index.html": page, "segment/contents.json": contents}
     report = {f"reports/{name}": text for name, text in report.items()}
     changed = commit(root, report | {"params.yaml": params}, day)
     git(root, "update-ref", f"refs/exps/{start[:2]}/{start[2:]}/{name}", changed)
@@ -132,6 +133,14 @@ def test_an_experiment_that_names_a_folder_of_this_machine_is_not_kept(repositor
     with pytest.raises(InputError, match=r"ingest\.folder: names a folder of this machine"):
         keep_experiment(repository, "warm")
     assert not (repository / "reports").exists()
+
+
+@pytest.mark.parametrize("contents", ["{}", "[]", "7"])
+def test_an_experiment_with_a_broken_report_is_refused_and_nothing_is_written(repository, contents):
+    experiment(repository, PARAMS, contents=contents)
+    with pytest.raises(InputError, match=r"segment/contents\.json"):
+        keep_experiment(repository, "warm")
+    assert not (repository / "reports" / "warm").exists()
 
 
 def test_an_experiment_called_like_a_stage_does_not_take_its_report_s_place(repository):

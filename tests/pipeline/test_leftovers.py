@@ -6,6 +6,7 @@ import threading
 import pytest
 
 from pipeline.artifacts import write_json
+from pipeline.errors import InputError
 from pipeline.leftovers import keep_timings, kept_timings, scratch_kept
 from pipeline.run import StageRun
 
@@ -82,5 +83,18 @@ def test_timings_are_those_of_the_run_that_made_the_present_outputs(home):
     keep_timings("segment", OTHER, {"net": {"training_s": 5}})
     report = home / "reports" / "segment"
     assert kept_timings(home, report) == {}
-    write_json(report / "contents.json", {"fingerprint": FINGERPRINT[:12]})
+    contents = {"stage": "segment", "command": "a", "fingerprint": FINGERPRINT[:12], "items": []}
+    write_json(report / "contents.json", contents)
     assert kept_timings(home, report) == {"net": {"training_s": 3}}
+
+
+@pytest.mark.parametrize("content", [7, [], {"net": "long"}, {"net": {"training_s": None}}])
+def test_broken_timings_are_one_error(home, content):
+    report = home / "reports" / "segment"
+    contents = {"stage": "segment", "command": "a", "fingerprint": FINGERPRINT[:12], "items": []}
+    write_json(report / "contents.json", contents)
+    keep_timings("segment", FINGERPRINT, {"net": 3.0})
+    (file,) = home.glob("timings/segment/*.json")
+    write_json(file, content)
+    with pytest.raises(InputError, match=file.name):
+        kept_timings(home, report)

@@ -5,6 +5,7 @@ import sys
 
 import pytest
 
+from pipeline.errors import InputError
 from pipeline.mend import mend
 
 DVC_YAML = """
@@ -63,6 +64,20 @@ def test_a_damaged_list_of_a_folder_is_found(repository):
     assert mend(repository) == [entry]
     dvc(repository, "repro", "--quiet")
     assert mend(repository) == []
+    assert entry.exists()
+
+
+@pytest.mark.parametrize(
+    "lock", ["7", "[]", "{}", "stages: 7", "stages: {write: {outs: [7]}}",
+             "stages: {write: {outs: [{path: /}]}}", "stages: {write: {outs: [{path: a/../..}]}}",
+             "stages: {write: {outs: [{path: .}]}}", "stages: {write: {outs: [{}]}}"]
+)  # fmt: skip
+def test_with_a_broken_list_of_outputs_nothing_is_removed(repository, lock):
+    entry = cached(repository, b"two\n")
+    damage(entry)
+    (repository / "dvc.lock").write_text(lock)
+    with pytest.raises(InputError, match=r"dvc\.lock"):
+        mend(repository)
     assert entry.exists()
 
 

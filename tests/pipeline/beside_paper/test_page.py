@@ -66,6 +66,13 @@ def test_a_kept_run_is_read_with_its_own_parameters(tmp_path):
     assert findings(paper_reports(tmp_path))["setting.sim2sim.episodes"].value == 77
 
 
+@pytest.mark.parametrize("record", [{}, [], 7, {"params": None}, {"params": [1]}])
+def test_a_broken_record_of_the_kept_run_is_named(tmp_path, record):
+    write_json(tmp_path / "reports" / "paper" / "run.json", record)
+    with pytest.raises(InputError, match=r"run\.json, params: .*`rallygap keep`"):
+        paper_reports(tmp_path)
+
+
 def test_a_broken_table_is_named(tmp_path):
     path = tmp_path / "sim2real" / "rates.csv"
     path.parent.mkdir()
