@@ -47,7 +47,7 @@ def check() -> None:
 
 @app.command()
 def mend() -> None:
-    """Remove what is damaged in DVC's cache, and its copies; `dvc repro` makes them anew."""
+    """Remove what is damaged in DVC's cache, with its copies, and a lock that a kill broke."""
     from pipeline.mend import mend
 
     root = repository_root()

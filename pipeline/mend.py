@@ -1,11 +1,13 @@
-"""Removes what is damaged in DVC's cache, and its copies among the outputs.
+"""Removes what is damaged of DVC's: cached files with their copies among the outputs, its lock.
 
 DVC trusts a cached file that is read-only. One that a disk has damaged is therefore checked out as
 it is, even over the right one that a stage has just written, and DVC calls it up to date. What is
-not there at all, DVC makes anew.
+not there at all, DVC makes anew. Where it was killed while it noted what is in use, it would refuse
+to run for ever.
 """
 
 import hashlib
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,7 +15,7 @@ from pipeline.dvc_files import stage_outputs
 
 
 def mend(root: Path) -> list[Path]:
-    """Remove every damaged file of the cache and every output that is a copy of one.
+    """Remove every damaged file of the cache, every output that is a copy of one, a broken lock.
 
     Returns:
         What was removed.
@@ -24,12 +26,24 @@ def mend(root: Path) -> list[Path]:
     from dvc.repo import Repo
 
     with Repo(str(root)) as repository:
-        cache = Path(repository.cache.local.path)
+        cache, lock = Path(repository.cache.local.path), Path(repository.tmp_dir, "rwlock")
     damaged = {path: digest for path, digest in _cached(cache) if digest != _named(path)}
     copies = [path for path in _outputs(root) if _digest(path) in damaged.values()]
-    for path in (removed := [*damaged, *copies]):
+    broken = [] if _whole(lock) else [lock]
+    for path in (removed := [*damaged, *copies, *broken]):
         path.unlink()
     return removed
+
+
+def _whole(lock: Path) -> bool:
+    """Whether DVC can read what it has noted as in use; nothing is noted without the file."""
+    try:
+        json.loads(lock.read_bytes())
+    except FileNotFoundError:
+        return True
+    except ValueError:
+        return False
+    return True
 
 
 def _cached(cache: Path) -> Iterator[tuple[Path, str]]:

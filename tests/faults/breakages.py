@@ -44,7 +44,7 @@ class Fault:
         says: what the run must say, so that a fault that never struck is not taken for borne.
         borne: whether that ends well all the same.
         needs_root: whether it mounts disks.
-        damages_cache: whether `rallygap mend` must come before the next ``dvc repro``.
+        mended: whether `rallygap mend` comes before the next ``dvc repro``, as in `make reproduce`.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Fault:
     says: str = ""
     borne: bool = False
     needs_root: bool = False
-    damages_cache: bool = False
+    mended: bool = False
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def suffer(repository: Repository, fault: Fault) -> Suffered:
     with repository.anew(fault.stage):
         struck, kept = _struck(repository, fault)
         half = repository.half_written()
-        if fault.damages_cache:
+        if fault.mended:
             repository.mend()
         ended = repository.reproduce()
         differences = repository.differences()
@@ -360,12 +360,12 @@ FAULTS = (
     Fault("stage told to stop (SIGTERM)", "train_predictor", stage_told_to_stop),
     Fault("DVC alone killed, started again", "segment", dvc_alone_killed, borne=True),
     Fault("DVC alone killed, started again", "train_policy", dvc_alone_killed, borne=True),
-    Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps),
+    Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps, mended=True),
     Fault("first write cut short", "ingest", first_write_interrupted),
     Fault("first write cut short", "segment", first_write_interrupted),
     Fault("third write cut short", "ingest", third_write_interrupted),
     Fault("third write cut short", "segment", third_write_interrupted),
     Fault("first write cut short", "train_predictor", first_write_interrupted),
-    Fault("cached file damaged", "segment", cache_damaged, borne=True, damages_cache=True),
-    Fault("cached file cut short", "segment", cache_cut, borne=True, damages_cache=True),
+    Fault("cached file damaged", "segment", cache_damaged, borne=True, mended=True),
+    Fault("cached file cut short", "segment", cache_cut, borne=True, mended=True),
 )

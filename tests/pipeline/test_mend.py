@@ -81,6 +81,16 @@ def test_with_a_broken_list_of_outputs_nothing_is_removed(repository, lock):
     assert entry.exists()
 
 
+def test_a_lock_of_which_a_kill_left_half_is_removed(repository):
+    lock = repository / ".dvc" / "tmp" / "rwlock"
+    assert lock.exists()
+    lock.write_text('{"read": {')
+    with pytest.raises(subprocess.CalledProcessError):
+        dvc(repository, "repro", "--quiet", "--force")
+    assert mend(repository) == [lock]
+    dvc(repository, "repro", "--quiet", "--force")
+
+
 def test_there_is_nothing_to_mend_before_the_first_run(tmp_path):
     dvc(tmp_path, "init", "--no-scm", "--quiet")
     assert mend(tmp_path) == []
