@@ -1,4 +1,4 @@
-"""The errors that evaluate_predictor reports, read by commands that set others beside them."""
+"""The errors that evaluate_predictor reports, read by who sets costs beside them."""
 
 from pathlib import Path
 

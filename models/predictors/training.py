@@ -52,15 +52,14 @@ class ForecastTraining(lightning.LightningModule):
 
     def training_step(self, batch: Batch) -> Tensor:
         """Return the loss of a batch."""
-        loss = self._loss(batch)
-        size = _windows(batch)
+        loss, size = self._loss(batch)
         self.log("training", loss, on_step=False, on_epoch=True, batch_size=size, sync_dist=True)
         return loss
 
     def validation_step(self, batch: Batch) -> None:
         """Note the loss of a batch that training never sees."""
-        loss = self._loss(batch)
-        self.log("validation", loss, batch_size=_windows(batch), sync_dist=True)
+        loss, size = self._loss(batch)
+        self.log("validation", loss, batch_size=size, sync_dist=True)
 
     def configure_optimizers(self) -> Any:
         """Return the optimizer and its schedule."""
@@ -96,36 +95,23 @@ class ForecastTraining(lightning.LightningModule):
         """Take up curve and clock."""
         self.curve, self.seconds = checkpoint["curve"], checkpoint["seconds"]
 
-    def _loss(self, batch: Batch) -> Tensor:
+    def _loss(self, batch: Batch) -> tuple[Tensor, int]:
+        """Return the loss of this process's share of a batch, and the windows of the whole batch.
+
+        Processes average their gradients: shares of a loss want the same denominator. As shares of
+        a sum, all weigh the same in what Lightning logs, be they of more windows or of fewer.
+        """
         history, seen, future, measured = batch
         motion = uniform_motion(history, seen)
         wanted = self.network.normaliser.deviation(future, motion)
         output = self.network.deviation(history, seen, motion)
         squares = torch.where(measured, output - wanted, 0.0).square()
         if not torch.distributed.is_initialized():
-            return squares.sum() / measured.sum().clamp(min=1)
-        # They average their gradients: shares of a loss want the same denominator.
-        mean = _over_processes(measured.sum()) / torch.distributed.get_world_size()
-        return squares.sum() / mean.clamp(min=1)
-
-
-def _windows(batch: Batch) -> int:
-    """Return how many windows a batch has in all processes that share it.
-
-    Lightning weighs the shares of a logged loss by their windows; as shares of a sum, all weigh
-    the same.
-    """
-    own = len(batch[0])
-    if not torch.distributed.is_initialized():
-        return own
-    return int(_over_processes(torch.tensor(own, device=batch[0].device)))
-
-
-def _over_processes(number: Tensor) -> Tensor:
-    """Return the sum of a number over the processes that share a batch."""
-    total = number.float()
-    torch.distributed.all_reduce(total)
-    return total
+            return squares.sum() / measured.sum().clamp(min=1), len(history)
+        counts = torch.stack([measured.sum(), measured.new_tensor(len(history), dtype=torch.long)])
+        torch.distributed.all_reduce(counts)
+        mean = counts[0] / torch.distributed.get_world_size()
+        return squares.sum() / mean.clamp(min=1), int(counts[1])
 
 
 class WindowData(lightning.LightningDataModule):

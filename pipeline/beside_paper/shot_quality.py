@@ -45,10 +45,13 @@ def median(run: Reports, name: str, horizons: str, predictor: str, metric: str) 
     )
 
 
+def _both(run: Reports, name: str, horizons: str, metric: str) -> list[Interval | None]:
+    """Return the medians with the learned predictor and with physics."""
+    return [median(run, name, horizons, predictor, metric) for predictor in ("learned", "physics")]
+
+
 def _moved(name: str, horizons: str, metric: str, run: Reports) -> Finding:
-    learned, physics = (
-        median(run, name, horizons, predictor, metric) for predictor in ("learned", "physics")
-    )
+    learned, physics = _both(run, name, horizons, metric)
     if learned is None or physics is None or physics.value == 0:
         return MISSING
     change = minus(learned, physics).times(100 / physics.value)
@@ -56,10 +59,7 @@ def _moved(name: str, horizons: str, metric: str, run: Reports) -> Finding:
 
 
 def _doubled(name: str, run: Reports) -> Finding:
-    learned, physics = (
-        median(run, name, HORIZONS_MS[0], predictor, "win_probability")
-        for predictor in ("learned", "physics")
-    )
+    learned, physics = _both(run, name, HORIZONS_MS[0], "win_probability")
     if learned is None or physics is None or min(learned.value, physics.value) <= 0:
         return MISSING
     times = ratio(learned, physics)
