@@ -128,6 +128,15 @@ def read_table(path: Path) -> pd.DataFrame:
         return pd.read_parquet(content)
 
 
+def read_column_names(path: Path) -> list[str]:
+    """Return the names of a parquet table's columns, and read nothing else of it.
+
+    A missing or broken one is an ``InputError``.
+    """
+    with _reading(path), ParquetFile(path) as content:
+        return list(content.schema_arrow.names)
+
+
 def read_row_groups(path: Path) -> Iterator[pd.DataFrame]:
     """Yield a parquet table in the parts it was written in, one in memory at a time.
 
@@ -185,5 +194,6 @@ def _reading(path: Path) -> Iterator[None]:
         yield
     except FileNotFoundError:
         raise InputError(path, "there is no such table; run the stage that writes it") from None
-    except (OSError, ValueError) as error:
-        raise InputError(path, f"is not a parquet table: {error}") from None
+    except (OSError, ValueError, KeyError, TypeError, NotImplementedError, MemoryError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(path, f"is not a parquet table: {reason}") from None

@@ -1,9 +1,12 @@
 """The tables that pass between stages, as contracts; a table that breaks one stops the stage."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pandera.pandas as pa
 
+from pipeline.artifacts import read_column_names, read_table
 from pipeline.errors import InputError
 
 POSITION_COLUMNS = ["px", "py", "pz"]
@@ -160,6 +163,8 @@ def empty(contract: pa.DataFrameSchema) -> pd.DataFrame:
     return pd.DataFrame(columns=list(types)).astype(types)
 
 
+ANEW = "run the stage that writes it"
+
 _EXPLANATIONS = {
     "column_in_dataframe": "is missing",
     "column_in_schema": "is no column of this table",
@@ -167,21 +172,54 @@ _EXPLANATIONS = {
 }
 
 
-def checked(table: pd.DataFrame, contract: pa.DataFrameSchema) -> pd.DataFrame:
-    """Return ``table`` if it keeps ``contract``.
+def read_checked(path: Path, contract: pa.DataFrameSchema) -> pd.DataFrame:
+    """Read a parquet table that keeps ``contract``.
 
     Raises:
-        InputError: naming the table, the first row and column at fault and what is wrong.
+        InputError: it is missing, is no parquet table, or breaks the contract; as ``checked``.
+    """
+    check_columns(path, contract)
+    return checked(read_table(path), contract, path)
+
+
+def check_columns(path: Path, contract: pa.DataFrameSchema) -> None:
+    """Raise unless a parquet table has the columns of ``contract``, before any row is read.
+
+    Raises:
+        InputError: it is missing, is no parquet table, or has other columns.
+    """
+    names = read_column_names(path)
+    for name in contract.columns:
+        if names.count(name) != 1:
+            problem = "is there twice" if name in names else "is missing"
+            raise InputError(path, f"{problem}; {ANEW}", field=name)
+    for name in names if contract.strict else []:
+        if name not in contract.columns:
+            raise InputError(path, f"is no column of this table; {ANEW}", field=name)
+
+
+def checked(
+    table: pd.DataFrame, contract: pa.DataFrameSchema, path: Path | None = None
+) -> pd.DataFrame:
+    """Return ``table`` if it keeps ``contract``.
+
+    Args:
+        table: made or read.
+        contract: that it must keep.
+        path: of the file it was read from, if any.
+
+    Raises:
+        InputError: naming the file or table, the first row and column at fault and what is wrong.
     """
     try:
         return contract.validate(table, lazy=True)
     except pa.errors.SchemaErrors as error:
-        raise _broken(contract, error.failure_cases.iloc[0]) from None
+        failure = error.failure_cases.iloc[0]
+        raise _broken(path or f"table of {contract.name}", contract, failure) from None
 
 
-def _broken(contract: pa.DataFrameSchema, failure: pd.Series) -> InputError:
+def _broken(where: Path | str, contract: pa.DataFrameSchema, failure: pd.Series) -> InputError:
     """Return the error for one failure case of pandera."""
-    where = f"table of {contract.name}"
     check, case, column = failure["check"], failure["failure_case"], failure["column"]
     if check in _EXPLANATIONS:
         return InputError(where, _EXPLANATIONS[check], field=str(case))

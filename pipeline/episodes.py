@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from models.predictors.windows import Episode
-from pipeline.artifacts import read_row_groups, read_table
+from pipeline.artifacts import read_row_groups
 from pipeline.contracts import (
     CONTACTS,
     EPISODES,
@@ -18,7 +18,9 @@ from pipeline.contracts import (
     SPIN_COLUMNS,
     SPLITS,
     VELOCITY_COLUMNS,
+    check_columns,
     checked,
+    read_checked,
 )
 
 Floats = NDArray[np.float64]
@@ -49,8 +51,8 @@ def read_episodes(
             touches something or is lost in a gap; after it the spin counts as not labelled.
         splits: which to read.
     """
-    contacts = checked(read_table(folder / "contacts.parquet"), CONTACTS)
-    episodes = checked(read_table(folder / "episodes.parquet"), EPISODES)
+    contacts = read_checked(folder / "contacts.parquet", CONTACTS)
+    episodes = read_checked(folder / "episodes.parquet", EPISODES)
     label_ends = _label_ends(contacts, episodes, labelled_once)
     chosen = episodes[episodes["split"].isin(splits) & ~_tosses(episodes)]
     bounces = contacts[contacts["kind"] == "table"].groupby("episode_id")["t"]
@@ -87,8 +89,9 @@ def _episodes(
 ) -> Iterator[tuple[str, Episode]]:
     """Yield the chosen episodes by id, one row group of their samples in memory at a time."""
     recordings = dict(zip(chosen["episode_id"], chosen["recording_id"], strict=True))
+    check_columns(path, SAMPLES)
     for samples in read_row_groups(path):
-        wanted = checked(samples[samples["episode_id"].isin(chosen["episode_id"])], SAMPLES)
+        wanted = checked(samples[samples["episode_id"].isin(chosen["episode_id"])], SAMPLES, path)
         whole = _episode(wanted)
         for name, rows in wanted.groupby("episode_id", sort=False).indices.items():
             episode_id = str(name)

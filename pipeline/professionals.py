@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from models.arena.sides import SIDES
 from models.quality.measured import landing, seen_flying, struck_towards
 from models.quality.shots import Shots, clearance, described
-from pipeline.artifacts import read_table
-from pipeline.contracts import EPISODES, POINTS, checked
+from pipeline.contracts import EPISODES, POINTS, read_checked
 from pipeline.episodes import MeasuredEpisode, read_episodes
 from pipeline.errors import InputError
 
@@ -26,7 +25,7 @@ def read_professionals(artifacts: Path) -> Shots:
     Raises:
         InputError: a table is missing or broken, or there is no such return.
     """
-    points = checked(read_table(artifacts / "ingest" / "points.parquet"), POINTS)
+    points = read_checked(artifacts / "ingest" / "points.parquet", POINTS)
     strokes = _strokes(artifacts / "segment")
     played = _within_points(strokes, points[points["recording_id"].str.startswith(GROUP)])
     found = [(row, landing(strokes[row].episode)) for row in played.index.to_numpy()]
@@ -46,7 +45,7 @@ def read_professionals(artifacts: Path) -> Shots:
 
 def _strokes(folder: Path) -> list[MeasuredEpisode]:
     """Return the professionals' episodes that begin with a stroke."""
-    table = checked(read_table(folder / "episodes.parquet"), EPISODES)
+    table = read_checked(folder / "episodes.parquet", EPISODES)
     struck = set(table.loc[table["starts_with"] == "racket", "episode_id"])
     episodes = read_episodes(folder, labelled_once=set())
     return [

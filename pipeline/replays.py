@@ -28,9 +28,8 @@ from models.policy.shots import (
 )
 from models.policy.true_path import true_path
 from models.segmentation.split import NOT_REPLAYED, STROKE_GROUPS
-from pipeline.artifacts import read_table
 from pipeline.console import warn
-from pipeline.contracts import EPISODES, LAUNCHES, STATE_COLUMNS, checked
+from pipeline.contracts import EPISODES, LAUNCHES, STATE_COLUMNS, read_checked
 from pipeline.episodes import MeasuredEpisode, read_episodes
 from pipeline.errors import InputError
 from pipeline.params import Sim2RealSettings
@@ -150,7 +149,7 @@ def _measured(artifacts: Path, manifest: Manifest) -> Iterator[_Found]:
 def _episodes(folder: Path, labelled_once: set[str]) -> dict[str, list[MeasuredEpisode]]:
     """Return the unbroken episodes that no predictor has learned from, by set."""
     episodes = read_episodes(folder, labelled_once, splits=("test", "replay"))
-    table = checked(read_table(folder / "episodes.parquet"), EPISODES)
+    table = read_checked(folder / "episodes.parquet", EPISODES)
     replay_set = dict(zip(table["episode_id"], table["replay_set"], strict=True))
     sets: dict[str, list[MeasuredEpisode]] = {name: [] for name in ARENA_SETS}
     for one in episodes:
@@ -170,7 +169,7 @@ def _arena_shots(members: list[MeasuredEpisode], truth: Truth, path: Path) -> li
 
 
 def _launched(path: Path, settings: Sim2RealSettings, seed: int) -> Iterator[_Found]:
-    table = checked(read_table(path), LAUNCHES)
+    table = read_checked(path, LAUNCHES)
     for source, rows in table.groupby(table["launch_id"].str.split("/").str[0]):
         random = np.random.default_rng([seed, *str(source).encode()])
         drawn = random.permutation(len(rows))[: settings.launches]

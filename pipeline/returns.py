@@ -8,8 +8,7 @@ import pandera.pandas as pa
 from numpy.typing import NDArray
 
 from models.ball.state import STATE_SIZE
-from pipeline.artifacts import read_table
-from pipeline.contracts import STATE_COLUMNS, checked
+from pipeline.contracts import STATE_COLUMNS, read_checked
 
 Floats = NDArray[np.float64]
 
@@ -55,4 +54,4 @@ def read_played(path: Path) -> pd.DataFrame:
     Raises:
         InputError: the table is missing or broken.
     """
-    return checked(read_table(path), PLAYED)
+    return read_checked(path, PLAYED)

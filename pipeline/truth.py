@@ -13,7 +13,7 @@ from models.ball.simulator import SimulatorError
 from models.predictors.protocol import FUTURE_TIMES
 from models.predictors.windows import Windows
 from pipeline.artifacts import read_json, read_row_groups
-from pipeline.contracts import STATE_COLUMNS, TRUE_CONTACTS, checked
+from pipeline.contracts import STATE_COLUMNS, TRUE_CONTACTS, check_columns, checked
 from pipeline.errors import InputError
 
 
@@ -60,8 +60,9 @@ def read_contacts(path: Path, recordings: np.ndarray) -> dict[str, TrueContacts]
     Raises:
         InputError: the table is missing or broken.
     """
+    check_columns(path, TRUE_CONTACTS)
     parts = [part[part["recording_id"].isin(recordings)] for part in read_row_groups(path)]
-    table = checked(pd.concat(parts, ignore_index=True), TRUE_CONTACTS)
+    table = checked(pd.concat(parts, ignore_index=True), TRUE_CONTACTS, path)
     return {
         str(name): TrueContacts(
             rows["t"].to_numpy(), rows["kind"].to_numpy(dtype=str), rows[STATE_COLUMNS].to_numpy()

@@ -8,9 +8,16 @@ import pandas as pd
 
 from models.segmentation.scoring import SCORED_KINDS, Scored, score
 from models.segmentation.split import recording_groups
-from pipeline.artifacts import read_row_groups, read_table
+from pipeline.artifacts import read_row_groups
 from pipeline.console import warn
-from pipeline.contracts import CONTACTS, EPISODES, TRUE_CONTACTS, checked
+from pipeline.contracts import (
+    CONTACTS,
+    EPISODES,
+    RECORDINGS,
+    TRUE_CONTACTS,
+    check_columns,
+    read_checked,
+)
 from pipeline.figures.contact_scores import contact_scores_figure
 from pipeline.run import StageRun, run_stage
 
@@ -46,11 +53,12 @@ def score_segmentation(run: StageRun) -> None:
 
 
 def _scored(run: StageRun) -> Scored:
-    episodes = checked(read_table(run.input("segment", "episodes.parquet")), EPISODES)
+    episodes = read_checked(run.input("segment", "episodes.parquet"), EPISODES)
     testing = episodes.loc[episodes["split"] == "test", "recording_id"].drop_duplicates()
-    true = checked(read_table(run.input("ingest", "true_contacts.parquet")), TRUE_CONTACTS)
-    found = checked(read_table(run.input("segment", "contacts.parquet")), CONTACTS)
+    true = read_checked(run.input("ingest", "true_contacts.parquet"), TRUE_CONTACTS)
+    found = read_checked(run.input("segment", "contacts.parquet"), CONTACTS)
     path = run.input("ingest", "recordings.parquet")
+    check_columns(path, RECORDINGS)
     samples = pd.concat(
         part.loc[part["recording_id"].isin(testing), ["recording_id", "t"]]
         for part in read_row_groups(path)

@@ -18,7 +18,15 @@ from pipeline.artifacts import (
     write_table,
 )
 from pipeline.console import warn
-from pipeline.contracts import CONTACTS, EPISODES, RECORDINGS, SAMPLES, checked, empty
+from pipeline.contracts import (
+    CONTACTS,
+    EPISODES,
+    RECORDINGS,
+    SAMPLES,
+    check_columns,
+    checked,
+    empty,
+)
 from pipeline.errors import InputError
 from pipeline.figures.cuts import SHOWN_SECONDS, cuts_figure
 from pipeline.progress import progress_bar
@@ -53,6 +61,7 @@ def segment(run: StageRun) -> None:
 def _drawn(run: StageRun) -> dict[str, list[str]]:
     """Draw the recordings to show, by source, each of its groups in turn."""
     path = run.input("ingest", "recordings.parquet")
+    check_columns(path, RECORDINGS)
     rows = [part["recording_id"].value_counts() for part in read_row_groups(path)]
     if not sum(map(len, rows)):
         raise InputError(path, "holds no recording; add a source that has some to ingest.sources")
@@ -79,7 +88,7 @@ class Part:
 
     def cut(self) -> tuple[Segmented, pd.DataFrame, "pd.Series[str]"]:
         """Return what it is cut into, the measured samples to show, the recording of every gap."""
-        recordings = checked(read_row_group(self.path, self.number), RECORDINGS)
+        recordings = checked(read_row_group(self.path, self.number), RECORDINGS, self.path)
         found = segment_recordings(recordings, self.manifest.begins_with_launch, self.settings)
         checked(found.samples, SAMPLES)
         measured = recordings[recordings["recording_id"].isin(self.shown)]

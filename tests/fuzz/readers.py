@@ -20,6 +20,7 @@ from pipeline.beside_paper.reports import paper_reports
 from pipeline.beside_truth import NamedCauses
 from pipeline.contracts import LAUNCHES, RECORDINGS, checked
 from pipeline.dvc_files import stage_outputs
+from pipeline.episodes import read_episodes
 from pipeline.exam_sheets import read_sheets, write_sheets
 from pipeline.figures.contents import read_columns, read_contents
 from pipeline.figures.shots import read_shots
@@ -36,7 +37,7 @@ from pipeline.sources.manifest import read_manifest
 from pipeline.sweeps.confirm import compared_params
 from pipeline.sweeps.plan import load_plan
 from pipeline.sweeps.report import BEST
-from pipeline.truth import read_truth
+from pipeline.truth import read_contacts, read_truth
 from pipeline.weights import load_predictor
 from tests.fuzz import hostile
 from tests.models.exam.sheets import answered, hidden, named, sheet
@@ -313,6 +314,28 @@ def _read_errors(folder: Path) -> int:
     return 0
 
 
+def _write_table(stage: str, name: str) -> Callable[[Path], Path]:
+    def write(folder: Path) -> Path:
+        write_inputs(folder, sources=("arena",))
+        return folder / "artifacts" / stage / name
+
+    return write
+
+
+def _read_segmented(folder: Path) -> int:
+    for one in read_episodes(folder / "artifacts" / "segment", {"arena"}):
+        assert np.isfinite(one.episode.positions).all()
+    return 0
+
+
+def _read_true_contacts(folder: Path) -> int:
+    names = np.array(["arena/cannon/0", "arena/pro/2"])
+    path = folder / "artifacts" / "ingest" / "true_contacts.parquet"
+    for contacts in read_contacts(path, names).values():
+        assert np.isfinite(contacts.states).all()
+    return 0
+
+
 def _write_listed(name: str, outputs: str) -> Callable[[Path], Path]:
     def write(folder: Path) -> Path:
         path = folder / name
@@ -414,5 +437,15 @@ READERS = [
         _write_listed("dvc.lock", "    - path: artifacts/segment\n      md5: 2f.dir\n"),
         _read_lock,
         YAML,
+    ),
+    *[
+        Reader(name, _write_table("segment", name), _read_segmented, PARQUET)
+        for name in ("episodes.parquet", "contacts.parquet", "samples.parquet")
+    ],
+    Reader(
+        "true_contacts.parquet",
+        _write_table("ingest", "true_contacts.parquet"),
+        _read_true_contacts,
+        PARQUET,
     ),
 ]

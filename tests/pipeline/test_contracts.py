@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.artifacts import read_table, write_table
+from pipeline.artifacts import write_table
 from pipeline.contracts import (
     CONTACTS,
     EPISODES,
@@ -18,6 +18,7 @@ from pipeline.contracts import (
     VELOCITY_COLUMNS,
     checked,
     empty,
+    read_checked,
 )
 from pipeline.errors import InputError
 
@@ -87,10 +88,25 @@ TABLES = [
 def test_a_good_table_passes_unchanged_and_through_a_file(tmp_path, table, contract):
     write_table(tmp_path / "table.parquet", table())
 
-    read = checked(read_table(tmp_path / "table.parquet"), contract)
+    read = read_checked(tmp_path / "table.parquet", contract)
 
     pd.testing.assert_frame_equal(read, checked(table(), contract))
     pd.testing.assert_frame_equal(read, table())
+
+
+@pytest.mark.parametrize(("table", "contract"), TABLES)
+def test_a_file_at_fault_is_named_with_the_column(tmp_path, table, contract):
+    path = tmp_path / "table.parquet"
+    good = table()
+    last = good.columns[-1]
+    for broken, place in (
+        (good.drop(columns=last), f"{last}: is missing; run the stage"),
+        (good.assign(extra=1), "extra: is no column of this table; run the stage"),
+        (good.assign(**{last: [[1]] * len(good)}), last),
+    ):
+        write_table(path, broken)
+        with pytest.raises(InputError, match=rf"table\.parquet, .*{place}"):
+            read_checked(path, contract)
 
 
 @pytest.mark.parametrize(("table", "contract"), TABLES)
