@@ -20,7 +20,7 @@ from models.quality.judging import (
     roc_auc,
     score,
 )
-from models.quality.medians import median_interval
+from models.quality.medians import Resampled, resampled_median
 from models.quality.shots import FEATURES, Shots, clearance, described
 from pipeline.contracts import SPIN_COLUMNS
 from pipeline.returns import LANDED
@@ -29,6 +29,7 @@ Floats = NDArray[np.float64]
 
 KEYS = ["set", "horizons_ms", "predictor", "protocol"]  # what tells two experiments apart
 SETTING = ["set", "horizons_ms"]  # within which predictors are put in order
+BASELINE = ("physics", "every_tick")  # predictor and protocol that the others are set against
 BINS = 8  # of the calibration
 
 
@@ -73,37 +74,87 @@ def return_features(returns: pd.DataFrame) -> Floats:
     return described(returns[LANDED].to_numpy(), clearance(heights))
 
 
-def quality_table(
+class Experiment(NamedTuple):
+    """What came back of the balls that one predictor told one set of policies.
+
+    Attributes:
+        key: values of ``KEYS``.
+        returns: mean number over policies.
+        medians: of the metrics, by column.
+        unlike: share of the returns of which any feature is beyond what the forest was trained on.
+    """
+
+    key: tuple[Hashable, ...]
+    returns: float
+    medians: dict[str, Resampled]
+    unlike: float
+
+
+def experiments(
     played: pd.DataFrame, returns: pd.DataFrame, resamples: int, seed: int
-) -> pd.DataFrame:
-    """Return the medians of every experiment.
+) -> list[Experiment]:
+    """Return every experiment.
 
     Args:
         played: all trials, those too in which no ball came back.
         returns: as ``returns_table`` gives them.
         resamples: of the balls, for the 95 % intervals.
         seed: of the resamples.
-
-    Returns:
-        One row an experiment: ``KEYS``; ``returns``, mean over policies; the medians, each with
-        the ends of its interval; ``unlike``, the share of returns of which any feature is beyond
-        what the forest was trained on.
     """
     beyond = [f"unlike_{name}" for name in FEATURES]
     by_key = dict(list(returns.groupby(KEYS, sort=False)))
-    rows = []
+    found = []
     for key, trials in played.groupby(KEYS, sort=False):
         own = by_key.get(key, returns.iloc[:0])
-        row = dict(zip(KEYS, key, strict=True))
-        row["returns"] = len(own) / trials["repeat"].nunique()
-        for column, _ in METRICS:
-            ends = median_interval(
-                own[column], own["ball"], trials["ball"].nunique(), resamples, seed
-            )
-            row |= zip((column, f"{column}_low", f"{column}_high"), ends, strict=True)
-        row["unlike"] = own[beyond].any(axis=1).mean() if len(own) else np.nan
-        rows.append(row)
+        balls = trials["ball"].nunique()
+        medians = {
+            column: resampled_median(own[column], own["ball"], balls, resamples, seed)
+            for column, _ in METRICS
+        }
+        unlike = own[beyond].any(axis=1).mean() if len(own) else np.nan
+        found.append(Experiment(key, len(own) / trials["repeat"].nunique(), medians, unlike))
+    return found
+
+
+def quality_table(found: Sequence[Experiment]) -> pd.DataFrame:
+    """Return one row an experiment: its values, each median with the ends of its interval."""
+    return pd.DataFrame(
+        [
+            _named(one) | {"returns": one.returns} | _ends(one.medians) | {"unlike": one.unlike}
+            for one in found
+        ]
+    )
+
+
+def swap_table(found: Sequence[Experiment]) -> pd.DataFrame:
+    """Return how many times the medians of physics those of the other predictors are.
+
+    Returns:
+        One row an experiment other than ``BASELINE``: ``KEYS``, and every metric with the ends of
+        its interval. A resample has the same balls for both.
+    """
+    baselines = {one.key[:2]: one.medians for one in found if one.key[2:] == BASELINE}
+    rows = []
+    for one in found:
+        if one.key[2:] != BASELINE:
+            physics = baselines[one.key[:2]]
+            times = {name: median.over(physics[name]) for name, median in one.medians.items()}
+            rows.append(_named(one) | _ends(times))
     return pd.DataFrame(rows)
+
+
+def _named(one: Experiment) -> dict[str, Hashable]:
+    return dict(zip(KEYS, one.key, strict=True))
+
+
+def _ends(numbers: Mapping[str, Resampled]) -> dict[str, float]:
+    return {
+        column: end
+        for name, number in numbers.items()
+        for column, end in zip(
+            (name, f"{name}_low", f"{name}_high"), number.interval(), strict=True
+        )
+    }
 
 
 def unlike_table(returns: pd.DataFrame) -> pd.DataFrame:

@@ -25,6 +25,7 @@ from pipeline.quality_tables import (
     METRICS,
     Judged,
     calibration_table,
+    experiments,
     importance_table,
     judged,
     order_kept,
@@ -32,6 +33,7 @@ from pipeline.quality_tables import (
     return_features,
     returns_table,
     score_rows,
+    swap_table,
     unlike_table,
     win_medians,
 )
@@ -54,8 +56,10 @@ def shot_quality(run: StageRun) -> None:
     if not len(returns):
         warn("no ball of sim2real was returned, so there are no medians; train policies for longer")
     write_table(run.artifact("returns.parquet"), returns)
-    quality = quality_table(played, returns, run.params.shot_quality.bootstrap_resamples, run.seed)
+    found = experiments(played, returns, run.params.shot_quality.bootstrap_resamples, run.seed)
+    quality = quality_table(found)
     _report_quality(run, quality, returns)
+    _report_swap(run, swap_table(found))
     scores = _report_forest(run, shots, methods)
     forests = {MEASURED: own, POINT: _grown(run, shots, shots.point)}
     receivers = _report_receivers(run, played, returns, forests)
@@ -124,6 +128,18 @@ def _report_quality(run: StageRun, quality: pd.DataFrame, returns: pd.DataFrame)
         caption="Share of the returns of which a feature is below the smallest or above the "
         "largest value among the shots that the forest was trained on. A return may be unlike all "
         "of these in its combination of features and not be counted.",
+    )
+
+
+def _report_swap(run: StageRun, times: pd.DataFrame) -> None:
+    run.add_table(
+        times,
+        "swap",
+        title="Shot quality: what the swap changes",
+        caption="How many times the median of physics, asked at every tick, the median of another "
+        "predictor is: 1 is no change. The 95 % intervals are bootstrapped over balls, the same "
+        "ones for both. Each predictor returns balls of its own, so a change is of the returns, "
+        "not of the same ball's return.",
     )
 
 

@@ -59,15 +59,6 @@ def minus(one: Interval, other: Interval) -> Interval:
     return Interval(value, value - below, value + above)
 
 
-def ratio(one: Interval, other: Interval) -> Interval:
-    """Return the ratio of two positive numbers measured apart: ``minus`` of their logarithms."""
-    logarithms = (
-        Interval(*(math.log(end) if end > 0 else -math.inf for end in ends))
-        for ends in (one, other)
-    )
-    return Interval(*map(math.exp, minus(*logarithms)))
-
-
 def beside(ours: Interval, printed: Interval) -> str:
     """Return where a number of ours lies, seen from the paper's."""
     difference = minus(ours, printed)

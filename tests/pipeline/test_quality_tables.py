@@ -10,6 +10,7 @@ from models.quality.shots import FEATURES, Shots
 from pipeline.quality_tables import (
     KEYS,
     calibration_table,
+    experiments,
     importance_table,
     judged,
     order_kept,
@@ -17,6 +18,7 @@ from pipeline.quality_tables import (
     return_features,
     returns_table,
     score_rows,
+    swap_table,
     unlike_table,
     win_medians,
 )
@@ -51,7 +53,7 @@ def test_every_return_has_its_metrics(returns, forest):
 
 
 def test_medians_are_numpy_s_and_lie_in_their_intervals(returns):
-    table = quality_table(PLAYED, returns, 200, 0).set_index(KEYS)
+    table = quality_table(experiments(PLAYED, returns, 200, 0)).set_index(KEYS)
     assert len(table) == PLAYED.groupby(KEYS).ngroups
     for key, own in returns.groupby(KEYS):
         row = table.loc[key]
@@ -61,9 +63,31 @@ def test_medians_are_numpy_s_and_lie_in_their_intervals(returns):
             assert row[f"{name}_low"] <= row[name] <= row[f"{name}_high"]
 
 
+def test_what_the_swap_changes_is_of_the_same_balls(returns):
+    found = experiments(PLAYED, returns, 200, 0)
+    medians, table = quality_table(found).set_index(KEYS), swap_table(found).set_index(KEYS)
+    assert len(table) == len(medians) / 2  # all but physics
+    for key, row in table.iterrows():
+        physics = medians.loc[(*key[:2], "physics", "every_tick")]
+        for name in ("speed", "spin", "clearance", "win_probability"):
+            assert row[name] == pytest.approx(medians.loc[key, name] / physics[name])
+            assert row[f"{name}_low"] <= row[name] <= row[f"{name}_high"]
+
+
+def test_a_swap_for_the_same_returns_changes_nothing_however_the_balls_fall(returns):
+    physics, fell = (table[table["predictor"] == "physics"] for table in (PLAYED, returns))
+    found = experiments(
+        pd.concat([physics, physics.assign(predictor="same")]),
+        pd.concat([fell, fell.assign(predictor="same")]),
+        50,
+        0,
+    )
+    assert (swap_table(found).drop(columns=KEYS) == 1).all(axis=None)
+
+
 def test_an_experiment_without_returns_has_no_medians(returns):
     alone = PLAYED[PLAYED["set"] == "receive"].assign(set="nothing", returned=False)
-    table = quality_table(pd.concat([PLAYED, alone]), returns, 10, 0)
+    table = quality_table(experiments(pd.concat([PLAYED, alone]), returns, 10, 0))
     row = table[table["set"] == "nothing"].iloc[0]
     assert row["returns"] == 0 and np.isnan(row["speed"]) and np.isnan(row["unlike"])
 
@@ -72,7 +96,7 @@ def test_returns_faster_than_all_known_shots_are_unlike_them(returns):
     shares = unlike_table(returns)
     counts = returns.groupby(KEYS, sort=False).size().to_numpy()
     assert (shares["vy"] * counts).sum() == pytest.approx(np.ceil(0.1 * len(BACK)), abs=1.5)
-    table = quality_table(PLAYED, returns, 0, 0)
+    table = quality_table(experiments(PLAYED, returns, 0, 0))
     assert (table["unlike"].to_numpy() >= shares["vy"].to_numpy()).all()
 
 
@@ -89,7 +113,7 @@ def test_order_is_kept_where_the_same_predictor_leads():
 def test_each_forest_tells_its_own_medians(returns, forest):
     features = return_features(BACK)
     table = win_medians(returns, features, {"one": forest, "two": forest})
-    own = quality_table(PLAYED, returns, 0, 0).set_index(KEYS)["win_probability"]
+    own = quality_table(experiments(PLAYED, returns, 0, 0)).set_index(KEYS)["win_probability"]
     assert table["one"].to_numpy() == pytest.approx(own.loc[table.index].to_numpy())
     assert (table["one"] == table["two"]).all()
 

@@ -23,8 +23,8 @@ from tests.pipeline.returned import trials, write_trials
 SETTINGS = ShotQualitySettings(
     forest=ForestSettings(trees=5, smallest_leaf=5), folds=2, points=20, bootstrap_resamples=20
 )
-TABLES = ("calibration", "importance", "quality", "receivers", "scores", "unlike",
-          "win_probability")  # fmt: skip
+TABLES = ("calibration", "importance", "quality", "receivers", "scores", "swap",
+          "unlike", "win_probability")  # fmt: skip
 
 
 def stage(root, settings=SETTINGS):

@@ -16,7 +16,7 @@ from pipeline.beside_paper.verdicts import (
     NOT_MEASURED,
     OPEN,
 )
-from tests.pipeline.beside_paper.written import differences, errors, quality, write
+from tests.pipeline.beside_paper.written import differences, errors, swap, write
 
 
 def found(group, run, key):
@@ -126,28 +126,25 @@ def test_the_paper_s_own_gains_are_the_largest_in_strokes_of_universities():
 
 
 def test_returns_get_faster_and_flatter(tmp_path):
-    run = write(tmp_path, "shot_quality/quality.csv", quality(physics=4.0, learned=5.0))
+    run = write(tmp_path, "shot_quality/swap.csv", swap(times=1.25))
     faster = found(QUALITY, run, "quality.speed.receive.115-125")
     assert faster.verdict == HOLDS and faster.value == pytest.approx(25.0)
     assert found(QUALITY, run, "quality.clearance.receive.115-125").verdict == FAILS
-    vague = write(tmp_path, "shot_quality/quality.csv", quality(half=2.0))
+    vague = write(tmp_path, "shot_quality/swap.csv", swap(half=0.3))
     assert found(QUALITY, vague, "quality.speed.receive.115-125").verdict == OPEN
 
 
 @pytest.mark.parametrize(
-    ("learned", "half", "word"),
-    [(8.0, 0.2, HOLDS), (4.2, 0.1, FAILS), (12.0, 0.2, FAILS), (8.0, 3.0, OPEN), (6.2, 0.3, OPEN)],
+    ("times", "half", "word"),
+    [(2.0, 0.1, HOLDS), (1.05, 0.05, FAILS), (3, 0.1, FAILS), (2, 1.5, OPEN), (1.55, 0.1, OPEN)],
 )
-def test_twice_is_about_twice_as_a_whole(tmp_path, learned, half, word):
-    rows = quality(physics=4.0, learned=learned, half=half)
-    run = write(tmp_path, "shot_quality/quality.csv", rows)
+def test_twice_is_about_twice_as_a_whole(tmp_path, times, half, word):
+    run = write(tmp_path, "shot_quality/swap.csv", swap(times, half))
     twice = found(DOUBLED, run, "quality.doubled.stroke_pro")
     assert twice.verdict == word
-    assert twice.interval.value == pytest.approx(learned / 4.0)
-    assert twice.interval.low < learned / 4.0 < twice.interval.high
+    assert twice.interval == pytest.approx((times, times - half, times + half))
 
 
 def test_a_median_of_nothing_is_doubled_by_none(tmp_path):
-    for medians in ({"physics": 0.0}, {"learned": 0.0}):
-        run = write(tmp_path, "shot_quality/quality.csv", quality(**medians))
-        assert found(DOUBLED, run, "quality.doubled.stroke_pro").verdict == NOT_MEASURED
+    run = write(tmp_path, "shot_quality/swap.csv", swap(times=float("nan")))
+    assert found(DOUBLED, run, "quality.doubled.stroke_pro").verdict == NOT_MEASURED

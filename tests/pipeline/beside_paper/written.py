@@ -43,18 +43,17 @@ def differences(predictor=LEARNED, other="physics_c", mean=-20.0, half=5.0, lowe
     ]  # fmt: skip
 
 
-def quality(physics=4.0, learned=5.0, half=0.2, **columns):
-    """Medians of returns, of all metrics alike."""
+def swap(times=1.25, half=0.05):
+    """How many times the medians of physics those of the transformer are, of all metrics alike."""
     metrics = ("speed", "spin", "clearance", "win_probability")
     return [
         {
-            "set": name, "horizons_ms": horizons, "predictor": predictor, "protocol": "every_tick",
-            **dict.fromkeys(metrics, value),
-            **{f"{metric}_low": value - half for metric in metrics},
-            **{f"{metric}_high": value + half for metric in metrics},
-            **columns,
+            "set": name, "horizons_ms": horizons, "predictor": "transformer",
+            "protocol": "every_tick",
+            **dict.fromkeys(metrics, times),
+            **{f"{metric}_low": times - half for metric in metrics},
+            **{f"{metric}_high": times + half for metric in metrics},
         }
         for name in ("stroke_pro", "stroke_uni", "receive")
         for horizons in ("115-125", "170-180")
-        for predictor, value in (("physics", physics), ("transformer", learned))
     ]  # fmt: skip
