@@ -150,8 +150,8 @@ def _report(
         "own_simulator",
         title="Policies in their own simulators",
         caption="Each policy plays balls of the simulator it was trained in that it has never "
-        "seen, told their exact future: those of before as train_policy tried them, the others as "
-        "many. 95 % intervals are bootstrapped over balls.",
+        "seen, told their exact future: the original ones as train_policy tried them, the "
+        "retrained ones on as many balls. 95 % intervals are bootstrapped over balls.",
     )
 
 
@@ -176,9 +176,9 @@ def _add_number_table(run: StageRun, begun: str, simulators: Mapping[str, Simula
         pd.concat(tables, names=["source"]).reset_index("source"),
         "numbers",
         title="The simulator before and after",
-        caption=f"Numbers of {begun} that balls of the source amended, or that the truth has "
-        "otherwise; empty where a simulator lacks the effect. low, high: 95 % interval of what was "
-        "named. The truth is known of the arena alone, and was hidden from close_gap.",
+        caption=f"Numbers of {begun} that balls of the source amended, or in which the "
+        "truth differs; empty where a simulator lacks the effect. low, high: 95 % interval of what "
+        "was named. The truth is known of the arena alone, and was hidden from close_gap.",
     )
 
 

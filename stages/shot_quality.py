@@ -136,10 +136,10 @@ def _report_swap(run: StageRun, times: pd.DataFrame) -> None:
         times,
         "swap",
         title="Shot quality: what the swap changes",
-        caption="How many times the median of physics, asked at every tick, the median of another "
-        "predictor is: 1 is no change. The 95 % intervals are bootstrapped over balls, the same "
-        "ones for both. Each predictor returns balls of its own, so a change is of the returns, "
-        "not of the same ball's return.",
+        caption="The median of another predictor divided by that of physics, asked at every tick: "
+        "1 is no change. The 95 % intervals are bootstrapped over balls, the same ones for both. "
+        "Each predictor returns balls of its own, so a change is of the returns, not of the same "
+        "ball's return.",
     )
 
 
@@ -160,7 +160,7 @@ def _report_forest(
     curve = calibration_table(shots, methods["wins"][1:])  # the base rate tells no shots apart
     judged_on = (
         f"Good returns of professionals, {len(shots)} from {len(np.unique(shots.matches))} "
-        f"matches, each judged by who has not seen its match ({settings.folds} parts). "
+        f"matches, each judged by a model that has not seen its match ({settings.folds} parts). "
     )
     run.add_figure(
         calibration_figure(curve, float(shots.wins.mean())),

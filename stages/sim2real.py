@@ -172,7 +172,7 @@ def _report_sets(run: StageRun, sets: list[ReplaySet]) -> None:
         "replayed",
         title="Shots that are replayed",
         caption="Shots that no predictor has learned from. in_reach: those that come to where the "
-        "racket strikes well, fast or slow; nothing is done about the others. turned: those that "
+        "racket strikes well, fast or slow; the others are played all the same. turned: those that "
         "flew the other way and were turned by half a turn. left_out: with the reason. spin: how "
         "it was measured; without a label a ball starts without spin, and what its bounce turned "
         "is told by the change of its velocity.",

@@ -143,7 +143,7 @@ def _report(run: StageRun, curves: pd.DataFrame) -> None:
         title="Training",
         caption="Mean squared error of the normalised states over the horizon, after each epoch. "
         "Validation windows are never learned from, and choose nothing: the last weights are kept. "
-        "The floor is the noise of the measured spin.",
+        "What remains is mostly the noise of the measured spin.",
     )
     run.add_table(
         curves.groupby("predictor", sort=False).tail(1)[columns],

@@ -78,6 +78,16 @@ def test_every_dependency_is_there_or_is_made_by_a_stage():
         assert [str(path) for path in missing if not (ROOT / path).exists()] == []
 
 
+def test_the_report_depends_on_every_table_and_figure():
+    shown = {
+        path
+        for stage in STAGES
+        for path in outputs(stage)
+        if path.startswith("reports/") and (path.endswith(".csv") or not Path(path).suffix)
+    }
+    assert shown <= set(PIPELINE["stages"]["report"]["deps"])
+
+
 def test_git_keeps_what_is_small_and_dvc_the_rest():
     for stage in STAGES:
         small = {path for path, dvc_keeps in outputs(stage).items() if not dvc_keeps}
