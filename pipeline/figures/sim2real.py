@@ -1,5 +1,6 @@
 """Figures of sim-to-real: hits and returns of replayed shots, and what policies tolerate."""
 
+from itertools import cycle
 from textwrap import fill
 
 import pandas as pd
@@ -53,7 +54,7 @@ def tolerance_figure(rates: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(FIGURE_WIDTH, 3.4))
     panels = figure.subplots(1, len(ERRORS), sharey=True)
     for axes, (error, title) in zip(panels, ERRORS.items(), strict=True):
-        for (ahead, own), colour in zip(rates.groupby("horizons_ms"), LINES, strict=False):
+        for (ahead, own), colour in zip(rates.groupby("horizons_ms"), cycle(LINES), strict=False):
             _draw_line(axes, own[own["error"] == error].sort_values("size_cm"), colour, str(ahead))
             spinless = 100 * own.loc[own["error"] == "no_spin", "return_rate"].iloc[0]
             axes.axhline(spinless, color=colour, lw=1.0, ls=":", label=f"{ahead} ms, without spin")

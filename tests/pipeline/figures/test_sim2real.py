@@ -66,10 +66,10 @@ def test_physics_comes_first_and_sets_tell_how_many_shots_they_have():
     assert ticks == ["stroke pro\nn = 20", "spindoe\nn = 20"]
 
 
-def tolerated():
+def tolerated(horizons=HORIZONS):
     """Return rates that fall with the error."""
     sizes = [("bias", 0.0), ("bias", 5.0), ("noise", 0.0), ("noise", 5.0), ("no_spin", 0.0)]
-    keys = [(*one, horizons) for horizons, one in product(HORIZONS, sizes)]
+    keys = [(*one, ahead) for ahead, one in product(horizons, sizes)]
     rows = pd.DataFrame(keys, columns=["error", "size_cm", "horizons_ms"])
     rate = 0.9 - 0.04 * np.arange(len(rows))
     return rows.assign(return_rate=rate, return_rate_low=rate - 0.05, return_rate_high=rate + 0.05)
@@ -83,6 +83,12 @@ def test_every_kind_of_error_has_a_panel_with_a_line_for_each_horizons():
         for horizons, rows in rates[rates["error"] == error].groupby("horizons_ms"):
             expected = np.column_stack([rows["size_cm"], 100 * rows["return_rate"]])
             np.testing.assert_allclose(drawn[f"{horizons} ms"], expected)
+
+
+def test_no_horizons_are_left_out_however_many_there_are():
+    horizons = [f"{ahead}-{ahead + 5}-{ahead + 10}" for ahead in range(100, 280, 30)]
+    for axes in tolerance_figure(tolerated(horizons)).axes:
+        assert {f"{one} ms" for one in horizons} <= {line.get_label() for line in axes.lines}
 
 
 def test_what_missing_spin_costs_is_drawn_beside_it():
