@@ -124,9 +124,10 @@ def _flat_slope(distance: Floats, rise: Floats, speed: Floats, topspin: Floats) 
     longer = np.expm1(DRAG * distance) / (DRAG * distance)
     drop = 0.5 * (GRAVITY + LIFT * topspin * speed) * (distance * longer / speed) ** 2
     # rise = distance * slope - drop * (1 + slope^2)
-    discriminant = np.maximum(distance**2 - 4 * drop * (drop + rise), 0.0)
-    slope: Floats = 2 * (drop + rise) / (distance + np.sqrt(discriminant))
-    return slope
+    discriminant = distance**2 - 4 * drop * (drop + rise)
+    flat = 2 * (drop + rise) / (distance + np.sqrt(np.maximum(discriminant, 0.0)))
+    furthest = 1 / np.sqrt(1 - 4 * drop * rise / distance**2)
+    return np.where(discriminant < 0.0, furthest, flat)
 
 
 def _over_net(paths: Floats) -> Booleans:

@@ -49,6 +49,12 @@ def test_launches_are_of_all_speeds_and_spins():
     assert np.linalg.norm(launches[:, 6:], axis=1).max() < 275
 
 
+def test_strokes_too_slow_for_their_targets_are_no_lobs():
+    strokes = draw_strokes(3000, np.random.default_rng(0))
+    # From above, half a right angle is steeper than what flies furthest.
+    assert (strokes[:, 5] < np.hypot(strokes[:, 3], strokes[:, 4])).all()
+
+
 @settings(max_examples=20, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(0, 40))
 def test_the_same_seed_draws_the_same_launches(seed, count):
