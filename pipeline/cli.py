@@ -11,6 +11,7 @@ import typer
 from pipeline.benchmark.command import app as benchmark
 from pipeline.console import refuse
 from pipeline.errors import InputError
+from pipeline.guarded import disks_named
 from pipeline.provenance import repository_root
 
 # Of MLflow's server: no telemetry, and none of the processes that run jobs, which nobody submits.
@@ -30,9 +31,10 @@ app.add_typer(benchmark, name="benchmark")
 
 
 def main() -> None:
-    """Run the command line; a user's input error is one line and status 2."""
+    """Run the command line; a user's input error and a disk's refusal are one line and status 2."""
     try:
-        app()
+        with disks_named("output"):
+            app()
     except InputError as error:
         refuse(error)
 

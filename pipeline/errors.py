@@ -21,11 +21,12 @@ class InputError(Exception):
         self, where: Path | str, problem: str, *, row: int | None = None, field: str | None = None
     ) -> None:
         self.where, self.row = str(where), row
-        self.problem, self.field = _shortened(problem), field and _shortened(field)
+        self.problem = _shortened(problem)
+        self.field = _shortened(field) if field else None
         place = self.where
         if row is not None:
             place += f", row {row}"
-        if field is not None:
+        if self.field is not None:
             place += f", {self.field}"
         super().__init__(f"{place}: {self.problem}")
 

@@ -17,6 +17,7 @@ from pipeline.params import parse_yaml
 from pipeline.profiles import flags
 
 PREDICTORS = "artifacts/train_predictor"
+RECORD = "run.json"
 LARGEST_FILE = 30_000_000  # bytes; larger ones git would carry about for ever
 
 
@@ -29,8 +30,8 @@ def keep_experiment(root: Path, name: str) -> None:
     environment. Where this machine ran it, ``timings.json`` has how long that took.
 
     Raises:
-        InputError: there is no such experiment, or its parameters name a folder of this machine, or
-            a file of it is not to be had.
+        InputError: there is no such experiment, its parameters name a folder of this machine, a
+            file of it is not to be had, or reports has another folder of that name.
     """
     revision, baseline = find_experiment(root, name)
     params = _params_at(root, revision)
@@ -48,7 +49,7 @@ def keep_experiment(root: Path, name: str) -> None:
             "fingerprints": {stage: read_contents(folder, stage).fingerprint for stage in stages},
             "params": params,
         }
-        write_json(folder / "run.json", record)
+        write_json(folder / RECORD, record)
         _write_timings(root, baseline, [folder / stage for stage in stages])
 
 
@@ -89,13 +90,22 @@ def _copy_reports(root: Path, revision: str, folder: Path) -> list[str]:
 
     files = DVCFileSystem(str(root), rev=revision)
     stages = list(parse_yaml(files.read_text("dvc.yaml"))["stages"])
-    if folder.name in stages:
-        problem = f"has the name of a stage, whose results are in reports/{folder.name}; rename it"
-        raise InputError(f"experiment {folder.name}", problem)
+    _check_name(root, folder.name, stages)
     for stage in stages:
         files.get(f"reports/{stage}", str(folder / stage), recursive=True)
     files.get_file("reports/index.html", str(folder / "index.html"))
     return stages
+
+
+def _check_name(root: Path, name: str, stages: Sequence[str]) -> None:
+    """Refuse a name under which reports has, or will have, anything but a kept experiment."""
+    path = root / "reports" / name
+    if name in stages:
+        problem = f"has the name of a stage, whose results are in reports/{name}; rename it"
+        raise InputError(f"experiment {name}", problem)
+    if path.exists() and not (path / RECORD).is_file():
+        problem = f"would take the place of reports/{name}, which is no kept experiment; rename it"
+        raise InputError(f"experiment {name}", problem)
 
 
 def _copy_predictors(root: Path, revision: str, folder: Path, reports: str) -> None:

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pipeline.dvc_files import stage_outputs
+from pipeline.errors import InputError
 
 
 def mend(root: Path) -> list[Path]:
@@ -21,18 +22,28 @@ def mend(root: Path) -> list[Path]:
         What was removed.
 
     Raises:
-        InputError: dvc.lock is broken; nothing was removed.
+        InputError: it is no repository of DVC's, or dvc.lock is broken; nothing was removed.
     """
-    from dvc.repo import Repo
-
-    with Repo(str(root)) as repository:
-        cache, lock = Path(repository.cache.local.path), Path(repository.tmp_dir, "rwlock")
+    cache, lock = _places(root)
     damaged = {path: digest for path, digest in _cached(cache) if digest != _named(path)}
-    copies = [path for path in _outputs(root) if _digest(path) in damaged.values()]
+    outputs = _outputs(root) if damaged else ()  # to read all of them takes long
+    copies = [path for path in outputs if _digest(path) in damaged.values()]
     broken = [] if _whole(lock) else [lock]
     for path in (removed := [*damaged, *copies, *broken]):
         path.unlink()
     return removed
+
+
+def _places(root: Path) -> tuple[Path, Path]:
+    """Return where a repository has its cache, and what DVC has noted as in use."""
+    from dvc.exceptions import DvcException
+    from dvc.repo import Repo
+
+    try:
+        with Repo(str(root)) as repository:
+            return Path(repository.cache.local.path), Path(repository.tmp_dir, "rwlock")
+    except DvcException as error:
+        raise InputError(root, f"is no repository that DVC can open: {error}") from None
 
 
 def _whole(lock: Path) -> bool:

@@ -95,22 +95,31 @@ def recorded(
         params: its parameters.
         results: called at the end, whichever it is, for metrics, input data sets and figures.
     """
-    with guarded(stage):
-        recorder = _started(description(stage, origin, params))
-        status = "FAILED"
-        try:
-            with scratch_kept(stage, origin.fingerprint):
-                yield
-            status = "FINISHED"
-        except (KeyboardInterrupt, SystemExit):
-            status = "KILLED"
-            raise
-        finally:
-            found = results()
-            if status == "FINISHED":
-                keep_timings(stage, origin.fingerprint, found["metrics"].get("timings", {}))
-            if recorder is not None:
-                recorder.finish({**found, "status": status, "time": now()})
+    with guarded(stage), recording(description(stage, origin, params), results):
+        with scratch_kept(stage, origin.fingerprint):
+            yield
+        keep_timings(stage, origin.fingerprint, results()["metrics"].get("timings", {}))
+
+
+@contextmanager
+def recording(start: dict[str, Any], results: Callable[[], dict[str, Any]]) -> Iterator[None]:
+    """Record what is done in this block, and how it ends.
+
+    Args:
+        start: as for ``Recorder``.
+        results: called at the end, whichever it is, for what is left.
+    """
+    recorder = _started(start)
+    status = "FAILED"
+    try:
+        yield
+        status = "FINISHED"
+    except (KeyboardInterrupt, SystemExit):
+        status = "KILLED"
+        raise
+    finally:
+        if recorder is not None:
+            recorder.finish({**results(), "status": status, "time": now()})
 
 
 def _started(start: dict[str, Any]) -> Recorder | None:

@@ -82,12 +82,19 @@ def _errors(forecasts: dict[str, Forecast], one: MeasuredSet, params: Params) ->
 
 
 def write_scores(path: Path, scores: Scores) -> None:
-    """Write all as JSON: ``{set: {predictor: {quantity: {horizon_ms: {mean, std, n, …}}}}}``."""
+    """Write all as JSON: ``{set: {predictor: {quantity: {horizon_ms: {mean, std, n, …}}}}}``.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
     result: dict[str, Any] = {}
     for row in scores.errors.to_dict("records"):
         keys = (row["set"], row["predictor"], row["quantity"], row["horizon_ms"])
         place(result, keys).update({name: rounded(row[name]) for name in NUMBERS})
-    write_json(path, result)
+    try:
+        write_json(path, result)
+    except OSError as error:
+        raise InputError(path, f"cannot be written: {error.strerror}") from None
 
 
 def score_tables(scores: Scores) -> Iterator[Table]:

@@ -32,19 +32,22 @@ def difference(
     """
     at: dict[str, str | int] = {"set": SET, "quantity": quantity, "horizon_ms": horizon}
     for first, second, sign in ((LEARNED, rival, 1), (rival, LEARNED, -1)):
-        row = run.row(DIFFERENCES, predictor=first, other=second, **at)
-        if row is not None and not row[["ci_low", "ci_high"]].isna().any():
-            lower = row["lower_share"] if sign > 0 else 1 - row["lower_share"]
-            return Interval(row["mean"], row["ci_low"], row["ci_high"]).times(sign), float(lower)
+        found = run.numbers(
+            DIFFERENCES, ["mean", "ci_low", "ci_high", "lower_share"],
+            predictor=first, other=second, **at,
+        )  # fmt: skip
+        if found is not None:
+            *interval, lower = found
+            return Interval(*interval).times(sign), lower if sign > 0 else 1 - lower
     return None
 
 
 def lowest(rival: str, quantity: str, run: Reports) -> Finding:
     """Return whether the transformer's mean error is below a rival's at every horizon."""
     found = [difference(run, rival, quantity, horizon) for horizon in HORIZONS_MS]
-    last = run.row(
-        ERRORS, set=SET, against="measured", predictor=rival, quantity=quantity, bounce="all",
-        horizon_ms=HORIZONS_MS[-1],
+    last = run.number(
+        ERRORS, "mean", set=SET, against="measured", predictor=rival, quantity=quantity,
+        bounce="all", horizon_ms=HORIZONS_MS[-1],
     )  # fmt: skip
     known = [one for one in found if one is not None]
     if len(known) < len(found) or last is None:
@@ -52,13 +55,14 @@ def lowest(rival: str, quantity: str, run: Reports) -> Finding:
     word = of_all(claim(interval, grows=False) for interval, _ in known)
     if word == HOLDS and min(lower for _, lower in known) < 1:
         word = OPEN
-    shown = known[-1][0].times(100 / float(last["mean"]))
+    shown = known[-1][0].times(100 / last)
     return Finding(word, shown.value, shown)
 
 
 def steadiest(quantity: str, run: Reports) -> Finding:
     """Return whether the transformer's errors spread least, of all that the paper compares."""
-    table = run.table(ERRORS)
+    keys = ["set", "against", "quantity", "bounce", "horizon_ms", "predictor"]
+    table = run.table(ERRORS, keys, ["std"])
     if not {LEARNED, *RIVALS} <= set(table.get("predictor", ())):
         return MISSING
     chosen = table[

@@ -56,11 +56,10 @@ def _size(paper: Reports, found: dict[str, Finding]) -> str:
     if found[width].verdict != DIFFERS:
         return ""
     printed = {entry.key: entry.paper for group in GROUPS for entry in group.entries}
-    row = paper.row(PREDICTORS, predictor=LEARNED)
     return SMALLER.format(
         width=with_unit(found[width].value, ""),
         width_printed=printed[width],
-        numbers=with_unit(None if row is None else float(row["parameters"]), ""),
+        numbers=with_unit(paper.number(PREDICTORS, "parameters", predictor=LEARNED), ""),
         epochs=with_unit(found[epochs].value, ""),
         epochs_printed=printed[epochs],
     )

@@ -2,9 +2,9 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Annotated
 
-import pandas as pd
+from pydantic import AfterValidator, FiniteFloat, PositiveInt
 
 from models.ball.simulators import shipped
 from models.predictors.errors import HORIZONS_MS
@@ -29,6 +29,15 @@ SIMULATORS = {
 Value = float | str | None
 
 
+def _shipped(name: str) -> str:
+    shipped(name)
+    return name
+
+
+Shipped = Annotated[str, AfterValidator(_shipped)]
+"""The name of a shipped simulator."""
+
+
 def _entry(
     key: str,
     what: str,
@@ -50,14 +59,14 @@ def _param(
     printed: float | str,
     unit: str,
     path: str,
-    read: Callable[[Any], Value] = lambda value: value,
+    read: Callable[[float], float] = lambda value: value,
 ) -> Entry:
-    """Return the entry of a parameter."""
+    """Return the entry of a parameter that is a number."""
     stage = path.split(".")[0]
     key = f"setting.{path}"
 
     def ours(run: Reports) -> Value:
-        found = run.param(path)
+        found = run.param(path, FiniteFloat)
         return None if found is None else read(found)
 
     return _entry(key, what, printed, unit, stage, f"params.yaml: {path}", ours)
@@ -70,8 +79,8 @@ def _constant(key: str, what: str, value: float | str, unit: str, stage: str, wh
 
 
 def _episodes(run: Reports, **columns: tuple[str, ...]) -> float | None:
-    table = run.table(SPLITS)
-    if not len(table):
+    table = run.table(SPLITS, ["source", *columns], ["episodes"])
+    if table.empty:
         return None
     table = table[table["source"] == "arena"]
     for column, values in columns.items():
@@ -80,9 +89,8 @@ def _episodes(run: Reports, **columns: tuple[str, ...]) -> float | None:
 
 
 def _groups(run: Reports) -> list[str]:
-    table = run.table(SPLITS)
-    own = table[table["source"] == "arena"] if len(table) else pd.DataFrame({"group": []})
-    return sorted(set(own["group"]))
+    table = run.table(SPLITS, ["source", "group"], [])
+    return sorted(set(table.loc[table["source"] == "arena", "group"])) if len(table) else []
 
 
 def _players(run: Reports) -> tuple[str, ...]:
@@ -99,20 +107,21 @@ def _of_simulator(name: str, effect: str, parameter: str) -> float:
 
 
 def _optimizer(run: Reports) -> Value:
-    if run.param(TRAINING) is None:
+    if run.param(TRAINING, dict) is None:
         return None
-    return "Muon and Adam" if run.param(f"{TRAINING}.matrix_learning_rate") else "Adam"
+    rate = run.param(f"{TRAINING}.matrix_learning_rate", FiniteFloat)
+    return "Adam" if rate is None else "Muon and Adam"
 
 
 def _decay(run: Reports) -> Value:
-    if run.param(TRAINING) is None:
+    if run.param(TRAINING, dict) is None:
         return None
-    return run.param(f"{TRAINING}.decay") or "half a cosine"
+    return run.param(f"{TRAINING}.decay", FiniteFloat) or "half a cosine"
 
 
 def _future_rows(run: Reports) -> int | None:
     """Return how many rows of the decoder stand for future states."""
-    states = run.param(f"{NETWORK}.states_a_row")
+    states = run.param(f"{NETWORK}.states_a_row", PositiveInt)
     return None if states is None else FUTURE // states
 
 
@@ -125,22 +134,21 @@ def _placeholders(run: Reports) -> Value:
     rows = _future_rows(run)
     if rows is None:
         return None
-    told = run.param(f"{NETWORK}.uniform_motion")
+    told = run.param(f"{NETWORK}.uniform_motion", bool)
     return f"{rows} rows of uniform motion" if told else f"{rows} x {INPUTS} zeros"
 
 
 def _replayed(name: str, run: Reports) -> Value:
-    row = run.row("sim2real/replayed.csv", set=name)
-    return None if row is None else float(row["replayed"])
+    return run.number("sim2real/replayed.csv", "replayed", set=name)
 
 
 def _horizons(at: int, run: Reports) -> Value:
-    found = run.param(f"{POLICIES}.horizons_ms")
+    found = run.param(f"{POLICIES}.horizons_ms", list[list[int]])
     return ", ".join(map(str, found[at])) if found and len(found) > at else None
 
 
 def _physics_of_transfer(effect: str, parameter: str, run: Reports) -> Value:
-    name = run.param("sim2real.simulator")
+    name = run.param("sim2real.simulator", Shipped)
     return None if name is None else _of_simulator(name, effect, parameter)
 
 

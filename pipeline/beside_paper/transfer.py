@@ -33,20 +33,21 @@ def _right_simulator(simulator: str, horizons: str, run: Reports) -> Finding:
 
 def _counted(name: str, horizons: str, predictor: str, outcome: str, run: Reports) -> Finding:
     rate = RATES[outcome]
-    asked = {
-        "set": name,
-        "horizons_ms": horizons,
-        "predictor": PREDICTORS[predictor],
-        "protocol": "every_tick",
-    }
-    row = run.row(REPLAYED, **asked)
-    ours = run.interval(REPLAYED, rate, (f"{rate}_low", f"{rate}_high"), **asked)
-    if row is None or ours is None:
+    ours = run.numbers(
+        REPLAYED,
+        [outcome, "balls", rate, f"{rate}_low", f"{rate}_high"],
+        set=name,
+        horizons_ms=horizons,
+        predictor=PREDICTORS[predictor],
+        protocol="every_tick",
+    )
+    if ours is None:
         return MISSING
-    percent = ours.times(100)
+    count, balls, *shares = ours
+    percent = Interval(*shares).times(100)
     printed = share(_printed(name, horizons, predictor, outcome), paper.SHOTS[name])
     value, low, high = percent
-    words = f"{number(row[outcome])} of {row['balls']}: {value:.0f} % ({low:.0f} to {high:.0f})"
+    words = f"{number(count)} of {balls:.0f}: {value:.0f} % ({low:.0f} to {high:.0f})"
     return Finding(beside(percent, printed.times(100)), value, percent, words)
 
 

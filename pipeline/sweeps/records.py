@@ -3,13 +3,14 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import Any
 
 from optuna import TrialPruned
 
 from pipeline.params import Params
 from pipeline.provenance import Provenance
 from pipeline.sweeps.plan import Plan
-from pipeline.tracking import Recorder, description, now
+from pipeline.tracking import description, recording
 
 
 @dataclass
@@ -30,18 +31,17 @@ def recorded_trial(plan: Plan, study: str, number: int, params: Params) -> Itera
     # A trial is none of DVC's stages, whatever it trains.
     tags = {name: tag for name, tag in start["tags"].items() if not name.startswith("dvc.")}
     start["tags"] = {**tags, "rallygap.study": study, "rallygap.trial": str(number)}
-    recorder = Recorder(start)
-    record, status = TrialRecord(), "FAILED"
-    try:
-        yield record
-        status = "FINISHED"
-    except TrialPruned:
-        status = "FINISHED"
-        raise
-    except (KeyboardInterrupt, SystemExit):
-        status = "KILLED"
-        raise
-    finally:
-        name = plan.settings.score.replace(" ", "_")
-        metrics = {name: {str(step): score for step, score in record.scores.items()}}
-        recorder.finish({"metrics": metrics, "status": status, "time": now()})
+    record = TrialRecord()
+    name = plan.settings.score.replace(" ", "_")
+
+    def results() -> dict[str, Any]:
+        return {"metrics": {name: {str(step): score for step, score in record.scores.items()}}}
+
+    given_up = None
+    with recording(start, results):
+        try:
+            yield record
+        except TrialPruned as pruned:  # which is an end as good as any
+            given_up = pruned
+    if given_up is not None:
+        raise given_up

@@ -71,6 +71,15 @@ def test_a_missing_folder_of_measured_sets_is_refused(elsewhere, words, says):
     assert len(refused.stderr.splitlines()) == 1
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_a_full_disk_is_one_line():
+    command = [*RALLYGAP, "profile", "smoke"]
+    with Path("/dev/full").open("w") as full:
+        refused = subprocess.run(command, cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert refused.returncode == 2
+    assert refused.stderr.startswith("rallygap: output: the disk is full")
+
+
 def free_port():
     with socket.create_server(("127.0.0.1", 0)) as server:
         return server.getsockname()[1]

@@ -16,3 +16,8 @@ def test_an_error_comes_whole_out_of_a_worker(error):
     assert type(again) is type(error)
     assert str(again) == str(error)
     assert vars(again) == vars(error)
+
+
+@pytest.mark.parametrize("field", [None, ""])
+def test_the_whole_of_a_file_is_no_field_of_it(field):
+    assert str(InputError("a.json", "is no list", field=field)) == "a.json: is no list"

@@ -151,6 +151,14 @@ def test_an_experiment_called_like_a_stage_does_not_take_its_report_s_place(repo
     assert (repository / "reports" / "segment" / "metrics.json").read_text() == "{}"
 
 
+def test_an_experiment_does_not_take_the_place_of_what_was_not_kept(repository):
+    commit(repository, {"reports/costs/costs.csv": "predictor"})
+    experiment(repository, PARAMS, name="costs")
+    with pytest.raises(InputError, match="experiment costs: would take the place of reports/costs"):
+        keep_experiment(repository, "costs")
+    assert (repository / "reports" / "costs" / "costs.csv").read_text() == "predictor"
+
+
 def test_a_folder_that_is_no_repository_is_one_error(tmp_path):
     with pytest.raises(InputError, match="not a git repository"):
         keep_experiment(tmp_path, "warm")

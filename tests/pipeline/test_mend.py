@@ -91,6 +91,11 @@ def test_a_lock_of_which_a_kill_left_half_is_removed(repository):
     dvc(repository, "repro", "--quiet", "--force")
 
 
+def test_a_folder_that_is_no_repository_is_one_error(tmp_path):
+    with pytest.raises(InputError, match="is no repository that DVC can open"):
+        mend(tmp_path)
+
+
 def test_there_is_nothing_to_mend_before_the_first_run(tmp_path):
     dvc(tmp_path, "init", "--no-scm", "--quiet")
     assert mend(tmp_path) == []

@@ -18,6 +18,7 @@ from mlflow.data import from_pandas
 from mlflow.types import Schema
 
 from pipeline import tracking
+from pipeline.errors import InputError
 from pipeline.provenance import Provenance
 from pipeline.recorder import MlflowClient, columns, shortened
 from pipeline.tracking import recorded
@@ -287,6 +288,16 @@ def test_no_room_for_messages_costs_a_warning(monkeypatch, capfd):
         pass
     expected = "MLflow has no record of segment: [Errno 28] No space left on device"
     assert only_warning(capfd) == f"rallygap: warning: {expected}"
+
+
+def test_a_stage_whose_timings_find_no_room_is_recorded_as_failed(store, monkeypatch):
+    def no_room(*_):
+        raise OSError(28, "No space left on device", "timings")
+
+    monkeypatch.setattr(tracking, "keep_timings", no_room)
+    with pytest.raises(InputError, match="timings: the disk is full"), recorded_quickly():
+        pass
+    assert statuses(store) == {"segment": "FAILED"}
 
 
 def test_a_stage_that_was_told_to_stop_is_recorded_as_killed(store):

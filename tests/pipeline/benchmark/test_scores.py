@@ -15,7 +15,7 @@ from rich.console import Console
 
 from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from models.predictors.windows import windows
-from pipeline.benchmark.scores import score, score_tables, write_scores
+from pipeline.benchmark.scores import Scores, score, score_tables, write_scores
 from pipeline.benchmark.windows import export_windows, run_sets, window_table
 from pipeline.errors import InputError
 from pipeline.predictors import read_contenders
@@ -163,3 +163,9 @@ def test_what_is_wrong_with_a_file_is_one_line_and_status_2(repository):
     assert refused.returncode == 2
     assert refused.stderr.startswith("rallygap: broken.parquet: is not a parquet table")
     assert len(refused.stderr.splitlines()) == 1
+
+
+def test_scores_that_cannot_be_written_are_one_error(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match=r"scores\.json: cannot be written"):
+        write_scores(tmp_path / "file" / "scores.json", Scores("mine", pd.DataFrame()))

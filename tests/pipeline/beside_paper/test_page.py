@@ -1,5 +1,6 @@
 """The page on the paper: complete, committed as it is printed, and never a zero that is none."""
 
+import json
 import shutil
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from pipeline.beside_paper.verdicts import MEANINGS, NO_NUMBER, NOT_MEASURED, SA
 from pipeline.errors import InputError
 from pipeline.params import read_yaml
 from pipeline.profiles import merged
+from pipeline.sweeps.plan import nested
 
 ROOT = Path(__file__).parents[3]
 ENTRIES = [entry for group in GROUPS for entry in group.entries]
@@ -141,12 +143,58 @@ def test_a_broken_record_of_the_kept_run_is_named(tmp_path, record):
         paper_reports(tmp_path)
 
 
-def test_a_broken_table_is_named(tmp_path):
-    path = tmp_path / "sim2real" / "rates.csv"
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("sim2sim.episodes", "many"),
+        ("sim2sim.episodes", {}),
+        ("ingest.arena.position_noise", "0.003"),
+        ("ingest.arena.spin_noise", True),
+        ("train_predictor.training", 7),
+        ("train_predictor.training.decay", []),
+        ("train_predictor.training.matrix_learning_rate", "fast"),
+        ("train_predictor.networks.transformer.width", float("nan")),
+        ("train_predictor.networks.transformer.states_a_row", 0),
+        ("train_predictor.networks.transformer.uniform_motion", "yes"),
+        ("train_policy.groups.sim2sim.horizons_ms", 120),
+        ("train_policy.groups.sim2sim.horizons_ms", [[120, None]]),
+        ("sim2real.simulator", "another"),
+    ],
+)
+def test_a_kept_parameter_of_another_kind_is_named(tmp_path, path, value):
+    shutil.copy(ROOT / "params.yaml", tmp_path)
+    kept = tmp_path / "reports" / "paper" / "run.json"
+    kept.parent.mkdir(parents=True)
+    states = {"train_predictor.networks.transformer.states_a_row": 1}
+    params = nested({"train_predictor.training.epochs": 80} | states | {path: value})
+    kept.write_text(json.dumps({"params": params}))
+    with pytest.raises(InputError, match=rf"run\.json, {path}: cannot be told: .*`rallygap keep`"):
+        paper_page(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("file", "content"),
+    [
+        ("sim2real/rates.csv", ""),
+        ("sim2real/replayed.csv", "set,replayed\nreceive,many\n"),
+        ("segment/splits.csv", "source,split,group,episodes\narena,train,pro,many\n"),
+    ],
+)
+def test_a_broken_table_is_named(tmp_path, file, content):
+    path = tmp_path / file
     path.parent.mkdir()
-    path.write_text("")
-    with pytest.raises(InputError, match=r"rates.csv: is not a CSV table"):
+    path.write_text(content)
+    with pytest.raises(InputError, match=rf"{file}: is not a CSV table"):
         findings(Reports(tmp_path, {}))
+
+
+def test_a_table_without_a_column_does_not_have_its_numbers(tmp_path):
+    path = tmp_path / "segment" / "splits.csv"
+    path.parent.mkdir()
+    path.write_text("source,group,episodes\narena,pro,3\n")
+    found = findings(Reports(tmp_path, {}))
+    assert found["data.all"].value == 3
+    assert found["data.test"].verdict == NOT_MEASURED
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 
 import numpy as np
 import pandas as pd
@@ -11,7 +12,7 @@ import pytest
 from optuna import TrialPruned
 from ruamel.yaml import YAML
 
-from pipeline import policy_training
+from pipeline import policy_training, tracking
 from pipeline.artifacts import read_json
 from pipeline.errors import InputError
 from pipeline.params import load_params
@@ -22,6 +23,7 @@ from pipeline.sweeps.judged import Judged
 from pipeline.sweeps.lost import WORKER
 from pipeline.sweeps.plan import load_plan
 from pipeline.sweeps.policy import described
+from pipeline.sweeps.records import recorded_trial
 from pipeline.sweeps.study import load_study
 from pipeline.sweeps.worker import trials_of
 from tests.models.policy.schooling import BRIEF
@@ -243,3 +245,16 @@ def test_a_sweep_in_postgresql_records_every_trial_and_leaves_the_password_nowhe
     assert {"mlflow.db", "reports", "scratch"} <= places
     assert not [path for path in kept if PASSWORD.encode() in path.read_bytes()]
     assert PASSWORD not in said
+
+
+@pytest.mark.parametrize("ends", [nullcontext(), pytest.raises(TrialPruned)])
+def test_a_trial_of_which_mlflow_cannot_be_told_goes_on(tmp_path, monkeypatch, capsys, ends):
+    def no_room(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(tracking, "Recorder", no_room)
+    swept = plan(tmp_path)
+    with ends, recorded_trial(swept, "a study", 3, swept.trial_params({})):
+        if not isinstance(ends, nullcontext):
+            raise TrialPruned
+    assert "MLflow has no record of trial 3" in capsys.readouterr().err
