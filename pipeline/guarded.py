@@ -24,7 +24,7 @@ ADVICE = {
 @contextmanager
 def guarded(stage: str) -> Iterator[None]:
     """Run a stage in the working directory within this block."""
-    with _disks_named(stage), _alone(stage), _stoppable():
+    with disks_named(stage), _alone(stage), _stoppable():
         yield
 
 
@@ -63,11 +63,15 @@ def _stop(number: int, _: FrameType | None) -> NoReturn:
 
 
 @contextmanager
-def _disks_named(stage: str) -> Iterator[None]:
-    """Turn the refusal of a disk into one line."""
+def disks_named(otherwise: str) -> Iterator[None]:
+    """Turn the refusal of a disk into one line.
+
+    Args:
+        otherwise: what the line begins with where the refusal names no file.
+    """
     try:
         yield
     except OSError as error:
         if error.errno not in ADVICE:
             raise
-        raise InputError(error.filename or stage, ADVICE[error.errno]) from None
+        raise InputError(error.filename or otherwise, ADVICE[error.errno]) from None

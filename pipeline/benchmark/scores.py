@@ -91,7 +91,7 @@ def write_scores(path: Path, scores: Scores) -> None:
 
 
 def score_tables(scores: Scores) -> Iterator[Table]:
-    """Yield a table for the terminal a set and quantity, narrow enough for 80 characters."""
+    """Yield a table for the terminal a set and quantity, whose cells a narrow one folds."""
     shown = scores.errors[scores.errors["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
     for (name, quantity), rows in shown.groupby(["set", "quantity"], sort=False):
         title = f"{name}: mean error of the {quantity} ({UNITS[str(quantity)]})"
@@ -100,9 +100,9 @@ def score_tables(scores: Scores) -> Iterator[Table]:
 
 def _table(title: str, rows: pd.DataFrame, own: str) -> Table:
     table = Table(title=title, title_justify="left", box=None, pad_edge=False)
-    table.add_column("predictor", no_wrap=True)
+    table.add_column("predictor", overflow="fold")
     for horizon in SHOWN_HORIZONS_MS:
-        table.add_column(f"{horizon} ms", justify="right", no_wrap=True)
+        table.add_column(f"{horizon} ms", justify="right", overflow="fold")
     for predictor, errors in rows.groupby("predictor", sort=False):
         cells = {row.horizon_ms: _cell(row) for row in errors.itertuples()}
         known = [cells.get(horizon, "–") for horizon in SHOWN_HORIZONS_MS]
