@@ -1,6 +1,7 @@
 """The ``rallygap`` command: what DVC and MLflow leave to us, in a few verbs."""
 
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -9,10 +10,10 @@ from typing import Annotated
 import typer
 
 from pipeline.benchmark.command import app as benchmark
-from pipeline.console import refuse
+from pipeline.clone import clone, clone_with_run
+from pipeline.console import refuse, show
 from pipeline.errors import InputError
 from pipeline.guarded import disks_named
-from pipeline.provenance import repository_root
 
 # Of MLflow's server: no telemetry, and none of the processes that run jobs, which nobody submits.
 LEAN = {
@@ -31,7 +32,7 @@ app.add_typer(benchmark, name="benchmark")
 
 
 def main() -> None:
-    """Run the command line; a user's input error and a disk's refusal are one line and status 2."""
+    """Run the command line; a user's input error, or a full disk, is one line and status 2."""
     try:
         with disks_named("output"):
             app()
@@ -41,10 +42,12 @@ def main() -> None:
 
 @app.command()
 def check() -> None:
-    """Check params.yaml."""
+    """Check params.yaml, without running anything."""
     from pipeline.params import load_params
 
-    load_params(repository_root() / "params.yaml")
+    path = clone() / "params.yaml"
+    load_params(path)
+    typer.echo(f"{path} is in order.")
 
 
 @app.command()
@@ -52,9 +55,12 @@ def mend() -> None:
     """Remove what is damaged in DVC's cache, with its copies, and a lock that a kill broke."""
     from pipeline.mend import mend
 
-    root = repository_root()
-    for path in mend(root):
+    root = clone()
+    removed = mend(root)
+    for path in removed:
         typer.echo(f"damaged, removed: {path}")
+    if not removed:
+        typer.echo("Nothing is damaged.")
 
 
 @app.command()
@@ -62,13 +68,14 @@ def profile(name: Annotated[str, typer.Argument(help="a file of the folder profi
     """Print a profile as flags, for `dvc exp run $(rallygap profile smoke)`."""
     from pipeline.profiles import profile_flags
 
-    typer.echo(" ".join(profile_flags(repository_root(), name)))
+    typer.echo(" ".join(profile_flags(clone(), name)))
 
 
 @app.command()
 def real(
     folder: Annotated[
-        Path | None, typer.Argument(envvar="RALLYGAP_DATA", help="spindoe, tt3d, ...")
+        Path | None,
+        typer.Argument(envvar="RALLYGAP_DATA", help="with spindoe, tt3d, … in it"),
     ] = None,
 ) -> None:
     """Run the pipeline on the measured sets in FOLDER and keep the results as `real`."""
@@ -79,7 +86,7 @@ def real(
         raise InputError("real", "say where the measured sets are: make real DATA=~/balls")
     if not folder.is_dir():
         raise InputError(folder, "is not a folder; give the one that holds the measured sets")
-    root = repository_root()
+    root = clone()
     # DVC does not watch the folder, so nothing may be taken for up to date.
     command = ["dvc", "exp", "run", "--temp", "--force", "--name", "real"]
     environment = {**os.environ, "RALLYGAP_DATA": str(folder.resolve())}
@@ -88,6 +95,7 @@ def real(
     if finished.returncode != 0:
         raise typer.Exit(finished.returncode)
     keep_experiment(root, "real")
+    typer.echo(f"All of it: {root / 'reports' / 'real'}")
 
 
 @app.command()
@@ -95,7 +103,9 @@ def keep(name: Annotated[str, typer.Argument(help="as `dvc exp list` shows it")]
     """Copy the results of a DVC experiment into reports/NAME, to be committed."""
     from pipeline.keep import keep_experiment
 
-    keep_experiment(repository_root(), name)
+    root = clone()
+    keep_experiment(root, name)
+    typer.echo(f"All of it: {root / 'reports' / name}")
 
 
 @app.command()
@@ -111,7 +121,7 @@ def paper() -> None:
     """Print the paper's numbers beside ours as Markdown: `rallygap paper > docs/paper.md`."""
     from pipeline.beside_paper.page import paper_page
 
-    typer.echo(paper_page(repository_root()))
+    typer.echo(paper_page(clone()))
 
 
 @app.command()
@@ -139,24 +149,24 @@ def diagnose(
 @app.command()
 def costs() -> None:
     """Measure what the predictors of the last run cost on this machine; write reports/costs."""
-    from rich.console import Console
-
     from pipeline.costs import costs_table, machine, measure_costs, write_costs
 
-    root = repository_root()
+    root = clone_with_run()
+    folder = root / "reports" / "costs"
     measured = measure_costs(root)
-    write_costs(root / "reports" / "costs", measured, machine(root))
-    Console().print(costs_table(measured))
+    write_costs(folder, measured, machine(root))
+    show(costs_table(measured))
+    typer.echo(f"All of it: {folder}")
 
 
 @app.command("run-of")
-def run_of(path: Annotated[Path, typer.Argument(help="under reports or artifacts")]) -> None:
+def run_of(path: Annotated[Path, typer.Argument(help="a file under reports or artifacts")]) -> None:
     """Say which run wrote a file: stage, commit, DVC experiment, and its page in MLflow."""
     from dataclasses import asdict
 
     from pipeline.run_of import origin_of
 
-    for name, value in asdict(origin_of(repository_root(), path)).items():
+    for name, value in asdict(origin_of(clone(), path)).items():
         typer.echo(f"{name:<12}{value or '–'}")
 
 
@@ -176,7 +186,7 @@ def sweep(
     from pipeline.sweeps.plan import load_plan
     from pipeline.sweeps.run import run_sweep
 
-    plan = load_plan(repository_root(), name)
+    plan = load_plan(clone(), name)
     found = run_sweep(plan, study, workers, trials or plan.settings.trials)
     typer.echo(f"All of it: {plan.report}")
     typer.echo(
@@ -189,22 +199,34 @@ def confirm(
     name: Annotated[str, typer.Argument(help="a sweep that was run, such as predictor")],
 ) -> None:
     """Train what a sweep found, and params.yaml, with new seeds; compare them on unseen balls."""
-    from rich.console import Console
-
     from pipeline.sweeps.confirm import confirmed_table, run_confirm
     from pipeline.sweeps.plan import load_plan
 
-    plan = load_plan(repository_root(), name)
-    Console().print(confirmed_table(run_confirm(plan)))
+    plan = load_plan(clone(), name)
+    show(confirmed_table(run_confirm(plan)))
+    typer.echo(f"All of it: {plan.report}")
 
 
 @app.command()
-def ui(port: Annotated[int, typer.Option(help="on this machine only")] = 5000) -> None:
+def ui(
+    port: Annotated[int, typer.Option(min=1, max=65535, help="on this machine only")] = 5000,
+) -> None:
     """Serve the MLflow pages of this repository's runs, until interrupted."""
     from pipeline.tracking import store_uri
 
+    root = clone()
+    _check_free(port)
     os.environ.update(LEAN)
     command = ["mlflow", "server", "--host", "127.0.0.1", "--port", str(port), "--workers", "1"]
-    store = ["--backend-store-uri", store_uri(repository_root())]
+    store = ["--backend-store-uri", store_uri(root)]
     # MLflow takes the place of this process, so that what stops it stops the server.
     os.execv(sys.executable, [sys.executable, "-m", *command, *store])
+
+
+def _check_free(port: int) -> None:
+    """Refuse a port that cannot be had: MLflow would say so in many lines, and with status 0."""
+    try:
+        socket.create_server(("127.0.0.1", port)).close()
+    except OSError as error:
+        problem = f"{port} cannot be had: {os.strerror(error.errno or 0)}; give another one"
+        raise InputError("--port", problem) from None

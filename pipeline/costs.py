@@ -131,7 +131,9 @@ def costs_table(costs: pd.DataFrame) -> Table:
     title = "Position error, training, and one ball at a time on one core"
     table = Table(title=title, box=None, pad_edge=False, collapse_padding=True)
     for name, heading in HEADINGS.items():
-        table.add_column(heading, justify="left" if name == "predictor" else "right", no_wrap=True)
+        table.add_column(
+            heading, justify="left" if name == "predictor" else "right", overflow="fold"
+        )
     for row in costs[list(HEADINGS)].itertuples(index=False):
         table.add_row(*map(_cell, row))
     return table

@@ -17,6 +17,7 @@ from pipeline.figures.gap_page import Illustration, render_gap_page
 from pipeline.figures.gap_parting import growth_figure, parting_figure
 from pipeline.figures.style import apply_style
 from pipeline.findings import Findings, sight_lines
+from pipeline.outlets import check_folder
 from pipeline.phase_bar import phase_bar
 from pipeline.shot_folders import MeasuredShots, read_shots
 from pipeline.simulators import load_simulator
@@ -80,7 +81,7 @@ def diagnose_folder(
     Raises:
         InputError: any of these cannot be used, or there are too few shots.
     """
-    _check_out(out)
+    check_folder(out)
     compared = load_simulator(simulator)
     with phase_bar(PHASES) as bar:
         with bar.phase("reading and cutting"):
@@ -152,11 +153,6 @@ def _replace_all(folder: Path, out: Path) -> None:
         (out / FIGURES / f"{name}.png").unlink(missing_ok=True)
     for path in sorted(folder.rglob("*.*")):
         path.replace(out / path.relative_to(folder))
-
-
-def _check_out(out: Path) -> None:
-    if out.exists() and not out.is_dir():
-        raise InputError(out, "is a file; give a folder to write to")
 
 
 def _check_enough(measured: MeasuredShots, data: Path) -> None:

@@ -63,15 +63,15 @@ def _stop(number: int, _: FrameType | None) -> NoReturn:
 
 
 @contextmanager
-def disks_named(who: str) -> Iterator[None]:
-    """Turn the refusal of a disk into one line: of the file, or of ``who`` where it names none.
+def disks_named(otherwise: str) -> Iterator[None]:
+    """Turn the refusal of a disk into one line.
 
-    Raises:
-        InputError: the disk is full or cannot be written to.
+    Args:
+        otherwise: what the line begins with where the refusal names no file.
     """
     try:
         yield
     except OSError as error:
         if error.errno not in ADVICE:
             raise
-        raise InputError(error.filename or who, ADVICE[error.errno]) from None
+        raise InputError(error.filename or otherwise, ADVICE[error.errno]) from None

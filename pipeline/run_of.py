@@ -50,7 +50,7 @@ def origin_of(root: Path, path: Path) -> Origin:
     """
     stage, reports = report_of(root, path)
     fingerprint = read_contents(reports, stage).fingerprint
-    store = os.environ.get("MLFLOW_TRACKING_URI") or store_uri(root)
+    store = os.environ.get("MLFLOW_TRACKING_URI") or _own_store(root)
     run = _newest_run(store, fingerprint)
     if run is None:
         problem = f"has the fingerprint {fingerprint}; was it made elsewhere?"
@@ -90,6 +90,14 @@ def report_of(root: Path, path: Path) -> tuple[str, Path]:
         if set(map(Path, outputs)) & {inside, *inside.parents}:
             return stage, reports
     raise InputError(path, "no stage of dvc.yaml writes it; give a file under reports or artifacts")
+
+
+def _own_store(root: Path) -> str:
+    """The repository's store, which MLflow would make where there is none."""
+    if not (root / "mlflow.db").is_file():
+        problem = "is missing, because no stage has run here; whoever ran it has the run"
+        raise InputError(root / "mlflow.db", problem)
+    return store_uri(root)
 
 
 def _newest_run(store: str, fingerprint: str) -> Any:

@@ -5,7 +5,10 @@ from typing import Annotated
 
 import typer
 
-from pipeline.provenance import repository_root
+from pipeline.clone import clone_with_run
+from pipeline.console import show
+from pipeline.errors import InputError
+from pipeline.outlets import check_file, check_folder
 
 app = typer.Typer(no_args_is_help=True, help="Test windows for any predictor, and its scores.")
 
@@ -16,7 +19,8 @@ def export(folder: Annotated[Path, typer.Argument(help="the folder to write to")
     from pipeline.benchmark.windows import export_windows, run_sets
     from pipeline.params import load_params
 
-    root = repository_root()
+    root = clone_with_run()
+    check_folder(folder)
     sets = run_sets(root, load_params(root / "params.yaml"))
     export_windows(sets, folder)
     counts = ", ".join(f"{len(one.windows):,} of {one.name}" for one in sets)
@@ -25,20 +29,32 @@ def export(folder: Annotated[Path, typer.Argument(help="the folder to write to")
 
 @app.command()
 def score(
-    forecasts: Annotated[Path, typer.Argument(help="a parquet file as the README asks for")],
-    out: Annotated[Path | None, typer.Option(help="a JSON file to write")] = None,
+    forecasts: Annotated[
+        Path, typer.Argument(help="parquet, as README.md beside the windows says")
+    ],
+    out: Annotated[Path | None, typer.Option(help="a JSON file: scores at all horizons")] = None,
 ) -> None:
     """Score FORECASTS of the last run's test windows, and its own predictors on the same."""
-    from rich.console import Console
-
     from pipeline.benchmark.scores import score as score_forecasts
     from pipeline.benchmark.scores import score_tables, write_scores
     from pipeline.params import load_params
 
-    root = repository_root()
+    root = clone_with_run()
+    if not forecasts.exists():
+        raise InputError(forecasts, "there is no such file; give the parquet file of forecasts")
+    if out is not None:
+        _check_scores(out, forecasts)
     scores = score_forecasts(root, load_params(root / "params.yaml"), forecasts)
     for table in score_tables(scores):
-        Console().print(table)
+        show(table)
         typer.echo()
     if out is not None:
         write_scores(out, scores)
+        typer.echo(f"All horizons: {out}")
+
+
+def _check_scores(out: Path, forecasts: Path) -> None:
+    """Refuse a file of scores that cannot be written, or would replace the forecasts."""
+    check_file(out)
+    if out.resolve() == forecasts.resolve():
+        raise InputError(out, "is the file of the forecasts; give another one to --out")

@@ -82,23 +82,16 @@ def _errors(forecasts: dict[str, Forecast], one: MeasuredSet, params: Params) ->
 
 
 def write_scores(path: Path, scores: Scores) -> None:
-    """Write all as JSON: ``{set: {predictor: {quantity: {horizon_ms: {mean, std, n, …}}}}}``.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Write all as JSON: ``{set: {predictor: {quantity: {horizon_ms: {mean, std, n, …}}}}}``."""
     result: dict[str, Any] = {}
     for row in scores.errors.to_dict("records"):
         keys = (row["set"], row["predictor"], row["quantity"], row["horizon_ms"])
         place(result, keys).update({name: rounded(row[name]) for name in NUMBERS})
-    try:
-        write_json(path, result)
-    except OSError as error:
-        raise InputError(path, f"cannot be written: {error.strerror}") from None
+    write_json(path, result)
 
 
 def score_tables(scores: Scores) -> Iterator[Table]:
-    """Yield a table for the terminal a set and quantity, narrow enough for 80 characters."""
+    """Yield a table for the terminal a set and quantity, whose cells a narrow one folds."""
     shown = scores.errors[scores.errors["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
     for (name, quantity), rows in shown.groupby(["set", "quantity"], sort=False):
         title = f"{name}: mean error of the {quantity} ({UNITS[str(quantity)]})"
@@ -107,9 +100,9 @@ def score_tables(scores: Scores) -> Iterator[Table]:
 
 def _table(title: str, rows: pd.DataFrame, own: str) -> Table:
     table = Table(title=title, title_justify="left", box=None, pad_edge=False)
-    table.add_column("predictor", no_wrap=True)
+    table.add_column("predictor", overflow="fold")
     for horizon in SHOWN_HORIZONS_MS:
-        table.add_column(f"{horizon} ms", justify="right", no_wrap=True)
+        table.add_column(f"{horizon} ms", justify="right", overflow="fold")
     for predictor, errors in rows.groupby("predictor", sort=False):
         cells = {row.horizon_ms: _cell(row) for row in errors.itertuples()}
         known = [cells.get(horizon, "–") for horizon in SHOWN_HORIZONS_MS]

@@ -91,7 +91,7 @@ def confirmed_table(table: pd.DataFrame) -> Table:
     """Return the comparison as a table for the terminal."""
     shown = Table(box=None, pad_edge=False, title="What the sweep found, beside params.yaml")
     for heading in ("", "params", "found", "difference", "95 % interval", "holds"):
-        shown.add_column(heading, justify="right" if heading else "left")
+        shown.add_column(heading, justify="right" if heading else "left", overflow="fold")
     for row in table.to_dict("records"):
         numbers = (f"{row[name]:.4g}" for name in ("params", "found", "difference"))
         interval = f"{row['ci_low']:.3g} to {row['ci_high']:.3g}"

@@ -52,7 +52,9 @@ def test_a_profile_is_printed_as_flags_from_any_folder_of_the_repository():
 
 
 def test_check_accepts_what_is_right_and_names_what_is_not(elsewhere):
-    assert rallygap("check", cwd=elsewhere).returncode == 0
+    accepted = rallygap("check", cwd=elsewhere)
+    assert (accepted.returncode, accepted.stderr) == (0, "")
+    assert "params.yaml is in order" in accepted.stdout
     params = elsewhere / "params.yaml"
     params.write_text(params.read_text().replace("longest_gap: 0.1", "longest_gap: long"))
     refused = rallygap("check", cwd=elsewhere)
@@ -71,13 +73,47 @@ def test_a_missing_folder_of_measured_sets_is_refused(elsewhere, words, says):
     assert len(refused.stderr.splitlines()) == 1
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
-def test_a_full_disk_is_one_line():
-    command = [*RALLYGAP, "profile", "smoke"]
-    with Path("/dev/full").open("w") as full:
-        refused = subprocess.run(command, cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True)
+@pytest.mark.parametrize("words", ["mend", "keep one", "run-of one", "sweep quick", "ui"])
+def test_outside_a_clone_one_line_says_so_and_nothing_is_left(tmp_path, words):
+    refused = rallygap(*words.split(), cwd=tmp_path)
     assert refused.returncode == 2
-    assert refused.stderr.startswith("rallygap: output: the disk is full")
+    assert refused.stderr.startswith(f"rallygap: {tmp_path}: is not within a clone of rallygap")
+    assert len(refused.stderr.splitlines()) == 1
+    assert list(tmp_path.glob("[!.]*")) == []  # libraries keep caches in this home
+
+
+@pytest.mark.parametrize("words", [["costs"], ["benchmark", "export", "windows"]])
+def test_where_nothing_has_run_what_needs_a_run_says_how_to_run(elsewhere, words):
+    refused = rallygap(*words, cwd=elsewhere)
+    assert refused.returncode == 2
+    assert "artifacts: is missing, because nothing has run here" in refused.stderr
+    assert len(refused.stderr.splitlines()) == 1
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_full_disk_is_one_line():
+    with Path("/dev/full").open("w") as full:
+        finished = subprocess.run(
+            [*RALLYGAP, "effects"], cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True
+        )
+    assert finished.returncode == 2
+    assert finished.stderr.startswith("rallygap: output: the disk is full")
+
+
+@pytest.mark.parametrize("port", ["0", "65536"])
+def test_a_port_that_is_none_is_refused(elsewhere, port):
+    refused = rallygap("ui", "--port", port, cwd=elsewhere)
+    assert refused.returncode == 2
+    assert "--port" in refused.stderr
+
+
+def test_a_port_that_is_taken_is_one_line(elsewhere):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        refused = rallygap("ui", "--port", str(port), cwd=elsewhere)
+    assert refused.returncode == 2
+    assert refused.stderr.startswith(f"rallygap: --port: {port} cannot be had")
+    assert len(refused.stderr.splitlines()) == 1
 
 
 def free_port():

@@ -36,3 +36,12 @@ def test_a_broken_dvc_yaml_is_one_error(root, content):
     (root / "dvc.yaml").write_text(content)
     with pytest.raises(InputError, match=r"dvc\.yaml"):
         origin_of(root, root / "reports" / "segment")
+
+
+def test_where_no_stage_has_run_no_store_is_made(root, monkeypatch):
+    monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
+    path = root / "reports" / "segment" / "contents.json"
+    path.write_text('{"stage": "segment", "command": "a", "fingerprint": "0a", "items": []}')
+    with pytest.raises(InputError, match=r"mlflow\.db: is missing, because no stage has run here"):
+        origin_of(root, path)
+    assert not (root / "mlflow.db").exists()

@@ -15,7 +15,7 @@ from rich.console import Console
 
 from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from models.predictors.windows import windows
-from pipeline.benchmark.scores import Scores, score, score_tables, write_scores
+from pipeline.benchmark.scores import score, score_tables, write_scores
 from pipeline.benchmark.windows import export_windows, run_sets, window_table
 from pipeline.errors import InputError
 from pipeline.predictors import read_contenders
@@ -77,7 +77,7 @@ def test_a_set_may_be_left_out_as_a_whole(tmp_path, root, sets):
     assert set(scores.errors["set"]) == {"plain"}
 
 
-def test_the_tables_show_theirs_above_ours_unless_the_terminal_is_narrow(tmp_path, root, sets):
+def test_the_tables_show_theirs_above_ours(tmp_path, root, sets):
     scores = scored(root, forecasts_of(Still(), window_table(sets)), tmp_path)
     shown = io.StringIO()
     console = Console(file=shown, width=140)
@@ -90,6 +90,17 @@ def test_the_tables_show_theirs_above_ours_unless_the_terminal_is_narrow(tmp_pat
     assert [line.split()[0] for line in first[:5]] == [
         "mine.parquet", "physics_true", "physics_c", "oracle", "tiny"
     ]  # fmt: skip
+
+
+def test_a_narrow_terminal_loses_no_digit(tmp_path, root, sets):
+    scores = scored(root, forecasts_of(Still(), window_table(sets)), tmp_path)
+    for table in score_tables(scores):
+        wide, narrow = io.StringIO(), io.StringIO()
+        Console(file=wide, width=140).print(table)
+        Console(file=narrow, width=40).print(table)
+        assert sorted(narrow.getvalue().replace("\n", "").replace(" ", "")) == sorted(
+            wide.getvalue().replace("\n", "").replace(" ", "")
+        )
 
 
 def test_forecasts_called_as_one_of_ours_are_one_error(tmp_path, root, sets):
@@ -165,7 +176,25 @@ def test_what_is_wrong_with_a_file_is_one_line_and_status_2(repository):
     assert len(refused.stderr.splitlines()) == 1
 
 
-def test_scores_that_cannot_be_written_are_one_error(tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match=r"scores\.json: cannot be written"):
-        write_scores(tmp_path / "file" / "scores.json", Scores("mine", pd.DataFrame()))
+@pytest.mark.parametrize(
+    ("out", "says"),
+    [
+        ("mine.parquet", "is the file of the forecasts"),
+        ("artifacts", "is a folder; give a file"),
+        ("params.yaml/scores.json", "is a file; give a folder"),
+    ],
+)
+def test_scores_that_cannot_be_written_are_refused_before_any_are_made(repository, out, says):
+    forecasts = repository / "mine.parquet"
+    forecasts.write_text("not read at all")
+    refused = rallygap("benchmark", "score", "mine.parquet", "--out", out, cwd=repository)
+    assert refused.returncode == 2
+    assert says in refused.stderr
+    assert len(refused.stderr.splitlines()) == 1
+    assert forecasts.read_text() == "not read at all"
+
+
+def test_forecasts_that_are_not_there_are_one_line(repository):
+    refused = rallygap("benchmark", "score", "nothing.parquet", cwd=repository)
+    assert refused.returncode == 2
+    assert refused.stderr.startswith("rallygap: nothing.parquet: there is no such file")
