@@ -64,6 +64,12 @@ def test_shots_without_a_value_and_axes_without_a_difference_are_left_out():
     assert (found.axis, found.counts.sum()) == ("some", 19)
 
 
+def test_three_shots_are_no_bin_and_four_are():
+    kinds = np.repeat([0.0, 1.0, 2.0], [33, 4, 3])
+    (found,) = growths([Axis("kind", "", kinds, ("many", "few", "fewer"))], drawn(3)[1])
+    assert (found.kinds, found.counts.tolist()) == (("many", "few"), [33, 4])
+
+
 def test_what_all_shots_have_in_common_shows_over_time():
     _, noise = drawn(2)
     horizons = np.array([0.1, 0.2, 0.3])
