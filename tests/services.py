@@ -10,6 +10,7 @@ import urllib.request
 import uuid
 from pathlib import Path
 
+import psutil
 import pytest
 
 USER, PASSWORD = "rallygap", "open-sesame"  # the password of a server that lives for some tests
@@ -32,6 +33,17 @@ def as_server(*command):
 def free_port():
     with socket.create_server(("127.0.0.1", 0)) as server:
         return server.getsockname()[1]
+
+
+def listening(process):
+    """Addresses on which a process and its children listen."""
+    family = [psutil.Process(process.pid), *psutil.Process(process.pid).children(recursive=True)]
+    return {
+        one.laddr.ip
+        for member in family
+        for one in member.net_connections("inet")
+        if one.status == psutil.CONN_LISTEN
+    }
 
 
 def await_answer(url):

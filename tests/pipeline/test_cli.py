@@ -11,6 +11,8 @@ from subprocess import DEVNULL
 
 import pytest
 
+from tests.services import free_port, listening
+
 ROOT = Path(__file__).parents[2]
 RALLYGAP = [sys.executable, "-c", "from pipeline.cli import main; main()"]
 
@@ -116,11 +118,6 @@ def test_a_port_that_is_taken_is_one_line(elsewhere):
     assert len(refused.stderr.splitlines()) == 1
 
 
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        return server.getsockname()[1]
-
-
 @pytest.mark.slow
 def test_the_pages_of_mlflow_are_served_on_this_machine_only(elsewhere):
     port = free_port()
@@ -129,6 +126,7 @@ def test_the_pages_of_mlflow_are_served_on_this_machine_only(elsewhere):
     with subprocess.Popen(command, cwd=elsewhere, env=environment, stderr=DEVNULL) as server:
         try:
             page = fetched(f"http://127.0.0.1:{port}/")
+            assert listening(server) == {"127.0.0.1"}
         finally:
             server.terminate()
     assert b"MLflow" in page

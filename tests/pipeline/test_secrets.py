@@ -87,7 +87,8 @@ WATCHING = {"tests/pipeline/test_secrets.py", "tests/faults/test_exposure.py"}
 
 
 def tracked_texts():
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    command = ["git", "ls-files"]
+    listed = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
     endings = (".py", ".md", ".yaml", ".toml", ".sh", "Makefile")
     for name in listed.stdout.split():
         path = ROOT / name

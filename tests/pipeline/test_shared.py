@@ -13,7 +13,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import asyncssh
-import psutil
 import pytest
 from mlflow import MlflowClient
 
@@ -21,7 +20,7 @@ from pipeline import tracking
 from pipeline.provenance import Provenance
 from pipeline.tracking import recorded
 from tests.clone import ROOT, commit, run
-from tests.services import free_port
+from tests.services import free_port, listening
 
 pytestmark = pytest.mark.slow
 
@@ -172,14 +171,3 @@ def test_runs_and_figures_are_kept_by_a_server_on_postgresql(
         assert (found.data.params, found.data.metrics) == ({"seed": "1"}, {"tt3d/mean": 1.5})
         copy = client.download_artifacts(found.info.run_id, "figures/cuts.png", str(tmp_path))
         assert Path(copy).read_bytes() == b"drawn"
-
-
-def listening(process):
-    """Addresses on which a process and its children listen."""
-    family = [psutil.Process(process.pid), *psutil.Process(process.pid).children(recursive=True)]
-    return {
-        one.laddr.ip
-        for member in family
-        for one in member.net_connections("inet")
-        if one.status == psutil.CONN_LISTEN
-    }

@@ -10,7 +10,6 @@ from functools import partial
 
 import joblib
 import pandas as pd
-import psutil
 import pytest
 from threadpoolctl import threadpool_info
 
@@ -25,6 +24,7 @@ from tests.cluster import ROOT, cluster
 from tests.models.exam.halls import NOMINAL
 from tests.models.policy.schooling import BRIEF, same
 from tests.pipeline.trained_policies import description
+from tests.services import listening
 
 
 def noted(folder, number):
@@ -116,12 +116,7 @@ def test_an_error_in_a_task_on_a_cluster_is_the_caller_s(on_cluster):
 @pytest.mark.slow
 def test_a_cluster_listens_on_loopback_alone(on_cluster):
     for process in (on_cluster.scheduler, *on_cluster.workers):
-        listening = {
-            one.laddr.ip
-            for one in psutil.Process(process.pid).net_connections("inet")
-            if one.status == psutil.CONN_LISTEN
-        }
-        assert listening == {"127.0.0.1"}
+        assert listening(process) == {"127.0.0.1"}
 
 
 @pytest.mark.slow

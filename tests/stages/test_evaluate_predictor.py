@@ -183,10 +183,11 @@ def test_shots_take_turns_between_the_sets(whole):
 
 def test_a_bounce_makes_forecasting_harder_for_the_wrong_table(whole):
     run, _ = whole
-    rows = table(run, "forecast_error")
-    chosen = rows[
-        (rows.predictor == "physics_c") & (rows.quantity == "velocity") & (rows.horizon_ms == 300)
-    ]
-    error = chosen[chosen.set == "labelled"].set_index("bounce")["mean"]
-    assert error["with"] > 0
-    assert pytest.approx(error["all"]) == error["with"]
+    rows = table(run, "forecast_error").query("set == 'labelled' and quantity == 'velocity'")
+    rows = rows[rows.horizon_ms == 100].set_index(["predictor", "bounce"])
+    error, count = rows["mean"], rows["n"]["physics_c"]
+    assert error["physics_c", "with"] > 1.5 * error["physics_c", "without"]
+    assert error["physics_true"].max() < 1e-4  # m/s
+    parts = error["physics_c"][["with", "without"]]
+    mean = np.average(parts, weights=count[["with", "without"]])
+    assert error["physics_c", "all"] == pytest.approx(mean, rel=1e-5)

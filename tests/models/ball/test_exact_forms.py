@@ -1,4 +1,4 @@
-"""Every effect of flight, table and racket against its equation, written again from scratch.
+"""Every effect against its equation, written again from scratch.
 
 Nothing here is shared with ``models/ball`` but the simulator under test; flights are integrated
 by scipy to 1e-12, contacts computed from the impulses on a thin shell.
@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from models.ball.contact import NET
+from models.ball.sensor import measured
 from tests.models.ball.balls import NOMINAL, simulator
 
 MASS, RADIUS, DENSITY, G, CD, CM = 2.7e-3, 0.02, 1.2, 9.81, 0.55, 0.069
@@ -160,3 +162,59 @@ def test_a_racket_follows_the_equation(normal):
     restitution = 0.878 - 0.02 * abs((before[3:6] - racket) @ n)
     expected = impulse(before, n, restitution, lambda _: 1.9 / 2.7, racket)
     np.testing.assert_allclose(sim.strike(before, normal, racket)[0], expected, atol=1e-11)
+
+
+@pytest.mark.parametrize(
+    "velocity", [(6.0, -1.0, 0.5), (0.3, -9.0, 0.5)], ids=["sliding", "rolling"]
+)
+def test_the_net_follows_the_equation_of_the_table(velocity):
+    ball = [0.1, 0.1, 0.08, *velocity, 80.0, -60.0, 50.0]
+    contacts = NOMINAL.amended("net", restitution=0.2, friction=0.15).fly(ball, TIMES).contacts
+    assert contacts.surface[0, 0] == NET
+    before, after = contacts.before[0, 0], contacts.after[0, 0]
+    expected = bounced(before, normal=np.array([0, 1, 0]), e=lambda *_: 0.2, mu=lambda _: 0.15)
+    np.testing.assert_allclose(after, expected, rtol=1e-11, atol=1e-11)
+
+
+THROWN, TURNING = np.array([0.2, 1.0, 0.4, 0.5, -6.0, 2.0]), np.array([-150.0, 40.0, 30.0])
+BIAS = np.array([0.3, -0.2, 0.5])
+BIASED = dict(zip("xyz", BIAS, strict=True))
+
+
+def parabola(times):
+    t = np.asarray(times)[:, None]
+    return THROWN[:3] + THROWN[3:] * t - G / 2 * t**2 * UP
+
+
+def rotated(vector, about):
+    """Rodrigues' formula."""
+    angle = np.linalg.norm(about)
+    axis = about / angle
+    flat = np.cos(angle) * vector + np.sin(angle) * np.cross(axis, vector)
+    return flat + (1 - np.cos(angle)) * (axis @ vector) * axis
+
+
+SENSORS = [
+    ("position_scale", {"s": 0.02}, 1.02 * parabola(TIMES), TURNING),
+    ("clock_rate", {"d": 0.1}, parabola(TIMES / 1.1), TURNING),
+    ("time_offset", {"tau": 0.004}, parabola(TIMES - 0.004), TURNING),
+    ("spin_gain", {"s": -0.1}, parabola(TIMES), 0.9 * TURNING),
+    (
+        "spin_axis_bias",
+        BIASED,
+        parabola(TIMES),
+        rotated(TURNING, BIAS),
+    ),
+    ("spin_sign_flip", {"share": 1.0}, parabola(TIMES), -TURNING),
+]
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "positions", "spin"), SENSORS, ids=[one[0] for one in SENSORS]
+)
+def test_what_a_sensor_sees_follows_the_equation(name, parameters, positions, spin):
+    ball = np.concatenate([THROWN, TURNING])[None]
+    vacuum = simulator(gravity={"g": G}).amended(name, **parameters)
+    seen, labels = measured(vacuum, ball, TIMES, np.random.default_rng(0))
+    np.testing.assert_allclose(seen[0], positions, atol=1e-12)
+    np.testing.assert_allclose(labels[0], np.tile(spin, (len(TIMES), 1)), atol=1e-10)

@@ -20,7 +20,10 @@ def small(_trial, names):
 
 
 def group(name):
-    return [question for question in QUESTIONS if question.group == name]
+    """The questions of a group, of which there are some."""
+    found = [question for question in QUESTIONS if question.group == name]
+    assert found, name
+    return found
 
 
 def test_it_has_the_sizes_of_a_full_exam():
@@ -94,7 +97,7 @@ def test_sizes_turn_to_the_side_that_is_possible():
 def test_balls_never_leave_the_table_as_fast_as_they_met_it():
     asked = [q for q in QUESTIONS if q.asked == (("speed_dependent_restitution", "c"),)]
 
-    assert all(question.posed(small).hidden[0].value > 0 for question in asked)
+    assert asked and all(question.posed(small).hidden[0].value > 0 for question in asked)
 
 
 def test_what_is_not_possible_is_not_posed():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import f_oneway, ttest_1samp
 
 from models.gap.axes import Axis
 from models.gap.growth import growths, over_time
@@ -31,6 +32,19 @@ def test_the_largest_of_many_axes_is_as_rare_as_its_chance_says():
     assert 0.3 < smallest.mean() < 0.7
 
 
+def test_means_and_chance_are_those_of_an_analysis_of_variance():
+    """Of kinds of which there are few, more and many, and partings along the course alone."""
+    kinds = np.repeat([0.0, 1.0, 2.0], [6, 14, 40])
+    partings = np.zeros((60, 3))
+    partings[:, 0] = np.random.default_rng(4).normal(size=60) + 0.5 * (kinds == 0)
+    (found,) = growths([Axis("kind", "", kinds, ("few", "more", "many"))], partings)
+    groups = [partings[kinds == kind, 0] for kind in range(3)]
+    ends = [ttest_1samp(group, 0.0).confidence_interval() for group in groups]
+    np.testing.assert_allclose(found.means[:, 0] - found.errors[:, 0], [one.low for one in ends])
+    np.testing.assert_allclose(found.means[:, 0] + found.errors[:, 0], [one.high for one in ends])
+    assert found.p_value == pytest.approx(f_oneway(*groups).pvalue, abs=0.03)
+
+
 def test_the_share_is_that_of_the_variance_between_bins():
     values = np.repeat([0.0, 1.0], 50)
     partings = np.zeros((100, 3))
@@ -48,6 +62,12 @@ def test_shots_without_a_value_and_axes_without_a_difference_are_left_out():
     partings[0] = np.nan
     (found,) = growths([some, same], partings)
     assert (found.axis, found.counts.sum()) == ("some", 19)
+
+
+def test_three_shots_are_no_bin_and_four_are():
+    kinds = np.repeat([0.0, 1.0, 2.0], [33, 4, 3])
+    (found,) = growths([Axis("kind", "", kinds, ("many", "few", "fewer"))], drawn(3)[1])
+    assert (found.kinds, found.counts.tolist()) == (("many", "few"), [33, 4])
 
 
 def test_what_all_shots_have_in_common_shows_over_time():

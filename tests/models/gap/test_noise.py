@@ -57,16 +57,18 @@ def test_whitened_rows_have_the_products_of_the_dense_covariance():
         assert determinants[shot] == pytest.approx(3 * np.linalg.slogdet(dense)[1])
 
 
-def test_labels_have_the_products_of_their_dense_covariance():
-    parts = grams(LINEAR, NOISE, WEIGHTS, np.ones(3))
-    without = grams(LINEAR, NOISE, WEIGHTS, np.ones(3)).positions
+@pytest.mark.parametrize("labels", ["rows", "one"])
+def test_labels_have_the_products_of_their_dense_covariance(labels):
+    shots = measured(count=3, seconds=0.3, labels=labels)
+    linear = linearise(shots, NOMINAL, UNKNOWNS, COLUMNS)
+    parts = grams(linear, NOISE, WEIGHTS, np.ones(3))
     for shot in range(3):
-        used = LINEAR.labelled[shot]
+        used = linear.labelled[shot]
         dense = NOISE.label**2 * np.eye(used.sum()) + NOISE.label_common**2
-        labels = LINEAR.labels[shot, used]
-        expected = sum(labels[:, a].T @ np.linalg.solve(dense, labels[:, a]) for a in range(3))
-        found = parts.total(NOISE)[shot] - without[shot]
-        own = np.arange(LINEAR.own)
+        rows = linear.labels[shot, used]
+        expected = sum(rows[:, a].T @ np.linalg.solve(dense, rows[:, a]) for a in range(3))
+        found = (parts.total(NOISE) - parts.positions)[shot]
+        own = np.arange(linear.own)
         found[own, own] -= parts.precision(NOISE)[shot]
         assert found == pytest.approx(expected, rel=1e-6, abs=1e-6 * np.abs(expected).max())
         assert parts.label_determinants(NOISE)[shot] == pytest.approx(

@@ -5,7 +5,15 @@ import pytest
 
 from models.ball.simulator import Simulator
 from models.policy.goals import Goals
-from models.policy.observation import CROSSING_SCALE, LIMIT, crossing, observation_size, observe
+from models.policy.observation import (
+    CROSSING_SCALE,
+    EARLIEST,
+    LATEST,
+    LIMIT,
+    crossing,
+    observation_size,
+    observe,
+)
 from models.robot.constants import LOWER, NEUTRAL, SPEED, UPPER
 from models.robot.kinematics import racket
 
@@ -32,13 +40,14 @@ def test_the_crossing_is_where_a_ball_without_air_passes_the_racket():
     np.testing.assert_allclose(found[:, 1:], np.column_stack([apart, flown[:, 3:6]]))
 
 
-@pytest.mark.parametrize("along", [-8.0, 8.0, 0.0])
-def test_a_ball_far_from_crossing_is_still_seen(along):
+@pytest.mark.parametrize(("along", "time"), [(-8.0, EARLIEST), (8.0, LATEST), (0.0, LATEST)])
+def test_a_ball_far_from_crossing_is_still_seen(along, time):
     balls = BALLS.copy()
     balls[..., 4] = along
     balls[..., 1] = 40.0 * np.sign(along)
 
     assert np.isfinite(seen("intercept", balls)).all()
+    assert (crossing(racket(JOINTS, SPEEDS), balls[:, 0])[:, 0] == time).all()
 
 
 def test_strict_is_what_remains_without_the_crossing():

@@ -118,6 +118,13 @@ def test_a_window_of_which_too_little_was_seen_is_left_out():
     assert len(cut) < len(windows(episode(GRID), every=0.05))
 
 
+@pytest.mark.parametrize(("before", "enough"), [(5, True), (4, False)])
+def test_six_ticks_of_twelve_are_enough_to_see(before, enough):
+    late = np.concatenate([GRID[:before], GRID[11:]])  # with the sample at the anchor, one more
+    anchors = windows(episode(late), every=0.05).anchors
+    assert (anchors[0] == GRID[11]) == enough
+
+
 def test_joined_windows_keep_their_order():
     first, second = windows(episode(GRID), 0.05), windows(episode(3 + GRID), 0.05)
     both = joined([first, second])

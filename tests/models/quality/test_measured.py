@@ -62,6 +62,15 @@ def test_what_does_not_touch_the_other_half_first_is_no_return():
     assert landing(touched) is None
 
 
+def test_a_sample_at_the_very_moment_of_the_bounce_is_after_it():
+    one = stroke()
+    rows = ("times", "positions", "velocities", "spins", "outlier", "arc")
+    again = [*range(len(TIMES)), -1]
+    longer = {name: getattr(one, name)[again] for name in rows}
+    longer["times"][-1], longer["arc"][-1] = one.bounces[0], 1
+    assert landing(replace(one, **longer))[0] == pytest.approx(landing(one)[0])
+
+
 def test_a_ball_that_nobody_saw_flies_nowhere():
     one = stroke()
     blind = replace(one, outlier=np.ones(len(TIMES), dtype=bool))

@@ -135,7 +135,9 @@ def test_samples_too_few_for_a_path_are_in_no_flight():
 def test_every_real_stroke_bounces_once(real_data):
     # Each recording shows one stroke from just after the racket to just before the next, and one
     # bounce; in one of them the ball touches the net.
-    for file in sorted((real_data / "tt3d").glob("*.csv")):
+    files = sorted((real_data / "tt3d").glob("*.csv"))
+    assert files
+    for file in files:
         recording = pd.read_csv(file)
         t, x = recording["Timestamp"].to_numpy(), recording[["X", "Y", "Z"]].to_numpy()
         kinds = [contact.kind for contact in cut(t, x, SETTINGS).contacts.values()]

@@ -56,7 +56,9 @@ def test_a_rival_that_was_not_evaluated_is_not_measured(tmp_path):
 
 def test_errors_spread_least_beside_all_but_the_oracle(tmp_path):
     key = "accuracy.spin.spread"
-    assert accuracy(tmp_path, key, {"oracle": 1.0}).verdict == HOLDS
+    least = accuracy(tmp_path, key, {"oracle": 1.0, "tae": 25.0})
+    assert least.verdict == HOLDS
+    assert least.value == pytest.approx(100 * (10 / 25 - 1))  # % of the least of the others
     assert accuracy(tmp_path, key, {"tae": 9.0}).verdict == FAILS
 
 
