@@ -19,7 +19,7 @@ from rich.table import Table
 
 from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from models.predictors.protocol import History, Predictor
-from pipeline.artifacts import replacing, write_json
+from pipeline.artifacts import write_csv, write_json
 from pipeline.forecast_errors import read_errors
 from pipeline.leftovers import kept_timings
 from pipeline.measured_sets import read_test_sets
@@ -121,8 +121,7 @@ def machine(root: Path) -> dict[str, Any]:
 
 def write_costs(folder: Path, costs: pd.DataFrame, measured_on: dict[str, Any]) -> None:
     """Write costs.csv, four digits a number, and costs.json with the machine."""
-    with replacing(folder / "costs.csv") as temporary:
-        costs.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")
+    write_csv(folder / "costs.csv", costs, digits=4)
     write_json(folder / "costs.json", measured_on)
 
 

@@ -15,7 +15,7 @@ from pipeline.errors import InputError
 from pipeline.figures.gap import causes_figure, error_figure
 from pipeline.figures.gap_page import Illustration, render_gap_page
 from pipeline.figures.gap_parting import growth_figure, parting_figure
-from pipeline.figures.style import apply_style
+from pipeline.figures.style import apply_style, save_figure
 from pipeline.findings import Findings, sight_lines
 from pipeline.outlets import check_folder
 from pipeline.phase_bar import phase_bar
@@ -138,8 +138,7 @@ def _write_all(findings: Findings, folder: Path) -> None:
     apply_style()
     figures = figures_of(findings.verdict)
     for name, figure in figures.items():
-        # The name of the drawing program would change with its version.
-        figure.savefig(pictures / f"{name}.png", metadata={"Software": None})
+        save_figure(pictures / f"{name}.png", figure)
     shown = [ILLUSTRATIONS[name] for name in figures]
     write_text(folder / "verdict.json", findings.verdict.to_json())
     write_text(folder / "amended.yaml", amended)

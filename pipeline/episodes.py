@@ -22,6 +22,7 @@ from pipeline.contracts import (
     checked,
     read_checked,
 )
+from pipeline.errors import InputError
 
 Floats = NDArray[np.float64]
 
@@ -50,6 +51,9 @@ def read_episodes(
         labelled_once: sources with one spin label a shot. Such a label holds until the ball first
             touches something or is lost in a gap; after it the spin counts as not labelled.
         splits: which to read.
+
+    Raises:
+        InputError: a table is missing or broken, or the samples lack an episode.
     """
     contacts = read_checked(folder / "contacts.parquet", CONTACTS)
     episodes = read_checked(folder / "episodes.parquet", EPISODES)
@@ -57,7 +61,11 @@ def read_episodes(
     chosen = episodes[episodes["split"].isin(splits) & ~_tosses(episodes)]
     bounces = contacts[contacts["kind"] == "table"].groupby("episode_id")["t"]
     bounce_times = {str(name): times.to_numpy() for name, times in bounces}
-    parts = dict(_episodes(folder / "samples.parquet", chosen, bounce_times, label_ends))
+    path = folder / "samples.parquet"
+    parts = dict(_episodes(path, chosen, bounce_times, label_ends))
+    absent = [name for name in chosen["episode_id"] if name not in parts]
+    if absent:
+        raise InputError(path, f"has no samples of episode {absent[0]}; run `dvc repro -f segment`")
     return [
         MeasuredEpisode(name, recording_id, source, split, unbroken, parts[name])
         for name, recording_id, source, split, unbroken in chosen[ORIGIN].itertuples(index=False)

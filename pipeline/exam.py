@@ -13,30 +13,27 @@ from pathlib import Path
 
 import pandas as pd
 
-from pipeline.artifacts import replacing, write_json
+from pipeline.artifacts import write_csv, write_json
 from pipeline.console import refuse
 from pipeline.costs import machine
 from pipeline.errors import InputError
 from pipeline.exam_sheets import SHEETS, Sat, seats, sit_all, write_sheets
 from pipeline.params import Params, load_params
-from pipeline.provenance import repository_root
+from pipeline.provenance import repository_root, short
 from pipeline.simulators import load_simulator
 
 # What decides about a sheet: the packages of ``models`` that it follows from, and the libraries.
 SHAPING = ("models/arena", "models/ball", "models/exam", "models/gap", "constraints.txt")
-FINGERPRINT_SHOWN = 12  # characters
 
 
 def sit_exam(root: Path) -> None:
     """Sit the whole exam; write its sheets, and what verdicts cost on this machine."""
     params = load_params(root / "params.yaml")
     scratch = root / "scratch" / "exam"
-    sat = sit_all(seats(params), scratch / fingerprint(root, params)[:FINGERPRINT_SHOWN])
+    sat = sit_all(seats(params), scratch / short(fingerprint(root, params)))
     write_sheets(root / SHEETS, [one.sheet for one in sat])
     costs = root / "reports" / "costs"
-    with replacing(costs / "verdicts.csv") as temporary:
-        table = verdict_costs(sat)
-        table.to_csv(temporary, index=False, float_format="%.3g", lineterminator="\n")
+    write_csv(costs / "verdicts.csv", verdict_costs(sat), digits=3)
     write_json(costs / "verdicts.json", machine(root))
     shutil.rmtree(scratch, ignore_errors=True)
 

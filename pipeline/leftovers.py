@@ -15,10 +15,9 @@ from pydantic import FiniteFloat
 
 from pipeline.artifacts import read_as, write_json
 from pipeline.figures.contents import read_contents
-from pipeline.provenance import repository_root
+from pipeline.provenance import repository_root, short
 
 COPIES = "copies"  # folder of scratch/ for what killed stages left in temporary copies
-FINGERPRINT_SHOWN = 12  # characters, as in contents.json
 
 Timings = dict[str, FiniteFloat | dict[str, FiniteFloat]]
 
@@ -35,7 +34,7 @@ def scratch_kept(stage: str, fingerprint: str) -> Iterator[None]:
     if here.resolve() == home.resolve():
         yield
         return
-    name = fingerprint[:FINGERPRINT_SHOWN]
+    name = short(fingerprint)
     kept, link = home / "scratch" / COPIES / stage / name, here / "scratch" / stage / name
     kept.parent.mkdir(parents=True, exist_ok=True)
     with FileLock(kept.with_name(f"{name}.lock")):
@@ -76,4 +75,4 @@ def kept_timings(root: Path, report: Path) -> Timings:
 
 
 def _timings_file(root: Path, stage: str, fingerprint: str) -> Path:
-    return root / "timings" / stage / f"{fingerprint[:FINGERPRINT_SHOWN]}.json"
+    return root / "timings" / stage / f"{short(fingerprint)}.json"

@@ -15,6 +15,7 @@ from pathspec.util import RecursionError as LinkLoopError
 from pipeline.errors import InputError
 from pipeline.params import read_yaml
 
+SHOWN = 12  # characters
 NOTHING = PathSpec.from_lines("gitignore", [])
 
 
@@ -42,6 +43,11 @@ def provenance(root: Path, stage: str) -> Provenance:
             [path if isinstance(path, str) else next(iter(path)) for path in entry["outs"]],
         ),
     )
+
+
+def short(fingerprint: str) -> str:
+    """The beginning of a fingerprint, enough for a name."""
+    return fingerprint[:SHOWN]
 
 
 def run_cache_key(

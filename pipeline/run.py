@@ -13,17 +13,15 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
-from pipeline.artifacts import replacing, write_json
+from pipeline.artifacts import replacing, write_csv, write_json
 from pipeline.console import refuse
 from pipeline.errors import InputError
-from pipeline.figures.style import apply_style
+from pipeline.figures.style import apply_style, save_figure
 from pipeline.params import Params, load_params
-from pipeline.provenance import Provenance, content_hash, provenance, repository_root
+from pipeline.provenance import Provenance, content_hash, provenance, repository_root, short
 from pipeline.tracking import recorded
 
-FIGURE_DPI = 150
 FRAME_SHOWN, LAST_FRAME_SHOWN = 40, 1000  # ms, of an animation before it begins again
-FINGERPRINT_SHOWN = 12  # characters
 
 
 @dataclass(frozen=True)
@@ -83,7 +81,7 @@ class StageRun:
 
     def scratch(self, name: str) -> Path:
         """The path of a folder that a killed run leaves to the next with the same fingerprint."""
-        return self.root / "scratch" / self.stage / self.fingerprint[:FINGERPRINT_SHOWN] / name
+        return self.root / "scratch" / self.stage / short(self.fingerprint) / name
 
     def report(self, name: str) -> Path:
         """The path of a file of this stage's report."""
@@ -101,9 +99,7 @@ class StageRun:
     def add_figure(self, figure: Figure, name: str, *, title: str, caption: str) -> None:
         """Draw a figure into the report as ``figures/<name>.png``."""
         item = ReportItem("figure", f"figures/{name}.png", title, caption)
-        with replacing(self.report(item.file)) as temporary:
-            # The name of the drawing program would change with its version.
-            figure.savefig(temporary, dpi=FIGURE_DPI, metadata={"Software": None})
+        save_figure(self.report(item.file), figure)
         self.items.append(item)
 
     def add_animation(
@@ -124,8 +120,7 @@ class StageRun:
     def add_table(self, table: pd.DataFrame, name: str, *, title: str, caption: str) -> None:
         """Write a table into the report as ``<name>.csv``, six digits a number."""
         item = ReportItem("table", f"{name}.csv", title, caption)
-        with replacing(self.report(item.file)) as temporary:
-            table.to_csv(temporary, index=False, float_format="%.6g", lineterminator="\n")
+        write_csv(self.report(item.file), table)
         self.items.append(item)
 
     def write_contents(self, origin: Provenance) -> None:
@@ -133,7 +128,7 @@ class StageRun:
         contents = {
             "stage": self.stage,
             "command": origin.command,
-            "fingerprint": origin.fingerprint[:FINGERPRINT_SHOWN],
+            "fingerprint": short(origin.fingerprint),
             "items": [asdict(item) for item in self.items],
         }
         write_json(self.report("contents.json"), contents)
@@ -144,10 +139,8 @@ class StageRun:
             shutil.rmtree(folder, ignore_errors=True)
 
     def settle(self) -> None:
-        """Remove what only an unfinished run needs, and write down how long things took."""
+        """Remove what only an unfinished run needs."""
         shutil.rmtree(self.root / "scratch" / self.stage, ignore_errors=True)
-        if self.timings:
-            write_json(self.root / "timings" / f"{self.stage}.json", self.timings)
 
     def own_params(self) -> dict[str, Any]:
         """The parameters that this stage reads, for tracking."""

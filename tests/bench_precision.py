@@ -11,7 +11,7 @@ from pathlib import Path
 import pandas as pd
 from rich.console import Console
 
-from pipeline.artifacts import replacing
+from pipeline.artifacts import write_csv
 from pipeline.params import Params, load_params
 from pipeline.sweeps.judged_predictors import judged_predictors
 from pipeline.sweeps.plan import load_plan
@@ -49,10 +49,7 @@ def measure() -> pd.DataFrame:
 def main() -> None:
     """Measure, write, print."""
     table = measure().rename(columns={"params": PRECISIONS[0], "found": PRECISIONS[1]})
-    with replacing(MEASURED) as temporary:
-        table.drop(columns="holds").to_csv(
-            temporary, index=False, float_format="%.4g", lineterminator="\n"
-        )
+    write_csv(MEASURED, table.drop(columns="holds"), digits=4)
     Console().print(MEASURED.read_text())
 
 

@@ -33,7 +33,7 @@ from models.predictors.learned import build_network
 from models.predictors.tracks import tracks
 from models.predictors.training import ForecastTraining, WindowData
 from models.segmentation.tables import Segmented
-from pipeline.artifacts import read_table, replacing, write_json
+from pipeline.artifacts import read_table, write_csv, write_json
 from pipeline.costs import machine
 from pipeline.episodes import _episode
 from pipeline.exam_sheets import OURS
@@ -184,9 +184,7 @@ def main() -> None:
     rows = [measure_training(*setting) for setting in SETTINGS]
     rows += [measure_balls(*setting) for setting in SETTINGS]
     rows += [measure(work, *setting) for work in WORKS for setting in SETTINGS]
-    with replacing(MEASURED) as temporary:
-        table = pd.DataFrame(rows)
-        table.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")
+    write_csv(MEASURED, pd.DataFrame(rows), digits=4)
     write_json(SIZES, {**machine(ROOT), **{k: float(f"{v:.4g}") for k, v in sizes().items()}})
     fill_page()
     Console().print(MEASURED.read_text())

@@ -20,6 +20,7 @@ from models.ball.types import Floats
 from models.exam.finding import Finding, shots_of
 from models.exam.regression import Places, Regression, candidates, finding
 from models.exam.trial import Recording
+from models.gap.evidence import regular
 from models.gap.hypotheses import Hypothesis
 from models.gap.linear import linearise
 from models.gap.noise import Noise, prior_precision
@@ -144,16 +145,11 @@ def jackknife(grams: Floats) -> tuple[Floats, Floats]:
     are at least those of noise that is independent in every sample.
     """
     total, count = grams.sum(axis=0), len(grams)
-    inner, others = _regular(total[:-1, :-1]), total - grams
+    inner, others = regular(total[:-1, :-1]), total - grams
     whole = np.linalg.solve(inner, total[:-1, -1])
-    without = np.linalg.solve(_regular(others[:, :-1, :-1]), others[:, :-1, -1:])[..., 0]
+    without = np.linalg.solve(regular(others[:, :-1, :-1]), others[:, :-1, -1:])[..., 0]
     spread = (count - 1) / count * ((without - whole) ** 2).sum(axis=0)
     return whole, np.sqrt(np.maximum(spread, np.diag(np.linalg.inv(inner))))
-
-
-def _regular(matrix: Floats) -> Floats:
-    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)[..., None] * np.eye(matrix.shape[-1])
-    return matrix + 1e-10 * diagonal + 1e-300 * np.eye(matrix.shape[-1])
 
 
 def _with(

@@ -66,7 +66,7 @@ class Tested:
     @cached_property
     def estimate(self) -> Floats:
         """(D,) by how much the values differ from the simulator's, to first order."""
-        change: Floats = np.linalg.solve(_regular(self.information), self.scores.sum(axis=0))
+        change: Floats = np.linalg.solve(regular(self.information), self.scores.sum(axis=0))
         return change
 
     @cached_property
@@ -91,20 +91,20 @@ class Tested:
         total, gain = self.scores.sum(axis=0), 0.0
         for score, shares in parts:
             information = shares.sum(axis=0)
-            said = np.linalg.solve(_regular(self.information - information), total - score)
+            said = np.linalg.solve(regular(self.information - information), total - score)
             gain += float(2 * said @ score - said @ information @ said)
         return gain
 
     @cached_property
     def supporters(self) -> float:
         """How many shots, all alike, would say as much: no verdict rests on one or two."""
-        shares = np.einsum("bdd->b", np.linalg.solve(_regular(self.information), self.shares))
+        shares = np.einsum("bdd->b", np.linalg.solve(regular(self.information), self.shares))
         return float(shares.sum() ** 2 / np.maximum((shares**2).sum(), 1e-300))
 
     @cached_property
     def surprises(self) -> Floats:
         """(B, D) how far each shot's score is from what the others say of it."""
-        others = _regular(self.information - self.shares)
+        others = regular(self.information - self.shares)
         rest = self.scores.sum(axis=0) - self.scores
         said = np.linalg.solve(others, rest[..., None])
         surprises: Floats = self.scores - (self.shares @ said)[..., 0]
@@ -127,14 +127,14 @@ class Tested:
     def chance(self) -> float:
         """Of so large a gain where there is no effect."""
         total, size = self.scores.sum(axis=0), len(self.block)
-        squared = float(total @ np.linalg.solve(_regular(self.variance), total))
+        squared = float(total @ np.linalg.solve(regular(self.variance), total))
         rest = max(self.degrees - size + 1, 1.0)
         return float(fisher.sf(squared * rest / (size * self.degrees), size, rest))
 
     @cached_property
     def margin(self) -> Floats:
         """(D,) by which each estimate may be off, either way, with 95 % confidence."""
-        inverse = np.linalg.inv(_regular(self.information))
+        inverse = np.linalg.inv(regular(self.information))
         errors = np.sqrt(np.diag(inverse @ self.variance @ inverse))
         margin: Floats = errors * student.isf((1 - CONFIDENCE) / 2, self.degrees)
         return margin
@@ -183,7 +183,7 @@ class Evidence:
     def tested(self, block: Sequence[int], beside: Sequence[int]) -> Tested:
         """Test a block of hypotheses beside others that are free."""
         k, n = list(block), [one for one in beside if one not in block]
-        inner = _regular(self.total[np.ix_(n, n)])
+        inner = regular(self.total[np.ix_(n, n)])
         free = np.linalg.solve(inner, self.scores[:, n].sum(axis=0))
         mixing = np.linalg.solve(inner, self.total[np.ix_(n, k)]).T
         rest = self.scores - self.information[:, :, n] @ free
@@ -237,7 +237,7 @@ def familywise(tests: Sequence[Tested]) -> Floats:
     return of_least
 
 
-def _regular(matrix: Floats) -> Floats:
+def regular(matrix: Floats) -> Floats:
     """Return information matrices that can be inverted where hypotheses are exactly alike."""
     size = matrix.shape[-1]
     diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)[..., None] * np.eye(size)

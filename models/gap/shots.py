@@ -9,7 +9,6 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from models.ball.types import Floats
@@ -90,23 +89,6 @@ class Shots:
             _padded([w for _, w in spins]),
             np.array(called),
             np.array(called if groups is None else list(groups)),
-        )
-
-    @classmethod
-    def from_table(cls, samples: pd.DataFrame) -> "Shots":
-        """Build shots from a table of samples, one shot an episode.
-
-        Args:
-            samples: with columns recording_id, episode_id, t (s), px, py, pz (m) and wx, wy, wz
-                (rad/s, NaN without a label), in the order of time within an episode.
-        """
-        parts = [part for _, part in samples.groupby("episode_id", sort=False)]
-        return cls.from_arrays(
-            [part["t"].to_numpy() for part in parts],
-            [part[POSITION_COLUMNS].to_numpy() for part in parts],
-            [part[SPIN_COLUMNS].to_numpy() for part in parts],
-            names=[part["episode_id"].iloc[0] for part in parts],
-            groups=[part["recording_id"].iloc[0] for part in parts],
         )
 
     def __len__(self) -> int:

@@ -22,7 +22,7 @@ Mask = NDArray[np.bool_]
 
 FEWEST_SAMPLES = 3  # two samples always lie on some arc
 SECOND_SAMPLES = 3  # how many candidates for an arc's second sample are tried
-OUTLIERS_IN_A_ROW = 12  # after as many an arc has ended
+OUTLIERS_IN_A_ROW = 12  # at most; after more an arc has ended
 LONGEST_ARC = 2.0  # s; a lob of 4.9 m. Keeps the work linear where a ball lies still.
 
 UNUSED = -1  # a sample that is in no arc

@@ -1,9 +1,14 @@
 """How every figure looks: one matplotlib style, one fixed colour a predictor and a contact."""
 
 import zlib
+from pathlib import Path
 
 import matplotlib.style
+from matplotlib.figure import Figure
 
+from pipeline.artifacts import replacing
+
+FIGURE_DPI = 150
 FIGURE_WIDTH = 8.0  # inch; every figure is this wide, so that text has one size on the page
 INK = "#20262d"
 MUTED = "#66707a"
@@ -65,6 +70,13 @@ def apply_style() -> None:
     function would not reach them.
     """
     matplotlib.style.use(STYLE)
+
+
+def save_figure(path: Path, figure: Figure) -> None:
+    """Write a figure as a picture; same figure, same bytes."""
+    with replacing(path) as temporary:
+        # The name of the drawing program would change with its version.
+        figure.savefig(temporary, dpi=FIGURE_DPI, metadata={"Software": None})
 
 
 def predictor_colour(name: str) -> str:

@@ -9,13 +9,14 @@ from typing import Any
 import pandas as pd
 from rich.table import Table
 
-from pipeline.artifacts import replacing, write_json
+from pipeline.artifacts import write_csv, write_json
 from pipeline.errors import InputError
 from pipeline.metrics import rounded
 from pipeline.params import Params, check_params, read_yaml
 from pipeline.profiles import merged
+from pipeline.provenance import short
 from pipeline.sweeps.judged import SEEDS, Judged
-from pipeline.sweeps.plan import FINGERPRINT_SHOWN, Plan
+from pipeline.sweeps.plan import Plan
 from pipeline.sweeps.report import BEST, CONFIRMED, CONFIRMED_SUMMARY
 from pipeline.sweeps.settings import PredictorSweep
 
@@ -34,8 +35,7 @@ def run_confirm(plan: Plan) -> pd.DataFrame:
     both = compared_params(plan)
     folder = plan.scratch / "confirm" / _fingerprint(plan, both)
     table = _judged(plan, both, folder).table(plan.params["seed"])
-    with replacing(plan.report / CONFIRMED) as temporary:
-        table.to_csv(temporary, index=False, float_format="%.6g", lineterminator="\n")
+    write_csv(plan.report / CONFIRMED, table)
     write_json(plan.report / CONFIRMED_SUMMARY, _summary(plan, table))
     shutil.rmtree(plan.scratch / "confirm", ignore_errors=True)
     return table
@@ -61,7 +61,7 @@ def compared_params(plan: Plan) -> list[Params]:
 
 def _fingerprint(plan: Plan, both: list[Params]) -> str:
     content = json.dumps([plan.fingerprint, *(one.model_dump(mode="json") for one in both)])
-    return hashlib.sha256(content.encode()).hexdigest()[:FINGERPRINT_SHOWN]
+    return short(hashlib.sha256(content.encode()).hexdigest())
 
 
 def _judged(plan: Plan, both: list[Params], folder: Path) -> Judged:

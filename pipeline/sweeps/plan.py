@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from pipeline.errors import InputError
 from pipeline.params import Params, as_json, check_params, load_params, read_yaml
 from pipeline.profiles import merged
-from pipeline.provenance import provenance
+from pipeline.provenance import provenance, short
 from pipeline.simulators import load_simulator
 from pipeline.sweeps.settings import SWEEPS, PolicySweep, PredictorSweep, Value
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 # Validation windows hide the spin as often: losses of different shares do not compare.
 JUDGED_BY = {"train_predictor.training.hidden_spin"}
-FINGERPRINT_SHOWN = 12  # characters
 
 
 @dataclass(frozen=True)
@@ -66,7 +65,7 @@ class Plan:
     @property
     def study(self) -> str:
         """The name of the study: other data or another space make another study."""
-        return f"{self.name}-{self.fingerprint[:FINGERPRINT_SHOWN]}"
+        return f"{self.name}-{short(self.fingerprint)}"
 
     def defaults(self) -> dict[str, Value] | None:
         """Return what params.yaml says of the parameters to be found; None if out of the space."""

@@ -1,18 +1,16 @@
 """What a sweep found: parameters that params.yaml can take, all trials, and two figures."""
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import optuna
 import pandas as pd
 import yaml
-from matplotlib.figure import Figure
 from optuna.trial import FrozenTrial, TrialState
 
-from pipeline.artifacts import replacing, write_json, write_text
+from pipeline.artifacts import write_csv, write_json, write_text
 from pipeline.errors import InputError
-from pipeline.figures.style import apply_style
+from pipeline.figures.style import apply_style, save_figure
 from pipeline.figures.sweeps import history_figure, importance_figure
 from pipeline.metrics import rounded
 from pipeline.profiles import flags, merged
@@ -21,7 +19,6 @@ from pipeline.sweeps.plan import Plan, nested
 BEST, TRIALS, SUMMARY = "best_params.yaml", "trials.csv", "sweep.json"
 HISTORY, IMPORTANCE = "history.png", "importance.png"
 CONFIRMED, CONFIRMED_SUMMARY = "confirmed.csv", "confirmed.json"  # see confirm.py
-FIGURE_DPI = 150
 OUTCOMES = {TrialState.COMPLETE: "finished", TrialState.PRUNED: "given up"}
 
 
@@ -40,14 +37,13 @@ def write_report(plan: Plan, study: optuna.Study) -> list[str]:
     best = plan.suggested(study.best_trial)
     _forget_outdated(plan, best)
     write_text(plan.report / BEST, _best_text(plan, best))
-    with replacing(plan.report / TRIALS) as temporary:
-        trials.to_csv(temporary, index=False, float_format="%.6g", lineterminator="\n")
+    write_csv(plan.report / TRIALS, trials)
     write_json(plan.report / SUMMARY, _summary(plan, study, trials))
     apply_style()
-    _write_figure(plan.report / HISTORY, history_figure(trials, plan.settings))
+    save_figure(plan.report / HISTORY, history_figure(trials, plan.settings))
     importances = _importances(study)
     if importances:
-        _write_figure(plan.report / IMPORTANCE, importance_figure(importances))
+        save_figure(plan.report / IMPORTANCE, importance_figure(importances))
     return flags(plan.params, merged(plan.params, nested(best)))
 
 
@@ -120,8 +116,3 @@ def _best_text(plan: Plan, best: dict[str, Any]) -> str:
         f"# `rallygap confirm {plan.name}` may go into params.yaml.\n"
     )
     return heading + str(yaml.safe_dump(nested(best), sort_keys=False))
-
-
-def _write_figure(path: Path, figure: Figure) -> None:
-    with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=FIGURE_DPI, metadata={"Software": None})

@@ -7,6 +7,7 @@ import pytest
 from pipeline.artifacts import table_writer, write_table
 from pipeline.contracts import SAMPLES, empty
 from pipeline.episodes import read_episodes
+from pipeline.errors import InputError
 from tests.pipeline.measured_shots import shot_tables
 
 HALF = 50  # samples in the first of two episodes
@@ -48,6 +49,16 @@ def test_only_the_splits_asked_for_are_read(tmp_path, wanted):
         own = samples[["train", "test"].index(one.split)]
         np.testing.assert_array_equal(one.episode.positions, own[["px", "py", "pz"]])
         assert len(one.episode.bounces) == 1
+
+
+def test_an_episode_without_samples_is_named(tmp_path):
+    samples, contacts, episodes, _ = shot_tables("labelled", 0)
+    write_table(tmp_path / "samples.parquet", samples)
+    write_table(tmp_path / "contacts.parquet", contacts)
+    more = episodes.assign(episode_id="labelled/0/09")
+    write_table(tmp_path / "episodes.parquet", pd.concat([episodes, more]))
+    with pytest.raises(InputError, match=r"samples\.parquet: has no .* episode labelled/0/09"):
+        read_episodes(tmp_path, set())
 
 
 def test_labels_of_every_sample_hold_whatever_the_ball_meets(tmp_path):

@@ -1,7 +1,6 @@
 """Shots: padding, labels and what is refused."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from models.gap.shots import Shots
@@ -36,18 +35,6 @@ def test_shots_are_picked_by_mask():
     shots = Shots.from_arrays(TIMES, PLACES, names=["a", "b"], groups=["x", "y"])
     picked = shots[np.array([False, True])]
     assert (len(picked), picked.names.tolist(), picked.groups.tolist()) == (1, ["b"], ["y"])
-
-
-def test_a_table_of_samples_has_one_shot_an_episode():
-    places = np.vstack(PLACES)
-    table = pd.DataFrame(places, columns=["px", "py", "pz"])
-    table[["wx", "wy", "wz"]] = np.nan
-    table["t"] = np.concatenate(TIMES)
-    table["episode_id"] = ["r/0"] * 3 + ["r/1"] * 2
-    table["recording_id"] = "r"
-    shots = Shots.from_table(table)
-    assert shots.names.tolist() == ["r/0", "r/1"]
-    assert np.array_equal(shots.positions[shots.valid], places)
 
 
 @pytest.mark.parametrize(
