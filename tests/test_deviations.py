@@ -159,20 +159,22 @@ def of_the_swap_on_measured_sets():
     return f"the fine-tuned transformer gains {change} points of returns, no interval clear of zero"
 
 
-def lost_on_the_arena(run, predictor, unit=""):
-    """The one interval of six that is clear of zero."""
+def clear_on_the_arena(run, predictor):
+    """The intervals of six that are clear of zero."""
     gains = swap_gains(run, predictor).loc[ARENA]
     clear = gains[gains["ci_low"].gt(0) | gains["ci_high"].lt(0)]
-    assert len(gains) == 6 and len(clear) == 1
-    mean, low, high = clear.iloc[0]
-    return f"{mean:.1f}{unit} ({low:.1f} to {high:.1f})"
+    assert len(gains) == 6
+    rows = [f"{row[0]:.1f} points ({row[1]:.1f} to {row[2]:.1f})" for row in clear.to_numpy()]
+    return ", ".join(rows) or "none"
 
 
 def of_the_swap_on_the_arena():
-    laptop = lost_on_the_arena(".", "transformer", " points")
-    paper = lost_on_the_arena("paper", "transformer")
-    real = lost_on_the_arena("real", "transformer_fine_tuned")
-    return f"{laptop} in `laptop`, {paper} in `reports/paper`, {real} fine-tuned in `reports/real`"
+    laptop, paper = (clear_on_the_arena(run, "transformer") for run in (".", "paper"))
+    real = clear_on_the_arena("real", "transformer_fine_tuned")
+    counts = (
+        f"in `laptop` {laptop}, in `reports/paper` {paper}, fine-tuned in `reports/real` {real}"
+    )
+    return f"of six intervals clear of zero: {counts}"
 
 
 def of_reach():
