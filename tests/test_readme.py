@@ -227,6 +227,12 @@ def test_the_tables_are_the_committed_runs(report, of_arena):
     assert expected_table(report, of_arena) in README
 
 
+def test_the_time_of_a_reproduction_is_that_of_one_that_changed_nothing():
+    measured = json.loads((ROOT / "reports/costs/reproduce.json").read_text(encoding="utf-8"))
+    took = f"took {measured['seconds'] / 60:.0f} minutes on two cores"
+    assert took in README and measured["changed"] == []
+
+
 def test_the_table_of_costs_is_the_committed_measurement_s():
     assert expected_costs() in README
 
