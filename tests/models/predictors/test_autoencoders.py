@@ -190,7 +190,7 @@ def test_what_the_mask_hides_changes_no_forecast(settings):
 @pytest.mark.parametrize("settings", SETTINGS, ids=KINDS)
 def test_the_loss_reaches_every_weight(settings):
     training, windows = schooling(shape=settings)
-    training._loss(next(iter(windows.train_dataloader()))).backward()
+    training._loss(next(iter(windows.train_dataloader())))[0].backward()
     gradients = {name: one.grad for name, one in training.network.named_parameters()}
     assert all(gradient is not None and gradient.any() for gradient in gradients.values())
 
