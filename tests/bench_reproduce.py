@@ -16,7 +16,7 @@ from pathlib import Path
 import pandas as pd
 from rich.console import Console
 
-from pipeline.artifacts import replacing, write_json
+from pipeline.artifacts import write_csv, write_json
 from pipeline.costs import machine
 
 ROOT = Path(__file__).parents[1]
@@ -72,8 +72,7 @@ def main() -> None:
             "seconds": round(table["seconds"].sum()),
             "changed": changed(clone),
         }
-    with replacing(MEASURED) as temporary:
-        table.to_csv(temporary, index=False, float_format="%.0f", lineterminator="\n")
+    write_csv(MEASURED, table.round())
     write_json(MEASURED.with_suffix(".json"), found)
     Console().print(MEASURED.read_text(), found)
 

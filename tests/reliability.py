@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from pipeline.artifacts import replacing
+from pipeline.artifacts import write_csv
 
 ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "reports" / "reliability"
@@ -31,8 +31,7 @@ class Tables:
         self.rows[name].extend(rows)
         if self.folder is not None:
             table = pd.DataFrame([asdict(row) for row in self.rows[name]])
-            with replacing(self.folder / f"{name}.csv") as temporary:
-                table.to_csv(temporary, index=False, lineterminator="\n")
+            write_csv(self.folder / f"{name}.csv", table)
 
 
 @pytest.fixture(scope="session")
