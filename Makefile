@@ -38,7 +38,7 @@ real: .venv/ready ## run the pipeline on the measured sets in DATA and keep the 
 	@rallygap real
 
 exam: .venv/ready ## hours: sit the whole blind exam and keep its sheets; goes on where it was killed
-	@python -m pipeline.exam
+	@python -m pipeline.exam.run
 	@dvc repro hidden_effects
 
 test: .venv/ready ## the quick tests, a file after another on every core
@@ -63,10 +63,10 @@ pictures: .venv/ready ## photograph MLflow's pages for docs/compare.md; needs Ch
 	@pytest -m slow tests/pipeline/test_comparing_pages.py --pictures docs/images
 
 bench: .venv/ready ## half an hour: the ball simulator and the learning beside their peers, and what predictors cost
-	@python -m tests.bench
-	@python -m tests.bench_policy
+	@python -m benchmarks.ball_simulator
+	@python -m benchmarks.policy_training
 	@test ! -d artifacts/train_predictor || rallygap costs
-	@python -m tests.bench_learning
+	@python -m benchmarks.learning
 
 ui: .venv/ready ## the MLflow pages of this repository's runs, on this machine only
 	@rallygap ui

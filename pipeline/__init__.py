@@ -1,5 +1,5 @@
 """What every stage shares: parameters, data contracts, sources, artefacts, tracking, figures."""
 
-from pipeline.processor import hold_arithmetic
+from pipeline.runtime.determinism import hold_arithmetic
 
 hold_arithmetic()

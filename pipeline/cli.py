@@ -10,10 +10,10 @@ from typing import Annotated
 import typer
 
 from pipeline.benchmark.command import app as benchmark
-from pipeline.clone import clone, clone_with_run
-from pipeline.console import refuse, show
-from pipeline.errors import InputError
-from pipeline.guarded import disks_named
+from pipeline.runtime.console import refuse, show
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.guard import disks_named
+from pipeline.runtime.repository import clone, clone_with_run
 
 # Of MLflow's server: no telemetry, and none of the processes that run jobs, which nobody submits.
 LEAN = {
@@ -53,7 +53,7 @@ def check() -> None:
 @app.command()
 def mend() -> None:
     """Remove what is damaged in DVC's cache, with its copies, and a lock that a kill broke."""
-    from pipeline.mend import mend
+    from pipeline.experiments.cache_repair import mend
 
     root = clone()
     removed = mend(root)
@@ -66,7 +66,7 @@ def mend() -> None:
 @app.command()
 def profile(name: Annotated[str, typer.Argument(help="a file of the folder profiles")]) -> None:
     """Print a profile as flags, for `dvc exp run $(rallygap profile smoke)`."""
-    from pipeline.profiles import profile_flags
+    from pipeline.experiments.profiles import profile_flags
 
     typer.echo(" ".join(profile_flags(clone(), name)))
 
@@ -79,8 +79,8 @@ def real(
     ] = None,
 ) -> None:
     """Run the pipeline on the measured sets in FOLDER and keep the results as `real`."""
-    from pipeline.keep import keep_experiment
-    from pipeline.profiles import profile_flags
+    from pipeline.experiments.keep import keep_experiment
+    from pipeline.experiments.profiles import profile_flags
 
     if folder is None:
         raise InputError("real", "say where the measured sets are: make real DATA=~/balls")
@@ -101,7 +101,7 @@ def real(
 @app.command()
 def keep(name: Annotated[str, typer.Argument(help="as `dvc exp list` shows it")]) -> None:
     """Copy the results of a DVC experiment into reports/NAME, to be committed."""
-    from pipeline.keep import keep_experiment
+    from pipeline.experiments.keep import keep_experiment
 
     root = clone()
     keep_experiment(root, name)
@@ -111,7 +111,7 @@ def keep(name: Annotated[str, typer.Argument(help="as `dvc exp list` shows it")]
 @app.command()
 def effects() -> None:
     """Print the catalogue of effects as Markdown: `rallygap effects > docs/effects.md`."""
-    from pipeline.figures.catalogue import catalogue_page
+    from pipeline.documentation.effects_page import catalogue_page
 
     typer.echo(catalogue_page())
 
@@ -119,7 +119,7 @@ def effects() -> None:
 @app.command()
 def paper() -> None:
     """Print the paper's numbers beside ours as Markdown: `rallygap paper > docs/paper.md`."""
-    from pipeline.beside_paper.page import paper_page
+    from pipeline.paper.page import paper_page
 
     typer.echo(paper_page(clone()))
 
@@ -135,7 +135,7 @@ def diagnose(
     ] = 0.003,
 ) -> None:
     """Say where recordings and a simulator disagree, why, and by how much."""
-    from pipeline.diagnosis import diagnose_folder
+    from pipeline.gap.diagnose_folder import diagnose_folder
 
     findings = diagnose_folder(data, source, simulator, level, out, say=typer.echo)
     typer.echo()
@@ -149,7 +149,7 @@ def diagnose(
 @app.command()
 def costs() -> None:
     """Measure what the predictors of the last run cost on this machine; write reports/costs."""
-    from pipeline.costs import costs_table, machine, measure_costs, write_costs
+    from pipeline.evaluation.costs import costs_table, machine, measure_costs, write_costs
 
     root = clone_with_run()
     folder = root / "reports" / "costs"
@@ -164,7 +164,7 @@ def run_of(path: Annotated[Path, typer.Argument(help="a file under reports or ar
     """Say which run wrote a file: stage, commit, DVC experiment, and its page in MLflow."""
     from dataclasses import asdict
 
-    from pipeline.run_of import origin_of
+    from pipeline.tracking.lineage import origin_of
 
     for name, value in asdict(origin_of(clone(), path)).items():
         typer.echo(f"{name:<12}{value or '–'}")
@@ -212,7 +212,7 @@ def ui(
     port: Annotated[int, typer.Option(min=1, max=65535, help="on this machine only")] = 5000,
 ) -> None:
     """Serve the MLflow pages of this repository's runs, until interrupted."""
-    from pipeline.tracking import store_uri
+    from pipeline.tracking.recording import store_uri
 
     root = clone()
     _check_free(port)

@@ -27,9 +27,9 @@ from models.policy.settings import (
     SensorNoise,
 )
 from models.predictors.settings import NetworkSettings, TrainingSettings
-from models.quality.settings import ForestSettings
 from models.segmentation.settings import ScoringSettings, SegmentSettings
-from pipeline.errors import InputError
+from models.shot_quality.settings import ForestSettings
+from pipeline.runtime.errors import InputError
 from pipeline.sources.settings import IngestSettings
 
 # A name that is also a key of metrics, a file name and a legend entry.

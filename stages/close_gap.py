@@ -3,24 +3,24 @@
 from collections.abc import Sequence
 from typing import Any
 
-from models.gap.amend import amended_yaml
+from models.gap.amend.simulator import amended_yaml
 from models.gap.diagnose import HELD_OUT
-from pipeline.artifacts import write_text
-from pipeline.console import warn
-from pipeline.episodes import MeasuredEpisode
-from pipeline.errors import InputError
-from pipeline.figures.close_gap import closing_figure, stability_figure
-from pipeline.gap_cases import Diagnosed, cases, diagnose_all
-from pipeline.metrics import place, rounded
-from pipeline.run import StageRun, run_stage
-from pipeline.shots import read_training_shots
-from pipeline.verdict_tables import (
+from pipeline.gap.cases import Diagnosed, cases, diagnose_all
+from pipeline.gap.figures.stability import closing_figure, stability_figure
+from pipeline.gap.shots import read_training_shots
+from pipeline.gap.tables import (
     CASE,
     cause_table,
     error_table,
     stability_table,
     verdict_table,
 )
+from pipeline.io.artifacts import write_text
+from pipeline.io.episodes import MeasuredEpisode
+from pipeline.io.metrics import place, rounded
+from pipeline.runtime.console import warn
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun, run_stage
 
 
 def close_gap(run: StageRun) -> None:

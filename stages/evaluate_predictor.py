@@ -13,17 +13,17 @@ from models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErrors, erro
 from models.predictors.protocol import FUTURE_TIMES, Forecast
 from models.predictors.windows import Windows, windows
 from models.segmentation.split import recording_groups
-from pipeline.episodes import MeasuredEpisode
-from pipeline.figures.forecast_error import forecast_error_figure
-from pipeline.figures.shots import MOST_SHOTS, Shot, write_shots
-from pipeline.figures.shots import Forecast as ShownForecast
-from pipeline.measured_sets import MeasuredSet, read_test_sets
-from pipeline.metrics import place, rounded
-from pipeline.predictors import ARENA, Contender, one_thread, read_contenders
-from pipeline.progress import progress_bar
-from pipeline.run import StageRun, run_stage
-from pipeline.truth import read_truth, true_windows
-from pipeline.workers import parallel
+from pipeline.evaluation.contenders import ARENA, Contender, one_thread, read_contenders
+from pipeline.evaluation.example_shots import MOST_SHOTS, Shot, write_shots
+from pipeline.evaluation.example_shots import Forecast as ShownForecast
+from pipeline.evaluation.figures.forecast_error import forecast_error_figure
+from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
+from pipeline.io.episodes import MeasuredEpisode
+from pipeline.io.ground_truth import read_truth, true_windows
+from pipeline.io.metrics import place, rounded
+from pipeline.runtime.parallel import parallel
+from pipeline.runtime.progress import progress_bar
+from pipeline.runtime.stage_run import StageRun, run_stage
 
 WINDOWS_AT_ONCE = 256
 MEASURED, TRUTH = "measured", "truth"  # what forecasts are compared with

@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from models.exam.design import spread
-from models.exam.scoring import rates
-from models.exam.sheet import Sheet
-from pipeline.artifacts import write_json
-from pipeline.console import warn
-from pipeline.exam_sheets import SHEETS, Sat, read_sheets, seats, sit_all
-from pipeline.exam_tables import (
+from models.exam.design.questions import spread
+from models.exam.record import Sheet
+from models.exam.scoring.rates import rates
+from pipeline.exam.figures.methods import accuracy_figure, methods_figure
+from pipeline.exam.figures.single_method import confusion_figure, coverage_figure
+from pipeline.exam.records import SHEETS, Sat, read_sheets, seats, sit_all
+from pipeline.exam.tables import (
     answer_table,
     differing,
     effect_table,
@@ -21,9 +21,9 @@ from pipeline.exam_tables import (
     rate_table,
     shortfall_table,
 )
-from pipeline.figures.exam import confusion_figure, coverage_figure
-from pipeline.figures.exam_methods import accuracy_figure, methods_figure
-from pipeline.run import StageRun, run_stage
+from pipeline.io.artifacts import write_json
+from pipeline.runtime.console import warn
+from pipeline.runtime.stage_run import StageRun, run_stage
 
 SOLVED = (
     "Solved: a cause that the data tell from all others has the right name, any other one is in "

@@ -4,16 +4,16 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.artifacts import read_rows, read_table, write_json
-from pipeline.contracts import POSITION_COLUMNS, VELOCITY_COLUMNS
-from pipeline.figures.launches import (
+from pipeline.io.artifacts import read_rows, read_table, write_json
+from pipeline.io.schemas import POSITION_COLUMNS, VELOCITY_COLUMNS
+from pipeline.runtime.stage_run import StageRun, run_stage
+from pipeline.sources.figures.launches import (
     launch_distributions,
     launches_figure,
     measured_launches,
     simulated_launches,
 )
-from pipeline.figures.measured_balls import drawn_rows, measured_balls_figure
-from pipeline.run import StageRun, run_stage
+from pipeline.sources.figures.measured_balls import drawn_rows, measured_balls_figure
 from pipeline.sources.gather import Gathered, gather
 from pipeline.sources.manifest import Manifest, Refused, SourceRecord
 

@@ -1,13 +1,13 @@
 """Write the report, as a page and as a PDF, from what the stages before it report."""
 
-from pipeline.artifacts import replacing, write_text
-from pipeline.beside_paper.reports import Reports
-from pipeline.figures.contents import read_contents
-from pipeline.figures.page import render_page
-from pipeline.figures.pdf import write_pdf
-from pipeline.figures.returns import read_returns
-from pipeline.figures.shots import read_shots
-from pipeline.run import StageRun, run_stage
+from pipeline.evaluation.example_shots import read_shots
+from pipeline.io.artifacts import replacing, write_text
+from pipeline.io.report_manifest import read_contents
+from pipeline.paper.run_reports import Reports
+from pipeline.runtime.stage_run import StageRun, run_stage
+from pipeline.transfer.example_returns import read_returns
+from pipeline.web.pdf import write_pdf
+from pipeline.web.report_page import render_page
 
 STAGES = (
     "ingest",

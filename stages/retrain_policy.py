@@ -7,24 +7,39 @@ import numpy as np
 import pandas as pd
 
 from models.ball.simulator import Simulator
-from pipeline.amended import amended_by, verdict_path
-from pipeline.artifacts import read_as, read_table, write_table
-from pipeline.beside_truth import NamedCauses, number_table
-from pipeline.errors import InputError
-from pipeline.figures.retraining import loop_figure
-from pipeline.metrics import place, rounded
-from pipeline.outcomes import rates
+from pipeline.evaluation.contenders import ARENA, read_learned
+from pipeline.io.amended_simulators import amended_by, verdict_path
+from pipeline.io.artifacts import read_as, read_table, write_table
+from pipeline.io.ground_truth import read_truth
+from pipeline.io.metrics import place, rounded
+from pipeline.io.simulators import load_simulator
 from pipeline.params import Sim2RealSettings
-from pipeline.policies import save_policy
-from pipeline.policy_training import UNSEEN, Graduate, Pupil, train_policies, try_policies
-from pipeline.predictors import ARENA, read_learned
-from pipeline.replay_trials import EveryTick, Policies, informed, players, replays, source_of
-from pipeline.replays import read_replay_sets
-from pipeline.retraining import KEYS, ORIGINAL, RETRAINED, amended_name, anew, loop_table, pooled
-from pipeline.run import StageRun, run_stage
-from pipeline.simulators import load_simulator
-from pipeline.trials import play_all
-from pipeline.truth import read_truth
+from pipeline.policies.storage import save_policy
+from pipeline.policies.training import UNSEEN, Graduate, Pupil, train_policies, try_policies
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun, run_stage
+from pipeline.transfer.figures.retraining import loop_figure
+from pipeline.transfer.rates import rates
+from pipeline.transfer.replay_sets import read_replay_sets
+from pipeline.transfer.replay_trials import (
+    EveryTick,
+    Policies,
+    informed,
+    players,
+    replays,
+    source_of,
+)
+from pipeline.transfer.retraining import (
+    KEYS,
+    ORIGINAL,
+    RETRAINED,
+    amended_name,
+    anew,
+    loop_table,
+    pooled,
+)
+from pipeline.transfer.trials import play_all
+from pipeline.transfer.truth_comparison import NamedCauses, number_table
 
 OWN = ["simulator", "horizons_ms"]  # what tells policies apart that play in their own simulator
 

@@ -8,9 +8,8 @@ import pandas as pd
 
 from models.segmentation.scoring import SCORED_KINDS, Scored, score
 from models.segmentation.split import recording_groups
-from pipeline.artifacts import read_row_groups
-from pipeline.console import warn
-from pipeline.contracts import (
+from pipeline.io.artifacts import read_row_groups
+from pipeline.io.schemas import (
     CONTACTS,
     EPISODES,
     RECORDINGS,
@@ -18,8 +17,9 @@ from pipeline.contracts import (
     check_columns,
     read_checked,
 )
-from pipeline.figures.contact_scores import contact_scores_figure
-from pipeline.run import StageRun, run_stage
+from pipeline.runtime.console import warn
+from pipeline.runtime.stage_run import StageRun, run_stage
+from pipeline.segmentation.figures.contact_scores import contact_scores_figure
 
 ALL = "all"
 COLUMNS = ["kind", "level", "contacts", "precision", "recall", "time error rms (ms)"]

@@ -10,15 +10,14 @@ import pandas as pd
 from models.segmentation.settings import SegmentSettings
 from models.segmentation.split import recording_groups, split
 from models.segmentation.tables import Segmented, segment_recordings
-from pipeline.artifacts import (
+from pipeline.io.artifacts import (
     count_row_groups,
     read_row_group,
     read_row_groups,
     table_writer,
     write_table,
 )
-from pipeline.console import warn
-from pipeline.contracts import (
+from pipeline.io.schemas import (
     CONTACTS,
     EPISODES,
     RECORDINGS,
@@ -27,12 +26,13 @@ from pipeline.contracts import (
     checked,
     empty,
 )
-from pipeline.errors import InputError
-from pipeline.figures.cuts import SHOWN_SECONDS, cuts_figure
-from pipeline.progress import progress_bar
-from pipeline.run import StageRun, run_stage
+from pipeline.runtime.console import warn
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.parallel import parallel
+from pipeline.runtime.progress import progress_bar
+from pipeline.runtime.stage_run import StageRun, run_stage
+from pipeline.segmentation.figures.cuts import SHOWN_SECONDS, cuts_figure
 from pipeline.sources.manifest import Manifest, read_manifest
-from pipeline.workers import parallel
 
 DRAWN_RECORDINGS = 20  # of each source
 

@@ -9,18 +9,19 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from models.arena.truth import draw_truth
-from models.quality.forest import Forest, grown
-from models.quality.judging import base_rate, forest, logistic
-from models.quality.receivers import RECEIVERS, played_against
-from models.quality.shots import Shots
-from pipeline.artifacts import write_table
-from pipeline.console import warn
-from pipeline.errors import InputError
-from pipeline.figures.shot_quality import calibration_figure, medians_figure
-from pipeline.forests import TrainedForest, save_forest
-from pipeline.metrics import place, rounded
-from pipeline.professionals import read_professionals
-from pipeline.quality_tables import (
+from models.shot_quality.forest import Forest, grown
+from models.shot_quality.forest_evaluation import base_rate, forest, logistic
+from models.shot_quality.receivers import RECEIVERS, played_against
+from models.shot_quality.shots import Shots
+from pipeline.io.artifacts import write_table
+from pipeline.io.metrics import place, rounded
+from pipeline.runtime.console import warn
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun, run_stage
+from pipeline.shot_quality.figures.returns import calibration_figure, medians_figure
+from pipeline.shot_quality.forest_storage import TrainedForest, save_forest
+from pipeline.shot_quality.professionals import read_professionals
+from pipeline.shot_quality.tables import (
     KEYS,
     METRICS,
     Judged,
@@ -37,8 +38,7 @@ from pipeline.quality_tables import (
     unlike_table,
     win_medians,
 )
-from pipeline.returns import read_played
-from pipeline.run import StageRun, run_stage
+from pipeline.transfer.returns import read_played
 
 ANOTHER_HALL = 1  # added to the seed: the arena's own stays sealed
 MEASURED, POINT, USUAL = "as_measured", "point", RECEIVERS[0].name

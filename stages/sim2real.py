@@ -5,15 +5,18 @@ from typing import Any
 import pandas as pd
 
 from models.predictors.physics import PhysicsPredictor
-from pipeline.amended import amended_by
-from pipeline.artifacts import write_json, write_table
-from pipeline.figures.returns import Return, write_returns
-from pipeline.figures.sim2real import tolerance_figure, transfer_figure
-from pipeline.filmed import chosen, filmed
-from pipeline.metrics import place, rounded
-from pipeline.outcomes import differences, rates
-from pipeline.predictors import Contender, read_learned
-from pipeline.replay_trials import (
+from pipeline.evaluation.contenders import Contender, read_learned
+from pipeline.io.amended_simulators import amended_by
+from pipeline.io.artifacts import write_json, write_table
+from pipeline.io.metrics import place, rounded
+from pipeline.io.simulators import load_simulator
+from pipeline.runtime.stage_run import StageRun, run_stage
+from pipeline.transfer.example_returns import Return, write_returns
+from pipeline.transfer.figures.sim2real import tolerance_figure, transfer_figure
+from pipeline.transfer.rates import differences, rates
+from pipeline.transfer.recorded_returns import chosen, filmed
+from pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
+from pipeline.transfer.replay_trials import (
     EveryTick,
     FirstWindow,
     Forecaster,
@@ -26,11 +29,8 @@ from pipeline.replay_trials import (
     source_of,
     stream,
 )
-from pipeline.replays import ReplaySet, read_replay_sets
-from pipeline.run import StageRun, run_stage
-from pipeline.simulators import load_simulator
-from pipeline.transfer import BASELINE, PHYSICS, SETTING, in_the_form_of_the_paper
-from pipeline.trials import play_all
+from pipeline.transfer.transfer_table import BASELINE, PHYSICS, SETTING, in_the_form_of_the_paper
+from pipeline.transfer.trials import play_all
 
 KEYS = [*SETTING, *BASELINE]  # what tells two experiments apart
 FILMED = 2  # balls of every set

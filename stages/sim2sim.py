@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 from models.ball.simulator import Simulator
 from models.policy.forecasts import first_state, re_anchored
 from models.policy.goals import Goals, draw_goals
-from models.policy.incoming import Incoming, fly_in
+from models.policy.incoming_balls import Incoming, fly_in
 from models.policy.launches import draw_launches
 from models.policy.policy import Policy
+from models.policy.random_streams import unseen_balls
 from models.policy.settings import GoalSettings, HorizonsMs
-from models.policy.streams import unseen_balls
-from pipeline.figures.sim2sim import GROUND_TRUTH, IMPERFECT, PROTOCOLS, sim2sim_figure
-from pipeline.metrics import over_seeds, place, rounded
-from pipeline.outcomes import differences, rates
+from pipeline.io.metrics import over_seeds, place, rounded
+from pipeline.io.simulators import load_simulator
 from pipeline.params import Sim2SimProtocol
-from pipeline.policies import TrainedPolicy, load_policies
-from pipeline.run import StageRun, run_stage
-from pipeline.simulators import load_simulator
-from pipeline.trials import play_all, try_policy
+from pipeline.policies.storage import TrainedPolicy, load_policies
+from pipeline.runtime.stage_run import StageRun, run_stage
+from pipeline.transfer.figures.sim2sim import GROUND_TRUTH, IMPERFECT, PROTOCOLS, sim2sim_figure
+from pipeline.transfer.rates import differences, rates
+from pipeline.transfer.trials import play_all, try_policy
 
 SETTING = ["protocol", "simulator", "horizons_ms"]  # what tells two comparisons apart
 BASELINE = {"predictor": IMPERFECT}  # what the ground truth's predictions are compared with

@@ -6,15 +6,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from models.policy.film import film
+from models.policy.motion_recording import film
+from models.policy.random_streams import unseen_balls
 from models.policy.scores import scores
-from models.policy.streams import unseen_balls
 from models.robot.view import frames
-from pipeline.artifacts import write_table
-from pipeline.figures.learning import achieved_figure, learning_figure
-from pipeline.metrics import over_seeds, place, rounded
-from pipeline.policies import TrainedPolicy, save_policy
-from pipeline.policy_training import (
+from pipeline.io.artifacts import write_table
+from pipeline.io.metrics import over_seeds, place, rounded
+from pipeline.io.simulators import load_simulator
+from pipeline.policies.figures.training import achieved_figure, learning_figure
+from pipeline.policies.storage import TrainedPolicy, save_policy
+from pipeline.policies.training import (
     TRIALS,
     UNSEEN,
     Graduate,
@@ -22,8 +23,7 @@ from pipeline.policy_training import (
     train_policies,
     try_policies,
 )
-from pipeline.run import StageRun, run_stage
-from pipeline.simulators import load_simulator
+from pipeline.runtime.stage_run import StageRun, run_stage
 
 SETTING = ["group", "simulator", "horizons_ms"]  # what policies of different seeds share
 

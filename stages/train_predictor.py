@@ -8,15 +8,15 @@ import pandas as pd
 
 from models.predictors.learned import ForecastNetwork, build_network
 from models.predictors.settings import TrainingSettings
-from models.predictors.tracks import Tracks, tracks
 from models.predictors.training import WindowData
-from pipeline.episodes import read_episodes
-from pipeline.errors import InputError
-from pipeline.figures.training import training_figure
-from pipeline.predictor_training import Pupil, train_networks
-from pipeline.run import StageRun, run_stage
+from models.predictors.window_dataset import Tracks, tracks
+from pipeline.io.episodes import read_episodes
+from pipeline.predictors.figures.training import training_figure
+from pipeline.predictors.parallel_training import Pupil, train_networks
+from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun, run_stage
 from pipeline.sources.manifest import read_manifest
-from pipeline.weights import Learning, TrainedPredictor, save_predictor
 
 FINE_TUNED = "_fine_tuned"  # what fine-tuning adds to a predictor's name
 

@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from pipeline.artifacts import write_csv
+from pipeline.io.artifacts import write_csv
 
 ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "reports" / "reliability"

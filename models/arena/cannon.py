@@ -7,7 +7,7 @@ from models.arena.contacts import KINDS, Touches, touches
 from models.arena.observation import Ball
 from models.arena.recording import TrueContacts
 from models.arena.truth import Truth
-from models.ball.contact import TABLE
+from models.ball.contact_laws import TABLE
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
 

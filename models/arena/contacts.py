@@ -5,15 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arena.hall import FLOOR, floor_bounced, in_sight
+from models.arena.environment import FLOOR, floor_bounced, in_sight
 from models.arena.truth import Truth
-from models.ball.contact import NET, NONE, TABLE
+from models.ball.contact_laws import NET, NONE, TABLE
 from models.ball.state import BALL_RADIUS, STATE_SIZE
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# The surfaces of models.ball.contact, and the floor, which no simulator of the ball knows.
+# The surfaces of models.ball.contact_laws, and the floor, which no simulator of the ball knows.
 FLOOR_SURFACE = 3
 KINDS = {TABLE: "table", NET: "net", FLOOR_SURFACE: "floor"}
 

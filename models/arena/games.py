@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.arena.cameras import Cameras
+from models.arena.event_log import Log
 from models.arena.levels import LEVELS
-from models.arena.log import Log
 from models.arena.observation import Ball, Samples, observe
 from models.arena.rallies import Rallies
 from models.arena.recording import ArenaRecording, Point, TrueContacts

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from models.arena import footwork, serves, strokes, umpire
 from models.arena.aim import aimed, in_air
 from models.arena.contacts import Touches, touches
+from models.arena.event_log import Log
 from models.arena.levels import Players
-from models.arena.log import Log
 from models.arena.sides import TOWARDS, turned
 from models.arena.truth import Truth
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from models.arena.levels import Players
 from models.arena.sides import turned
 from models.arena.strokes import SIDE_TAIL, spin_vectors, with_errors
-from models.ball.contact import TABLE
+from models.ball.contact_laws import TABLE
 from models.ball.simulator import Simulator
 from models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
 

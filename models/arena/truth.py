@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from models.arena.bounce_scatter import BounceScatter
 from models.arena.cameras import SlowError
-from models.arena.scatter import BounceScatter
 from models.ball.simulator import Simulator
 
 STREAM = 1_000_000  # keeps the draw of the truth apart from those of the recordings

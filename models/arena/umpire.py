@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.arena.contacts import Touches
-from models.ball.contact import NET, NONE, TABLE
+from models.ball.contact_laws import NET, NONE, TABLE
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -9,7 +9,7 @@ from functools import cache
 from models.ball import effects
 from models.ball.effect import Effect
 from models.ball.quantities import QUANTITIES
-from models.discovery import discovered
+from models.support.discovery import discovered
 
 ENTRY_POINT_GROUP = "rallygap.effects"
 

@@ -14,7 +14,7 @@ import numba
 from models.ball.catalogue import catalogue, parameter_columns
 from models.ball.effect import Effect
 from models.ball.quantities import QUANTITIES, Quantity
-from models.compiling import compiler
+from models.support.compilation import compiler
 
 
 @cache

@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from models.ball.compose import compiled
-from models.ball.contact import NET, TABLE, bounced, struck, surfaces
+from models.ball.contact_detection import approach, enters, first_contact, first_touch, gap_to, near
+from models.ball.contact_laws import NET, TABLE, bounced, struck, surfaces
 from models.ball.flight import hall, step
-from models.ball.resting import REST_SPEED, rest, rests
-from models.ball.touch import approach, enters, first_contact, first_touch, gap_to, near
+from models.ball.resting_contact import REST_SPEED, rest, rests
 from models.ball.types import Floats, Hall, Integers, Parameters, Record, Scene, State
 
 LONGEST_STEP = 0.005  # s; with Runge-Kutta 5e-9 m at 20 m/s and 600 rad/s

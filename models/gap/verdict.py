@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, InstanceOf
 
 from models.ball.simulator import Simulator
 from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.located import Located
+from models.gap.location import Located
 
 AXES = ("x", "y", "z")
 WORSE = 0.02  # of the errors before: by as much more those of causes that mislead are, surely

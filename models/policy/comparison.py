@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.policy.forecasts import exact
-from models.policy.incoming import Incoming, tick_times
+from models.policy.incoming_balls import Incoming, tick_times
 from models.policy.settings import HorizonsMs
 from models.predictors.errors import spread
 

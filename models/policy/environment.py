@@ -10,12 +10,12 @@ from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
 
 from models.ball.simulator import Simulator
-from models.policy.court import ACTIONS, Court
+from models.policy.ball_supply import Supply
+from models.policy.batch_simulation import ACTIONS, Court
 from models.policy.episodes import Episodes
-from models.policy.incoming import Balls
+from models.policy.incoming_balls import Balls
 from models.policy.observation import LIMIT, Observations, observation_size
 from models.policy.settings import ObservationKind
-from models.policy.supply import Supply
 
 Integers = NDArray[np.int64]
 

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
-from models.policy.encounter import Encounters
 from models.policy.goals import Goals
 from models.policy.outcome import judge
+from models.policy.racket_contact import Encounters
 from models.policy.reward import FAULT, contact_reward, goal_reward, miss_reward
 
 Floats = NDArray[np.float64]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
-from models.policy.incoming import PATH_STEP, tick_times
+from models.policy.incoming_balls import PATH_STEP, tick_times
 from models.policy.settings import HorizonsMs
 
 Floats = NDArray[np.float64]

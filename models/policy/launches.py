@@ -31,7 +31,7 @@ from models.ball.state import (
     STATE_SIZE,
     VELOCITY,
 )
-from models.policy.incoming import LONGEST, playable
+from models.policy.incoming_balls import LONGEST, playable
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]

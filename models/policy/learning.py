@@ -13,11 +13,11 @@ from stable_baselines3.common.logger import Logger
 from torch import Tensor, nn
 
 from models.policy.environment import ReturnVecEnv
+from models.policy.goal_relabelling import RetoldReplay
 from models.policy.observation import goal_columns
 from models.policy.policy import Policy, Singles
-from models.policy.retelling import RetoldReplay
+from models.policy.random_streams import leg_seed
 from models.policy.settings import LearningSettings
-from models.policy.streams import leg_seed
 from models.policy.task import Task
 
 LEARNER, REPLAY = "learner.zip", "replay.pkl"  # on disk, for nobody but the next leg

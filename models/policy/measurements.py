@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.ball.state import POSITION, SPIN
-from models.policy.incoming import PATH_STEP
+from models.policy.incoming_balls import PATH_STEP
 from models.policy.settings import SensorNoise
 from models.predictors.protocol import TICK
 from models.predictors.windows import ROUNDING

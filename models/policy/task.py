@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from models.ball.simulator import Simulator
-from models.policy.practice import Practice
 from models.policy.settings import GoalSettings, HorizonsMs, ObservationKind
+from models.policy.training_balls import Practice
 
 
 @dataclass(frozen=True)

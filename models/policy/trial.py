@@ -7,10 +7,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
-from models.policy.court import Court
+from models.policy.batch_simulation import Court
 from models.policy.episodes import Episodes
 from models.policy.goals import Goals
-from models.policy.incoming import Incoming
+from models.policy.incoming_balls import Incoming
 from models.policy.policy import Policy
 from models.policy.settings import ObservationKind
 

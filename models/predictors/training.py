@@ -16,7 +16,7 @@ from models.predictors.learned import ForecastNetwork
 from models.predictors.normaliser import uniform_motion
 from models.predictors.optimizer import MuonAndAdam
 from models.predictors.settings import TrainingSettings
-from models.predictors.tracks import Indices, Tracks
+from models.predictors.window_dataset import Indices, Tracks
 
 Batch = tuple[Tensor, Tensor, Tensor, Tensor]
 

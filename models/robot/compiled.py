@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from models.ball import state
-from models.compiling import compiler
+from models.support.compilation import compiler
 
 _HERE = Path(__file__).parent
 _SOURCES = (_HERE / f"{name}.py" for name in ("constants", "kinematics", "control", "contact"))

@@ -3,6 +3,6 @@
 from pathlib import Path
 
 from models.ball import state
-from models.compiling import compiler
+from models.support.compilation import compiler
 
 compiled = compiler([*sorted(Path(__file__).parent.glob("*.py")), Path(state.__file__)])

@@ -1,1 +1,1 @@
-"""The benchmark: test windows for anyone's predictor, and its forecasts' scores beside ours."""
+"""The benchmark: test windows for anyone's predictor, and the scores of its forecasts."""

@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
-from pipeline.clone import clone_with_run
-from pipeline.console import show
-from pipeline.errors import InputError
-from pipeline.outlets import check_file, check_folder
+from pipeline.runtime.console import show
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.output_folder import check_file, check_folder
+from pipeline.runtime.repository import clone_with_run
 
 app = typer.Typer(no_args_is_help=True, help="Test windows for any predictor, and its scores.")
 

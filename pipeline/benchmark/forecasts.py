@@ -12,11 +12,11 @@ from pyarrow.parquet import ParquetFile
 
 from models.predictors.errors import EVALUATED, HORIZONS_MS
 from models.predictors.protocol import FUTURE, Forecast
-from pipeline.benchmark.contracts import FORECASTS, type_of
+from pipeline.benchmark.schemas import FORECASTS, type_of
 from pipeline.benchmark.windows import window_ids
-from pipeline.contracts import STATE_COLUMNS, checked
-from pipeline.errors import InputError
-from pipeline.measured_sets import MeasuredSet
+from pipeline.evaluation.test_windows import MeasuredSet
+from pipeline.io.schemas import STATE_COLUMNS, checked
+from pipeline.runtime.errors import InputError
 
 LARGEST_ROW = 200  # bytes; a row has ten numbers and a name
 LONGEST_SHOWN = 40  # characters

@@ -10,16 +10,16 @@ from rich.table import Table
 
 from models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErrors, errors_of, stacked
 from models.predictors.protocol import Forecast
-from pipeline.artifacts import write_json
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import run_sets
-from pipeline.errors import InputError
-from pipeline.forecast_errors import NUMBERS
-from pipeline.measured_sets import MeasuredSet
-from pipeline.metrics import place, rounded
+from pipeline.evaluation.contenders import Contender, one_thread, read_contenders
+from pipeline.evaluation.error_table import NUMBERS
+from pipeline.evaluation.test_windows import MeasuredSet
+from pipeline.io.artifacts import write_json
+from pipeline.io.metrics import place, rounded
 from pipeline.params import Params
-from pipeline.predictors import Contender, one_thread, read_contenders
-from pipeline.progress import progress
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.progress import progress
 
 UNITS = {"position": "mm", "velocity": "m/s", "spin": "rad/s"}
 

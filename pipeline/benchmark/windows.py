@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 from models.predictors.errors import HORIZONS_MS
 from models.predictors.protocol import HISTORY, HISTORY_TIMES, History
 from models.predictors.windows import Windows
-from pipeline.artifacts import write_json, write_table, write_text
-from pipeline.benchmark.contracts import FORECASTS, WINDOWS, json_schema, type_of
-from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS, checked
-from pipeline.errors import InputError
-from pipeline.measured_sets import MeasuredSet, read_test_sets
+from pipeline.benchmark.schemas import FORECASTS, WINDOWS, json_schema, type_of
+from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
+from pipeline.io.artifacts import write_json, write_table, write_text
+from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, checked
 from pipeline.params import Params
+from pipeline.runtime.errors import InputError
 
 TABLE, SCHEMA, README = "windows.parquet", "schema.json", "README.md"
 ID_BYTES, DIGITS = 8, 6
-_TEMPLATES = Path(__file__).parents[1] / "figures" / "templates"
+_TEMPLATES = Path(__file__).parent / "templates"
 
 
 def run_sets(root: Path, params: Params) -> list[MeasuredSet]:

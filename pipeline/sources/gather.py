@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 from pandera.pandas import DataFrameSchema
 
-from pipeline.artifacts import table_writer
-from pipeline.contracts import LAUNCHES, POINTS, RECORDINGS, TRUE_CONTACTS, checked, empty
-from pipeline.errors import InputError
+from pipeline.io.artifacts import table_writer
+from pipeline.io.schemas import LAUNCHES, POINTS, RECORDINGS, TRUE_CONTACTS, checked, empty
+from pipeline.runtime.errors import InputError
 from pipeline.sources.intake import Intake, in_batches
 from pipeline.sources.manifest import Manifest, SourceRecord
 from pipeline.sources.registry import find_source

@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from pipeline.contracts import LAUNCHES, RECORDINGS
-from pipeline.errors import InputError
+from pipeline.io.schemas import LAUNCHES, RECORDINGS
+from pipeline.runtime.errors import InputError
 from pipeline.sources.files import SourceFile
 from pipeline.sources.manifest import FileRecord, SourceRecord, by_reason
 from pipeline.sources.sieve import ONLY_SAMPLE, Sieve, sift_launches, sift_samples

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
-from pipeline.artifacts import read_as
+from pipeline.io.artifacts import read_as
 from pipeline.sources.source import Description, Refusal
 
 

@@ -6,8 +6,8 @@ with a ``source``, like the modules of ``adapters``.
 
 from functools import cache
 
-from models.discovery import discovered
-from pipeline.errors import InputError
+from models.support.discovery import discovered
+from pipeline.runtime.errors import InputError
 from pipeline.sources import adapters
 from pipeline.sources.source import Source
 

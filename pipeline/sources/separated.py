@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
+from pipeline.runtime.errors import InputError
 from pipeline.sources.files import SourceFile
 from pipeline.sources.source import Refusal
 

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from pipeline.contracts import (
+from pipeline.io.schemas import (
     FARTHEST_POSITION,
     FASTEST_BALL,
     FASTEST_SPIN,

@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import pandas as pd
 from pydantic import BaseModel, ConfigDict
 
-from pipeline.errors import InputError
+from pipeline.runtime.errors import InputError
 from pipeline.sources.files import SourceFile
 from pipeline.sources.frame import Frame
 from pipeline.sources.settings import IngestSettings, SourceName

@@ -9,13 +9,13 @@ from typing import Any
 import pandas as pd
 from rich.table import Table
 
-from pipeline.artifacts import write_csv, write_json
-from pipeline.errors import InputError
-from pipeline.metrics import rounded
+from pipeline.experiments.profiles import merged
+from pipeline.io.artifacts import write_csv, write_json
+from pipeline.io.metrics import rounded
 from pipeline.params import Params, check_params, read_yaml
-from pipeline.profiles import merged
-from pipeline.provenance import short
-from pipeline.sweeps.judged import SEEDS, Judged
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.provenance import short
+from pipeline.sweeps.paired_comparison import SEEDS, Judged
 from pipeline.sweeps.plan import Plan
 from pipeline.sweeps.report import BEST, CONFIRMED, CONFIRMED_SUMMARY
 from pipeline.sweeps.settings import PredictorSweep
@@ -66,10 +66,10 @@ def _fingerprint(plan: Plan, both: list[Params]) -> str:
 
 def _judged(plan: Plan, both: list[Params], folder: Path) -> Judged:
     if isinstance(plan.settings, PredictorSweep):
-        from pipeline.sweeps.judged_predictors import judged_predictors
+        from pipeline.sweeps.predictor_comparison import judged_predictors
 
         return judged_predictors(plan.root, plan.settings, both, folder)
-    from pipeline.sweeps.judged_policies import judged_policies
+    from pipeline.sweeps.policy_comparison import judged_policies
 
     return judged_policies(plan.settings, both, folder)
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from pipeline.errors import InputError
+from pipeline.experiments.profiles import merged
+from pipeline.io.simulators import load_simulator
 from pipeline.params import Params, as_json, check_params, load_params, read_yaml
-from pipeline.profiles import merged
-from pipeline.provenance import provenance, short
-from pipeline.simulators import load_simulator
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.provenance import provenance, short
 from pipeline.sweeps.settings import SWEEPS, PolicySweep, PredictorSweep, Value
 
 if TYPE_CHECKING:

@@ -8,12 +8,12 @@ import pandas as pd
 import yaml
 from optuna.trial import FrozenTrial, TrialState
 
-from pipeline.artifacts import write_csv, write_json, write_text
-from pipeline.errors import InputError
-from pipeline.figures.style import apply_style, save_figure
-from pipeline.figures.sweeps import history_figure, importance_figure
-from pipeline.metrics import rounded
-from pipeline.profiles import flags, merged
+from pipeline.experiments.profiles import flags, merged
+from pipeline.io.artifacts import write_csv, write_json, write_text
+from pipeline.io.figure_style import apply_style, save_figure
+from pipeline.io.metrics import rounded
+from pipeline.runtime.errors import InputError
+from pipeline.sweeps.figures.trials import history_figure, importance_figure
 from pipeline.sweeps.plan import Plan, nested
 
 BEST, TRIALS, SUMMARY = "best_params.yaml", "trials.csv", "sweep.json"

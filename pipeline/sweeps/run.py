@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from pipeline.console import warn
+from pipeline.runtime.console import warn
 from pipeline.sweeps.plan import Plan
 from pipeline.sweeps.report import write_report
 from pipeline.sweeps.study import create_study, running, tried

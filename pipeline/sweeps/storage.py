@@ -13,7 +13,7 @@ from sqlalchemy import create_engine, func, select
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 
-from pipeline.errors import InputError
+from pipeline.runtime.errors import InputError
 from pipeline.sweeps.plan import Plan
 
 HEARTBEAT = 10  # s between a worker's signs of life

@@ -16,15 +16,15 @@ from pathlib import Path
 import optuna
 from optuna import TrialPruned
 
-from pipeline.console import refuse
-from pipeline.errors import InputError
-from pipeline.provenance import repository_root
-from pipeline.sweeps.lost import Signature
+from pipeline.runtime.console import refuse
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.provenance import repository_root
+from pipeline.sweeps.lost_trials import Signature
 from pipeline.sweeps.plan import Plan, load_plan
-from pipeline.sweeps.records import TrialRecord, recorded_trial
 from pipeline.sweeps.settings import PredictorSweep, Value
 from pipeline.sweeps.study import load_study, running, tried
-from pipeline.sweeps.trials import Trials, Watch
+from pipeline.sweeps.trial_tracking import TrialRecord, recorded_trial
+from pipeline.sweeps.trial_types import Trials, Watch
 
 STUDY = "RALLYGAP_STUDY"  # the environment variable with the URL
 LOOK_AGAIN = 2.0  # s, while others do the last trials
@@ -120,10 +120,10 @@ def work(plan: Plan, name: str, wanted: int, url: str | None, say: Callable[[str
 def trials_of(plan: Plan) -> Trials:
     """Return what the trials of a plan train."""
     if isinstance(plan.settings, PredictorSweep):
-        from pipeline.sweeps.predictor import PredictorTrials
+        from pipeline.sweeps.predictor_trial import PredictorTrials
 
         return PredictorTrials(plan.root, plan.settings, plan.trial_params({}))
-    from pipeline.sweeps.policy import PolicyTrials
+    from pipeline.sweeps.policy_trial import PolicyTrials
 
     return PolicyTrials(plan.settings)
 

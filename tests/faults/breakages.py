@@ -205,7 +205,7 @@ def recorder_killed_in_a_new_store(repository: Repository, stage: str) -> Ended:
     store.unlink()
     dvc, process = _running(repository, stage)
     recorder = _recorder(process)
-    unfinished = store.with_name("mlflow.db.new")  # see pipeline.recorder.make_store
+    unfinished = store.with_name("mlflow.db.new")  # see pipeline.tracking.recorder.make_store
     deadline = time.monotonic() + STORE_BEGUN
     while not (unfinished.exists() or store.exists()):
         assert time.monotonic() < deadline, "the recorder makes no store"
@@ -220,7 +220,7 @@ def recorder_killed_in_a_new_store(repository: Repository, stage: str) -> Ended:
 def _recorder(process: psutil.Process) -> psutil.Process:
     while process.is_running():
         for child in descendants(process.pid):
-            if "pipeline.recorder" in command_of(child):
+            if "pipeline.tracking.recorder" in command_of(child):
                 return child
         time.sleep(0.01)
     raise AssertionError("the stage ended without a recorder")

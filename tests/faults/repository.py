@@ -17,8 +17,8 @@ from typing import Any
 import psutil
 import yaml
 
+from pipeline.experiments.profiles import merged
 from pipeline.params import read_yaml
-from pipeline.profiles import merged
 
 ROOT = Path(__file__).parents[2]
 PROFILE = ROOT / "profiles" / "smoke.yaml"
@@ -200,7 +200,7 @@ def inhabitants(folder: Path) -> list[psutil.Process]:
 def settle(folder: Path) -> None:
     """Let recorders come to their end, and kill whatever else is still at work in a folder."""
     _, late = psutil.wait_procs(
-        [one for one in inhabitants(folder) if "pipeline.recorder" in command_of(one)],
+        [one for one in inhabitants(folder) if "pipeline.tracking.recorder" in command_of(one)],
         timeout=LAST_RECORDER,
     )
     left = {*late, *inhabitants(folder)}

@@ -11,38 +11,44 @@ from pathlib import Path
 import numpy as np
 
 from models.policy.observation import observation_size
-from models.quality.forest import grown
-from pipeline.artifacts import read_as, write_json
+from models.shot_quality.forest import grown
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import run_sets, window_table
-from pipeline.beside_paper.catalogue import findings
-from pipeline.beside_paper.reports import paper_reports
-from pipeline.beside_truth import NamedCauses
-from pipeline.contracts import LAUNCHES, RECORDINGS, checked
-from pipeline.dvc_files import stage_outputs
-from pipeline.episodes import read_episodes
-from pipeline.exam_sheets import read_sheets, write_sheets
-from pipeline.figures.contents import read_columns, read_contents
-from pipeline.figures.shots import read_shots
-from pipeline.forecast_errors import REPORT as FORECAST_ERRORS
-from pipeline.forecast_errors import read_errors
-from pipeline.forests import DESCRIPTION, TREES, TrainedForest, load_forest, save_forest
-from pipeline.leftovers import kept_timings
+from pipeline.evaluation.error_table import REPORT as FORECAST_ERRORS
+from pipeline.evaluation.error_table import read_errors
+from pipeline.evaluation.example_shots import read_shots
+from pipeline.exam.records import read_sheets, write_sheets
+from pipeline.experiments.profiles import profile_flags
+from pipeline.experiments.stage_outputs import stage_outputs
+from pipeline.io.artifacts import read_as, write_json
+from pipeline.io.episodes import read_episodes
+from pipeline.io.ground_truth import read_contacts, read_truth
+from pipeline.io.report_manifest import read_columns, read_contents
+from pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
+from pipeline.io.simulators import load_simulator
+from pipeline.paper.catalogue import findings
+from pipeline.paper.run_reports import paper_reports
 from pipeline.params import load_params
-from pipeline.policies import TrainedPolicy, load_policy
-from pipeline.profiles import profile_flags
-from pipeline.run_of import report_of
-from pipeline.simulators import load_simulator
+from pipeline.policies.storage import TrainedPolicy, load_policy
+from pipeline.predictors.storage import load_predictor
+from pipeline.runtime.scratch import kept_timings
+from pipeline.shot_quality.forest_storage import (
+    DESCRIPTION,
+    TREES,
+    TrainedForest,
+    load_forest,
+    save_forest,
+)
 from pipeline.sources.manifest import read_manifest
 from pipeline.sweeps.confirm import compared_params
 from pipeline.sweeps.plan import load_plan
 from pipeline.sweeps.report import BEST
-from pipeline.truth import read_contacts, read_truth
-from pipeline.weights import load_predictor
+from pipeline.tracking.lineage import report_of
+from pipeline.transfer.truth_comparison import NamedCauses
 from tests.fuzz import hostile
 from tests.models.exam.sheets import answered, hidden, named, sheet
 from tests.models.predictors.balls import observed
-from tests.models.quality.planted import SETTINGS, planted
+from tests.models.shot_quality.planted import SETTINGS, planted
 from tests.pipeline.benchmark.forecasting import Still, forecasts_of
 from tests.pipeline.measured_shots import params, source_record, write_inputs, write_trained
 from tests.pipeline.sources import made_up

@@ -1,11 +1,11 @@
 """Amended simulators as close_gap would leave them."""
 
 from models.ball.simulators import shipped
-from models.gap.amend import amended_yaml
+from models.gap.amend.simulator import amended_yaml
 from models.gap.hypotheses import Hypothesis
 from models.gap.verdict import Cause, component_of, name_of
-from pipeline.amended import case_name
-from pipeline.artifacts import write_text
+from pipeline.io.amended_simulators import case_name
+from pipeline.io.artifacts import write_text
 from tests.pipeline.verdicts import verdict
 
 

@@ -5,15 +5,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from models.arena.bounce_scatter import BounceScatter
 from models.arena.cameras import SlowError
-from models.arena.scatter import BounceScatter
 from models.arena.truth import Truth
 from models.ball.simulators import shipped
-from pipeline.artifacts import write_json, write_table
-from pipeline.contracts import CONTACTS, EPISODES, SAMPLES, TRUE_CONTACTS, checked
+from pipeline.io.artifacts import write_json, write_table
+from pipeline.io.ground_truth import STATE_COLUMNS
+from pipeline.io.schemas import CONTACTS, EPISODES, SAMPLES, TRUE_CONTACTS, checked
 from pipeline.params import PhysicsPredictorSettings, load_params
-from pipeline.truth import STATE_COLUMNS
-from pipeline.weights import Learning, TrainedPredictor, save_predictor
+from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from tests.models.predictors.schooling import BRIEF, TINY, network
 
 TIMES = 0.005 * np.arange(101)

@@ -9,9 +9,9 @@ from models.arena.cameras import Cameras
 from models.arena.games import games
 from models.arena.truth import draw_truth
 from models.segmentation.settings import SegmentSettings
-from pipeline.artifacts import write_json, write_table
-from pipeline.contracts import POINTS, POSITION_COLUMNS, SPIN_COLUMNS
-from pipeline.run import StageRun
+from pipeline.io.artifacts import write_json, write_table
+from pipeline.io.schemas import POINTS, POSITION_COLUMNS, SPIN_COLUMNS
+from pipeline.runtime.stage_run import StageRun
 from pipeline.sources.adapters.arena import KINDS
 from stages.segment import segment
 from tests.pipeline.measured_shots import source_record

@@ -3,8 +3,8 @@
 import pandas as pd
 
 from models.ball.simulators import shipped
-from models.exam.recordings import held
-from models.exam.trial import Trial
+from models.exam.design.trial import Trial
+from models.exam.simulate.recordings import held
 
 NOMINAL = "literature"
 

@@ -6,9 +6,9 @@ import pandas as pd
 from models.ball.simulators import shipped
 from models.policy.goals import Goals
 from models.policy.outcome import judge
-from models.quality.shots import landings
-from pipeline.artifacts import write_table
-from pipeline.returns import with_states
+from models.shot_quality.shots import landings
+from pipeline.io.artifacts import write_table
+from pipeline.transfer.returns import with_states
 
 SIMULATOR = shipped("literature")
 STRUCK = np.array([0.0, -1.6, 0.25, 0.0, 5.5, 1.6, -60.0, 0.0, 0.0])

@@ -7,7 +7,7 @@ import time
 import pytest
 
 from tests.clone import rallygap, run
-from tests.pipeline.experiments import CHANGED, TARGET
+from tests.pipeline.example_experiments import CHANGED, TARGET
 from tests.pipeline.runs import runs
 
 pytestmark = pytest.mark.slow

@@ -15,7 +15,7 @@ from urllib.parse import quote
 import pytest
 from selenium.webdriver.support.wait import WebDriverWait
 
-from tests.pipeline.experiments import CHANGED
+from tests.pipeline.example_experiments import CHANGED
 from tests.pipeline.runs import runs
 from tests.services import PATIENCE, await_answer, free_port
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pipeline.errors import InputError
 from pipeline.params import check_params, load_params, parse_yaml, read_yaml
+from pipeline.runtime.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 PARAMS = ROOT / "params.yaml"

@@ -11,8 +11,8 @@ from types import SimpleNamespace
 import pytest
 import yaml
 
+from pipeline.experiments.profiles import merged
 from pipeline.params import read_yaml
-from pipeline.profiles import merged
 from tests.clone import ROOT, cloned, commit, environment, run
 from tests.services import await_answer, free_port
 

@@ -16,11 +16,11 @@ import pytest
 import yaml
 
 from models.predictors.protocol import History
+from pipeline.experiments.profiles import merged
 from pipeline.params import read_yaml
-from pipeline.profiles import merged
-from pipeline.provenance import run_cache_key
-from pipeline.registration import CHAMPION, SIGNATURE, current_champion
-from pipeline.weights import load_predictor
+from pipeline.predictors.storage import load_predictor
+from pipeline.runtime.provenance import run_cache_key
+from pipeline.tracking.model_registry import CHAMPION, SIGNATURE, current_champion
 from tests.clone import cloned, rallygap, run
 from tests.pipeline.runs import runs, store
 

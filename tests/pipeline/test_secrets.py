@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from pipeline import cli, tracking
-from pipeline.errors import InputError
-from pipeline.provenance import Provenance
-from pipeline.redaction import without_secrets
-from pipeline.run_of import origin_of
-from pipeline.tracking import description, recorded
+from pipeline import cli
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.provenance import Provenance
+from pipeline.tracking import recording as tracking
+from pipeline.tracking.lineage import origin_of
+from pipeline.tracking.recording import description, recorded
+from pipeline.tracking.redaction import without_secrets
 
 ROOT = Path(__file__).parents[2]
 ORIGIN = Provenance("python -m stages.segment", "f" * 64)

@@ -16,9 +16,9 @@ import asyncssh
 import pytest
 from mlflow import MlflowClient
 
-from pipeline import tracking
-from pipeline.provenance import Provenance
-from pipeline.tracking import recorded
+from pipeline.runtime.provenance import Provenance
+from pipeline.tracking import recording as tracking
+from pipeline.tracking.recording import recorded
 from tests.clone import ROOT, commit, run
 from tests.services import free_port, listening
 

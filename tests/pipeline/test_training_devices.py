@@ -10,8 +10,8 @@ import pytest
 import torch
 
 from models.predictors.training import ForecastTraining
-from pipeline.errors import InputError
-from pipeline.training import train
+from pipeline.predictors.trainer import train
+from pipeline.runtime.errors import InputError
 from tests.models.predictors.schooling import BRIEF, changed, data, schooling
 
 

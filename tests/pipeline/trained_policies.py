@@ -3,10 +3,10 @@
 import numpy as np
 
 from models.ball.simulators import shipped
-from models.policy.court import ACTIONS
+from models.policy.batch_simulation import ACTIONS
 from models.policy.observation import observation_size
 from models.policy.policy import Policy
-from pipeline.policies import TrainedPolicy, save_policy
+from pipeline.policies.storage import TrainedPolicy, save_policy
 from tests.models.policy.schooling import BRIEF, GOALS, drawn_policy
 
 

@@ -3,12 +3,12 @@
 import numpy as np
 
 from models.ball.simulators import shipped
-from models.gap.growth import Growth
-from models.gap.located import Located
-from models.gap.shots import Shots
+from models.gap.fit.shots import Shots
+from models.gap.locate.trends import Growth
+from models.gap.location import Located
 from models.gap.verdict import Cause, Gap, Landing, Unexplained, Verdict, Where
-from pipeline.findings import Findings
-from pipeline.shot_folders import MeasuredShots
+from pipeline.gap.measured_shots import MeasuredShots
+from pipeline.gap.summary import Findings
 
 TIMES = 0.01 * np.arange(20)
 PATH = np.column_stack([0 * TIMES, 1.3 - 5 * TIMES, 0.3 + 0 * TIMES])

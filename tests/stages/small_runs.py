@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 from models.segmentation.settings import SegmentSettings
-from pipeline.run import StageRun
+from pipeline.runtime.stage_run import StageRun
 from pipeline.sources.settings import IngestSettings
 from stages.ingest import ingest
 from stages.segment import segment

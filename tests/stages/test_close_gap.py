@@ -6,13 +6,13 @@ import pandas as pd
 import pytest
 
 from models.ball.simulators import shipped
-from models.gap.amend import amended
+from models.gap.amend.simulator import amended
 from models.gap.verdict import Verdict
-from pipeline import gap_cases
-from pipeline.amended import amended_by
-from pipeline.errors import InputError
+from pipeline.gap import cases as gap_cases
+from pipeline.io.amended_simulators import amended_by
 from pipeline.params import CloseGapSettings, ComparedSimulatorSettings
-from pipeline.run import StageRun
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun
 from stages.close_gap import close_gap
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs
 from tests.pipeline.verdicts import WIND, verdict

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.artifacts import read_table, write_table
-from pipeline.errors import InputError
-from pipeline.figures.shots import read_shots
-from pipeline.run import StageRun
+from pipeline.evaluation.example_shots import read_shots
+from pipeline.io.artifacts import read_table, write_table
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun
 from stages.evaluate_predictor import evaluate_predictor
 from tests.pipeline.amendments import write_amended
 from tests.pipeline.measured_shots import (

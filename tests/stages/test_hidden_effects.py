@@ -7,14 +7,14 @@ import pandas as pd
 import pytest
 
 import stages.hidden_effects
-from models.exam.design import Question
-from models.exam.finding import Finding
-from models.exam.sheet import Answered
-from models.exam.sitting import sit
-from models.exam.trial import Trial
-from pipeline.errors import InputError
-from pipeline.exam_sheets import SHEETS, write_sheets
-from pipeline.run import StageRun
+from models.exam.answer import Finding
+from models.exam.design.questions import Question
+from models.exam.design.trial import Trial
+from models.exam.record import Answered
+from models.exam.run_question import sit
+from pipeline.exam.records import SHEETS, write_sheets
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun
 from stages.hidden_effects import hidden_effects
 from tests.models.exam.halls import NOMINAL
 from tests.models.exam.sheets import whole_exam

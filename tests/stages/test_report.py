@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.errors import InputError
 from pipeline.params import ReportSettings, load_params, read_yaml
-from pipeline.run import StageRun
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun
 from stages.report import report
-from tests.pipeline.figures.made_up import make_reports
+from tests.pipeline.web.example_reports import make_reports
 
 # Of those that dvc.yaml lists, all but the report itself, which comes last.
 REPOSITORY = Path(__file__).parents[2]

@@ -7,12 +7,12 @@ import pandas as pd
 import pytest
 
 from models.ball.simulators import shipped
-from pipeline import policy_training
-from pipeline.artifacts import read_table, write_table
-from pipeline.errors import InputError
+from pipeline.io.artifacts import read_table, write_table
 from pipeline.params import RetrainPolicySettings
-from pipeline.policies import load_policies, save_policy
-from pipeline.run import StageRun
+from pipeline.policies import training as policy_training
+from pipeline.policies.storage import load_policies, save_policy
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun
 from stages.retrain_policy import retrain_policy
 from stages.sim2real import sim2real
 from tests.models.policy.schooling import BRIEF

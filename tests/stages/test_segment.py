@@ -8,9 +8,9 @@ import pytest
 
 from models.segmentation.settings import SegmentSettings
 from models.segmentation.tables import segment_recordings
-from pipeline.artifacts import read_json, read_row_groups, read_table, table_writer, write_table
-from pipeline.contracts import CONTACTS, EPISODES, RECORDINGS, SAMPLES, checked, empty
-from pipeline.errors import InputError
+from pipeline.io.artifacts import read_json, read_row_groups, read_table, table_writer, write_table
+from pipeline.io.schemas import CONTACTS, EPISODES, RECORDINGS, SAMPLES, checked, empty
+from pipeline.runtime.errors import InputError
 from tests.pipeline.sources.made_up import ARENA
 from tests.stages.small_runs import run_ingest, run_segment
 

@@ -6,15 +6,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.quality.receivers import RECEIVERS
-from models.quality.settings import ForestSettings
-from pipeline.artifacts import read_json, read_table
-from pipeline.errors import InputError
-from pipeline.forests import load_forest
+from models.shot_quality.receivers import RECEIVERS
+from models.shot_quality.settings import ForestSettings
+from pipeline.io.artifacts import read_json, read_table
 from pipeline.params import ShotQualitySettings
-from pipeline.professionals import read_professionals
-from pipeline.quality_tables import return_features
-from pipeline.run import StageRun
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun
+from pipeline.shot_quality.forest_storage import load_forest
+from pipeline.shot_quality.professionals import read_professionals
+from pipeline.shot_quality.tables import return_features
 from stages.shot_quality import shot_quality
 from tests.pipeline.measured_shots import params
 from tests.pipeline.professional_games import played_games, write_games

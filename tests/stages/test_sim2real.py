@@ -6,12 +6,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.artifacts import read_as, read_table
-from pipeline.errors import InputError
-from pipeline.figures.returns import read_returns
+from pipeline.io.artifacts import read_as, read_table
 from pipeline.params import Sim2RealSettings
-from pipeline.policies import save_policy
-from pipeline.run import StageRun
+from pipeline.policies.storage import save_policy
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun
+from pipeline.transfer.example_returns import read_returns
 from stages.sim2real import sim2real
 from tests.pipeline.amendments import write_amended
 from tests.pipeline.measured_shots import params

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.policies import save_policy
-from pipeline.run import StageRun
+from pipeline.policies.storage import save_policy
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun
 from stages.sim2sim import sim2sim
 from tests.pipeline.measured_shots import params
 from tests.pipeline.trained_policies import chaser, description

@@ -7,15 +7,15 @@ import pandas as pd
 import pytest
 
 from models.policy import learning
+from models.policy.random_streams import unseen_balls
 from models.policy.scores import scores
-from models.policy.streams import unseen_balls
 from models.policy.trial import play
-from pipeline import policy_training
-from pipeline.artifacts import read_json, read_table
-from pipeline.errors import InputError
+from pipeline.io.artifacts import read_json, read_table
 from pipeline.params import PolicyGroupSettings, TrainPolicySettings
-from pipeline.policies import load_policy
-from pipeline.run import StageRun
+from pipeline.policies import training as policy_training
+from pipeline.policies.storage import load_policy
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun
 from stages.train_policy import train_policy
 from tests.models.policy.schooling import BRIEF, GOALS
 

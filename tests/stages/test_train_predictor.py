@@ -8,11 +8,11 @@ import pytest
 import torch
 
 from models.predictors.training import ForecastTraining
-from pipeline.artifacts import read_json
-from pipeline.errors import InputError
+from pipeline.io.artifacts import read_json
 from pipeline.params import FineTuningSettings
-from pipeline.run import StageRun
-from pipeline.weights import load_network, load_predictor, read_description
+from pipeline.predictors.storage import load_network, load_predictor, read_description
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun
 from stages.train_predictor import train_predictor
 from tests.models.predictors.balls import observed
 from tests.models.predictors.schooling import BRIEF, TINY, TINY_GRU_TAE, TINY_TAE, changed

@@ -7,9 +7,9 @@ from models.arena.recording import ArenaRecording, Point, TrueContacts
 from models.arena.session import recordings
 from models.arena.settings import ArenaSettings
 from models.arena.truth import draw_truth
-from pipeline.contracts import POINTS, POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
+from pipeline.io.schemas import POINTS, POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
+from pipeline.runtime.parallel import parallel
 from pipeline.sources.source import Description, PathKind, RawTable, SourceContext, SourceData
-from pipeline.workers import parallel
 
 KINDS: dict[str, PathKind] = {
     "cannon": "cannon",

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.errors import InputError
+from pipeline.runtime.errors import InputError
 from pipeline.sources.files import SourceFile, source_file
 from pipeline.sources.sieve import LAUNCH_COLUMNS
 from pipeline.sources.source import Description, RawTable, Refusal, SourceContext, SourceData

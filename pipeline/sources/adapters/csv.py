@@ -5,9 +5,9 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS
-from pipeline.errors import InputError
+from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
 from pipeline.params import as_json, read_yaml
+from pipeline.runtime.errors import InputError
 from pipeline.sources.files import SourceFile, source_files
 from pipeline.sources.frame import Frame
 from pipeline.sources.separated import check_header, read_separated

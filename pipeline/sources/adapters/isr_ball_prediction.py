@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from models.ball.state import TABLE_HALF_LENGTH
-from pipeline.contracts import POSITION_COLUMNS
-from pipeline.errors import InputError
+from pipeline.io.schemas import POSITION_COLUMNS
+from pipeline.runtime.errors import InputError
 from pipeline.sources.files import SourceFile, source_files
 from pipeline.sources.frame import Frame
 from pipeline.sources.source import Description, RawTable, SourceContext, SourceData

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS
+from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
 from pipeline.sources.files import SourceFile, source_file, source_files
 from pipeline.sources.separated import check_header, read_separated
 from pipeline.sources.source import (

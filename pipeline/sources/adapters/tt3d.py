@@ -1,6 +1,6 @@
 """TT3D: rallies of two amateurs, seen by several cameras, one csv file a recording."""
 
-from pipeline.contracts import POSITION_COLUMNS
+from pipeline.io.schemas import POSITION_COLUMNS
 from pipeline.sources.files import source_files
 from pipeline.sources.separated import check_header, read_separated
 from pipeline.sources.source import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from models.arena.cannon import cannon_balls, cannon_launches, launch_states
-from models.ball.contact import TABLE
+from models.ball.contact_laws import TABLE
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, VELOCITY
 from tests.models.arena.halls import TRUTH, of_group

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from models.arena.contacts import FLOOR_SURFACE, touches
-from models.arena.hall import FLOOR, floor_bounced, in_sight
-from models.ball.contact import TABLE
+from models.arena.environment import FLOOR, floor_bounced, in_sight
+from models.ball.contact_laws import TABLE
 from models.ball.state import BALL_RADIUS
 from tests.models.arena.halls import TRUTH, energy, flying
 

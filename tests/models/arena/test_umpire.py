@@ -5,7 +5,7 @@ import pytest
 
 from models.arena.contacts import FLOOR_SURFACE, Touches
 from models.arena.umpire import called, lost_by
-from models.ball.contact import NET, TABLE
+from models.ball.contact_laws import NET, TABLE
 
 OWN, OTHER = (TABLE, -0.8), (TABLE, 0.8)
 CORD, FLOOR = (NET, 0.0), (FLOOR_SURFACE, 2.0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from models.ball.contact import NET
+from models.ball.contact_laws import NET
 from models.ball.sensor import measured
 from tests.models.ball.balls import NOMINAL, simulator
 

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from models.ball.contact import NET
+from models.ball.contact_laws import NET
 from models.ball.sensor import measured
 from models.ball.state import BALL_RADIUS, TABLE_HALF_LENGTH
 from tests.models.ball.balls import NOMINAL, energy, simulator

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from models.arena.bounce_scatter import BounceScatter
 from models.arena.cameras import SlowError
-from models.arena.scatter import BounceScatter
 from models.ball.simulators import shipped
-from models.exam.launches import launches
-from models.exam.trial import CAMERAS, Trial
+from models.exam.design.trial import CAMERAS, Trial
+from models.exam.simulate.launches import launches
 
 NOMINAL = shipped("literature")
 NO_SCATTER = BounceScatter(restitution=0.0, friction=0.0)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from models.exam.design import exam
-from models.exam.sheet import Answered, Hidden, Named, Sheet
+from models.exam.design.questions import exam
+from models.exam.record import Answered, Hidden, Named, Sheet
 from tests.models.exam.halls import NOMINAL
 
 METHODS = ("rallygap", "sindy")

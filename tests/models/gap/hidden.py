@@ -3,9 +3,9 @@
 import numpy as np
 
 from models.ball.simulator import Simulator
+from models.gap.fit.measurement import Moments, seen
+from models.gap.fit.shots import Shots
 from models.gap.hypotheses import hypotheses
-from models.gap.motion import Moments, seen
-from models.gap.shots import Shots
 
 NOMINAL = Simulator.from_dict(
     {

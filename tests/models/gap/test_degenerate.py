@@ -8,7 +8,7 @@ import pytest
 
 from models.ball.simulator import Simulator
 from models.gap.diagnose import diagnose
-from models.gap.shots import Shots
+from models.gap.fit.shots import Shots
 from tests.models.gap.hidden import NOMINAL, measured
 
 FALL = Simulator.from_dict({"gravity": {"g": 9.81}})

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.gap.amend import amended
+from models.gap.amend.simulator import amended
 from models.gap.diagnose import diagnose, held_out
-from models.gap.noise import Noise
-from models.gap.refit import fitted
-from models.gap.verify import errors
+from models.gap.fit.noise import Noise
+from models.gap.fit.refit import fitted
+from models.gap.verify.prediction_error import errors
 from tests.models.gap.hidden import NOMINAL, WITHOUT_MAGNUS, measured
 
 SIDE = NOMINAL.amended("side_force", cy=0.02)

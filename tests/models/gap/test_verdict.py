@@ -7,7 +7,7 @@ import yaml
 
 from models.ball.simulator import Simulator
 from models.ball.simulators import shipped
-from models.gap.amend import amended, amended_yaml
+from models.gap.amend.simulator import amended, amended_yaml
 from models.gap.diagnose import judged
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.verdict import (

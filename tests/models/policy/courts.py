@@ -3,9 +3,9 @@
 import numpy as np
 
 from models.ball.simulators import shipped
-from models.policy.court import Court
+from models.policy.batch_simulation import Court
 from models.policy.goals import Goals
-from models.policy.incoming import PATH_TIMES, Incoming, tick_times
+from models.policy.incoming_balls import PATH_TIMES, Incoming, tick_times
 from models.robot.constants import NEUTRAL
 from models.robot.kinematics import racket
 

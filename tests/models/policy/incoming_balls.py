@@ -6,7 +6,7 @@ import numpy as np
 
 from models.ball.simulator import Simulator
 from models.ball.simulators import shipped
-from models.policy.incoming import fly_in
+from models.policy.incoming_balls import fly_in
 from models.policy.launches import draw_launches
 
 TRUTH, WRONG = shipped("ground_truth"), shipped("imperfect_c")

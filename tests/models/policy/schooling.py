@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from models.policy.court import ACTIONS
+from models.policy.batch_simulation import ACTIONS
 from models.policy.observation import observation_size
 from models.policy.policy import Policy
 from models.policy.settings import GoalSettings, LearningSettings

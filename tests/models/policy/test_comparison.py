@@ -5,7 +5,7 @@ import pytest
 
 from models.policy.comparison import compare, forecast_error, intervals
 from models.policy.forecasts import exact
-from models.policy.incoming import Incoming, tick_times
+from models.policy.incoming_balls import Incoming, tick_times
 from tests.models.policy.incoming_balls import HORIZONS, struck
 
 RESAMPLES = 4000

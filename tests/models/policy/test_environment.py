@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 import stable_baselines3.common.env_checker
 
-from models.policy import supply
+from models.policy import ball_supply as supply
 from models.policy.environment import ReturnEnv, ReturnVecEnv
-from models.policy.practice import Practice
 from models.policy.settings import GoalSettings
+from models.policy.training_balls import Practice
 from tests.models.policy.courts import SIMULATOR
 
 GOALS = GoalSettings(

@@ -3,7 +3,7 @@
 import numpy as np
 
 from models.policy.forecasts import exact, first_state, re_anchored
-from models.policy.incoming import fly_in, tick_times
+from models.policy.incoming_balls import fly_in, tick_times
 from tests.models.policy.incoming_balls import (
     HORIZONS,
     THROWN,

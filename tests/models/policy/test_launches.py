@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
-from models.ball.contact import TABLE
+from models.ball.contact_laws import TABLE
 from models.ball.state import BALL_RADIUS, NET_HEIGHT
 from models.policy import launches as documented
-from models.policy.incoming import PATH_TIMES
+from models.policy.incoming_balls import PATH_TIMES
 from models.policy.launches import draw_launches, draw_strokes, fair
 from models.robot.constants import JOINTS, NEUTRAL
 from models.robot.kinematics import racket

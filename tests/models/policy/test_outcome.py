@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.ball.contact import NET, TABLE
+from models.ball.contact_laws import NET, TABLE
 from models.ball.simulator import Simulator
 from models.ball.state import BALL_RADIUS
 from models.policy.goals import Goals

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from models.policy import trial
-from models.policy.court import Court
+from models.policy.batch_simulation import Court
 from models.policy.goals import Goals
 from models.policy.trial import play
 from tests.models.policy.courts import (

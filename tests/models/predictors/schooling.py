@@ -14,8 +14,8 @@ from models.predictors.settings import (
     TrainingSettings,
     TransformerSettings,
 )
-from models.predictors.tracks import tracks
 from models.predictors.training import ForecastTraining, WindowData
+from models.predictors.window_dataset import tracks
 from tests.models.predictors.balls import FIRST
 from tests.models.predictors.episodes import flown, spoilt
 

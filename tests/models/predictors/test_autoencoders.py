@@ -11,8 +11,8 @@ from models.predictors.gru_tae import RecurrentAutoencoder
 from models.predictors.learned import LearnedPredictor
 from models.predictors.protocol import History
 from models.predictors.tae import TrajectoryAutoencoder
-from models.predictors.tracks import tracks
 from models.predictors.training import ForecastTraining, WindowData
+from models.predictors.window_dataset import tracks
 from tests.models.predictors.balls import FIRST, observed
 from tests.models.predictors.episodes import flown
 from tests.models.predictors.schooling import (

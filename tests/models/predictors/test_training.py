@@ -9,8 +9,8 @@ import torch
 from models.predictors.learned import ForecastNetwork, LearnedPredictor
 from models.predictors.normaliser import uniform_motion
 from models.predictors.protocol import History
-from models.predictors.tracks import tracks
 from models.predictors.training import ForecastTraining, WindowData, cosine
+from models.predictors.window_dataset import tracks
 from tests.models.predictors.balls import FIRST
 from tests.models.predictors.episodes import flown
 from tests.models.predictors.schooling import (

@@ -6,7 +6,7 @@ import pytest
 
 from models.segmentation.settings import SegmentSettings
 from models.segmentation.tables import POSITION, SPIN, VELOCITY, segment_recordings
-from pipeline.contracts import CONTACTS, EPISODES, SAMPLES, checked
+from pipeline.io.schemas import CONTACTS, EPISODES, SAMPLES, checked
 from tests.models.segmentation.rallies import simulated_rally
 
 SETTINGS = SegmentSettings()

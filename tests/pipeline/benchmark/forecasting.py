@@ -5,7 +5,7 @@ import pandas as pd
 
 from models.predictors.errors import EVALUATED, HORIZONS_MS
 from models.predictors.protocol import HISTORY, History
-from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
+from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
 
 
 def forecasts_of(predictor, exported: pd.DataFrame) -> pd.DataFrame:

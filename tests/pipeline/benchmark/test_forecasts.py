@@ -10,7 +10,7 @@ import pytest
 
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import window_ids, window_table
-from pipeline.errors import InputError
+from pipeline.runtime.errors import InputError
 from tests.pipeline.benchmark.forecasting import Still, forecasts_of
 
 

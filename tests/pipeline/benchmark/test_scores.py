@@ -17,9 +17,9 @@ from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from models.predictors.windows import windows
 from pipeline.benchmark.scores import score, score_tables, write_scores
 from pipeline.benchmark.windows import export_windows, run_sets, window_table
-from pipeline.errors import InputError
-from pipeline.predictors import read_contenders
-from pipeline.run import StageRun
+from pipeline.evaluation.contenders import read_contenders
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun
 from stages.evaluate_predictor import evaluate_predictor
 from tests.pipeline.benchmark.forecasting import Still, forecasts_of
 from tests.pipeline.measured_shots import params, write_inputs, write_trained

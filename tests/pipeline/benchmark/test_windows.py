@@ -7,11 +7,11 @@ import pandas as pd
 import pytest
 
 from models.predictors.protocol import HISTORY
-from pipeline.benchmark.contracts import FORECASTS, WINDOWS, type_of
+from pipeline.benchmark.schemas import FORECASTS, WINDOWS, type_of
 from pipeline.benchmark.windows import export_windows, window_ids, window_table
-from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS
-from pipeline.errors import InputError
-from pipeline.measured_sets import read_test_sets
+from pipeline.evaluation.test_windows import read_test_sets
+from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
+from pipeline.runtime.errors import InputError
 from tests.pipeline.measured_shots import params, write_inputs
 
 EVERY = params().evaluate_predictor.window_every_ms / 1000  # s

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from models.arena.settings import ArenaSettings
-from pipeline.artifacts import read_table
+from pipeline.io.artifacts import read_table
 from pipeline.sources.gather import TABLES, gather
 from pipeline.sources.manifest import Manifest
 from pipeline.sources.settings import IngestSettings

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.contracts import POSITION_COLUMNS
+from pipeline.io.schemas import POSITION_COLUMNS
 from pipeline.sources import gather as gather_module
 from pipeline.sources.registry import registry
 from tests.pipeline.sources.made_up import read, write_lines

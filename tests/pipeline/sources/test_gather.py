@@ -5,9 +5,9 @@ import hashlib
 import numpy as np
 import pytest
 
-from pipeline.artifacts import read_row_groups, write_json
-from pipeline.contracts import LAUNCHES, RECORDINGS, checked
-from pipeline.errors import InputError
+from pipeline.io.artifacts import read_row_groups, write_json
+from pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
+from pipeline.runtime.errors import InputError
 from pipeline.sources import intake
 from pipeline.sources.gather import gather
 from pipeline.sources.manifest import read_manifest

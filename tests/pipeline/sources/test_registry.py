@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from models import discovery
-from pipeline.errors import InputError
+from models.support import discovery
+from pipeline.runtime.errors import InputError
 from pipeline.sources import adapters, registry
 from pipeline.sources.registry import find_source
 

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from ruamel.yaml import YAML
 
-from pipeline.sweeps.lost import Signature
+from pipeline.sweeps.lost_trials import Signature
 from pipeline.sweeps.plan import load_plan
-from pipeline.sweeps.records import TrialRecord
 from pipeline.sweeps.study import create_study, load_study
+from pipeline.sweeps.trial_tracking import TrialRecord
 from pipeline.sweeps.worker import Worker
 
 ROOT = Path(__file__).parents[3]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeline.errors import InputError
+from pipeline.runtime.errors import InputError
 from pipeline.sweeps.plan import load_plan, nested
 from tests.pipeline.sweeps.made_up import HEADS, RATE, ROOT, TINY, plan, write_repository
 

@@ -5,13 +5,13 @@ import sqlite3
 import pandas as pd
 import pytest
 
-from pipeline.artifacts import read_json
-from pipeline.errors import InputError
+from pipeline.experiments.profiles import merged
+from pipeline.io.artifacts import read_json
 from pipeline.params import check_params, read_yaml
-from pipeline.profiles import merged
+from pipeline.runtime.errors import InputError
 from pipeline.sweeps.plan import load_plan
-from pipeline.sweeps.records import recorded_trial
 from pipeline.sweeps.report import trials_table, write_report
+from pipeline.sweeps.trial_tracking import recorded_trial
 from tests.pipeline.sweeps.made_up import HEADS, RATE, ROOT, Valley, done, plan, unrecorded
 
 
@@ -104,7 +104,7 @@ def test_trials_are_runs_of_mlflow_under_one_parent_that_a_failed_one_does_not_f
 ):
     monkeypatch.setenv("DVC_ROOT", str(tmp_path))
     monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
-    monkeypatch.setattr("pipeline.tracking.PATIENCE", 300)
+    monkeypatch.setattr("pipeline.tracking.recording.PATIENCE", 300)
     own = plan(tmp_path)
     params = own.trial_params({RATE: 0.02})
     with pytest.raises(ZeroDivisionError), recorded_trial(own, "tiny-1", 0, params):

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 import pytest
 from optuna.trial import TrialState
 
-from pipeline.errors import InputError
-from pipeline.sweeps.lost import Signature
+from pipeline.runtime.errors import InputError
+from pipeline.sweeps.lost_trials import Signature
 from pipeline.sweeps.storage import storage
 from pipeline.sweeps.study import create_study, load_study, tried
 from pipeline.sweeps.worker import trials_of

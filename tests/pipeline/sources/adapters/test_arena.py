@@ -7,11 +7,11 @@ from models.arena.recording import TrueContacts
 from models.arena.truth import Truth, draw_truth
 from models.arena.truth_path import true_states
 from models.ball.state import POSITION
-from pipeline.contracts import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
-from pipeline.errors import InputError
+from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.parallel import CLUSTER
 from pipeline.sources.gather import TABLES, gather
 from pipeline.sources.settings import IngestSettings
-from pipeline.workers import CLUSTER
 from tests.cluster import cluster
 from tests.pipeline.sources.made_up import ARENA, read
 
@@ -74,7 +74,7 @@ def test_a_cluster_writes_the_same_bytes(tmp_path, monkeypatch, files):
 
 
 def test_a_cluster_that_is_not_there_is_an_error_and_leaves_nothing(tmp_path, monkeypatch):
-    monkeypatch.setattr("pipeline.workers.PATIENCE", 0.5)
+    monkeypatch.setattr("pipeline.runtime.parallel.PATIENCE", 0.5)
     monkeypatch.setenv(CLUSTER, "carrier-pigeon://loft:1")
     with pytest.raises(InputError, match=f"{CLUSTER}: no scheduler answers"):
         written(tmp_path, 1)

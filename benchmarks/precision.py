@@ -1,0 +1,57 @@
+"""What 16-bit numbers cost a predictor in accuracy (`python -m benchmarks.precision`).
+
+Trains the laptop's transformer in both precisions with three seeds, for fewer passes than a full
+training, and forecasts the test windows. Wants the balls of `dvc repro segment`; writes
+``reports/costs/precision.csv``. Minutes on a processor, which gains nothing by 16 bits.
+"""
+
+import tempfile
+from pathlib import Path
+
+import pandas as pd
+from rich.console import Console
+
+from pipeline.io.artifacts import write_csv
+from pipeline.params import Params, load_params
+from pipeline.sweeps.plan import load_plan
+from pipeline.sweeps.predictor_comparison import judged_predictors
+from pipeline.sweeps.settings import PredictorSweep
+
+ROOT = Path(__file__).parents[1]
+MEASURED = ROOT / "reports" / "costs" / "precision.csv"
+PASSES = 8
+PRECISIONS = ("32-true", "bf16-mixed")
+
+
+def compared() -> list[Params]:
+    """Return params.yaml in both precisions, with short trainings."""
+    params = load_params(ROOT / "params.yaml")
+    school = params.train_predictor
+    trainings = [
+        school.training.model_copy(update={"precision": precision, "epochs": PASSES})
+        for precision in PRECISIONS
+    ]
+    return [
+        params.model_copy(update={"train_predictor": school.model_copy(update={"training": one})})
+        for one in trainings
+    ]
+
+
+def measure() -> pd.DataFrame:
+    """Return the table of ``Judged``; `params` are 32 bits, `found` 16."""
+    sweep = load_plan(ROOT, "predictor").settings
+    assert isinstance(sweep, PredictorSweep)
+    both = compared()
+    with tempfile.TemporaryDirectory() as folder:
+        return judged_predictors(ROOT, sweep, both, Path(folder)).table(both[0].seed)
+
+
+def main() -> None:
+    """Measure, write, print."""
+    table = measure().rename(columns={"params": PRECISIONS[0], "found": PRECISIONS[1]})
+    write_csv(MEASURED, table.drop(columns="holds"), digits=4)
+    Console().print(MEASURED.read_text())
+
+
+if __name__ == "__main__":
+    main()

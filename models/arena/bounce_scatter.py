@@ -1,0 +1,96 @@
+"""Scatter: no two bounces off a real table are alike.
+
+A simulator bounces every ball by the same law. Here each bounce keeps its law, but deviates from
+it: the rebound's normal speed by one factor, the tangential impulse, and the spin that goes with
+it, by another. The angular momentum about the contact point stays, and energy never grows.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.ball.contact_laws import ROLLING
+from models.ball.simulator import Simulator
+from models.ball.state import (
+    BALL_RADIUS,
+    POSITION,
+    SPIN,
+    TABLE_HALF_LENGTH,
+    TABLE_HALF_WIDTH,
+    VELOCITY,
+)
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BounceScatter:
+    """How far bounces off the table deviate.
+
+    Attributes:
+        restitution: standard deviation of the factor on the normal speed of the rebound.
+        friction: standard deviation of the factor on the tangential impulse.
+    """
+
+    restitution: float
+    friction: float
+
+    def deviated(
+        self, simulator: Simulator, before: Floats, after: Floats, random: np.random.Generator
+    ) -> Floats:
+        """Return what this once became of bounces off the table.
+
+        Args:
+            simulator: by whose law the balls bounced.
+            before: (B, 9) states just before.
+            after: (B, 9) states just after, by the law.
+            random: where the deviations come from, two a ball.
+
+        Returns:
+            (B, 9) states just after.
+        """
+        normal = table_normals(simulator, before[:, POSITION])
+        deviations = random.standard_normal((len(before), 2))
+        bounce = 1 + self.restitution * deviations[:, 0]
+        grip = np.maximum(1 + self.friction * deviations[:, 1], 0)
+        into, out = -_dot(before[:, VELOCITY], normal), _dot(after[:, VELOCITY], normal)
+        out_now = np.clip(out * bounce, 0, np.maximum(into, out))
+        change = after - before
+        along = change[:, VELOCITY] - _dot(change[:, VELOCITY], normal)[:, None] * normal
+        extra = np.minimum(grip, _most_grip(before, along, normal)) - 1
+        scattered = after.copy()
+        scattered[:, VELOCITY] += extra[:, None] * along + (out_now - out)[:, None] * normal
+        scattered[:, SPIN] += extra[:, None] * change[:, SPIN]
+        return scattered
+
+
+def table_normals(simulator: Simulator, positions: Floats) -> Floats:
+    """Return the (B, 3) unit normals from the table to balls at (B, 3); edges included."""
+    tilt = simulator.effects.get("table_tilt", {"x": 0.0, "y": 0.0})
+    height = simulator.effects.get("table_height", {"h": 0.0})["h"]
+    up = np.array([np.sin(tilt["x"]), np.sin(tilt["y"]), 1.0])
+    up /= np.linalg.norm(up)
+    above = positions @ up - up[2] * height
+    nearest = positions - above[:, None] * up
+    nearest[:, 0] = nearest[:, 0].clip(-TABLE_HALF_WIDTH, TABLE_HALF_WIDTH)
+    nearest[:, 1] = nearest[:, 1].clip(-TABLE_HALF_LENGTH, TABLE_HALF_LENGTH)
+    nearest[:, 2] = height - nearest[:, :2] @ up[:2] / up[2]
+    away = positions - nearest
+    normals: Floats = away / np.linalg.norm(away, axis=1, keepdims=True)
+    return normals
+
+
+def _most_grip(before: Floats, along: Floats, normal: Floats) -> Floats:
+    """Return the factor on the tangential impulse at which a ball leaves rolling, at least 1."""
+    slip = before[:, VELOCITY] - _dot(before[:, VELOCITY], normal)[:, None] * normal
+    slip = slip - BALL_RADIUS * np.cross(before[:, SPIN], normal)
+    impulse = np.linalg.norm(along, axis=1)
+    rolling = ROLLING * np.linalg.norm(slip, axis=1)
+    most: Floats = np.maximum(rolling / np.maximum(impulse, 1e-12), 1.0)
+    return most
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    products: Floats = np.einsum("ij,ij->i", a, b)
+    return products

@@ -1,0 +1,78 @@
+"""Resting: a ball that hardly leaves a surface slides on along it, without rolling friction."""
+
+import math
+
+from models.ball.compose import compiled
+from models.ball.contact_detection import approach, gap_to, squared_speed
+from models.ball.contact_laws import NET, TABLE
+from models.ball.flight import derivative, moved
+from models.ball.types import Hall, Parameters, Scene, State, Vector
+
+REST_SPEED = 5e-4  # m/s: a slower rebound comes back within 0.1 ms and counts as resting
+SLIDE_DISTANCE = 0.005  # m that a resting ball slides at most before the next look
+
+
+@compiled
+def _along_surface(state: State, slope: State, normal: Vector, h: float) -> State:
+    """Return the state after ``h`` seconds at the part of a constant slope along a surface."""
+    nx, ny, nz = normal
+    vx, vy, vz, ax, ay, az, wx, wy, wz = slope
+    v = vx * nx + vy * ny + vz * nz
+    a = ax * nx + ay * ny + az * nz
+    flat = (vx - v * nx, vy - v * ny, vz - v * nz, ax - a * nx, ay - a * ny, az - a * nz)
+    return moved(state, (*flat, wx, wy, wz), h)
+
+
+@compiled
+def rest(
+    state: State,
+    normal: Vector,
+    surface: int,
+    longest: float,
+    p: Parameters,
+    air: Hall,
+    scene: Scene,
+) -> tuple[State, float]:
+    """Return the state of a ball that rests on a surface a moment later, and that moment.
+
+    It flies on in the plane of the surface, without rolling friction (midpoint rule).
+    """
+    along = approach(state, normal)
+    state = (
+        state[0],
+        state[1],
+        state[2],
+        state[3] - along * normal[0],
+        state[4] - along * normal[1],
+        state[5] - along * normal[2],
+        state[6],
+        state[7],
+        state[8],
+    )
+    h = min(longest, SLIDE_DISTANCE / max(math.sqrt(squared_speed(state)), 1e-3))
+    half = _along_surface(state, derivative(state, p, air), normal, 0.5 * h)
+    state = _along_surface(state, derivative(half, p, air), normal, h)
+    other = NET if surface == TABLE else TABLE
+    return _lifted(other, state, p, air, scene), h
+
+
+@compiled
+def _lifted(surface: int, state: State, p: Parameters, air: Hall, scene: Scene) -> State:
+    """Return a ball that slid into a surface just outside of it, slowed by what the way cost."""
+    gap, normal = gap_to(surface, state[0], state[1], state[2], scene)
+    if gap >= 0.0:
+        return state
+    nx, ny, nz = normal
+    pull = min(approach(derivative(state, p, air), normal), 0.0)
+    along = approach(state, normal)
+    slower = -math.sqrt(max(along * along + 2.0 * pull * -gap, 0.0)) if along < 0.0 else along
+    kick = slower - along
+    shift = (-gap * nx, -gap * ny, -gap * nz, kick * nx, kick * ny, kick * nz, 0.0, 0.0, 0.0)
+    return moved(state, shift, 1.0)
+
+
+@compiled
+def rests(state: State, normal: Vector, p: Parameters, air: Hall) -> bool:
+    """Return whether a ball hardly leaves a surface against which it is pressed."""
+    pull = approach(derivative(state, p, air), normal)
+    return approach(state, normal) < REST_SPEED and pull <= 0.0

@@ -1,0 +1,1 @@
+"""The design: which questions the exam asks, and what their shots can show."""

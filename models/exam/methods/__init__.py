@@ -1,0 +1,1 @@
+"""The methods that answer the exam: ours, and simpler ones to compare with."""

@@ -1,0 +1,183 @@
+"""Arcs: measured balls from bounce to bounce, smoothed.
+
+Each arc is fitted by the nominal simulator, and what that leaves by a parabola: it is so small that
+smoothing costs no accuracy. Spins are those of the labels where an arc has any.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.polynomial.legendre import legder, legvander
+
+from models.ball.catalogue import catalogue
+from models.ball.simulator import Simulator
+from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
+from models.ball.types import Floats
+from models.gap.fit.measurement import JUMP, Moments, seen
+from models.gap.fit.shot_fit import fit_shots
+from models.gap.fit.shots import Shots
+from models.gap.types import Bools, Indices
+
+DEGREE = 4  # of the polynomials in which what is left of an arc is written
+SMOOTH = 2  # up to which degree it is motion rather than noise
+FEWEST = 10  # samples of an arc
+NEAR = 2e-3  # s from a bounce within which a sample may belong to either side
+INLIER = 0.5
+
+
+@dataclass(frozen=True)
+class Arcs:
+    """R arcs.
+
+    Attributes:
+        shots: the samples and labels of each.
+        parents: (R,) the shot that it is part of.
+        starts: (R,) s on the sensor's clock of the bounce before it, -inf if there is none.
+        ends: (R,) of the bounce after it, inf if there is none.
+    """
+
+    shots: Shots
+    parents: Indices
+    starts: Floats
+    ends: Floats
+
+    @property
+    def labelled(self) -> Bools:
+        """(R,) which have a spin label."""
+        return np.asarray(self.shots.labelled.any(axis=1))
+
+
+def airborne(simulator: Simulator) -> Simulator:
+    """Return a simulator without anything to bounce off."""
+    effects = simulator.effects.items()
+    return Simulator.from_dict({e: p for e, p in effects if catalogue()[e].acts != "contact"})
+
+
+def cut(shots: Shots, simulator: Simulator) -> Arcs:
+    """Cut shots where a fit of the simulator, with bounces that scatter, has them bounce."""
+    fit = fit_shots(shots, simulator)
+    view = seen(simulator, Moments.of(shots), fit.unknowns)
+    since = shots.times - shots.times[:, :1]
+    good = shots.valid & (fit.weights > INLIER) & ~(since > view.until[:, None])
+    pieces: list[dict[str, Any]] = []
+    for shot, contacts in enumerate(view.contacts + shots.times[:, :1]):
+        bounces = np.sort(contacts[np.isfinite(contacts)])
+        for start, end in pairwise([-np.inf, *bounces, np.inf]):
+            pieces += _piece(shots, shot, good[shot], start, end)
+    samples = ("times", "positions", "labels", "label_times")
+    return Arcs(
+        Shots.from_arrays(**{name: [piece[name] for piece in pieces] for name in samples}),
+        np.array([piece["parent"] for piece in pieces]),
+        np.array([piece["start"] for piece in pieces]),
+        np.array([piece["end"] for piece in pieces]),
+    )
+
+
+def _piece(shots: Shots, shot: int, good: Bools, start: float, end: float) -> list[dict[str, Any]]:
+    times, when = shots.times[shot], shots.label_times[shot]
+    inside = good & (times > start + NEAR) & (times < end - NEAR)
+    labels = (when > start + JUMP) & (when < end - JUMP)
+    if inside.sum() < FEWEST:
+        return []
+    return [
+        {
+            "times": times[inside],
+            "positions": shots.positions[shot, inside],
+            "labels": shots.labels[shot, labels],
+            "label_times": when[labels],
+            "parent": shot,
+            "start": start,
+            "end": end,
+        }
+    ]
+
+
+@dataclass(frozen=True)
+class Smoothed:
+    """Arcs, smoothed.
+
+    Attributes:
+        arcs: as measured.
+        simulator: nominal, without contacts.
+        states: (R, 9) its fit at the first samples.
+        spins: (R, 3) by how much labels differ from its spins, rad/s.
+        columns: (R, N, D + 1) orthonormal polynomials at the samples, zero for outliers.
+        mixing: (R, D + 1, D + 1) that makes them from Legendre polynomials.
+        left: (R, D + 1, 3) what the fit leaves, in these polynomials.
+    """
+
+    arcs: Arcs
+    simulator: Simulator
+    states: Floats
+    spins: Floats
+    columns: Floats
+    mixing: Floats
+    left: Floats
+
+    @classmethod
+    def of(cls, arcs: Arcs, simulator: Simulator) -> "Smoothed":
+        """Smooth arcs about a simulator."""
+        shots, free = arcs.shots, airborne(simulator)
+        fit = fit_shots(shots, free)
+        view = seen(free, Moments.of(shots), fit.unknowns)
+        usable = shots.valid & (fit.weights > INLIER)
+        rows = legvander(_scaled(shots, shots.times), DEGREE) * usable[..., None]
+        columns, triangle = np.linalg.qr(rows)
+        residual = (shots.positions - view.positions) * usable[..., None]
+        apart = np.where(shots.labelled[..., None], shots.labels - view.labels, 0.0).sum(axis=1)
+        return cls(
+            arcs,
+            free,
+            fit.unknowns[:, :STATE_SIZE],
+            apart / np.maximum(shots.labelled.sum(axis=1), 1)[:, None],
+            columns,
+            np.linalg.inv(triangle),
+            np.swapaxes(columns, 1, 2) @ residual,
+        )
+
+    @property
+    def spans(self) -> Floats:
+        """(R,) s from the first sample to the last."""
+        spans: Floats = np.ptp(self.arcs.shots.times, axis=1)
+        return spans
+
+    def times(self, scaled: Floats) -> Floats:
+        """Return (R, T) times on the sensor's clock from scaled ones."""
+        first = self.arcs.shots.times[:, :1]
+        times: Floats = first + self.spans[:, None] * (scaled + 1.0) / 2.0
+        return times
+
+    def scaled(self, times: Floats) -> Floats:
+        """Return (R, T) times on the sensor's clock on a scale from -1 to 1 along an arc."""
+        return _scaled(self.arcs.shots, times)
+
+    def fitted(self, times: Floats) -> Floats:
+        """Return the (R, T, 9) states of the fit at times on the sensor's clock."""
+        return self.simulator.fly(self.states, times - self.arcs.shots.times[:, :1]).states
+
+    def smooth(self, times: Floats) -> Floats:
+        """Return the (R, T, 9) smoothed states at times on the sensor's clock, not falling."""
+        states, scaled = self.fitted(times).copy(), self.scaled(times)
+        kept = np.arange(DEGREE + 1) <= SMOOTH
+        series = self.mixing @ (self.left * kept[:, None])
+        slopes = legder(np.eye(DEGREE + 1)).T
+        states[..., POSITION] += legvander(scaled, DEGREE) @ series
+        rates = legvander(scaled, DEGREE - 1) @ (slopes.T @ series)
+        states[..., VELOCITY] += rates * (2.0 / self.spans)[:, None, None]
+        states[..., SPIN] += self.spins[:, None]
+        return states
+
+    def beside_bounces(self, beside: float) -> tuple[Floats, Floats]:
+        """Return (R, 9) states ``beside`` s before the ends of arcs, and after their starts."""
+        arcs, times = self.arcs, self.arcs.shots.times
+        ends = np.where(np.isfinite(arcs.ends), arcs.ends - beside, times[:, -1])
+        starts = np.where(np.isfinite(arcs.starts), arcs.starts + beside, times[:, 0])
+        return self.smooth(ends[:, None])[:, 0], self.smooth(starts[:, None])[:, 0]
+
+
+def _scaled(shots: Shots, times: Floats) -> Floats:
+    first, last = shots.times[:, :1], shots.times[:, -1:]
+    scaled: Floats = 2.0 * (times - first) / (last - first) - 1.0
+    return scaled

@@ -1,0 +1,1 @@
+"""From exam records to rates, the same for every method."""

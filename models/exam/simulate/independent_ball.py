@@ -1,0 +1,155 @@
+"""The independent ball: its own integrator of its own laws, from bounce to bounce.
+
+Steps follow Kutta's three-eighths rule, bounces are located on the step itself. There is a table
+without edges to hit and without balls that rest on it, and no net.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.ball import state as ball
+from models.ball.contact_laws import NONE, TABLE
+from models.ball.simulator import Contacts, Flight
+from models.ball.state import BALL_RADIUS, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from models.exam.simulate import laws
+from models.exam.simulate.laws import Physics, bounce, derivative, normal_of
+from models.support.compilation import compiler
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+compiled = compiler([Path(__file__), Path(str(laws.__file__)), Path(str(ball.__file__))])
+
+LONGEST_STEP = 0.0025  # s
+MOST_BOUNCES = 8  # a shot; further ones do not happen
+
+
+@dataclass(frozen=True)
+class IndependentBall:
+    """A ball in the independent world."""
+
+    physics: Physics
+
+    def fly(self, states: ArrayLike, times: ArrayLike) -> Flight:
+        """Roll out balls; arguments and result are those of ``Simulator.fly``."""
+        first = np.array(np.atleast_2d(states), dtype=np.float64)
+        moments = np.atleast_2d(np.asarray(times, dtype=np.float64))
+        moments = np.ascontiguousarray(np.broadcast_to(moments, (len(first), moments.shape[1])))
+        paths, count, time, before, after = _fly(first, moments, self.physics)
+        surfaces = np.where(np.arange(MOST_BOUNCES) < count[:, None], TABLE, NONE)
+        return Flight(paths, Contacts(count, time, surfaces, before, after))
+
+
+@compiled
+def _fly(
+    first: Floats, moments: Floats, q: Physics
+) -> tuple[Floats, Integers, Floats, Floats, Floats]:
+    balls, length = moments.shape
+    paths = np.empty((balls, length, 9))
+    count = np.zeros(balls, dtype=np.int64)
+    time = np.full((balls, MOST_BOUNCES), np.nan)
+    before = np.full((balls, MOST_BOUNCES, 9), np.nan)
+    after = np.full((balls, MOST_BOUNCES, 9), np.nan)
+    for b in range(balls):
+        y, now = first[b].copy(), 0.0
+        for k in range(length):
+            if moments[b, k] < now:
+                paths[b, k] = _backwards(y, moments[b, k] - now, q)
+                continue
+            count[b] = _onwards(y, now, moments[b, k], q, count[b], time[b], before[b], after[b])
+            now = moments[b, k]
+            paths[b, k] = y
+    return paths, count, time, before, after
+
+
+@compiled
+def _onwards(
+    y: Floats,
+    now: float,
+    until: float,
+    q: Physics,
+    bounces: int,
+    time: Floats,
+    before: Floats,
+    after: Floats,
+) -> int:
+    """Move a ball on to a later moment, in place; return its bounces so far."""
+    left = until - now
+    while left > 0.0:
+        h = min(left, LONGEST_STEP)
+        ahead = step(y, h, q)
+        met = bounces < MOST_BOUNCES and _enters(ahead, q)
+        if met:
+            h, ahead = _touch(y, ahead, h, q)
+        left -= h
+        y[:] = ahead
+        if met:
+            time[bounces] = until - left
+            before[bounces] = y
+            bounce(y, q)
+            after[bounces] = y
+            bounces += 1
+    return bounces
+
+
+@compiled
+def _backwards(y: Floats, span: float, q: Physics) -> Floats:
+    """Return where a ball in free flight was ``-span`` seconds before."""
+    pieces = int(np.ceil(-span / LONGEST_STEP))
+    earlier = y.copy()
+    for _ in range(pieces):
+        earlier = step(earlier, span / pieces, q)
+    return earlier
+
+
+@compiled
+def step(y: Floats, h: float, q: Physics) -> Floats:
+    """Return the state (9,) after ``h`` seconds of free flight."""
+    slopes, point = np.empty((4, 9)), np.empty(9)
+    derivative(y, q, slopes[0])
+    for i in range(9):
+        point[i] = y[i] + h * slopes[0, i] / 3.0
+    derivative(point, q, slopes[1])
+    for i in range(9):
+        point[i] = y[i] + h * (slopes[1, i] - slopes[0, i] / 3.0)
+    derivative(point, q, slopes[2])
+    for i in range(9):
+        point[i] = y[i] + h * (slopes[0, i] - slopes[1, i] + slopes[2, i])
+    derivative(point, q, slopes[3])
+    for i in range(9):
+        middle = 3.0 * (slopes[1, i] + slopes[2, i])
+        point[i] = y[i] + h * (slopes[0, i] + middle + slopes[3, i]) / 8.0
+    return point
+
+
+@compiled
+def _gap(y: Floats, q: Physics) -> tuple[float, float]:
+    """Return how far a ball is from the table's plane (m) and how fast it leaves it (m/s)."""
+    nx, ny, nz = normal_of(q)
+    gap = nx * y[0] + ny * y[1] + nz * (y[2] - q.table_height_h) - BALL_RADIUS
+    return gap, nx * y[3] + ny * y[4] + nz * y[5]
+
+
+@compiled
+def _enters(y: Floats, q: Physics) -> bool:
+    if abs(y[0]) > TABLE_HALF_WIDTH or abs(y[1]) > TABLE_HALF_LENGTH:
+        return False
+    gap, leaving = _gap(y, q)
+    return -BALL_RADIUS < gap < 0.0 and leaving < 0.0
+
+
+@compiled
+def _touch(y: Floats, ahead: Floats, h: float, q: Physics) -> tuple[float, Floats]:
+    """Return when within a step a ball meets the table, and its state there (Newton)."""
+    moment = h
+    for _ in range(20):
+        gap, leaving = _gap(ahead, q)
+        shift = -gap / min(leaving, -1e-6)
+        moment = min(max(moment + shift, 0.0), h)
+        ahead = step(y, moment, q)
+        if abs(shift) < 1e-14:
+            break
+    return moment, ahead

@@ -1,0 +1,1 @@
+"""Amend: the simulator with the named causes, and where each value comes from."""

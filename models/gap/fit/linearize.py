@@ -1,0 +1,120 @@
+"""Linearised shots: residuals, and how they change with every unknown, in one array.
+
+Near the fitted unknowns ``eta`` of a shot its measurements are ``y = h + G d_eta + F d_theta +
+noise``: G by the shot's own unknowns, F by the hypotheses, which all shots share. The columns are
+kept in this order: E unknowns, K hypotheses, and last the residual ``y - h``. Whatever is asked
+later (noise, evidence, refits) needs of each shot only the Gram matrix of these columns in the
+metric of the noise: marginalising unknowns is the Schur complement of their block.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from models.ball.simulator import Simulator
+from models.ball.state import STATE_SIZE
+from models.ball.types import Floats
+from models.gap.fit.measurement import JUMP, KINK, Moments, by_hypotheses, by_unknowns, seen
+from models.gap.fit.shots import Shots
+from models.gap.hypotheses import Hypothesis
+from models.gap.types import Bools, Indices
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """B shots near their fitted unknowns.
+
+    Attributes:
+        shots: the measurements.
+        simulator: about which.
+        columns: the K hypotheses.
+        unknowns: (B, E) at which: states and kicks.
+        positions: (B, N, 3, E + K + 1) columns of the positions, zero in padding.
+        labels: (B, L, 3, E + K + 1) columns of the spin labels, zero where there is none, in units
+            of the fitted spin.
+        units: (B, L) these units, rad/s.
+        velocities: (B, N, 3) of the balls at the samples, m/s.
+        sampled: (B, N) which samples are used.
+        labelled: (B, L) which labels are used.
+    """
+
+    shots: Shots
+    simulator: Simulator
+    columns: tuple[Hypothesis, ...]
+    unknowns: Floats
+    positions: Floats
+    labels: Floats
+    units: Floats
+    velocities: Floats
+    sampled: Bools
+    labelled: Bools
+
+    def __getitem__(self, rows: Indices) -> "Linearised":
+        """Return some of the shots."""
+        parts = ("unknowns", "positions", "labels", "units", "velocities", "sampled", "labelled")
+        some = {name: getattr(self, name)[rows] for name in parts}
+        return replace(self, shots=self.shots[rows], **some)
+
+    @property
+    def own(self) -> int:
+        """E, the number of unknowns of a shot."""
+        return int(self.unknowns.shape[1])
+
+    @property
+    def listed(self) -> Bools:
+        """(K,) which of the hypotheses are about numbers that the simulator lists."""
+        return np.array([one.listed(self.simulator) for one in self.columns], dtype=bool)
+
+
+def linearise(
+    shots: Shots, simulator: Simulator, unknowns: Floats, columns: tuple[Hypothesis, ...]
+) -> Linearised:
+    """Linearise shots about a simulator and their (B, E) unknowns."""
+    moments = Moments.of(shots)
+    view = seen(simulator, moments, unknowns)
+    inner = by_unknowns(simulator, moments, unknowns, view)
+    outer = by_hypotheses(simulator, moments, unknowns, view, columns)
+    view = replace(view, until=np.fmin(inner.until, outer.until))
+    positions = _joined(inner.positions, outer.positions, shots.positions - view.positions)
+    labels = _joined(inner.labels, outer.labels, np.nan_to_num(shots.labels) - view.labels)
+    start = shots.times[:, :1]
+    sampled = shots.valid & view.smooth(shots.times - start, KINK)
+    sampled &= np.isfinite(positions).all(axis=(2, 3))
+    positions[~sampled] = 0.0
+    labelled = shots.labelled & view.smooth(shots.label_times - start, JUMP)
+    labels[~labelled] = 0.0
+    units = label_units(view.labels)
+    labels /= units[..., None, None]
+    return Linearised(
+        shots=shots,
+        simulator=simulator,
+        columns=columns,
+        unknowns=unknowns,
+        positions=positions,
+        labels=labels,
+        units=units,
+        velocities=view.velocities,
+        sampled=sampled,
+        labelled=labelled,
+    )
+
+
+def label_units(spins: Floats) -> Floats:
+    """Return (B, L) sizes of (B, L, 3) fitted spins, at least a tenth of the typical one, rad/s.
+
+    Errors of labels grow with the spin. It is the fitted one, since a label's own size would give
+    those that came out large too little weight.
+    """
+    sizes = np.linalg.norm(spins, axis=-1)
+    typical = float(np.sqrt(np.mean(sizes**2))) if sizes.size else 0.0
+    units: Floats = np.maximum(sizes, max(0.1 * typical, 1.0))
+    return units
+
+
+def ballistic_unknowns(states: Floats, kicks: int) -> Floats:
+    """Return (B, 9 + 3 kicks) unknowns of (B, 9) states without kicks."""
+    return np.concatenate([states[:, :STATE_SIZE], np.zeros((len(states), 3 * kicks))], axis=1)
+
+
+def _joined(inner: Floats, outer: Floats, residual: Floats) -> Floats:
+    return np.concatenate([inner, outer, residual[..., None]], axis=-1)

@@ -1,0 +1,128 @@
+"""Path: balls from bounce to bounce, with a kick at each.
+
+A kick is what one bounce did beyond the law. A kick ``(n, s, c)`` is measured in units of the
+impact's normal speed: the ball leaves faster by ``n`` upwards, ``s`` along the slip of its contact
+point and ``c`` across. The tangential part fades where the slip does, since there friction has
+nothing to scatter, and comes with the spin that the conservation of angular momentum about the
+contact point asks for, ``dw = -3/(2r) ez x dv``.
+"""
+
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+
+from models.ball.contact_laws import NET, TABLE
+from models.ball.simulator import Contacts, Flight, Simulator
+from models.ball.state import BALL_RADIUS, STATE_SIZE, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from models.ball.types import Floats
+from models.gap.types import Bools, Indices
+from models.support.compilation import compiler
+
+KICK_SIZE = 3
+SLOW_SLIP = 1.0  # m/s below which the tangential part of a kick fades
+EDGE = 5e-3  # m from an edge of the table: the ball may have met it
+# m, m/s, rad/s: where values that are tried make drag a thrust, balls get no farther nor faster.
+FARTHEST = 1e5
+
+
+def path(simulator: Simulator, unknowns: Floats, times: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return (B, T, 9) states, from bounce to bounce where there are kicks.
+
+    Then (B, M) contact times and (B,) those of the first contact with an edge or the net.
+    """
+    flight = _flight(simulator, unknowns[:, :STATE_SIZE], times)
+    states, met = flight.states, [_contacts(flight)]
+    rows, start = np.arange(len(states)), np.zeros(len(states))
+    for kick in range(STATE_SIZE, unknowns.shape[1], KICK_SIZE):
+        there, moment, before, after = first_bounce(flight)
+        if not there.any():
+            break
+        rows, start = rows[there], start[there] + moment
+        begin = _bounded(kicked(before, after, unknowns[rows, kick : kick + KICK_SIZE]))
+        since = times[rows] - start[:, None]
+        flight = _flight(simulator, begin, np.maximum(since, 0.0))
+        _go_on(states, rows, since, flight.states)
+        met.append(np.full_like(met[0], np.nan))
+        met[-1][:, rows] = start[:, None] + _contacts(flight)
+    smooth, wild = np.concatenate(met, axis=2)
+    return states, smooth[:, np.isfinite(smooth).any(axis=0)], np.fmin.reduce(wild, axis=1)
+
+
+def path_in_any_order(simulator: Simulator, unknowns: Floats, times: Floats) -> Floats:
+    """Return the (B, T, 9) states at times that may fall."""
+    order = np.argsort(times, axis=1, kind="stable")
+    states, _, _ = path(simulator, unknowns, np.take_along_axis(times, order, axis=1))
+    back = np.argsort(order, axis=1, kind="stable")
+    return np.take_along_axis(states, back[..., None], axis=1)
+
+
+def _contacts(flight: Flight) -> Floats:
+    """Return (2, B, K) times of contacts, and of those with an edge or the net, else NaN."""
+    met = flight.contacts
+    x, y = np.abs(met.before[..., 0]), np.abs(met.before[..., 1])
+    edge = (x > TABLE_HALF_WIDTH - EDGE) | (y > TABLE_HALF_LENGTH - EDGE)
+    wild = edge | (met.surface == NET)
+    return np.stack([met.time, np.where(wild, met.time, np.nan)])
+
+
+def first_bounce(flight: Flight) -> tuple[Bools, Floats, Floats, Floats]:
+    """Return which balls bounce off the table, and when, with which states, those that do."""
+    table = flight.contacts.surface == TABLE
+    there = table.any(axis=1)
+    rows, first = np.flatnonzero(there), table.argmax(axis=1)[there]
+    contacts = flight.contacts
+    return (
+        there,
+        contacts.time[rows, first],
+        contacts.before[rows, first],
+        contacts.after[rows, first],
+    )
+
+
+def kicked(before: Floats, after: Floats, kicks: Floats) -> Floats:
+    """Return the (B, 9) states after bounces with (B, 3) kicks."""
+    vx, vy, vz, wx, wy, _ = before[:, 3:].T
+    slip = np.stack([vx - BALL_RADIUS * wy, vy + BALL_RADIUS * wx], axis=1)
+    along = slip / np.sqrt((slip**2).sum(axis=1, keepdims=True) + SLOW_SLIP**2)
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    size = np.abs(vz)[:, None]
+    sideways = size * (kicks[:, 1:2] * along + kicks[:, 2:3] * across)
+    kicked = after.copy()
+    kicked[:, 3:5] += sideways
+    kicked[:, 5:6] += size * kicks[:, :1]
+    kicked[:, 6] += 1.5 / BALL_RADIUS * sideways[:, 1]
+    kicked[:, 7] -= 1.5 / BALL_RADIUS * sideways[:, 0]
+    return kicked
+
+
+def _flight(simulator: Simulator, states: Floats, times: Floats) -> Flight:
+    """Return the flight of balls; one that starts as the ball before it is not flown again.
+
+    Unknowns of a shot act from some bounce on; before it, all that they change is the same.
+    """
+    new = np.ones(len(states), dtype=bool)
+    new[1:] = (states[1:] != states[:-1]).any(axis=1) | (times[1:] != times[:-1]).any(axis=1)
+    flight = simulator.fly(states[new], times[new])
+    reached = _bounded(flight.states)
+    if new.all():
+        return Flight(reached, flight.contacts)
+    place, met = np.cumsum(new) - 1, flight.contacts
+    parts = (getattr(met, field.name)[place] for field in fields(met))
+    return Flight(reached[place], Contacts(*parts))
+
+
+def _bounded(states: Floats) -> Floats:
+    """Return states within bounds that no real ball comes near."""
+    if np.abs(states).max(initial=0.0) < FARTHEST:  # no number that is none is less
+        return states
+    return np.clip(np.nan_to_num(states, posinf=FARTHEST, neginf=-FARTHEST), -FARTHEST, FARTHEST)
+
+
+@compiler([Path(__file__)])
+def _go_on(states: Floats, rows: Indices, since: Floats, later: Floats) -> None:
+    """Replace rows of (B, T, 9) states by later ones, from where the time since a bounce begins."""
+    for r in range(len(rows)):
+        for i in range(since.shape[1]):
+            if since[r, i] > 0.0:
+                states[rows[r], i] = later[r, i]

@@ -1,0 +1,106 @@
+"""Whitening: rows of positions in the metric of their noise, compiled.
+
+Samples without weight count for nothing. Of all others the rows are shrunk along the velocity, and
+the innovations of a Kalman filter that follows the slow error are summed up in products as they
+come, so that they need not be kept.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from models.ball.types import Floats
+from models.support.compilation import compiler
+
+
+@compiler([Path(__file__)])
+def shrunk(rows: Floats, directions: Floats, less: Floats) -> Floats:
+    """Return (B, N, 3, C) rows less, along (B, N, 3) directions d, (B, N) times d d'."""
+    count, length, _, width = rows.shape
+    out = np.empty_like(rows)
+    for b in range(count):
+        for i in range(length):
+            x, y, z = directions[b, i]
+            for c in range(width):
+                along = x * rows[b, i, 0, c] + y * rows[b, i, 1, c] + z * rows[b, i, 2, c]
+                along *= less[b, i]
+                out[b, i, 0, c] = rows[b, i, 0, c] - along * x
+                out[b, i, 1, c] = rows[b, i, 1, c] - along * y
+                out[b, i, 2, c] = rows[b, i, 2, c] - along * z
+    return out
+
+
+@compiler([Path(__file__)])
+def white_products(
+    rows: Floats,
+    directions: Floats,
+    less: Floats,
+    times: Floats,
+    weights: Floats,
+    sizes: tuple[float, float, float],
+) -> tuple[Floats, Floats]:
+    """Return (B, C, C) products of white (B, N, 3, C) rows, and (B,) logarithms of determinants.
+
+    Args:
+        rows: columns of positions.
+        directions: (B, N, 3) along which they are shrunk.
+        less: (B, N) by how much.
+        times: (B, N) s.
+        weights: (B, N) by which white variances are divided; zero where a sample is not used.
+        sizes: white noise and slow error, m, and the time in which the latter changes, s.
+    """
+    count, length, _, width = rows.shape
+    white, slow, slow_time = sizes
+    products = np.zeros((count, width, width))
+    determinants = np.zeros(count)
+    expected, innovations = np.zeros((3, width)), np.zeros((3, width))
+    for b in range(count):
+        expected[:] = 0.0
+        variance, last = slow * slow, times[b, 0]
+        for i in range(length):
+            if weights[b, i] == 0.0:
+                continue
+            memory = np.exp(-(times[b, i] - last) / slow_time)
+            last = times[b, i]
+            variance = memory * memory * variance + (1.0 - memory * memory) * slow * slow
+            total = variance + white * white / weights[b, i]
+            determinants[b] += 3.0 * np.log(total)
+            scale, gain = 1.0 / np.sqrt(total), variance / total
+            _innovate(rows[b, i], directions[b, i], less[b, i], memory, gain, expected, innovations)
+            _add_products(scale * scale, innovations, products[b])
+            variance *= 1.0 - gain
+        for a in range(width):
+            for c in range(a):
+                products[b, a, c] = products[b, c, a]
+    return products, determinants
+
+
+@compiler([Path(__file__)])
+def _innovate(
+    rows: Floats,
+    direction: Floats,
+    less: float,
+    memory: float,
+    gain: float,
+    expected: Floats,
+    innovations: Floats,
+) -> None:
+    """Put what (3, C) rows have beyond what was expected into innovations, and expect it on."""
+    x, y, z = direction
+    for c in range(rows.shape[1]):
+        along = less * (x * rows[0, c] + y * rows[1, c] + z * rows[2, c])
+        for axis in range(3):
+            before = memory * expected[axis, c]
+            innovation = rows[axis, c] - along * direction[axis] - before
+            innovations[axis, c] = innovation
+            expected[axis, c] = before + gain * innovation
+
+
+@compiler([Path(__file__)])
+def _add_products(factor: float, rows: Floats, products: Floats) -> None:
+    """Add the products of (3, C) rows' columns, times a factor, to the upper triangle."""
+    width = rows.shape[1]
+    for a in range(width):
+        x, y, z = factor * rows[0, a], factor * rows[1, a], factor * rows[2, a]
+        for c in range(a, width):
+            products[a, c] += x * rows[0, c] + y * rows[1, c] + z * rows[2, c]

@@ -1,0 +1,100 @@
+"""Terms: columns of what no effect of the catalogue stands for, and what they are made from."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from models.ball.simulator import Simulator
+from models.ball.state import POSITION, SPIN, STATE_SIZE
+from models.ball.types import Floats
+from models.gap.fit.linearize import Linearised, label_units
+from models.gap.fit.measurement import Moments
+from models.gap.hypotheses import Hypothesis
+from models.gap.locate.sensitivity import Arc, arcs
+
+TYPICAL_SPEED = 8.0  # m/s, so that numbers in a formula are of similar size
+TYPICAL_FALL = 3.0  # m/s
+
+
+@dataclass(frozen=True)
+class Term(Hypothesis):
+    """One term of the basis: ``effect`` is the phase, ``parameter`` its formula."""
+
+    def listed(self, simulator: Simulator) -> bool:
+        """No simulator lists a term."""
+        return False
+
+
+@dataclass(frozen=True)
+class Terms:
+    """Terms and their columns of B shots, like those of the hypotheses (linear.py).
+
+    Attributes:
+        terms: the D terms.
+        positions: (B, N, 3, D).
+        labels: (B, L, 3, D), in units of the fitted spin.
+    """
+
+    terms: tuple[Term, ...]
+    positions: Floats
+    labels: Floats
+
+    @classmethod
+    def together(cls, parts: Sequence["Terms"]) -> "Terms":
+        """Return several sets of terms as one."""
+        return cls(
+            tuple(term for part in parts for term in part.terms),
+            np.concatenate([part.positions for part in parts], axis=3),
+            np.concatenate([part.labels for part in parts], axis=3),
+        )
+
+
+@dataclass(frozen=True)
+class Flown:
+    """B balls as they flew from their fitted unknowns.
+
+    Attributes:
+        linear: the shots about these unknowns.
+        moments: when balls are looked at.
+        arcs: between bounces.
+        states: (B, T, 9) at the moments; zero where an arc begins or ends.
+    """
+
+    linear: Linearised
+    moments: Moments
+    arcs: list[Arc]
+    states: Floats
+
+    @classmethod
+    def of(cls, linear: Linearised) -> "Flown":
+        """Return the balls of linearised shots."""
+        moments = Moments.of(linear.shots)
+        found = arcs(linear.simulator, linear.unknowns, moments.times)
+        states = np.zeros((*moments.times.shape, STATE_SIZE))
+        for arc in found:
+            states[arc.rows] = np.where(arc.inside[..., None], arc.states, states[arc.rows])
+        return cls(linear, moments, found, states)
+
+    @cached_property
+    def sampled(self) -> Floats:
+        """(B, N, 9) states at the samples."""
+        return np.take_along_axis(self.states, self.moments.samples[..., None], axis=1)
+
+    @cached_property
+    def labelled(self) -> Floats:
+        """(B, L, 9) states at the labels."""
+        return np.take_along_axis(self.states, self.moments.labels[..., None], axis=1)
+
+    @cached_property
+    def units(self) -> Floats:
+        """(B, L) rad/s, those of the labels."""
+        return label_units(self.labelled[..., SPIN])
+
+    def seen(self, terms: Sequence[Term], changes: Floats) -> Terms:
+        """Return what sensors see of (B, T, 9, D) changes of the states."""
+        samples, labels = self.moments.samples, self.moments.labels
+        places = np.take_along_axis(changes[:, :, POSITION], samples[..., None, None], axis=1)
+        spins = np.take_along_axis(changes[:, :, SPIN], labels[..., None, None], axis=1)
+        return Terms(tuple(terms), places, spins / self.units[..., None, None])

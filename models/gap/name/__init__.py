@@ -1,0 +1,1 @@
+"""Name: which numbers of the simulator explain the gap, tested against all others."""

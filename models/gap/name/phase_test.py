@@ -1,0 +1,183 @@
+"""Phase test: the terms of one phase beside the whole catalogue.
+
+With ``theta`` the catalogue's values and ``C`` what it explains of the terms, the shots' scores of
+the terms beside it are those less both. Terms are tested together, along all directions of which a
+good part is not in the span of the catalogue, and each alone.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.stats import chi2
+
+from models.ball.types import Floats
+from models.gap.fit.marginal import visible
+from models.gap.locate.terms import Term
+from models.gap.name.score_test import Evidence, Tested
+
+OWN_PART = 1e-4  # of a direction's information, that must be left beside the catalogue
+OWN_TERM = 1e-3  # the same of a term's
+
+
+@dataclass(frozen=True)
+class PhaseTest:
+    """The D terms of a phase that are seen, beside N numbers of the catalogue.
+
+    Attributes:
+        evidence: for hypotheses and terms.
+        phase: of the terms.
+        withheld: effects that are not in the catalogue.
+    """
+
+    evidence: Evidence
+    phase: str
+    withheld: tuple[str, ...]
+
+    @cached_property
+    def places(self) -> list[int]:
+        """(D,) places of the terms."""
+        columns = self.evidence.columns
+        return [k for k in self._seen if columns[k].effect == self.phase]
+
+    @cached_property
+    def beside(self) -> list[int]:
+        """(N,) places of the catalogue's numbers."""
+        columns = self.evidence.columns
+        effects = [k for k in self._seen if not isinstance(columns[k], Term)]
+        return [k for k in effects if columns[k].effect not in self.withheld]
+
+    @cached_property
+    def _seen(self) -> list[int]:
+        return np.flatnonzero(self.evidence.seen).tolist()
+
+    @cached_property
+    def spread(self) -> Floats:
+        """(N, N) covariance of the catalogue's values, which may be alike."""
+        directions = visible(self.evidence.total[np.ix_(self.beside, self.beside)])
+        covariance: Floats = directions @ directions.T
+        return covariance
+
+    @cached_property
+    def values(self) -> Floats:
+        """(N,) of the catalogue, by which they differ from the simulator's."""
+        values: Floats = self.spread @ self.evidence.scores[:, self.beside].sum(axis=0)
+        return values
+
+    @cached_property
+    def mixing(self) -> Floats:
+        """(D, N) how much of the terms the catalogue explains."""
+        mixing: Floats = self.evidence.total[np.ix_(self.places, self.beside)] @ self.spread
+        return mixing
+
+    def scores(self, evidence: Evidence) -> Floats:
+        """Return the (B, D) scores of the terms beside the catalogue with its values."""
+        rest = evidence.scores - evidence.information[:, :, self.beside] @ self.values
+        scores: Floats = rest[:, self.places] - rest[:, self.beside] @ self.mixing.T
+        return scores
+
+    @cached_property
+    def information(self) -> Floats:
+        """(D, D) of the terms beside the catalogue."""
+        total = self.evidence.total
+        mixed = self.mixing @ total[np.ix_(self.beside, self.places)]
+        information: Floats = total[np.ix_(self.places, self.places)] - mixed
+        return information
+
+    @cached_property
+    def directions(self) -> Floats:
+        """(D, E) of the terms of which a good part is not in the span of the catalogue.
+
+        Scores along them have unit variance.
+        """
+        scale = np.sqrt(np.diag(self.evidence.total)[self.places])
+        values, vectors = np.linalg.eigh(self.information / np.outer(scale, scale))
+        kept = values > OWN_PART
+        directions: Floats = vectors[:, kept] / scale[:, None] / np.sqrt(values[kept])
+        return directions
+
+    @cached_property
+    def along(self) -> Floats:
+        """(B, E) scores of the shots along the directions."""
+        along: Floats = self.scores(self.evidence) @ self.directions
+        return along
+
+    @cached_property
+    def estimate(self) -> Floats:
+        """(D,) of the terms."""
+        estimate: Floats = self.directions @ self.along.sum(axis=0)
+        return estimate
+
+    @cached_property
+    def alone(self) -> dict[int, Tested]:
+        """Tests of terms of which a good part is their own, each alone, by their numbers."""
+        a, n, k = self.evidence.information, self.beside, self.places
+        mixed = np.einsum("dn,bnd->bd", self.mixing, a[:, n][:, :, k])
+        twice = ((a[:, n][:, :, n] @ self.mixing.T) * self.mixing.T).sum(axis=1)
+        shares = np.einsum("bkk->bk", a)[:, k] - 2 * mixed + twice
+        scores = self.scores(self.evidence)
+        own = np.flatnonzero(shares.sum(axis=0) > OWN_TERM * np.diag(self.evidence.total)[k])
+        return {d: Tested((k[d],), scores[:, [d]], shares[:, [d], None]) for d in own.tolist()}
+
+    @cached_property
+    def clearest(self) -> Floats:
+        """(D,) the value of the term that is the least likely by chance, others zero."""
+        terms = np.zeros(len(self.places))
+        number = min(self.alone, key=lambda one: _chance(self.alone[one]))
+        terms[number] = self.alone[number].estimate[0]
+        return terms
+
+    @cached_property
+    def chance_alone(self) -> float:
+        """Chance of the term that is the least likely by chance."""
+        return min((_chance(test) for test in self.alone.values()), default=1.0)
+
+    @cached_property
+    def squared(self) -> float:
+        """Twice the gain of log likelihood."""
+        return float((self.along.sum(axis=0) ** 2).sum())
+
+    @property
+    def gain(self) -> float:
+        """Twice the gain of log likelihood beyond what as many directions of noise gain."""
+        return max(self.squared - float(self.along.shape[1]), 0.0)
+
+    @property
+    def rarity(self) -> float:
+        """Logarithm of the chance of so much structure, by the noise as it was found."""
+        return float(chi2.logsf(self.squared, max(self.along.shape[1], 1)))
+
+    def chance(self, signs: Floats) -> float:
+        """Return the chance of so much structure, by the spread between shots and by the noise.
+
+        Shots whose values were fitted spread less than they did: the noise as found must agree.
+
+        Args:
+            signs: (R, B) of the shots, at random.
+        """
+        if self.along.shape[1] == 0:
+            return 1.0
+        above = int((((signs @ self.along) ** 2).sum(axis=1) >= self.squared).sum())
+        by_noise = float(chi2.sf(self.squared, self.along.shape[1]))
+        return max((1 + above) / (1 + len(signs)), by_noise)
+
+    def foretold(self, terms: Floats, others: Evidence) -> tuple[float, float]:
+        """Return how far other shots follow values of the terms, and how far they would by chance.
+
+        Args:
+            terms: (D,) values.
+            others: shots about the same simulator.
+        """
+        k, n = self.places, self.beside
+        score = self.scores(others).sum(axis=0) @ terms
+        total = others.total
+        across = total[np.ix_(k, n)] - self.mixing @ total[np.ix_(n, n)]
+        own = total[np.ix_(k, k)] - self.mixing @ total[np.ix_(n, k)] - across @ self.mixing.T
+        # The catalogue's values err, too, as far as they show on the other shots.
+        variance = terms @ (own + across @ self.spread @ across.T) @ terms
+        return float(score), float(np.sqrt(max(float(variance), 0.0)))
+
+
+def _chance(test: Tested) -> float:
+    """Return the chance of a term; the noise as found must agree."""
+    return max(test.chance, float(chi2.sf(test.gain, 1)))

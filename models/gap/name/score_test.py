@@ -1,0 +1,244 @@
+"""Evidence: what the shots say for and against every hypothesis, before any is refitted.
+
+Each shot, freed of its unknowns, gives for K hypotheses a score ``u_s`` and an information ``A_s``.
+A block k of them is tested beside others that are free, ``n`` (those that the simulator lists are
+always free): with ``theta = A_nn^-1 U_n`` and ``C = A_kn A_nn^-1``,
+
+    e_s = (u_k - A_kn theta)_s - C (u_n - A_nn theta)_s,    I = A_kk - C A_nk,
+
+are the efficient scores and their information. ``U = sum e_s`` gives the estimate ``I^-1 U`` and
+the gain of twice the log likelihood ``U'I^-1 U``, by which hypotheses are ranked. Whether a gain is
+significant is left to the shots themselves, whatever correlation the noise has within a shot. Here
+``d_s = e_s - I_s (I - I_s)^-1 (U - e_s)`` is how far a shot is from what the others say of it,
+``I_s`` its part of the information, so that an effect which shots show unequally does not pass for
+their scatter. The variance of U is ``sum d_s d_s'`` with as many degrees of freedom as shots, all
+alike, would say as much, less one. Where that is a handful, their spread may be small by chance; so
+it is averaged with the information, which is the variance by the noise as it was found and counts
+as much as a few shots (an empirical Bayes variance). The test is Hotelling's; of many tests each
+chance is that of the least of as many.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as fisher
+from scipy.stats import t as student
+
+from models.ball.types import Floats
+from models.gap.fit.linearize import Linearised
+from models.gap.fit.marginal import marginal
+from models.gap.fit.variance_components import Components
+from models.gap.hypotheses import Hypothesis
+
+Indices = NDArray[np.int64]
+
+DETECTABLE = 5.8  # standard errors
+CONFIDENCE = 0.95  # of intervals
+FOLDS = 5
+NOISE_DEGREES = 8.0  # of freedom, that the noise as it was found is worth
+FEWEST_SUPPORTERS = 4.0  # shots, of what is said to be detectable
+LEAST_INFORMATION = 1e-7  # of a hypothesis alone, that its own part beside the others must have
+
+
+@dataclass(frozen=True)
+class Tested:
+    """One block of hypotheses, tested beside others.
+
+    Attributes:
+        block: places of the block's hypotheses.
+        scores: (B, D) efficient scores of the shots.
+        shares: (B, D, D) of each shot in the information.
+    """
+
+    block: tuple[int, ...]
+    scores: Floats
+    shares: Floats
+
+    @cached_property
+    def information(self) -> Floats:
+        """(D, D) of all shots."""
+        information: Floats = self.shares.sum(axis=0)
+        return information
+
+    @cached_property
+    def estimate(self) -> Floats:
+        """(D,) by how much the values differ from the simulator's, to first order."""
+        change: Floats = np.linalg.solve(regular(self.information), self.scores.sum(axis=0))
+        return change
+
+    @cached_property
+    def standard_error(self) -> Floats:
+        """(D,) of each estimate, with the noise as it was found."""
+        error: Floats = np.sqrt(np.diag(np.linalg.inv(self.information)))
+        return error
+
+    @cached_property
+    def gain(self) -> float:
+        """Twice the gain of log likelihood."""
+        return float(self.scores.sum(axis=0) @ self.estimate)
+
+    @cached_property
+    def held_out_gain(self) -> float:
+        """Twice the gain of log likelihood of shots by the values that others say.
+
+        The shots of each fold in turn are predicted from all others.
+        """
+        fold = np.arange(len(self.scores)) % FOLDS
+        parts = [(self.scores[fold == f].sum(axis=0), self.shares[fold == f]) for f in range(FOLDS)]
+        total, gain = self.scores.sum(axis=0), 0.0
+        for score, shares in parts:
+            information = shares.sum(axis=0)
+            said = np.linalg.solve(regular(self.information - information), total - score)
+            gain += float(2 * said @ score - said @ information @ said)
+        return gain
+
+    @cached_property
+    def supporters(self) -> float:
+        """How many shots, all alike, would say as much: no verdict rests on one or two."""
+        shares = np.einsum("bdd->b", np.linalg.solve(regular(self.information), self.shares))
+        return float(shares.sum() ** 2 / np.maximum((shares**2).sum(), 1e-300))
+
+    @cached_property
+    def surprises(self) -> Floats:
+        """(B, D) how far each shot's score is from what the others say of it."""
+        others = regular(self.information - self.shares)
+        rest = self.scores.sum(axis=0) - self.scores
+        said = np.linalg.solve(others, rest[..., None])
+        surprises: Floats = self.scores - (self.shares @ said)[..., 0]
+        return surprises
+
+    @cached_property
+    def degrees(self) -> float:
+        """Degrees of freedom of the variance."""
+        return max(self.supporters - 1.0, 0.0) + NOISE_DEGREES
+
+    @cached_property
+    def variance(self) -> Floats:
+        """(D, D) of the sum of the scores, by the shots' spread and by the noise."""
+        share = NOISE_DEGREES / self.degrees
+        between = self.surprises.T @ self.surprises
+        variance: Floats = (1 - share) * between + share * self.information
+        return variance
+
+    @cached_property
+    def chance(self) -> float:
+        """Of so large a gain where there is no effect."""
+        total, size = self.scores.sum(axis=0), len(self.block)
+        squared = float(total @ np.linalg.solve(regular(self.variance), total))
+        rest = max(self.degrees - size + 1, 1.0)
+        return float(fisher.sf(squared * rest / (size * self.degrees), size, rest))
+
+    @cached_property
+    def margin(self) -> Floats:
+        """(D,) by which each estimate may be off, either way, with 95 % confidence."""
+        inverse = np.linalg.inv(regular(self.information))
+        errors = np.sqrt(np.diag(inverse @ self.variance @ inverse))
+        margin: Floats = errors * student.isf((1 - CONFIDENCE) / 2, self.degrees)
+        return margin
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What B shots say of K hypotheses.
+
+    Attributes:
+        columns: the hypotheses.
+        listed: (K,) which of them the simulator lists.
+        scores: (B, K) of the shots.
+        information: (B, K, K) of the shots.
+    """
+
+    columns: tuple[Hypothesis, ...]
+    listed: NDArray[np.bool_]
+    scores: Floats
+    information: Floats
+
+    @classmethod
+    def of(cls, linear: Linearised, components: Components) -> "Evidence":
+        """Return the evidence of linearised shots in the metric of their noise."""
+        left = marginal(components.grams, linear.own)
+        return cls(linear.columns, linear.listed, left.scores, left.information)
+
+    @cached_property
+    def total(self) -> Floats:
+        """(K, K) information of all shots."""
+        total: Floats = self.information.sum(axis=0)
+        return total
+
+    @cached_property
+    def seen(self) -> NDArray[np.bool_]:
+        """(K,) which hypotheses change what is measured at all."""
+        diagonal = np.diag(self.total)
+        shown: NDArray[np.bool_] = diagonal > 0.0
+        return shown
+
+    @cached_property
+    def free(self) -> tuple[int, ...]:
+        """Places of the simulator's own numbers: those that the shots see."""
+        return tuple(np.flatnonzero(self.listed & self.seen).tolist())
+
+    def tested(self, block: Sequence[int], beside: Sequence[int]) -> Tested:
+        """Test a block of hypotheses beside others that are free."""
+        k, n = list(block), [one for one in beside if one not in block]
+        inner = regular(self.total[np.ix_(n, n)])
+        free = np.linalg.solve(inner, self.scores[:, n].sum(axis=0))
+        mixing = np.linalg.solve(inner, self.total[np.ix_(n, k)]).T
+        rest = self.scores - self.information[:, :, n] @ free
+        a = self.information
+        across = a[:, k][:, :, n] - mixing @ a[:, n][:, :, n]
+        shares = a[:, k][:, :, k] - mixing @ a[:, n][:, :, k] - across @ mixing.T
+        return Tested(tuple(k), rest[:, k] - rest[:, n] @ mixing.T, shares)
+
+    def decidable(
+        self, beside: Sequence[int], fewest: float = FEWEST_SUPPORTERS
+    ) -> tuple[int, ...]:
+        """Return the places of hypotheses that the shots can tell from all that is beside them.
+
+        Args:
+            beside: what is free.
+            fewest: supporters of a hypothesis.
+        """
+        return tuple(
+            k
+            for k in np.flatnonzero(self.seen).tolist()
+            if self.decides(self.tested([k], beside), fewest)
+        )
+
+    def decides(self, test: Tested, fewest: float = FEWEST_SUPPORTERS) -> bool:
+        """Return whether the shots can decide about the one hypothesis that is tested."""
+        (k,) = test.block
+        information = test.information[0, 0]
+        reach = np.ptp(self.columns[k].declaration.bounds)
+        own_part = information > LEAST_INFORMATION * self.total[k, k]
+        within = information * reach**2 > DETECTABLE**2
+        return bool(own_part and within and test.supporters > fewest)
+
+    def likeness(self, one: int, other: int, beside: Sequence[int]) -> float:
+        """Return the correlation of two hypotheses' signatures, 1 where no data like these differ.
+
+        The numbers beside them, less these two, are projected out.
+        """
+        rest = [k for k in beside if k not in (one, other)]
+        pair = self.tested([one, other], rest).information
+        return float(abs(pair[0, 1]) / np.sqrt(pair[0, 0] * pair[1, 1]))
+
+    def detectable(self, k: int, beside: Sequence[int]) -> float:
+        """Return the smallest size of a hypothesis that these shots would show."""
+        return DETECTABLE * float(self.tested([k], beside).standard_error[0])
+
+
+def familywise(tests: Sequence[Tested]) -> Floats:
+    """Return each test's chance that the most extreme of all is as extreme where nothing is."""
+    chances = np.array([test.chance for test in tests])
+    of_least: Floats = -np.expm1(len(tests) * np.log1p(-np.minimum(chances, 1 - 1e-12)))
+    return of_least
+
+
+def regular(matrix: Floats) -> Floats:
+    """Return information matrices that can be inverted where hypotheses are exactly alike."""
+    size = matrix.shape[-1]
+    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)[..., None] * np.eye(size)
+    return matrix + 1e-10 * diagonal + 1e-300 * np.eye(size)

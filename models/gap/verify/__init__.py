@@ -1,0 +1,1 @@
+"""Verify: prediction errors before and after, on shots that naming never saw."""

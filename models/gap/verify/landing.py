@@ -1,0 +1,51 @@
+"""Landing: where and when balls first meet the table, as a sensor sees it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.ball.quantities import View
+from models.ball.sensor import sensor_quantity
+from models.ball.simulator import Simulator
+from models.ball.state import VELOCITY
+from models.ball.types import Floats
+from models.gap.fit.trajectory import first_bounce
+
+ON_TABLE = slice(0, 2)  # components of a place
+
+
+@dataclass(frozen=True)
+class Landings:
+    """First bounces of B balls, NaN for those that never bounce.
+
+    Attributes:
+        places: (B, 2) m, across the table and along it.
+        times: (B,) s from the first sample.
+    """
+
+    places: Floats
+    times: Floats
+
+    def apart(self, others: "Landings") -> tuple[Floats, Floats]:
+        """Return (B,) m and (B,) s, how far landings are from others."""
+        return np.linalg.norm(self.places - others.places, axis=1), np.abs(
+            self.times - others.times
+        )
+
+
+def landings(simulator: Simulator, states: Floats, ends: Floats) -> Landings:
+    """Return where and when balls land.
+
+    Args:
+        simulator: with its sensor effects.
+        states: (B, 9) at the first sample.
+        ends: (B,) s after it until when they are followed.
+    """
+    flight = simulator.fly(states, np.stack([np.zeros(len(ends)), ends], axis=1))
+    there, moment, before, _ = first_bounce(flight)
+    speed = np.linalg.norm(before[:, VELOCITY], axis=1)
+    delay = sensor_quantity(simulator, "delay", View(speed))
+    places, times = np.full((len(states), 2), np.nan), np.full(len(states), np.nan)
+    places[there] = sensor_quantity(simulator, "position_gain") * before[:, ON_TABLE]
+    times[there] = sensor_quantity(simulator, "clock_gain") * (moment + delay)
+    return Landings(places, times)

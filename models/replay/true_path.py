@@ -1,0 +1,36 @@
+"""The true path of a ball of the arena, until somebody strikes it anew."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.arena.recording import TrueContacts
+from models.arena.truth import Truth
+from models.arena.truth_path import true_states
+from models.policy.incoming_balls import PATH_TIMES
+
+Floats = NDArray[np.float64]
+
+STROKES = ("launch", "racket")
+
+
+def true_path(truth: Truth, contacts: TrueContacts, start: float) -> tuple[Floats, Floats]:
+    """Return where a ball was from ``start`` (s) on: until the next stroke, or as far as is known.
+
+    Args:
+        truth: the hall's physics.
+        contacts: all of the recording; the ball's own stroke is the one nearest to ``start``.
+        start: s, on the recording's clock.
+
+    Returns:
+        (n, 9) states at ``start`` plus the first n of ``PATH_TIMES``, and (C,) s from ``start`` of
+        the bounces in that time.
+    """
+    strokes = contacts.times[np.isin(contacts.kinds, STROKES)]
+    nearest = np.abs(strokes - start).argmin()
+    struck = np.append(strokes, np.inf)[nearest + 1]
+    times = np.asarray(start + PATH_TIMES, dtype=np.float64)
+    states = true_states(truth, contacts, times)
+    known = np.isfinite(states[:, 0]) & (times < struck)
+    count = int(np.argmin(np.append(known, False)))
+    bounces = contacts.times[contacts.kinds == "table"] - start
+    return states[:count], bounces[(bounces > 0) & (bounces < PATH_TIMES[:count].max(initial=0))]

@@ -1,0 +1,1 @@
+"""What the models' code needs: compilation kept on disk, and plugins found by being there."""

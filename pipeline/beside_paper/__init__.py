@@ -1,1 +1,0 @@
-"""Every figure, table and printed number of the paper, beside what this repository finds."""

@@ -1,0 +1,1 @@
+"""Figures of evaluation: drawing alone, from tables that others have computed."""

@@ -1,0 +1,73 @@
+"""The test episodes of every set of measured balls, cut into windows."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from models.predictors.windows import Windows, joined, windows
+from pipeline.io.episodes import MeasuredEpisode, read_episodes
+from pipeline.runtime.console import warn
+from pipeline.runtime.errors import InputError
+from pipeline.sources.manifest import Manifest, SourceRecord, read_manifest
+
+NO_WINDOW = "155 ms with samples at most 15 ms apart"
+
+
+@dataclass(frozen=True)
+class MeasuredSet:
+    """The test windows of one source.
+
+    Attributes:
+        source: where they come from.
+        windows: B windows.
+        recordings: (B,) the recording of each.
+        episodes: those that the windows were cut from.
+    """
+
+    source: SourceRecord
+    windows: Windows
+    recordings: np.ndarray
+    episodes: list[MeasuredEpisode]
+
+    @property
+    def name(self) -> str:
+        """The source's name."""
+        return self.source.name
+
+
+def read_test_sets(artifacts: Path, every: float) -> list[MeasuredSet]:
+    """Cut the unbroken test episodes of every source into windows; warn of a source without any.
+
+    Args:
+        artifacts: the folder of all stages' artefacts.
+        every: s between the starts of an episode's windows.
+
+    Raises:
+        InputError: an artefact is missing or broken, or no source has a window.
+    """
+    manifest = read_manifest(artifacts / "ingest" / "manifest.json")
+    episodes = read_episodes(artifacts / "segment", manifest.labelled_once, splits=("test",))
+    sets = list(_cut(manifest, episodes, every))
+    if not sets:
+        problem = (
+            f"no unbroken test episode has a window to evaluate: {NO_WINDOW}; are its sources in "
+            "seconds and metres?"
+        )
+        raise InputError(artifacts / "segment" / "episodes.parquet", problem)
+    return sets
+
+
+def _cut(
+    manifest: Manifest, episodes: list[MeasuredEpisode], every: float
+) -> Iterator[MeasuredSet]:
+    for name in sorted({episode.source for episode in episodes}):
+        members = [one for one in episodes if one.source == name and one.unbroken]
+        parts = [windows(one.episode, every) for one in members]
+        if not any(map(len, parts)):
+            warn(f"{name} has no window to evaluate: {NO_WINDOW}")
+            continue
+        ids = np.array([one.recording_id for one in members])
+        recordings = np.repeat(ids, [len(part) for part in parts])
+        yield MeasuredSet(manifest.sources[name], joined(parts), recordings, members)

@@ -1,0 +1,1 @@
+"""The blind exam on files: running it, its records and its tables."""

@@ -1,0 +1,1 @@
+"""Figures of exam: drawing alone, from tables that others have computed."""

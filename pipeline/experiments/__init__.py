@@ -1,0 +1,1 @@
+"""DVC experiments: profiles, results that are kept, and repairs of the cache."""

@@ -1,0 +1,72 @@
+"""Profiles: files that hold only the parameters that differ from params.yaml.
+
+A profile becomes ``-S key=value`` flags for ``dvc exp run``, so that params.yaml stays the file
+that people edit.
+"""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pipeline.params import check_params, load_params, read_yaml
+from pipeline.runtime.errors import InputError
+
+
+def profile_flags(root: Path, name: str) -> list[str]:
+    """The flags that turn params.yaml into a profile.
+
+    Args:
+        root: the repository, with params.yaml and the folder profiles.
+        name: the profile, as the file ``profiles/<name>.yaml``.
+
+    Raises:
+        InputError: there is no such profile, or it does not fit params.yaml.
+    """
+    path = root / "profiles" / f"{name}.yaml"
+    if not path.is_file():
+        names = sorted(file.stem for file in path.parent.glob("*.yaml"))
+        raise InputError(path, f"there is no such profile; there are: {', '.join(names)}")
+    load_params(root / "params.yaml")
+    params = read_yaml(root / "params.yaml")
+    changed = merged(params, read_yaml(path) or {})
+    check_params(changed, path)
+    return flags(params, changed)
+
+
+def merged(params: Any, changes: Any) -> Any:
+    """``params`` with ``changes`` laid over it, key by key."""
+    if not (isinstance(params, dict) and isinstance(changes, dict)):
+        return changes
+    both = {key: merged(params.get(key), value) for key, value in changes.items()}
+    return {**params, **both}
+
+
+def flags(params: dict[str, Any], changed: dict[str, Any]) -> list[str]:
+    """The ``dvc exp run`` flags that turn ``params`` into ``changed``.
+
+    No flag has white space in it, so that a shell passes ``$(rallygap profile ...)`` on unharmed.
+    """
+    return [word for override in _overrides(params, changed, "") for word in ("-S", override)]
+
+
+def _overrides(params: dict[str, Any], changed: dict[str, Any], above: str) -> Iterator[str]:
+    """Differences in Hydra's grammar: ``key=value``, ``+key=value`` for a new key, ``~key``."""
+    yield from (f"~{above}{key}" for key in params if key not in changed)
+    for key, value in changed.items():
+        old, name = params.get(key), f"{above}{key}"
+        if isinstance(value, dict):
+            yield from _overrides(old if isinstance(old, dict) else {}, value, f"{name}.")
+        elif key not in params:
+            yield f"+{name}={_written(name, value)}"
+        elif value != old:
+            yield f"{name}={_written(name, value)}"
+
+
+def _written(key: str, value: Any) -> str:
+    """JSON, which Hydra's grammar takes for values other than dictionaries."""
+    text = json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+    if "\\" in text or any(character.isspace() for character in text):
+        problem = "holds white space, a quote or a backslash, which a shell would not pass on"
+        raise InputError("parameters", problem, field=key)
+    return text

@@ -1,1 +1,0 @@
-"""Drawing: figures, tables and the report page."""

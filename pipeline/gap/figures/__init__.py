@@ -1,0 +1,1 @@
+"""Figures of gap: drawing alone, from tables that others have computed."""

@@ -1,0 +1,1 @@
+"""Files that pass between stages: artefacts, table schemas, episodes, simulators."""

@@ -1,0 +1,205 @@
+"""Artefacts in and out: written whole or not at all, and byte-identical for identical content."""
+
+import json
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Literal, TypeVar
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+from numpy.typing import NDArray
+from pyarrow.parquet import ParquetFile, ParquetWriter
+from pydantic import TypeAdapter, ValidationError
+
+from pipeline.runtime.errors import InputError
+
+Content = TypeVar("Content")
+
+COMPRESSION: Literal["zstd"] = "zstd"  # of tables
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Yield a temporary file beside ``path`` that takes its place when the block succeeds.
+
+    A block that fails leaves ``path`` as it was and nothing beside it.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
+        temporary = Path(folder) / path.name
+        yield temporary
+        temporary.replace(path)
+
+
+@contextmanager
+def replacing_folder(path: Path) -> Iterator[Path]:
+    """Yield an empty folder that takes the place of folder ``path`` when the block succeeds."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
+        temporary = Path(folder) / path.name
+        temporary.mkdir()
+        yield temporary
+        if path.exists():
+            path.rename(Path(folder) / "former")
+        temporary.rename(path)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write UTF-8 text with Unix line ends."""
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write JSON, indented, in the order given; not-a-number is an error rather than bad JSON."""
+    write_text(path, json.dumps(content, indent=2, allow_nan=False, default=_plain) + "\n")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
+
+
+def read_json(path: Path) -> Any:
+    """Read a JSON file; a missing or broken one is an ``InputError``."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(path, "there is no such file; run the stage that writes it") from None
+    except OSError as error:
+        raise InputError(path, f"cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(path, f"is not JSON: {error}") from None
+
+
+def read_as(path: Path, schema: type[Content], stage: str) -> Content:
+    """Read a JSON file that ``stage`` wrote, as a pydantic model or a list of them.
+
+    Raises:
+        InputError: the file is missing, or breaks the schema; naming the field and the stage.
+    """
+    try:
+        return TypeAdapter(schema).validate_python(read_json(path))
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        problem = f"{first['msg']}; run `dvc repro -f {stage}` to write it anew"
+        raise InputError(path, problem, field=place) from None
+
+
+def write_table(path: Path, table: pd.DataFrame) -> None:
+    """Write a table as parquet (zstd); same table, same bytes."""
+    with replacing(path) as temporary:
+        table.to_parquet(temporary, index=False, compression=COMPRESSION)
+
+
+def write_csv(path: Path, table: pd.DataFrame, digits: int = 6) -> None:
+    """Write a table as csv, so many significant digits a number; same table, same bytes."""
+    with replacing(path) as temporary:
+        table.to_csv(temporary, index=False, float_format=f"%.{digits}g", lineterminator="\n")
+
+
+@contextmanager
+def table_writer(path: Path, empty: pd.DataFrame) -> Iterator[Callable[[pd.DataFrame], None]]:
+    """Yield a function that adds rows to a table that need not fit into memory.
+
+    Every call writes one row group, which ``read_row_groups`` gives back. The table takes its place
+    when the block succeeds.
+
+    Args:
+        path: of the table.
+        empty: a table without rows; those that follow have its columns and types.
+    """
+    schema = pa.Schema.from_pandas(empty, preserve_index=False)
+    with (
+        replacing(path) as temporary,
+        ParquetWriter(temporary, schema, compression=COMPRESSION) as writer,
+    ):
+
+        def add(rows: pd.DataFrame) -> None:
+            if len(rows):
+                group = pa.Table.from_pandas(rows, schema, preserve_index=False)
+                writer.write_table(group, row_group_size=len(rows))
+
+        yield add
+
+
+def read_table(path: Path) -> pd.DataFrame:
+    """Read a parquet table; a missing or broken one is an ``InputError``."""
+    with _reading(path), path.open("rb") as content:
+        return pd.read_parquet(content)
+
+
+def read_column_names(path: Path) -> list[str]:
+    """Return the names of a parquet table's columns, and read nothing else of it.
+
+    A missing or broken one is an ``InputError``.
+    """
+    with _reading(path), ParquetFile(path) as content:
+        return list(content.schema_arrow.names)
+
+
+def read_row_groups(path: Path) -> Iterator[pd.DataFrame]:
+    """Yield a parquet table in the parts it was written in, one in memory at a time.
+
+    A missing or broken one is an ``InputError``.
+    """
+    with _reading(path), ParquetFile(path) as content:
+        for group in range(content.num_row_groups):
+            yield content.read_row_group(group).to_pandas()
+
+
+def count_row_groups(path: Path) -> int:
+    """Return in how many parts a parquet table was written.
+
+    A missing or broken one is an ``InputError``.
+    """
+    with _reading(path), ParquetFile(path) as content:
+        return int(content.num_row_groups)
+
+
+def read_row_group(path: Path, number: int) -> pd.DataFrame:
+    """Read one of the parts that a parquet table was written in; they count from 0.
+
+    A missing or broken one is an ``InputError``.
+    """
+    with _reading(path), ParquetFile(path) as content:
+        table: pd.DataFrame = content.read_row_group(number).to_pandas()
+        return table
+
+
+def read_rows(path: Path, rows: NDArray[np.int64], columns: Sequence[str]) -> pd.DataFrame:
+    """Read some rows of a parquet table that need not fit into memory.
+
+    Args:
+        path: of the table; a missing or broken one is an ``InputError``.
+        rows: (n,) their numbers, counted from 0, ascending; at least one.
+        columns: to read.
+    """
+    parts: list[pd.DataFrame] = []
+    first = 0
+    with _reading(path), ParquetFile(path) as content:
+        for group in range(content.num_row_groups):
+            end = first + content.metadata.row_group(group).num_rows
+            within = rows[(rows >= first) & (rows < end)] - first
+            if len(within):
+                found = content.read_row_group(group, columns=columns).to_pandas()
+                parts.append(found.iloc[within])
+            first = end
+    return pd.concat(parts, ignore_index=True)
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    """Turn what goes wrong when a table is read into an ``InputError``."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise InputError(path, "there is no such table; run the stage that writes it") from None
+    except (OSError, ValueError, KeyError, TypeError, NotImplementedError, MemoryError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(path, f"is not a parquet table: {reason}") from None

@@ -1,0 +1,134 @@
+"""The segmented tables as episodes, the way predictors' windows take them."""
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from models.predictors.windows import Episode
+from pipeline.io.artifacts import read_row_groups
+from pipeline.io.schemas import (
+    CONTACTS,
+    EPISODES,
+    POSITION_COLUMNS,
+    SAMPLES,
+    SPIN_COLUMNS,
+    SPLITS,
+    VELOCITY_COLUMNS,
+    check_columns,
+    checked,
+    read_checked,
+)
+from pipeline.runtime.errors import InputError
+
+Floats = NDArray[np.float64]
+
+ORIGIN = ["episode_id", "recording_id", "source", "split", "unbroken"]
+
+
+@dataclass(frozen=True)
+class MeasuredEpisode:
+    """An episode with where it comes from and what it is for."""
+
+    episode_id: str
+    recording_id: str
+    source: str
+    split: str
+    unbroken: bool
+    episode: Episode
+
+
+def read_episodes(
+    folder: Path, labelled_once: set[str], splits: Collection[str] = SPLITS
+) -> list[MeasuredEpisode]:
+    """Read the episodes of a folder that the segment stage wrote, without the tosses of serves.
+
+    Args:
+        folder: with samples.parquet, contacts.parquet and episodes.parquet.
+        labelled_once: sources with one spin label a shot. Such a label holds until the ball first
+            touches something or is lost in a gap; after it the spin counts as not labelled.
+        splits: which to read.
+
+    Raises:
+        InputError: a table is missing or broken, or the samples lack an episode.
+    """
+    contacts = read_checked(folder / "contacts.parquet", CONTACTS)
+    episodes = read_checked(folder / "episodes.parquet", EPISODES)
+    label_ends = _label_ends(contacts, episodes, labelled_once)
+    chosen = episodes[episodes["split"].isin(splits) & ~_tosses(episodes)]
+    bounces = contacts[contacts["kind"] == "table"].groupby("episode_id")["t"]
+    bounce_times = {str(name): times.to_numpy() for name, times in bounces}
+    path = folder / "samples.parquet"
+    parts = dict(_episodes(path, chosen, bounce_times, label_ends))
+    absent = [name for name in chosen["episode_id"] if name not in parts]
+    if absent:
+        raise InputError(path, f"has no samples of episode {absent[0]}; run `dvc repro -f segment`")
+    return [
+        MeasuredEpisode(name, recording_id, source, split, unbroken, parts[name])
+        for name, recording_id, source, split, unbroken in chosen[ORIGIN].itertuples(index=False)
+    ]
+
+
+def _tosses(episodes: pd.DataFrame) -> "pd.Series[bool]":
+    """Return which episodes are the toss of a serve: no stroke begins it, and the serve ends it."""
+    unstruck = episodes["starts_with"].isin(["recording", "gap"])
+    return unstruck & (episodes["ends_with"] == "racket") & (episodes["bounces"] == 0)
+
+
+def _label_ends(
+    contacts: pd.DataFrame, episodes: pd.DataFrame, labelled_once: set[str]
+) -> dict[str, float]:
+    """Return when the one label of a recording ends: whatever a ball touches changes its spin."""
+    once = episodes[episodes["source"].isin(labelled_once)]
+    after_gap = once[once["starts_with"] == "gap"].rename(columns={"start": "t"})
+    touched = contacts[contacts["recording_id"].isin(once["recording_id"])]
+    ends = pd.concat([table[["recording_id", "t"]] for table in (touched, after_gap)])
+    return dict(ends.groupby("recording_id")["t"].min())
+
+
+def _episodes(
+    path: Path,
+    chosen: pd.DataFrame,
+    bounce_times: dict[str, Floats],
+    label_ends: dict[str, float],
+) -> Iterator[tuple[str, Episode]]:
+    """Yield the chosen episodes by id, one row group of their samples in memory at a time."""
+    recordings = dict(zip(chosen["episode_id"], chosen["recording_id"], strict=True))
+    check_columns(path, SAMPLES)
+    for samples in read_row_groups(path):
+        wanted = checked(samples[samples["episode_id"].isin(chosen["episode_id"])], SAMPLES, path)
+        whole = _episode(wanted)
+        for name, rows in wanted.groupby("episode_id", sort=False).indices.items():
+            episode_id = str(name)
+            bounces = bounce_times.get(episode_id, np.empty(0))
+            label_end = label_ends.get(recordings[episode_id], np.inf)
+            yield episode_id, _part(whole, np.asarray(rows), bounces, label_end)
+
+
+def _episode(samples: pd.DataFrame) -> Episode:
+    """Return samples as if they all were one episode."""
+    return Episode(
+        times=samples["t"].to_numpy(),
+        positions=samples[POSITION_COLUMNS].to_numpy(),
+        velocities=samples[VELOCITY_COLUMNS].to_numpy(),
+        spins=samples[SPIN_COLUMNS].to_numpy(),
+        outlier=samples["outlier"].to_numpy(),
+        arc=samples["arc"].to_numpy(),
+        bounces=np.empty(0),
+    )
+
+
+def _part(whole: Episode, rows: NDArray[np.intp], bounces: Floats, label_end: float) -> Episode:
+    times = whole.times[rows]
+    return Episode(
+        times=times,
+        positions=whole.positions[rows],
+        velocities=whole.velocities[rows],
+        spins=np.where((times < label_end)[:, None], whole.spins[rows], np.nan),
+        outlier=whole.outlier[rows],
+        arc=whole.arc[rows],
+        bounces=bounces,
+    )

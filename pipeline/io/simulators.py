@@ -1,0 +1,22 @@
+"""Simulators by name or by file."""
+
+from pathlib import Path
+
+from models.ball.simulator import Simulator, SimulatorError
+from models.ball.simulators import shipped
+from pipeline.params import read_yaml
+from pipeline.runtime.errors import InputError
+
+
+def load_simulator(name: str) -> Simulator:
+    """Return a shipped simulator by its name, or one from the YAML file of that path.
+
+    Raises:
+        InputError: there is no such simulator, or its file does not describe one.
+    """
+    try:
+        if name.endswith((".yaml", ".yml")):
+            return Simulator.from_dict(read_yaml(Path(name)))
+        return shipped(name)
+    except SimulatorError as error:
+        raise InputError(name, str(error)) from None

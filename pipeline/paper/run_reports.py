@@ -1,0 +1,124 @@
+"""The reports of a run, as the comparison with the paper reads them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import pandas as pd
+from pydantic import TypeAdapter, ValidationError
+
+from pipeline.experiments.profiles import merged
+from pipeline.io.artifacts import read_json
+from pipeline.paper.judgements import Interval
+from pipeline.params import check_params, load_params, read_yaml
+from pipeline.runtime.errors import InputError
+
+Value = TypeVar("Value")
+
+ENDS = ("ci_low", "ci_high")
+
+
+@dataclass(frozen=True)
+class Reports:
+    """What a run reports.
+
+    Attributes:
+        folder: with a folder a stage; it need not be there.
+        params: of all stages; those of a kept run are what it had, and may lack some.
+        written_in: the file that says the parameters.
+    """
+
+    folder: Path
+    params: Mapping[str, Any]
+    written_in: Path = Path("params.yaml")
+
+    def param(self, path: str, kind: type[Value]) -> Value | None:
+        """Return a parameter by its path, such as ``sim2sim.episodes``; ``None`` without it.
+
+        Raises:
+            InputError: it is not of this kind.
+        """
+        found: Any = self.params
+        for key in path.split("."):
+            found = found.get(key) if isinstance(found, Mapping) else None
+        try:
+            return None if found is None else TypeAdapter(kind).validate_python(found, strict=True)
+        except ValidationError as error:
+            problem = f"cannot be told: {error.errors()[0]['msg']}; `rallygap keep` writes it anew"
+            raise InputError(self.written_in, problem, field=path) from None
+
+    def table(self, file: str, keys: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
+        """Return a table of the reports, empty where it or one of these columns is not there.
+
+        Args:
+            file: of the table.
+            keys: columns of names and whole numbers.
+            numbers: columns of numbers.
+
+        Raises:
+            InputError: the file is no table, or has something else among its numbers.
+        """
+        path = self.folder / file
+        try:
+            table = pd.read_csv(path, keep_default_na=False, na_values=[""])
+            there = {*keys, *numbers} <= set(table)
+            return table.astype(dict.fromkeys(numbers, float)) if there else pd.DataFrame()
+        except FileNotFoundError:
+            return pd.DataFrame()
+        except ValueError as error:
+            raise InputError(path, f"is not a CSV table: {error}; run its stage again") from None
+
+    def numbers(self, file: str, names: Sequence[str], **keys: str | int) -> list[float] | None:
+        """Return numbers of the row with these values; ``None`` where one of them is not there."""
+        table = self.table(file, list(keys), names)
+        for column, value in keys.items() if len(table) else ():
+            table = table[table[column] == value]
+        if table.empty or table.iloc[0][[*names]].isna().any():
+            return None
+        return [float(table.iloc[0][name]) for name in names]
+
+    def number(self, file: str, name: str, **keys: str | int) -> float | None:
+        """Return a number of the row with these values; ``None`` where it is not there."""
+        found = self.numbers(file, [name], **keys)
+        return None if found is None else found[0]
+
+    def interval(
+        self, file: str, value: str, ends: tuple[str, str] = ENDS, **keys: str | int
+    ) -> Interval | None:
+        """Return a number of a table with its interval; ``None`` where it is not there."""
+        found = self.numbers(file, [value, *ends], **keys)
+        return None if found is None else Interval(*found)
+
+
+def laptop_reports(root: Path) -> Reports:
+    """Return the reports of the last run in a repository.
+
+    Raises:
+        InputError: its parameters are missing or broken.
+    """
+    return Reports(root / "reports", load_params(root / "params.yaml").model_dump(mode="json"))
+
+
+def paper_reports(root: Path) -> Reports:
+    """Return the reports of the run in the paper's size, if it was kept; else its parameters.
+
+    Raises:
+        InputError: parameters are missing or broken.
+    """
+    folder = root / "reports" / "paper"
+    record, profile = folder / "run.json", root / "profiles" / "paper.yaml"
+    if record.is_file():
+        return Reports(folder, _kept_params(record), record)
+    params = check_params(merged(read_yaml(root / "params.yaml"), read_yaml(profile)), profile)
+    return Reports(folder, params.model_dump(mode="json"), profile)
+
+
+def _kept_params(path: Path) -> dict[str, Any]:
+    """Return the parameters in the record of a kept run."""
+    record = read_json(path)
+    params = record.get("params") if isinstance(record, dict) else None
+    if not isinstance(params, dict):
+        problem = "is missing or holds no parameters; `rallygap keep` writes it anew"
+        raise InputError(path, problem, field="params")
+    return params

@@ -1,0 +1,1 @@
+"""Policies on files: training and storage."""

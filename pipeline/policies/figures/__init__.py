@@ -1,0 +1,1 @@
+"""Figures of policies: drawing alone, from tables that others have computed."""

@@ -1,0 +1,96 @@
+"""How policies learn, and how far they do what they are asked to."""
+
+from itertools import cycle
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from models.policy.scores import fitted_line
+from pipeline.io.figure_style import FIGURE_WIDTH, MUTED
+
+RATES = {"return_rate": "returned (%)", "hit_rate": "hit (%)"}
+GOALS = {
+    "landing_across": "landing across (m)",
+    "landing_along": "landing behind the net (m)",
+    "speed": "speed (m/s)",
+    "topspin": "topspin (rad/s)",
+}
+# Hues that people with any common colour blindness tell apart (Okabe and Ito 2008, Tol 2021).
+COLOURS = ("#0f7fc4", "#d55e00", "#009988", "#b85fa0", "#a08000", "#7d8791")
+DASHES = ("-", "--", ":", "-.")
+
+
+def learning_figure(curves: pd.DataFrame) -> Figure:
+    """Draw how returns and hits grow in training: a row of panels a group, a line a policy.
+
+    Simulators differ by colour, horizons by dashes; repeats look alike.
+
+    Args:
+        curves: one row a leg of a policy: group, simulator, horizons_ms, repeat, ticks,
+            return_rate and hit_rate (shares).
+    """
+    groups = list(curves["group"].unique())
+    colours = dict(zip(curves["simulator"].unique(), cycle(COLOURS), strict=False))
+    dashes = dict(zip(curves["horizons_ms"].unique(), cycle(DASHES), strict=False))
+    figure = Figure(figsize=(FIGURE_WIDTH, 1.0 + 2.3 * len(groups)))
+    grid = figure.subplots(len(groups), len(RATES), squeeze=False, sharey=True)
+    for row, group in zip(grid, groups, strict=True):
+        rows = curves[curves["group"] == group]
+        for axes, rate in zip(row, RATES, strict=True):
+            _draw_curves(axes, rows, rate, colours, dashes)
+        row[0].set_title(str(group).replace("_", " "))
+    _add_legend(figure, colours, dashes)
+    return figure
+
+
+def achieved_figure(returns: pd.DataFrame) -> Figure:
+    """Draw what returns achieved against what they were asked for, a panel a goal.
+
+    Args:
+        returns: one row a ball that was returned, as ``models.policy.trial.play`` tells it.
+    """
+    asked = [name for name in GOALS if f"goal_{name}" in returns]
+    rows = (len(asked) + 1) // 2
+    figure = Figure(figsize=(FIGURE_WIDTH, 3.2 * rows))
+    for place, name in enumerate(asked, start=1):
+        axes = figure.add_subplot(rows, 2, place)
+        _draw_achieved(axes, returns[f"goal_{name}"].to_numpy(), returns[name].to_numpy())
+        axes.set(xlabel=f"asked: {GOALS[name]}", ylabel="achieved")
+    return figure
+
+
+def _draw_curves(
+    axes: Axes, rows: pd.DataFrame, rate: str, colours: dict[str, str], dashes: dict[str, str]
+) -> None:
+    for key, curve in rows.groupby(["simulator", "horizons_ms", "repeat"], sort=False):
+        colour, dash = colours[str(key[0])], dashes[str(key[1])]
+        axes.plot(curve["ticks"] / 1000, 100 * curve[rate], color=colour, ls=dash, lw=1.4)
+    axes.set(xlabel="control ticks (thousands)", ylabel=RATES[rate], ylim=(0, 102))
+    axes.set_xlim(left=0)
+
+
+def _draw_achieved(axes: Axes, asked: np.ndarray, achieved: np.ndarray) -> None:
+    axes.plot(asked, achieved, ".", ms=3, color=COLOURS[0], alpha=0.4, mew=0)
+    slope, intercept = fitted_line(asked, achieved)
+    if np.isnan(slope):
+        axes.set_title("too few returns for a slope")
+        return
+    ends = np.array([asked.min(), asked.max()])
+    axes.plot(ends, ends, color=MUTED, lw=1.0, ls="--")
+    axes.plot(ends, slope * ends + intercept, color=COLOURS[1])
+    axes.set_title(f"slope {slope:.2f}")
+
+
+def _add_legend(figure: Figure, colours: dict[str, str], dashes: dict[str, str]) -> None:
+    simulators = [
+        Line2D([], [], color=colour, label=name.replace("_", " "))
+        for name, colour in colours.items()
+    ]
+    horizons = [
+        Line2D([], [], color=MUTED, ls=dash, label=f"horizons {name.replace('-', '–')} ms")
+        for name, dash in dashes.items()
+    ]
+    figure.legend(handles=[*simulators, *horizons], loc="outside upper left", ncols=3)

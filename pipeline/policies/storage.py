@@ -1,0 +1,134 @@
+"""Trained policies as files: weights (safetensors) and what they belong to (JSON)."""
+
+from pathlib import Path
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, field_validator
+from safetensors import SafetensorError
+from safetensors.numpy import load, save
+
+from models.ball.simulator import Simulator
+from models.policy.batch_simulation import ACTIONS
+from models.policy.observation import observation_size
+from models.policy.policy import Policy
+from models.policy.settings import (
+    GoalSettings,
+    HorizonsMs,
+    LearningSettings,
+    ObservationKind,
+)
+from models.policy.task import Task
+from pipeline.io.artifacts import read_as, replacing_folder, write_json
+from pipeline.runtime.errors import InputError
+
+WEIGHTS, DESCRIPTION = "weights.safetensors", "policy.json"
+
+
+class TrainedPolicy(BaseModel):
+    """What a policy's weights belong to.
+
+    Attributes:
+        group: the group of policies that it was trained with.
+        simulator: the name of the simulator it was trained in.
+        effects: that simulator, spelled out.
+        horizons: of the forecasts it is told, ms.
+        observation: what it sees; the scales are those of ``models/policy/observation.py``.
+        goals: what its returns were asked to do.
+        learning: how it was trained.
+        seed: of every draw of its training.
+        repeat: which of the policies that differ in nothing but the seed.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    group: str
+    simulator: str
+    effects: dict[str, dict[str, float]]
+    horizons: HorizonsMs
+    observation: ObservationKind
+    goals: GoalSettings
+    learning: LearningSettings
+    seed: int
+    repeat: int
+
+    @field_validator("effects")
+    @classmethod
+    def _fly(cls, effects: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
+        Simulator.from_dict(effects)
+        return effects
+
+    @property
+    def name(self) -> str:
+        """Its folder's name: unique among trained policies."""
+        return f"{self.group}-{self.simulator}-{self.horizons[0]}ms-{self.repeat}"
+
+    @property
+    def horizons_label(self) -> str:
+        """Its first and last horizon, ms, as reports call them: ``115-125``."""
+        return f"{self.horizons[0]}-{self.horizons[-1]}"
+
+    @property
+    def labels(self) -> dict[str, str | int]:
+        """What tells it from others in tables."""
+        return {
+            "group": self.group,
+            "simulator": self.simulator,
+            "horizons_ms": self.horizons_label,
+            "repeat": self.repeat,
+        }
+
+    @property
+    def task(self) -> Task:
+        """What it was trained for."""
+        simulator = Simulator.from_dict(self.effects)
+        return Task(simulator, self.horizons, self.goals, self.observation)
+
+
+def save_policy(folder: Path, policy: Policy, description: TrainedPolicy) -> None:
+    """Write a trained policy; the same weights give the same bytes."""
+    with replacing_folder(folder) as temporary:
+        (temporary / WEIGHTS).write_bytes(save(policy.to_arrays()))
+        write_json(temporary / DESCRIPTION, description.model_dump(mode="json"))
+
+
+def load_policy(folder: Path) -> tuple[Policy, TrainedPolicy]:
+    """Read a trained policy and what it belongs to.
+
+    Raises:
+        InputError: a file is missing or broken.
+    """
+    description = read_as(folder / DESCRIPTION, TrainedPolicy, "train_policy")
+    try:
+        policy = Policy.from_arrays(load((folder / WEIGHTS).read_bytes()))
+    except FileNotFoundError:
+        problem = "there is no such file; run the stage train_policy"
+        raise InputError(folder / WEIGHTS, problem) from None
+    except (OSError, SafetensorError, ValueError, KeyError, TypeError) as error:
+        raise InputError(folder / WEIGHTS, f"is not a file of weights: {error}") from None
+    _check_fit(policy, description, folder / WEIGHTS)
+    return policy, description
+
+
+def _check_fit(policy: Policy, description: TrainedPolicy, path: Path) -> None:
+    """Raise unless the weights are numbers that take what the policy sees to what it does."""
+    seen = observation_size(
+        len(description.horizons), description.goals.count, description.observation
+    )
+    ends = policy.layers[0][0].shape[-1:], policy.layers[-1][1].shape
+    if ends != ((seen,), (ACTIONS,)):
+        raise InputError(path, f"does not fit {DESCRIPTION}: give {seen} inputs, {ACTIONS} outputs")
+    if not all(np.isfinite(part).all() for layer in policy.layers for part in layer):
+        raise InputError(path, "has numbers that are not finite; train it anew")
+
+
+def load_policies(folder: Path, group: str) -> list[tuple[Policy, TrainedPolicy]]:
+    """Read all trained policies of a group, by name.
+
+    Raises:
+        InputError: there is none, or a file is broken.
+    """
+    paths = sorted(folder.glob(f"{group}-*/{DESCRIPTION}"))
+    if not paths:
+        problem = f"has no policy of the group {group}; see train_policy.groups in params.yaml"
+        raise InputError(folder, problem)
+    return [load_policy(path.parent) for path in paths]

@@ -1,0 +1,1 @@
+"""Predictors on files: training and storage."""

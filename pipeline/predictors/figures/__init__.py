@@ -1,0 +1,1 @@
+"""Figures of predictors: drawing alone, from tables that others have computed."""

@@ -1,0 +1,33 @@
+"""Learning curves."""
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from pipeline.io.figure_style import FIGURE_WIDTH, predictor_colour
+
+PANELS_A_ROW = 3
+
+
+def training_figure(curves: pd.DataFrame) -> Figure:
+    """Draw the loss of training and validation over the epochs, one panel a predictor.
+
+    Args:
+        curves: one row an epoch: predictor, epoch, training, validation.
+    """
+    names = list(curves["predictor"].unique())
+    across = min(len(names), PANELS_A_ROW)
+    down = -(-len(names) // across)
+    figure = Figure(figsize=(FIGURE_WIDTH, 2.8 * down))
+    axes = figure.subplots(down, across, squeeze=False, sharey=True)
+    for spare in axes.flat[len(names) :]:
+        spare.remove()
+    for panel, name in zip(axes.flat, names, strict=False):
+        curve = curves[curves["predictor"] == name]
+        colour = predictor_colour(name)
+        panel.plot(curve["epoch"], curve["training"], color=colour, label="training")
+        panel.plot(curve["epoch"], curve["validation"], color=colour, ls="--", label="validation")
+        panel.set(title=name.replace("_", " "), xlabel="epoch", yscale="log")
+        panel.legend()
+    for panel in axes[:, 0]:
+        panel.set_ylabel("loss")
+    return figure

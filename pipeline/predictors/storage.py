@@ -1,0 +1,128 @@
+"""Trained predictors as files: weights (safetensors), what they belong to (JSON), a model card."""
+
+from pathlib import Path
+from typing import Any
+
+import torch
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from pydantic import BaseModel, ConfigDict
+from safetensors import SafetensorError
+from safetensors.torch import load, save
+from torch import Tensor
+
+from models.predictors.learned import ForecastNetwork, LearnedPredictor, build_network
+from models.predictors.settings import NetworkSettings, TrainingSettings
+from pipeline.io.artifacts import read_as, replacing_folder, write_json, write_text
+from pipeline.runtime.errors import InputError
+
+WEIGHTS, DESCRIPTION, CARD = "weights.safetensors", "predictor.json", "MODEL_CARD.md"
+_TEMPLATES = Path(__file__).parent / "templates"
+
+
+class Learning(BaseModel):
+    """How a predictor came by its weights.
+
+    Attributes:
+        episodes: training episodes.
+        windows: training windows seen, in all epochs.
+        validation_episodes: episodes that only watched.
+        settings: of training.
+        seed: of every draw.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    episodes: int
+    windows: int
+    validation_episodes: int
+    settings: TrainingSettings
+    seed: int
+
+
+class TrainedPredictor(BaseModel):
+    """What a predictor's weights belong to.
+
+    Attributes:
+        name: under which reports list it.
+        network: the settings that its network is built from.
+        parameters: how many numbers were trained.
+        sources: sets of measured balls that it was trained on.
+        starts_from: the predictor whose weights it began with, if any.
+        learning: how it was trained.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    name: str
+    network: NetworkSettings
+    parameters: int
+    sources: list[str]
+    starts_from: str | None
+    learning: Learning
+
+
+def save_predictor(folder: Path, network: ForecastNetwork, description: TrainedPredictor) -> None:
+    """Write a trained predictor; the same weights give the same bytes."""
+    weights = {name: value.contiguous().cpu() for name, value in network.state_dict().items()}
+    with replacing_folder(folder) as temporary:
+        (temporary / WEIGHTS).write_bytes(save(weights))
+        write_json(temporary / DESCRIPTION, description.model_dump(mode="json"))
+        write_text(temporary / CARD, _model_card(description))
+
+
+def read_description(folder: Path) -> TrainedPredictor:
+    """Read what a predictor's weights belong to.
+
+    Raises:
+        InputError: the file is missing or broken.
+    """
+    return read_as(folder / DESCRIPTION, TrainedPredictor, "train_predictor")
+
+
+def load_network(folder: Path) -> ForecastNetwork:
+    """Read a trained network.
+
+    Raises:
+        InputError: a file is missing or broken, or the weights are those of another network.
+    """
+    described = read_description(folder).network
+    weights = _read_weights(folder / WEIGHTS)
+    with torch.device("meta"):  # takes no memory: a description may ask for more than there is
+        planned = build_network(described).state_dict()
+    expected = {name: value.shape for name, value in planned.items()}
+    found = {name: value.shape for name, value in weights.items()}
+    if found != expected:
+        names = sorted(set(found.items()) ^ set(expected.items()))
+        problem = f"does not fit the network of {DESCRIPTION}: see {names[0][0]}"
+        raise InputError(folder / WEIGHTS, problem)
+    if not all(value.isfinite().all() for value in weights.values()):
+        raise InputError(folder / WEIGHTS, "has numbers that are not finite; train it anew")
+    network = build_network(described)
+    network.load_state_dict(weights)
+    return network
+
+
+def load_predictor(folder: Path) -> LearnedPredictor:
+    """Read a trained predictor; see ``load_network``."""
+    return LearnedPredictor(load_network(folder))
+
+
+def _read_weights(path: Path) -> dict[str, Tensor]:
+    try:
+        return load(path.read_bytes())
+    except FileNotFoundError:
+        raise InputError(path, "there is no such file; run the stage train_predictor") from None
+    except (OSError, SafetensorError, ValueError, KeyError) as error:
+        raise InputError(path, f"is not a file of weights: {error}") from None
+
+
+def _model_card(description: TrainedPredictor) -> str:
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+        trim_blocks=True,
+        autoescape=False,
+    )
+    content: dict[str, Any] = description.model_dump(mode="json")
+    return environment.get_template("model_card.md").render(content)

@@ -1,0 +1,77 @@
+"""What surrounds every stage: one run of it at a time, an orderly end, a line for a full disk."""
+
+import errno
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Any, NoReturn
+
+from filelock import FileLock, Timeout
+
+from pipeline.runtime.console import warn
+from pipeline.runtime.errors import InputError
+
+ADVICE = {
+    errno.ENOSPC: "the disk is full; make room and run it again",
+    errno.EDQUOT: "the quota of the disk is used up; make room and run it again",
+    errno.EROFS: "the disk can only be read; mount it for writing and run it again",
+    errno.EACCES: "this user may not write there",
+}
+
+
+@contextmanager
+def guarded(stage: str) -> Iterator[None]:
+    """Run a stage in the working directory within this block."""
+    with disks_named(stage), _alone(stage), _stoppable():
+        yield
+
+
+@contextmanager
+def _alone(stage: str) -> Iterator[None]:
+    """Wait for another run of the stage, as one whose DVC was killed.
+
+    It would remove the outputs of this one when it fails, and its checkpoints when it succeeds.
+    """
+    path = Path("scratch") / f"{stage}.lock"
+    path.parent.mkdir(exist_ok=True)
+    lock = FileLock(path)
+    try:
+        lock.acquire(timeout=0)
+    except Timeout:
+        warn(f"another run of {stage} is at work here; this one waits until it has ended")
+        lock.acquire()
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+@contextmanager
+def _stoppable() -> Iterator[None]:
+    """Let SIGTERM unwind the block, so that nothing half-written and no worker is left."""
+    before: Any = signal.signal(signal.SIGTERM, _stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _stop(number: int, _: FrameType | None) -> NoReturn:
+    raise SystemExit(128 + number)
+
+
+@contextmanager
+def disks_named(otherwise: str) -> Iterator[None]:
+    """Turn the refusal of a disk into one line.
+
+    Args:
+        otherwise: what the line begins with where the refusal names no file.
+    """
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in ADVICE:
+            raise
+        raise InputError(error.filename or otherwise, ADVICE[error.errno]) from None

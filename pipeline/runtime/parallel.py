@@ -1,0 +1,113 @@
+"""Where tasks run side by side: on the cores of this machine, or on a cluster.
+
+The environment variable ``RALLYGAP_CLUSTER`` has the address of a scheduler of dask.distributed,
+such as ``tcp://127.0.0.1:8786``; without it, joblib uses all cores. What tasks give depends neither
+on where they run nor on how many run at once: each has one thread, and results come in their order.
+"""
+
+import hashlib
+import os
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+from joblib import Parallel, cpu_count, delayed
+from threadpoolctl import threadpool_limits
+
+from pipeline.runtime.errors import InputError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+Result = TypeVar("Result")
+
+CLUSTER = "RALLYGAP_CLUSTER"
+PATIENCE = 30  # s, that a cluster may take to answer
+CODE = ("models", "pipeline", "stages")
+
+
+def parallel(tasks: Sequence[Callable[[], Result]]) -> Iterator[Result]:
+    """Yield what tasks return, in their order.
+
+    On a cluster, the task of a worker that dies is done by another. Tasks that leave files want a
+    folder that every machine has under the same path.
+
+    Args:
+        tasks: callables without arguments that can be pickled.
+
+    Raises:
+        InputError: there is no such cluster, or it is lost, or it would give other results.
+    """
+    address = os.environ.get(CLUSTER)
+    return _on_cluster(address, tasks) if address else _on_cores(tasks)
+
+
+def _on_cores(tasks: Sequence[Callable[[], Result]]) -> Iterator[Result]:
+    # No more processes than tasks, because each takes seconds to start; and without memory maps,
+    # which torch warns of because it could not write to them.
+    processes = max(1, min(cpu_count(), len(tasks)))
+    joblib = Parallel(processes, return_as="generator", max_nbytes=None)
+    yield from joblib(delayed(_on_one_thread)(task) for task in tasks)
+
+
+def _on_cluster(address: str, tasks: Sequence[Callable[[], Result]]) -> Iterator[Result]:
+    with _connected(address) as client:
+        from distributed.comm.core import CommClosedError
+
+        _check_workers(client)
+        # Not pure: equal tasks of two runs are two tasks.
+        waiting = deque(client.map(_on_one_thread, tasks, pure=False))
+        while waiting:
+            try:
+                result = waiting.popleft().result()
+            except (CancelledError, CommClosedError):
+                problem = f"the scheduler {address} was lost; what is done is kept, run again"
+                raise InputError(CLUSTER, problem) from None
+            yield result
+
+
+def _on_one_thread(task: Callable[[], Result]) -> Result:
+    """Do a task with one thread, since sums of more differ in their last bits."""
+    with threadpool_limits(1):
+        return task()
+
+
+def _connected(address: str) -> "Client":
+    try:
+        from distributed import Client
+    except ImportError:
+        problem = "needs dask.distributed; install rallygap with the extra `cluster`"
+        raise InputError(CLUSTER, problem) from None
+    try:
+        return Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError) as error:
+        problem = f"no scheduler answers at {address}: {' '.join(str(error).split())}"
+        raise InputError(CLUSTER, problem) from None
+
+
+def _check_workers(client: "Client") -> None:
+    """Refuse a cluster without workers, and workers that would give other results."""
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError:
+        raise InputError(CLUSTER, "has no workers; start some with `dask worker`") from None
+    for worker, threads in client.nthreads().items():  # type: ignore[no-untyped-call]
+        if threads != 1:
+            problem = f"has {threads} threads; start it with --nthreads 1"
+            raise InputError(CLUSTER, problem, field=worker)
+    ours = code_digest()
+    for worker, digest in client.run(code_digest).items():
+        if digest != ours:
+            problem = "runs other code; check out the same commit there and start it anew"
+            raise InputError(CLUSTER, problem, field=worker)
+
+
+def code_digest() -> str:
+    """Return a digest of the code that tasks run on."""
+    digest = hashlib.sha256()
+    home = Path(__file__).parents[2]
+    for path in sorted(path for name in CODE for path in (home / name).rglob("*.py")):
+        digest.update(path.relative_to(home).as_posix().encode() + path.read_bytes())
+    return digest.hexdigest()

@@ -1,0 +1,193 @@
+"""One run of one stage: where its files are, what it reports, and how it ends."""
+
+import os
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from PIL import Image
+
+from pipeline.io.artifacts import replacing, write_csv, write_json
+from pipeline.io.figure_style import apply_style, save_figure
+from pipeline.params import Params, load_params
+from pipeline.runtime.console import refuse
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.provenance import Provenance, content_hash, provenance, repository_root, short
+from pipeline.tracking.recording import recorded
+
+FRAME_SHOWN, LAST_FRAME_SHOWN = 40, 1000  # ms, of an animation before it begins again
+
+
+@dataclass(frozen=True)
+class ReportItem:
+    """A figure, animation or table of a report; ``file`` is relative to the report's folder."""
+
+    kind: str
+    file: str
+    title: str
+    caption: str
+
+
+@dataclass(frozen=True)
+class InputData:
+    """A data set that a stage read."""
+
+    name: str
+    source: str
+    rows: int
+    digest: str
+
+
+class StageRun:
+    """What a stage works with: its parameters, its inputs, and places for its outputs.
+
+    Args:
+        stage: the stage's name, also its key in params.yaml and its folder under reports.
+        root: the folder that holds artifacts and reports.
+        params: the parameters of all stages.
+        fingerprint: of the run: its parameters, and the content of what it depends on.
+
+    Attributes:
+        timings: name to seconds of what took long; never the same twice, so they go to MLflow and
+            to ``timings/``, which neither DVC nor git keeps.
+    """
+
+    def __init__(self, stage: str, root: Path, params: Params, fingerprint: str = "") -> None:
+        self.stage, self.root, self.params = stage, root, params
+        self.fingerprint = fingerprint
+        self.timings: dict[str, Any] = {}
+        self.metrics: dict[str, Any] = {}
+        self.items: list[ReportItem] = []
+        self.inputs: list[InputData] = []
+
+    @property
+    def seed(self) -> int:
+        """The seed of every random draw of this stage."""
+        return self.params.seed
+
+    def input(self, stage: str, name: str) -> Path:
+        """The path of an artefact that ``stage`` left."""
+        return self.root / "artifacts" / stage / name
+
+    def artifact(self, name: str) -> Path:
+        """The path of an artefact of this stage."""
+        return self.root / "artifacts" / self.stage / name
+
+    def scratch(self, name: str) -> Path:
+        """The path of a folder that a killed run leaves to the next with the same fingerprint."""
+        return self.root / "scratch" / self.stage / short(self.fingerprint) / name
+
+    def report(self, name: str) -> Path:
+        """The path of a file of this stage's report."""
+        return self.root / "reports" / self.stage / name
+
+    def log_input(self, name: str, path: Path, rows: int) -> None:
+        """Note a data set that this stage reads, for tracking."""
+        self.inputs.append(InputData(name, str(path), rows, content_hash(path)))
+
+    def write_metrics(self, metrics: dict[str, Any]) -> None:
+        """Write nested metrics as the report's metrics.json."""
+        self.metrics = metrics
+        write_json(self.report("metrics.json"), metrics)
+
+    def add_figure(self, figure: Figure, name: str, *, title: str, caption: str) -> None:
+        """Draw a figure into the report as ``figures/<name>.png``."""
+        item = ReportItem("figure", f"figures/{name}.png", title, caption)
+        save_figure(self.report(item.file), figure)
+        self.items.append(item)
+
+    def add_animation(
+        self, frames: Sequence[NDArray[np.uint8]], name: str, *, title: str, caption: str
+    ) -> None:
+        """Put pictures (H, W, 3) RGB into the report as ``figures/<name>.png``, which moves.
+
+        It shows 25 of them a second, over and over. An animated PNG keeps every pixel, and what
+        cannot move it shows the first picture.
+        """
+        item = ReportItem("animation", f"figures/{name}.png", title, caption)
+        first, *others = [Image.fromarray(frame) for frame in frames]
+        shown = [*[FRAME_SHOWN] * len(others), LAST_FRAME_SHOWN]
+        with replacing(self.report(item.file)) as temporary:
+            first.save(temporary, save_all=True, append_images=others, duration=shown, loop=0)
+        self.items.append(item)
+
+    def add_table(self, table: pd.DataFrame, name: str, *, title: str, caption: str) -> None:
+        """Write a table into the report as ``<name>.csv``, six digits a number."""
+        item = ReportItem("table", f"{name}.csv", title, caption)
+        write_csv(self.report(item.file), table)
+        self.items.append(item)
+
+    def write_contents(self, origin: Provenance) -> None:
+        """Write the report's contents.json: the run that made it and what it holds."""
+        contents = {
+            "stage": self.stage,
+            "command": origin.command,
+            "fingerprint": short(origin.fingerprint),
+            "items": [asdict(item) for item in self.items],
+        }
+        write_json(self.report("contents.json"), contents)
+
+    def clear(self) -> None:
+        """Remove what an earlier run of this stage left, whole or broken off."""
+        for folder in (self.artifact("."), self.report(".")):
+            shutil.rmtree(folder, ignore_errors=True)
+
+    def settle(self) -> None:
+        """Remove what only an unfinished run needs."""
+        shutil.rmtree(self.root / "scratch" / self.stage, ignore_errors=True)
+
+    def own_params(self) -> dict[str, Any]:
+        """The parameters that this stage reads, for tracking."""
+        return self.params.model_dump(mode="json", include={"seed", self.stage})
+
+    def results(self) -> dict[str, Any]:
+        """What tracking records at the end."""
+        figures = [self.report(item.file) for item in self.items if item.kind != "table"]
+        return {
+            "metrics": {**self.metrics, "timings": self.timings},
+            "inputs": [asdict(item) for item in self.inputs],
+            "figures": [str(path) for path in figures if path.exists()],
+        }
+
+
+def run_stage(stage: Callable[[StageRun], None]) -> None:
+    """Run a stage from the working directory, as ``python -m stages.<name>`` does.
+
+    A user's input error ends the process with one line and status 2.
+    """
+    os.environ["MPLBACKEND"] = "Agg"
+    apply_style()
+    try:
+        params = placed(load_params(Path("params.yaml")))
+        origin = provenance(Path.cwd(), stage.__name__)
+        run = StageRun(stage.__name__, Path.cwd(), params, origin.fingerprint)
+        with recorded(run.stage, origin, run.own_params(), run.results):
+            run.clear()
+            try:
+                stage(run)
+                run.write_contents(origin)
+                run.settle()
+            except BaseException:
+                run.clear()  # half of a stage's outputs is worse than none
+                raise
+    except InputError as error:
+        refuse(error)
+
+
+def placed(params: Params) -> Params:
+    """``params`` with the folder of the measured sets where it is on this machine.
+
+    params.yaml leaves it to the environment variable RALLYGAP_DATA, because it is committed. A
+    relative folder starts at the repository.
+    """
+    folder = params.ingest.folder or os.environ.get("RALLYGAP_DATA")
+    if not folder:
+        return params
+    ingest = params.ingest.model_copy(update={"folder": repository_root() / folder})
+    return params.model_copy(update={"ingest": ingest})

@@ -1,0 +1,1 @@
+"""Segmentation on files: figures of contacts found and missed."""

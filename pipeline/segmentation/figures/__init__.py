@@ -1,0 +1,1 @@
+"""Figures of segmentation: drawing alone, from tables that others have computed."""

@@ -1,0 +1,1 @@
+"""Shot quality on files: the forest, and tables of the returns."""

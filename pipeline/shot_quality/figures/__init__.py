@@ -1,0 +1,1 @@
+"""Figures of shot quality: drawing alone, from tables that others have computed."""

@@ -1,0 +1,1 @@
+"""Figures of sources: drawing alone, from tables that others have computed."""

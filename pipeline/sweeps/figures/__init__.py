@@ -1,0 +1,1 @@
+"""Figures of sweeps: drawing alone, from tables that others have computed."""

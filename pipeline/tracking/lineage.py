@@ -1,0 +1,117 @@
+"""From a file under reports/ or artifacts/ back to the run that wrote it."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pipeline.experiments.stage_outputs import stage_outputs
+from pipeline.io.report_manifest import read_contents
+from pipeline.runtime.errors import InputError
+from pipeline.tracking.recording import store_uri
+from pipeline.tracking.redaction import without_secrets
+
+EXPERIMENT_TAG = "dvc.experiment"
+
+
+@dataclass(frozen=True)
+class Origin:
+    """The run of a stage that wrote a file.
+
+    Attributes:
+        stage: its name.
+        fingerprint: of its command, parameters and dependencies; see ``Provenance``.
+        run: the id in MLflow.
+        status: how it ended, in MLflow's words.
+        address: of its page.
+        commit: that was checked out; an experiment's changes come on top of it.
+        experiment: of DVC, if any.
+    """
+
+    stage: str
+    fingerprint: str
+    run: str
+    status: str
+    address: str
+    commit: str | None
+    experiment: str | None
+
+
+def origin_of(root: Path, path: Path) -> Origin:
+    """Find the run that wrote a file or folder.
+
+    Args:
+        root: the repository.
+        path: an output of a stage, or its like in a kept experiment's folder under reports.
+
+    Raises:
+        InputError: no stage writes it, its report is missing or broken, or MLflow cannot be asked
+            or knows no such run.
+    """
+    stage, reports = report_of(root, path)
+    fingerprint = read_contents(reports, stage).fingerprint
+    store = os.environ.get("MLFLOW_TRACKING_URI") or _own_store(root)
+    run = _newest_run(store, fingerprint)
+    if run is None:
+        problem = f"has the fingerprint {fingerprint}; was it made elsewhere?"
+        raise InputError(path, f"no run in {without_secrets(store)} {problem}")
+    served = without_secrets(store) if store.startswith("http") else "http://127.0.0.1:5000"
+    tags, info = run.data.tags, run.info
+    return Origin(
+        stage,
+        tags["dvc.lock_hash"],
+        info.run_id,
+        info.status,
+        f"{served.rstrip('/')}/#/experiments/{info.experiment_id}/runs/{info.run_id}",
+        tags.get("mlflow.source.git.commit"),
+        tags.get(EXPERIMENT_TAG),
+    )
+
+
+def report_of(root: Path, path: Path) -> tuple[str, Path]:
+    """Find the stage that writes a file, and the folder that the stage's report is in.
+
+    Args:
+        root: the repository.
+        path: as in ``origin_of``.
+
+    Raises:
+        InputError: it is not in the repository, no stage writes it, or dvc.yaml is broken.
+    """
+    try:
+        inside = path.resolve().relative_to(root.resolve())
+    except ValueError:
+        raise InputError(path, f"is not in the repository {root}") from None
+    reports = root / "reports"
+    if len(inside.parts) > 2 and (root / Path(*inside.parts[:2]) / "run.json").is_file():
+        reports = root / Path(*inside.parts[:2])  # of an experiment that was kept
+        inside = Path("reports", *inside.parts[2:])
+    for stage, outputs in stage_outputs(root / "dvc.yaml").items():
+        if set(map(Path, outputs)) & {inside, *inside.parents}:
+            return stage, reports
+    raise InputError(path, "no stage of dvc.yaml writes it; give a file under reports or artifacts")
+
+
+def _own_store(root: Path) -> str:
+    """The repository's store, which MLflow would make where there is none."""
+    if not (root / "mlflow.db").is_file():
+        problem = "is missing, because no stage has run here; whoever ran it has the run"
+        raise InputError(root / "mlflow.db", problem)
+    return store_uri(root)
+
+
+def _newest_run(store: str, fingerprint: str) -> Any:
+    """The newest run of a fingerprint; those that ended well first."""
+    from mlflow import MlflowClient
+    from mlflow.exceptions import MlflowException
+    from sqlalchemy.exc import SQLAlchemyError
+
+    sought = f"tags.`dvc.lock_hash` LIKE '{fingerprint}%'"
+    try:
+        client = MlflowClient(store)
+        experiments = [one.experiment_id for one in client.search_experiments()]
+        runs = client.search_runs(experiments, sought, order_by=["start_time DESC"])
+    except (MlflowException, SQLAlchemyError, ImportError) as error:
+        reason = without_secrets(" ".join(str(error).split()))
+        raise InputError(without_secrets(store), f"cannot be asked: {reason[:200]}") from None
+    return next((run for run in runs if run.info.status == "FINISHED"), next(iter(runs), None))

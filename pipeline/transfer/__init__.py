@@ -1,0 +1,1 @@
+"""Transfer: policies in another simulator and on replayed balls, and retrained ones."""

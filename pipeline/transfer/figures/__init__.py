@@ -1,0 +1,1 @@
+"""Figures of transfer: drawing alone, from tables that others have computed."""

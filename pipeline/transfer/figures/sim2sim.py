@@ -1,0 +1,105 @@
+"""Return rates of the sim-to-sim experiment, in the form of the paper's figure."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from pipeline.io.figure_style import FIGURE_WIDTH, INK
+
+GROUND_TRUTH, IMPERFECT = "ground_truth", "imperfect"
+COLOURS = {GROUND_TRUTH: "#0f7fc4", IMPERFECT: "#d55e00"}
+# From where, and how often, the ball is predicted.
+PROTOCOLS = {
+    "first_state": "predicted once, from the ball's first state, as in the paper",
+    "re_anchored": "predicted anew at every control tick, from the ball's true state",
+}
+# The single policies of a bar: on any colour, beside its whisker.
+DOTS: dict[str, Any] = {"ls": "", "marker": "o", "ms": 4, "mfc": "white", "mec": INK, "mew": 0.8}
+BAR = 0.38  # width; simulators are 1 apart
+GAP = 0.5  # more between the horizons
+
+
+def sim2sim_figure(rates: pd.DataFrame) -> Figure:
+    """Draw return rates: a panel a protocol, two bars a simulator, side by side for all horizons.
+
+    Args:
+        rates: one row a protocol, simulator, horizons_ms and predictor (``GROUND_TRUTH`` or
+            ``IMPERFECT``), with return_rate, ci_low and ci_high as shares, and per_seed, the list
+            of the single policies' return rates.
+    """
+    protocols = list(rates["protocol"].unique())
+    places = _places(rates)
+    figure = Figure(figsize=(FIGURE_WIDTH, 1.0 + 2.5 * len(protocols)))
+    grid = figure.subplots(len(protocols), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
+    for axes, protocol in zip(grid, protocols, strict=True):
+        _draw_panel(axes, rates[rates["protocol"] == protocol], places)
+        axes.set_title(f"{protocol}: {PROTOCOLS[protocol]}")
+    _label_places(grid[-1], places)
+    _add_legend(figure, several=rates["per_seed"].map(len).max() > 1)
+    return figure
+
+
+def _places(rates: pd.DataFrame) -> dict[tuple[str, str], float]:
+    """Return where each simulator stands, in a block for each triple of horizons."""
+    horizons, simulators = rates["horizons_ms"].unique(), rates["simulator"].unique()
+    return {
+        (horizon, simulator): block * (len(simulators) + GAP) + place
+        for block, horizon in enumerate(horizons)
+        for place, simulator in enumerate(simulators)
+    }
+
+
+def _draw_panel(axes: Axes, rates: pd.DataFrame, places: dict[tuple[str, str], float]) -> None:
+    for predictor, side in ((GROUND_TRUTH, -0.5), (IMPERFECT, 0.5)):
+        rows = rates[rates["predictor"] == predictor]
+        settings = zip(rows["horizons_ms"], rows["simulator"], strict=True)
+        across = [places[setting] + side * BAR for setting in settings]
+        _draw_bars(axes, rows, across, COLOURS[predictor])
+    axes.set(ylabel="return rate (%)", ylim=(0, 109), yticks=range(0, 101, 25))
+    axes.grid(visible=False, axis="x")
+
+
+def _draw_bars(axes: Axes, rows: pd.DataFrame, across: list[float], colour: str) -> None:
+    height, low, high = (
+        100 * rows[name].to_numpy() for name in ("return_rate", "ci_low", "ci_high")
+    )
+    whiskers = {"ecolor": INK, "elinewidth": 1.0, "capsize": 2.5}
+    axes.bar(
+        across, height, BAR, yerr=[height - low, high - height], color=colour, error_kw=whiskers
+    )
+    for place, top, number, each in zip(across, high, height, rows["per_seed"], strict=True):
+        axes.annotate(
+            f"{number:.0f}", (place, top), (0, 3), textcoords="offset points", ha="center"
+        )
+        if len(each) > 1:
+            axes.plot([place - BAR / 4] * len(each), 100 * np.array(each), **DOTS)
+
+
+def _label_places(axes: Axes, places: dict[tuple[str, str], float]) -> None:
+    axes.set_xticks(list(places.values()), [name.replace("_", " ") for _, name in places])
+    blocks: dict[str, list[float]] = {}
+    for (horizon, _), place in places.items():
+        blocks.setdefault(horizon, []).append(place)
+    below = axes.secondary_xaxis(-0.13)
+    below.set_xticks(
+        [float(np.mean(block)) for block in blocks.values()],
+        [f"horizons {horizon.replace('-', '–')} ms" for horizon in blocks],
+    )
+    below.tick_params(length=0)
+    below.spines["bottom"].set_visible(False)
+
+
+def _add_legend(figure: Figure, *, several: bool) -> None:
+    bars = [
+        Patch(color=colour, label=f"predictions: {name.replace('_', ' ')}")
+        for name, colour in COLOURS.items()
+    ]
+    whisker = Line2D([], [], color=INK, ls="", marker="|", ms=9, mew=1.0, label="95 % interval")
+    dots = [Line2D([], [], **DOTS, label="single policy")] if several else []
+    handles = [*bars, whisker, *dots]
+    figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))

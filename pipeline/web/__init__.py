@@ -1,0 +1,1 @@
+"""Offline pages and the PDF of a run."""

@@ -1,0 +1,73 @@
+"""The report page: everything the stages report, in one HTML file that works offline."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from pipeline.evaluation.example_shots import Shot
+from pipeline.io.report_manifest import (
+    Contents,
+    Item,
+    read_columns,
+    read_figure,
+    read_first_frame,
+)
+from pipeline.paper.run_reports import Reports
+from pipeline.transfer.example_returns import Return
+from pipeline.web.paper_section import paper_section
+from pipeline.web.scenes import return_scenes, shot_scenes
+
+SHOTS_STAGE, RETURNS_STAGE = "evaluate_predictor", "sim2real"  # whose runs the 3-D views show
+
+TEMPLATES = Environment(
+    loader=FileSystemLoader(Path(__file__).parent / "templates"),
+    autoescape=True,
+    undefined=StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+
+
+def render_page(
+    run: Reports, contents: Sequence[Contents], shots: Sequence[Shot], returns: Sequence[Return]
+) -> str:
+    """Render the report page; the same files give the same text.
+
+    Args:
+        run: the reports, and the parameters that they were made with.
+        contents: what the stages report, in the order to show; among them those whose runs the
+            3-D views show.
+        shots: the shots of a 3-D view; without any, the page has no such view.
+        returns: the returns of another.
+
+    Raises:
+        InputError: if a figure or table that the contents name is missing or broken.
+    """
+    stages = {one.stage: one for one in contents}
+    return TEMPLATES.get_template("page.html").render(
+        stages=[_shown_stage(run.folder, stage) for stage in contents],
+        paper=paper_section(run, contents),
+        shot_stage=stages.get(SHOTS_STAGE),
+        return_stage=stages.get(RETURNS_STAGE),
+        shots=shot_scenes(shots),
+        returns=return_scenes(returns),
+    )
+
+
+def _shown_stage(reports: Path, contents: Contents) -> dict[str, Any]:
+    return {
+        **contents.model_dump(),
+        "heading": contents.stage.replace("_", " ").capitalize(),
+        "items": [_shown_item(reports / contents.stage, item) for item in contents.items],
+    }
+
+
+def _shown_item(folder: Path, item: Item) -> dict[str, Any]:
+    path = folder / item.file
+    if item.kind == "table":
+        columns = read_columns(path)
+        return {**item.model_dump(), "columns": columns, "rows": range(len(columns[0].cells))}
+    shown = {**item.model_dump(), "source": read_figure(path)}
+    return shown if item.kind == "figure" else {**shown, "still": read_first_frame(path)}

@@ -1,0 +1,103 @@
+"""Scenes: what the page's 3-D views show, shots and returns alike, as their script takes it.
+
+A scene has a ball that moves, dots that were measured, forecasts that hold from when they were made
+until the next, and perhaps an arm. Times are s, positions m in the table frame.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from models.ball import state
+from models.robot.constants import RACKET_RADIUS
+from pipeline.evaluation.example_shots import Forecast, Shot
+from pipeline.io.figure_style import predictor_colour
+from pipeline.transfer.example_returns import Return
+from pipeline.web.arm import arm_lines
+
+KNOWN_AS = {"physics": "physics_c"}  # whose colour it has
+
+
+def shot_scenes(shots: Sequence[Shot]) -> dict[str, Any]:
+    """Return measured shots and what predictors made of their start.
+
+    A forecast is judged where it says that the ball is now.
+    """
+    return _view([_shot_scene(one) for one in shots])
+
+
+def return_scenes(returns: Sequence[Return]) -> dict[str, Any]:
+    """Return balls that policies played.
+
+    A forecast is judged where it sees the ball at the policy's horizon, until the racket meets it.
+    """
+    return _view([_return_scene(one) for one in returns])
+
+
+def _view(scenes: list[dict[str, Any]]) -> dict[str, Any]:
+    names = sorted({name for scene in scenes for name in scene["forecasts"]})
+    return {
+        "scenes": scenes,
+        "colours": {name: predictor_colour(KNOWN_AS.get(name, name)) for name in names},
+        "table": {
+            "half_width": state.TABLE_HALF_WIDTH,
+            "half_length": state.TABLE_HALF_LENGTH,
+            "net_height": state.NET_HEIGHT,
+            "net_overhang": state.NET_OVERHANG,
+            "ball_radius": state.BALL_RADIUS,
+            "racket_radius": RACKET_RADIUS,
+        },
+    }
+
+
+def _shot_scene(shot: Shot) -> dict[str, Any]:
+    measured = {"t": shot.t, "position": shot.measured}
+    last = max([shot.anchor, *(one.t[-1] for one in shot.forecasts.values())])
+    return {
+        "name": shot.episode_id,
+        "start": shot.t[0],
+        "end": max(shot.t[-1], last),
+        "zero": shot.anchor,
+        "shown": min(last, shot.t[-1]),
+        "seen": shot.anchor,
+        "measured": measured,
+        "ball": measured,
+        "judged": {"ahead": 0.0, "until": shot.t[-1]},
+        "forecasts": {name: [_shown(shot.t[0], one)] for name, one in shot.forecasts.items()},
+        "arm": None,
+    }
+
+
+def _shown(made: float, forecast: Forecast) -> dict[str, Any]:
+    return {"from": made, "t": forecast.t, "position": forecast.position}
+
+
+def _return_scene(one: Return) -> dict[str, Any]:
+    first, last = one.ball.t[0], one.ball.t[-1]
+    met = last if one.hit is None else one.hit
+    return {
+        "name": f"{one.name}, told by {one.told_by.replace('_', ' ')}: {one.outcome}",
+        "start": first,
+        "end": last,
+        "zero": met,
+        "shown": max(met - one.horizon, first),
+        "seen": None,
+        "measured": one.measured.model_dump(),
+        "ball": one.ball.model_dump(),
+        "judged": {"ahead": one.horizon, "until": met},
+        "forecasts": {
+            name: [_shown(told.at, told.track) for told in own]
+            for name, own in one.forecasts.items()
+        },
+        "arm": _arm(one),
+    }
+
+
+def _arm(one: Return) -> dict[str, Any]:
+    points, normals = arm_lines(one.joints)
+    return {
+        "t": (one.frame * np.arange(len(points))).round(6).tolist(),
+        "links": points.round(3).reshape(len(points), -1).tolist(),
+        "normal": normals.round(3).tolist(),
+    }

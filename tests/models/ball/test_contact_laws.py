@@ -1,0 +1,181 @@
+"""Contacts against closed forms and conserved quantities."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from models.ball.contact_laws import NET, ROLLING, TABLE
+from models.ball.state import (
+    BALL_MASS,
+    BALL_RADIUS,
+    NET_HEIGHT,
+    TABLE_HALF_LENGTH,
+    TABLE_HALF_WIDTH,
+)
+from tests.models.ball.balls import INERTIA, NOMINAL, energy, served_balls, simulator, vectors
+
+RACKET = simulator(racket_bounce={"restitution": 0.878, "speed_loss": 0.02, "kp": 0.0019})
+TIMES = np.arange(1, 161) * 0.005
+
+
+def contact(ball, sim=NOMINAL):
+    """State just before and just after the first contact."""
+    contacts = sim.fly(ball, TIMES).contacts
+    assert contacts.count[0] > 0
+    return contacts.before[0, 0], contacts.after[0, 0]
+
+
+def landing(ball):
+    """The ball sent down onto the middle of its half, where it can only land."""
+    low = np.array(ball)
+    low[:3], low[5] = [0.0, 0.9, 0.1], -4.0
+    return low
+
+
+def normal_at(state, surface_point):
+    away = state[:3] - surface_point
+    return away / np.linalg.norm(away)
+
+
+def angular_momentum(state, normal):
+    """About the contact point."""
+    orbital = BALL_MASS * BALL_RADIUS * np.cross(normal, state[3:6])
+    return orbital + INERTIA * state[6:9]
+
+
+def test_a_sliding_bounce_takes_friction_times_normal_impulse():
+    before, after = contact([0, 1, 0.2, 0, -15, -2, 0, 0, 0])
+    push = 0.25 * (1 + 0.93) * abs(before[5])
+    assert after[4] == pytest.approx(before[4] + push, abs=1e-12)
+    assert after[5] == pytest.approx(-0.93 * before[5], abs=1e-12)
+    assert after[6] == pytest.approx(1.5 / BALL_RADIUS * push, abs=1e-9)
+
+
+def test_a_rolling_bounce_leaves_the_contact_point_at_rest():
+    _, after = contact([0, 1, 0.5, 0, -1, -2, 10, 0, 0])
+    assert after[4] + BALL_RADIUS * after[6] == pytest.approx(0.0, abs=1e-12)
+
+
+@given(served_balls())
+@settings(max_examples=200, deadline=None)
+def test_table_contacts_conserve_angular_momentum_and_lose_energy(ball):
+    before, after = contact(landing(ball))
+    up = np.array([0.0, 0.0, 1.0])
+    np.testing.assert_allclose(
+        angular_momentum(after, up), angular_momentum(before, up), rtol=1e-12, atol=1e-15
+    )
+    assert energy(after) <= energy(before) * (1 + 1e-14)
+
+
+@given(served_balls(), st.floats(0, 1), st.floats(0, 2), st.floats(0, 1))
+@settings(max_examples=200, deadline=None)
+def test_no_table_gives_energy(ball, restitution, friction, elasticity):
+    table = simulator(
+        gravity={"g": 9.81},
+        table_bounce={"restitution": restitution, "friction": friction},
+        tangential_elasticity={"et": elasticity},
+    )
+    before, after = contact(landing(ball), table)
+    assert energy(after) <= energy(before) * (1 + 1e-14)
+
+
+@given(served_balls(), st.floats(0.05, 2.0))
+@settings(max_examples=200, deadline=None)
+def test_friction_never_reverses_the_slip(ball, friction):
+    before, after = contact(landing(ball), NOMINAL.amended("table_bounce", friction=friction))
+
+    def slip(s):
+        return s[3:5] + BALL_RADIUS * np.array([-s[7], s[6]])
+
+    left = slip(after) @ slip(before) / (slip(before) @ slip(before))
+    assert -1e-9 <= left <= 1.0
+    assert ROLLING * 2.5 == 1.0  # rolling takes the whole slip of a thin shell
+
+
+@given(vectors(15.0), vectors(300.0), vectors(10.0), vectors(1.0))
+@settings(max_examples=200, deadline=None)
+def test_a_racket_conserves_angular_momentum_and_loses_energy_in_its_frame(v, w, racket, n):
+    assume(np.linalg.norm(n) > 0.1)
+    n = n / np.linalg.norm(n)
+    before = np.concatenate([[0, 0, 1], v, w])
+    assume((v - racket) @ n < -0.1)
+    after = RACKET.strike(before, n, racket)[0]
+    frame = np.concatenate([np.zeros(3), racket, np.zeros(3)])
+    np.testing.assert_allclose(
+        angular_momentum(after, n), angular_momentum(before, n), rtol=1e-9, atol=1e-12
+    )
+    assert energy(after - frame) <= energy(before - frame) * (1 + 1e-12)
+
+
+def test_rubber_returns_three_quarters_of_the_slip():
+    before = np.array([0, 0, 1, 0.0, -5.0, 0.0, 100.0, 0, 0])
+    after = RACKET.strike(before, [0, 1, 0], [0, 0, 0])[0]
+
+    def slip(s):  # of the contact point, which lies at -y
+        return s[5] - BALL_RADIUS * s[6]
+
+    assert -slip(after) / slip(before) == pytest.approx(2.5 * 1.9 / 2.7 - 1, abs=1e-12)
+    assert after[4] == pytest.approx(5.0 * (0.878 - 0.02 * 5.0), abs=1e-12)
+
+
+def test_a_ball_that_leaves_the_racket_is_not_struck():
+    before = np.array([0, 0, 1, 0.0, 5.0, 0.0, 100.0, 0, 0])
+    np.testing.assert_array_equal(RACKET.strike(before, [0, 1, 0], [0, 0, 0])[0], before)
+
+
+@pytest.mark.parametrize("beyond", [0.002, 0.010, 0.018])
+def test_an_edge_ball_leaves_along_the_line_from_the_edge(beyond):
+    ball = [0, TABLE_HALF_LENGTH + beyond, 0.3, 0, 0, -1.0, 0, 0, 0]
+    before, after = contact(ball, NOMINAL.amended("table_bounce", friction=0.0))
+    normal = normal_at(before, np.array([0, TABLE_HALF_LENGTH, 0]))
+    kick = after[3:6] - before[3:6]
+    assert np.linalg.norm(before[:3] - [0, TABLE_HALF_LENGTH, 0]) == pytest.approx(BALL_RADIUS)
+    np.testing.assert_allclose(kick / np.linalg.norm(kick), normal, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("x", "y"), [(0, TABLE_HALF_LENGTH + 0.021), (TABLE_HALF_WIDTH + 0.021, 0.5)]
+)
+def test_a_ball_beside_the_table_falls_past_it(x, y):
+    flight = NOMINAL.fly([x, y, 0.3, 0, 0, -1.0, 0, 0, 0], TIMES)
+    assert flight.contacts.count[0] == 0
+    assert flight.states[0, -1, 2] < -0.5
+
+
+def test_a_ball_from_below_bounces_off_the_underside():
+    before, after = contact([0.2, 0.4, -0.2, 0, 0, 5.0, 0, 0, 0])
+    assert before[2] == pytest.approx(-BALL_RADIUS)
+    assert after[5] == pytest.approx(-0.93 * before[5])
+
+
+NET_PLAY = NOMINAL.amended("net", restitution=0.2, friction=0.5)
+
+
+@pytest.mark.parametrize("speed", [3.0, 12.0, 35.0])
+def test_the_net_stops_a_low_ball(speed):
+    contacts = NET_PLAY.fly([0, 0.3, 0.1, 0, -speed, 0.5, 0, 0, 0], TIMES).contacts
+    first = contacts.surface[0].tolist().index(NET)
+    before, after = contacts.before[0, first], contacts.after[0, first]
+    assert before[1] == pytest.approx(BALL_RADIUS, abs=1e-9)
+    assert after[4] == pytest.approx(-0.2 * before[4])
+
+
+def test_a_ball_on_the_cord_hops_over():
+    flight = NET_PLAY.fly([0, 0.4, NET_HEIGHT + 0.012, 0, -6, 0.35, 0, 0, 0], TIMES)
+    assert flight.contacts.surface[0, 0] == NET
+    assert flight.contacts.after[0, 0, 5] > flight.contacts.before[0, 0, 5]
+    assert flight.states[0, -1, 1] < 0
+
+
+@pytest.mark.parametrize(
+    "ball", [[0, 0.4, 0.25, 0, -6, 1, 0, 0, 0], [0.95, 0.4, 0.1, 0, -6, 1, 0, 0, 0]]
+)
+def test_a_ball_over_or_beside_the_net_passes(ball):
+    contacts = NET_PLAY.fly(ball, TIMES[:20]).contacts
+    assert NET not in contacts.surface[0]
+
+
+def test_without_a_table_in_the_list_there_is_no_table():
+    contacts = simulator(gravity={"g": 9.81}).fly([0, 1, 0.2, 0, -3, 0, 0, 0, 0], TIMES).contacts
+    assert TABLE not in contacts.surface[0]

@@ -1,0 +1,65 @@
+"""Regressions: what counts as shown, what as alike, and what a finding says of it."""
+
+import numpy as np
+import pytest
+
+from models.exam.methods.regression import Regression, candidates, finding
+from models.gap.hypotheses import Hypothesis
+from tests.models.exam.halls import NOMINAL
+
+COLUMNS = (
+    Hypothesis("gravity", "g"),
+    Hypothesis("table_bounce", "restitution"),
+    Hypothesis("buoyancy", "b"),
+    Hypothesis("wind", "x"),
+    Hypothesis("net", "restitution"),
+)
+
+
+def regression(slopes=(0.03, 0.2), shots=20):
+    """Gravity and buoyancy have one signature, and nothing shows the net."""
+    random = np.random.default_rng(0)
+    pull, bounce, air, noise = random.standard_normal((4, shots, 30))
+    residual = slopes[0] * 100 * pull + slopes[1] * 100 * air + noise
+    columns = [100 * pull, 100 * bounce, -14 * pull + 0.1 * noise, 100 * air, 0 * air, residual]
+    rows = np.stack(columns, axis=2)
+    return Regression.of(COLUMNS, np.swapaxes(rows, 1, 2) @ rows)
+
+
+def test_columns_that_are_alike_are_one_class_and_those_not_shown_none():
+    found = regression()
+    assert found.columns == (COLUMNS[0], COLUMNS[1], COLUMNS[3])
+    assert found.classes[0] == (COLUMNS[0], COLUMNS[2])
+
+
+def test_estimates_are_those_of_least_squares():
+    assert regression().estimates((0, 2)) == pytest.approx([0.03, 0.2], abs=0.002)
+
+
+def test_a_finding_names_what_explains_most_first_and_amends_it():
+    found = finding(NOMINAL, regression(), (0, 2), np.array([0.03, 0.2]))
+    assert found.answer == "ambiguous"
+    assert [cause.name for cause in found.causes] == ["wind", "gravity"]
+    assert found.causes[1].possible == ("gravity", "buoyancy")
+    assert found.amended.effects["wind"]["x"] == 0.2
+    assert found.amended.effects["gravity"]["g"] == pytest.approx(9.84)
+
+
+def test_a_finding_uses_a_verdicts_names_and_keeps_within_bounds():
+    span = np.array([[0.1, 0.3]])
+    found = finding(NOMINAL, regression(), (1,), np.array([0.2]), span)
+    (cause,) = found.causes
+    assert (found.answer, cause.name, cause.effect) == ("named", "restitution", "table_bounce")
+    assert cause.estimate == 1.0
+    assert cause.interval == pytest.approx((1.03, 1.23))
+
+
+def test_nothing_chosen_is_no_gap():
+    found = finding(NOMINAL, regression(), (), np.zeros(0))
+    assert (found.answer, found.causes, found.amended) == ("no_gap", (), NOMINAL)
+
+
+def test_candidates_are_what_balls_can_show_without_what_is_withheld():
+    names = [one.effect for one in candidates(NOMINAL, ("wind",))]
+    assert names[:3] == ["drag", "gravity", "magnus"]
+    assert not {"wind", "time_offset", "net", "racket_bounce"} & set(names)

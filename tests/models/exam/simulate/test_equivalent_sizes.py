@@ -1,0 +1,100 @@
+"""Equivalent sizes: what a full fit of the catalogue's form finds in the independent world."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from models.exam.simulate.equivalent_sizes import best_fit, equivalent_physics
+from models.exam.simulate.independent_ball import IndependentBall
+from models.exam.simulate.laws import FORMS, physics_of
+from tests.models.exam.halls import NO_SCATTER, NOMINAL, drawn, trial
+
+SIZES = {
+    "speed_dependent_drag": ("c", -0.03),
+    "spin_dependent_drag": ("c", 0.03),
+    "lift_saturation": ("kappa", 0.3),
+    "lift_crisis": ("d", 0.6),
+    "spin_decay": ("c", 0.01),
+    "wind": ("y", 0.1),
+    "side_force": ("cy", 0.01),
+    "speed_dependent_restitution": ("c", 0.02),
+    "spin_dependent_restitution": ("c", 0.004),
+    "slip_dependent_friction": ("c", 0.006),
+    "tangential_elasticity": ("et", 0.1),
+}
+
+
+def hidden(effect, **settings):
+    parameter, size = SIZES[effect]
+    return trial(causes={effect: {parameter: size}}, world="independent", **settings)
+
+
+def test_every_form_has_an_equivalent_here():
+    assert set(SIZES) == set(FORMS)
+
+
+@pytest.mark.parametrize("effect", SIZES)
+def test_forms_are_written_near_the_catalogues_size(effect):
+    asked, launches = hidden(effect), drawn(60)
+    name = f"{effect}_{SIZES[effect][0]}"
+
+    found = equivalent_physics(asked, launches)
+
+    assert getattr(found, name) == pytest.approx(SIZES[effect][1], rel=0.5)
+    assert found.gravity_g == pytest.approx(9.81, abs=0.02)
+
+
+def fitted(asked, launches, effect):
+    """A full nonlinear fit of launch states, own parameters and the effect, without scatter."""
+    names = best_fit(asked, launches).parameters
+    count = len(launches.states)
+    times = launches.durations[:, None] * np.linspace(0.01, 0.99, 60)
+    bounces = NOMINAL.fly(launches.states, times).contacts.time[:, None, :2]
+    weight = np.sqrt(launches.durations)[:, None, None] * np.ones((count, 60, 6))
+    weight *= ~(np.abs(times[..., None] - bounces) < 0.004).any(axis=2, keepdims=True)
+    weight[..., :3] /= 0.003
+    weight[..., 3:] /= 0.05 * np.linalg.norm(launches.states[:, 6:], axis=1)[:, None, None] + 1
+    columns = [0, 1, 2, 6, 7, 8]
+    target = IndependentBall(equivalent_physics(asked, launches))
+    data = target.fly(launches.states, times).states[..., columns]
+    scale = np.array([1e-3] * 3 + [1e-2] * 3 + [1.0] * 3)
+    start = asked.simulator
+
+    def misses(x):
+        simulator = start
+        for (name, parameter), step in zip(names, x[: len(names)], strict=True):
+            value = start.effects[name][parameter] + 1e-3 * step
+            simulator = simulator.amended(name, **{parameter: value})
+        states = launches.states + scale * x[len(names) :].reshape(count, 9)
+        return (weight * (simulator.fly(states, times).states[..., columns] - data)).ravel()
+
+    found = least_squares(misses, np.zeros(len(names) + 9 * count), max_nfev=4).x
+    step = 1e-3 * found[names.index((effect, SIZES[effect][0]))]
+    return SIZES[effect][1] + step
+
+
+@pytest.mark.parametrize("effect", SIZES)
+def test_a_full_fit_finds_the_stated_size(effect):
+    asked = hidden(effect, scatter=NO_SCATTER)
+
+    found = fitted(asked, drawn(12, seed=2), effect)
+
+    assert found == pytest.approx(SIZES[effect][1], rel=0.03)
+
+
+def test_effects_by_definition_are_what_they_say():
+    asked = trial(causes={"gravity": {"g": 9.7}, "table_height": {"h": 0.003}}, world="independent")
+
+    assert equivalent_physics(asked, drawn(10)) == physics_of(asked.simulator)
+
+
+def test_bounce_scatter_makes_the_table_less_certain():
+    launches, asked = drawn(60), hidden("speed_dependent_restitution")
+    still = replace(asked, scatter=NO_SCATTER)
+
+    certain, scattered = best_fit(still, launches), best_fit(asked, launches)
+
+    e = certain.parameters.index(("table_bounce", "restitution"))
+    assert scattered.errors[e] > 2 * certain.errors[e]

@@ -1,0 +1,195 @@
+"""The independent world's laws: closed forms, conserved quantities, and the forms' limits."""
+
+import numpy as np
+import pytest
+
+from models.ball.catalogue import catalogue
+from models.ball.simulator import Simulator
+from models.ball.state import BALL_MASS, BALL_RADIUS
+from models.exam.simulate.laws import FORMS, Physics, bounce, derivative, physics_of, supports
+from tests.models.ball.balls import energy
+from tests.models.ball.reference import Physics as Reference
+from tests.models.exam.halls import NOMINAL
+
+PHYSICS = physics_of(NOMINAL)
+
+
+def incoming(count=200, seed=0):
+    random = np.random.default_rng(seed)
+    states = np.zeros((count, 9))
+    states[:, 2] = BALL_RADIUS
+    states[:, 3:5] = random.uniform(-8, 8, (count, 2))
+    states[:, 5] = -random.uniform(0.5, 6, count)
+    states[:, 6:] = random.uniform(-300, 300, (count, 3))
+    return states
+
+
+def bounced(states, physics=PHYSICS):
+    after = states.copy()
+    for state in after:
+        bounce(state, physics)
+    return after
+
+
+def slope(state, physics=PHYSICS):
+    result = np.empty(9)
+    derivative(np.array(state, dtype=float), physics, result)
+    return result
+
+
+def with_(**constants):
+    return PHYSICS._replace(**constants)
+
+
+def test_without_hidden_causes_the_bounce_is_the_printed_law():
+    reference = Reference(cd=0.54)
+    states = incoming()
+
+    expected = np.array([reference.bounce(state) for state in states])
+
+    assert bounced(states) == pytest.approx(expected, abs=1e-11)
+
+
+def test_without_hidden_causes_the_flight_is_the_printed_law():
+    reference = Reference(cd=0.54)
+
+    for state in incoming(20):
+        assert slope(state) == pytest.approx(reference.derivative(0.0, state), abs=1e-11)
+
+
+@pytest.mark.parametrize(
+    "constants",
+    [
+        {"slip_dependent_friction_c": 0.01},
+        {"slip_dependent_friction_c": -0.01},
+        {"tangential_elasticity_et": 0.5},
+        {"speed_dependent_restitution_c": 0.02},
+        {"spin_dependent_restitution_c": 0.002},
+        {"table_tilt_x": 0.02, "table_tilt_y": -0.03},
+    ],
+)
+def test_bounces_keep_the_angular_momentum_about_the_contact_and_gain_no_energy(constants):
+    physics = with_(table_bounce_restitution=0.85, **constants)
+    before = incoming()
+    normal = np.array([np.sin(physics.table_tilt_x), np.sin(physics.table_tilt_y), 1.0])
+    normal /= np.linalg.norm(normal)
+
+    after = bounced(before, physics)
+
+    change = after - before
+    twist = np.cross(BALL_RADIUS * normal, change[:, 3:6]) + 2 / 3 * BALL_RADIUS**2 * change[:, 6:]
+    assert np.abs(twist).max() < 1e-11
+    assert (energy(after) <= energy(before)).all()
+
+
+def test_stribeck_friction_takes_more_than_constant_friction_where_it_slides_fast():
+    fast = np.array([[0, 0, BALL_RADIUS, 12.0, 0, -1.0, 0, 0, 0]])
+
+    more = bounced(fast, with_(slip_dependent_friction_c=0.02))[0, 3]
+
+    assert more < bounced(fast)[0, 3]
+
+
+def test_friction_acts_against_the_slip_of_each_moment():
+    """The impulse is the integral of mu over the contact, here by fine Euler steps."""
+    physics = with_(slip_dependent_friction_c=0.02)
+    push = 1.93 * 2.0
+    slip, steps = 6.0, 200_000
+    for _ in range(steps):
+        mu = 0.25 + 0.02 * 10.9 * (np.exp(-1.0) - np.exp(-slip / 4.0))
+        slip -= 2.5 * mu * push / steps
+
+    after = bounced(np.array([[0, 0, BALL_RADIUS, 6.0, 0, -2.0, 0, 0, 0]]), physics)[0]
+
+    assert after[3] - BALL_RADIUS * after[7] == pytest.approx(slip, abs=1e-4)
+
+
+def test_an_elastic_table_returns_slip_when_the_ball_grips_early():
+    gripping = np.array([[0, 0, BALL_RADIUS, 0.2, 0, -4.0, 0, 0, 0]])
+
+    after = bounced(gripping, with_(tangential_elasticity_et=0.4))[0]
+
+    assert after[3] - BALL_RADIUS * after[7] == pytest.approx(-0.4 * 0.2, rel=0.01)
+
+
+def test_restitution_follows_its_power_law():
+    drops = incoming()
+    drops[:, 6:] = 0.0
+
+    e = -bounced(drops, with_(speed_dependent_restitution_c=0.02))[:, 5] / drops[:, 5]
+
+    law = 0.93 * (-drops[:, 5] / 2.5) ** (-2.5 * 0.02 / 0.93)
+    assert e == pytest.approx(np.minimum(law, 1.0))
+
+
+def test_the_wind_dies_out_towards_the_table():
+    calm = [slope([0, 0, z, 0, -6, 0, 0, 0, 0])[3] for z in (0.02, 0.25)]
+    windy = [slope([0, 0, z, 0, -6, 0, 0, 0, 0], with_(wind_x=1.0))[3] for z in (0.02, 0.25)]
+
+    pushed = np.subtract(windy, calm)
+
+    assert 0 < pushed[0] < 0.6 * pushed[1]
+
+
+def test_spin_decays_by_its_torque_law():
+    state = [0, 0, 1, 0, -2.0, 0, 100, 50, -20]
+
+    loss = slope(state, with_(spin_decay_c=0.02))[6:]
+
+    assert loss == pytest.approx(-0.02 * 4.0 * np.array([100, 50, -20]))
+
+
+def test_the_side_force_points_to_the_right_and_does_no_work():
+    push = (
+        slope([0, 0, 1, 0, -8.0, 0, 0, 0, 0], with_(side_force_cy=0.1))[3:6]
+        - slope([0, 0, 1, 0, -8.0, 0, 0, 0, 0])[3:6]
+    )
+
+    assert push == pytest.approx([-0.27925 * 0.1 * 64, 0, 0], rel=1e-4)
+
+
+def test_tilted_gravity_keeps_its_size():
+    pull = slope([0, 0, 1, 0, 0, 0, 0, 0, 0], with_(frame_tilt_x=0.1, frame_tilt_y=-0.05))[3:6]
+
+    assert np.linalg.norm(pull) == pytest.approx(9.81)
+    assert pull[:2] == pytest.approx([9.81 * np.sin(0.1), -9.81 * np.sin(0.05)])
+
+
+def test_lift_saturates_and_breaks_down_only_where_it_should():
+    slow, fast = (np.array([0, 0, 1, 0, -v, 0, 0, 0, 25 * v]) for v in (8.0, 13.0))
+
+    def lift(state, **constants):
+        return slope(state, with_(**constants))[3] / slope(state)[3]
+
+    assert lift(slow, lift_crisis_d=1.0) == pytest.approx(1.0)
+    assert lift(fast, lift_crisis_d=1.0) == pytest.approx(0.0, abs=1e-12)
+    assert lift(slow, lift_saturation_kappa=5.0) < 0.4
+
+
+def test_every_form_belongs_to_a_catalogued_effect_that_this_world_has():
+    assert set(FORMS) <= set(catalogue())
+    assert all(supports(effect) for effect in FORMS)
+    assert not supports("net")
+
+
+def test_constants_are_the_parameters_of_the_catalogue():
+    known = {f"{name}_{p.name}" for name, e in catalogue().items() for p in e.parameters}
+
+    assert set(Physics._fields) <= known
+    assert PHYSICS.drag_cd == 0.54
+    assert PHYSICS.wind_x == 0.0
+
+
+def test_what_this_world_does_not_have_is_refused():
+    with pytest.raises(ValueError, match="net"):
+        physics_of(NOMINAL.amended("net", restitution=0.2))
+    with pytest.raises(ValueError, match="table_bounce"):
+        physics_of(Simulator.from_dict({"gravity": {"g": 9.81}}))
+
+
+def test_buoyancy_and_added_mass_are_those_of_displaced_air():
+    air = 1.2 * 4 / 3 * np.pi * BALL_RADIUS**3 / BALL_MASS
+    still = [0, 0, 1, 0, 0, 0, 0, 0, 0]
+
+    assert slope(still, with_(buoyancy_b=1.0))[5] == pytest.approx(-9.81 * (1 - air))
+    assert slope(still, with_(added_mass_c=1.0))[5] == pytest.approx(-9.81 / (1 + air / 2))

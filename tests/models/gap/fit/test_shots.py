@@ -1,0 +1,51 @@
+"""Shots: padding, labels and what is refused."""
+
+import numpy as np
+import pytest
+
+from models.gap.fit.shots import Shots
+
+TIMES = [np.array([0.0, 0.1, 0.2]), np.array([5.0, 5.1])]
+PLACES = [np.arange(9.0).reshape(3, 3), np.arange(6.0).reshape(2, 3)]
+
+
+def test_padding_repeats_the_last_sample_and_is_not_valid():
+    shots = Shots.from_arrays(TIMES, PLACES)
+    assert shots.valid.tolist() == [[True, True, True], [True, True, False]]
+    assert shots.times[1, 2] == 5.1
+    assert shots.positions[1, 2].tolist() == [3.0, 4.0, 5.0]
+    assert shots.labels.shape == (2, 0, 3)
+
+
+def test_a_label_repeated_in_every_row_is_one_measurement():
+    varying = np.array([[1.0, 2.0, 3.0], [1.0, 2.0, 4.0]])
+    shots = Shots.from_arrays(TIMES, PLACES, [np.tile([1.0, 2.0, 3.0], (3, 1)), varying])
+    assert shots.labelled.tolist() == [[True, False], [True, True]]
+    assert shots.label_times[0, 0] == 0.0
+
+
+def test_rows_without_a_label_are_dropped():
+    labels = [np.full((3, 3), np.nan), np.array([[np.nan] * 3, [1.0, 2.0, 3.0]])]
+    shots = Shots.from_arrays(TIMES, PLACES, labels)
+    assert shots.labelled.tolist() == [[False], [True]]
+    assert shots.label_times[1, 0] == 5.1
+
+
+def test_shots_are_picked_by_mask():
+    shots = Shots.from_arrays(TIMES, PLACES, names=["a", "b"], groups=["x", "y"])
+    picked = shots[np.array([False, True])]
+    assert (len(picked), picked.names.tolist(), picked.groups.tolist()) == (1, ["b"], ["y"])
+
+
+@pytest.mark.parametrize(
+    ("times", "places", "message"),
+    [
+        ([0.0, 0.0], np.zeros((2, 3)), "do not rise"),
+        ([0.0, 1.0], np.zeros((1, 3)), "2 times and 1 positions"),
+        ([0.0, 1.0], np.full((2, 3), np.nan), "not finite"),
+        ([], np.zeros((0, 3)), "0 times"),
+    ],
+)
+def test_shots_that_cannot_be_are_refused(times, places, message):
+    with pytest.raises(ValueError, match=message):
+        Shots.from_arrays([times], [places])

@@ -1,0 +1,64 @@
+"""Variance components: the sizes of noise and scatter come out as they went in."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from models.gap.fit.linearize import linearise
+from models.gap.fit.noise import Noise
+from models.gap.fit.shot_fit import fit_shots
+from models.gap.fit.variance_components import components
+from models.gap.hypotheses import hypotheses
+from tests.models.gap.hidden import NOMINAL, measured
+
+
+def found(shots, simulator=NOMINAL):
+    fit = fit_shots(shots, simulator)
+    linear = linearise(shots, simulator, fit.unknowns, hypotheses(simulator))
+    return components(linear, fit.noise, fit.weights)
+
+
+def test_noise_and_scatter_are_found():
+    noise = found(measured(count=60, scatter=(0.015, 0.03, 0.01), label=0.04)).noise
+    assert noise.white == pytest.approx(0.003, rel=0.03)
+    assert noise.slow < 0.0006
+    assert noise.label == pytest.approx(0.04, rel=0.05)
+    assert noise.label_common < 0.01
+    assert noise.scatter == pytest.approx((0.015, 0.03, 0.01), rel=0.35)
+
+
+def test_rounded_time_stamps_are_told_from_white_noise():
+    shots = measured(count=40)
+    stamps = np.where(shots.valid, shots.times, np.nan)
+    random = np.random.default_rng(1)
+    stamps += random.uniform(-5e-4, 5e-4, stamps.shape)
+    last = np.nanmax(stamps, axis=1, keepdims=True)
+    noise = found(replace(shots, times=np.where(shots.valid, stamps, last))).noise
+    assert noise.timing == pytest.approx(1e-3 / np.sqrt(12), rel=0.1)
+    assert noise.white == pytest.approx(0.003, rel=0.05)
+
+
+def test_a_guess_by_which_all_samples_are_outliers_is_put_right():
+    shots = measured(count=20)
+    fit = fit_shots(shots, NOMINAL)
+    linear = linearise(shots, NOMINAL, fit.unknowns, hypotheses(NOMINAL))
+    known = components(linear, Noise(white=1e-5, slow=1e-5), np.zeros_like(fit.weights))
+    assert known.noise.white == pytest.approx(0.003, rel=0.1)
+    assert known.weights[linear.sampled].mean() > 0.9
+
+
+def test_a_missing_effect_does_not_pass_for_scatter_or_slow_errors():
+    hall = NOMINAL.amended("wind", y=0.3).amended("table_tilt", y=0.01)
+    noise = found(measured(hall, count=60)).noise
+    assert noise.slow < 0.0006
+    assert noise.scatter == pytest.approx((0.01, 0.02, 0.005), rel=0.4)
+
+
+def test_a_shot_unlike_the_others_is_not_trusted():
+    shots = measured(count=30)
+    wobble = 0.007 * np.sin(2 * np.pi * shots.times[4] / 0.2)
+    shots.positions[4] += wobble[:, None]
+    trust = found(shots).trust
+    assert trust[4] < 0.1
+    assert np.sum(trust < 1.0) <= 3

@@ -1,0 +1,94 @@
+"""Locate: the share points to the phase that is wrong, and growth to what it grows with."""
+
+import numpy as np
+import pytest
+
+from models.gap.fit.noise import Noise
+from models.gap.fit.refit import fitted
+from models.gap.locate.attribution import locate
+from models.gap.locate.trends import TIME
+from models.gap.verify.prediction_error import errors
+from tests.models.gap.hidden import NOMINAL, measured
+
+NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.01, 0.02, 0.005))
+EXACT = Noise(white=1e-4, slow=1e-5, label=0.01, label_common=1e-3, scatter=(1e-3, 1e-3, 1e-3))
+
+
+def located(hall, withheld=(), count=30, seed=1001):
+    shots = measured(hall, count=count, seed=seed)
+    return locate(fitted(shots, NOMINAL, NOISE), NOMINAL, withheld)
+
+
+@pytest.fixture(scope="module")
+def windy():
+    return located(NOMINAL.amended("wind", x=0.15))
+
+
+@pytest.mark.parametrize(
+    ("phase", "effect", "values"),
+    [
+        ("flight", "drag", {"cd": 0.53}),
+        ("table", "table_bounce", {"restitution": 0.895}),
+        ("sensor", "position_scale", {"s": 0.012}),
+        pytest.param("table", "table_height", {"h": 0.004}, marks=pytest.mark.slow),
+        pytest.param("sensor", "spin_gain", {"s": 0.1}, marks=pytest.mark.slow),
+    ],
+)
+def test_the_share_points_to_the_phase_that_is_wrong(phase, effect, values):
+    where = located(NOMINAL.amended(effect, **values)).where
+    assert where[phase] > 0.9
+    assert sum(where.values()) == pytest.approx(1.0)
+
+
+def test_nothing_parts_where_nothing_is_wrong():
+    found = located(NOMINAL)
+    assert found.where == {"flight": 0.0, "table": 0.0, "sensor": 0.0}
+    assert not found.parting.any()
+    assert min(one.p_value for one in (found.time, *found.growth)) > 0.01
+
+
+@pytest.mark.slow
+def test_a_phase_is_found_without_the_effect_in_the_catalogue():
+    assert located(NOMINAL.amended("side_force", cy=0.02), ("side_force",)).where["flight"] > 0.9
+
+
+def test_a_wrong_table_counts_from_the_bounce_on():
+    hall = NOMINAL.amended("wind", x=0.15).amended("table_bounce", restitution=0.895)
+    shares = located(hall).shares
+    assert shares["table"][1] < 0.1
+    assert shares["table"][-1] > 0.2
+    np.testing.assert_allclose(sum(shares.values()), 1.0)
+
+
+def test_the_parting_is_what_predictions_of_exact_shots_err_by():
+    hall = NOMINAL.amended("drag", cd=0.45)
+    shots = measured(hall, count=16, noise=1e-5, label=1e-3, scatter=(0.0, 0.0, 0.0))
+    about = fitted(shots, hall, EXACT)
+    found, predicted = locate(about, NOMINAL), errors(about, NOMINAL, hall, EXACT, (150.0, 150.0))
+    sizes = np.sqrt(np.nanmean(predicted.before, axis=0))
+    partings = np.interp(predicted.horizons, found.horizons, found.parting)
+    np.testing.assert_allclose(partings, sizes, rtol=0.1)
+
+
+def test_a_cross_wind_shows_in_the_direction_of_play(windy):
+    most = windy.growth[0]
+    assert (most.axis, most.kinds) == ("direction of play", ("towards −y", "towards +y"))
+    assert most.p_value < 0.01
+    # The wind blows towards +x: to the left of who looks towards −y.
+    assert most.means[0, 1] < -most.errors[0, 1]
+    assert most.means[1, 1] > most.errors[1, 1]
+
+
+def test_too_strong_a_drag_grows_with_speed_and_time():
+    found = located(NOMINAL.amended("drag", cd=0.56), count=48)
+    assert found.growth[0].axis == "speed at launch"
+    assert found.growth[0].means[-1, 0] < 1.5 * found.growth[0].means[0, 0] < 0
+    assert (found.time.axis, found.time.unit) == (TIME, "ms")
+    assert found.time.p_value < 0.001
+    assert found.time.means[-1, 0] < 3 * found.time.means[5, 0] < 0
+
+
+def test_spins_without_a_label_are_no_axis():
+    shots = measured(count=20, labels=None)
+    found = locate(fitted(shots, NOMINAL, NOISE), NOMINAL)
+    assert not {one.axis for one in found.growth} & {"spin at launch", "spin axis"}

@@ -1,0 +1,47 @@
+"""Carried: changes of the whole state, against exact flights."""
+
+import numpy as np
+import pytest
+
+from models.ball.state import SPIN, VELOCITY
+from models.gap.fit.measurement import Moments, seen
+from models.gap.locate.propagation import forced, struck
+from models.gap.locate.sensitivity import arcs
+from tests.models.gap.hidden import NOMINAL, launches
+
+TIMES = np.arange(0.0, 0.7, 0.005)
+COUNT = 5
+STATES = launches(COUNT, np.random.default_rng(1))
+PLACES = np.tile(np.arange(len(TIMES)), (COUNT, 1))
+MOMENTS = Moments(np.tile(TIMES, (COUNT, 1)), PLACES, PLACES)
+ARCS = arcs(NOMINAL, STATES, MOMENTS.times)
+PATH = NOMINAL.fly(STATES, TIMES)
+AWAY = seen(NOMINAL, MOMENTS, STATES).smooth(MOMENTS.times, 0.006)
+
+
+def test_a_loss_of_spin_shows_in_the_spins_through_bounces():
+    h = 1e-3
+    exact = (NOMINAL.amended("spin_decay", c=h).fly(STATES, TIMES).states - PATH.states) / h
+    forcing = np.zeros((*PATH.states.shape, 1))
+    speed = np.linalg.norm(PATH.states[..., VELOCITY], axis=-1, keepdims=True)
+    forcing[..., SPIN, 0] = -speed * PATH.states[..., SPIN]
+    change = forced(ARCS, forcing)[..., SPIN, 0]
+    largest = np.abs(exact[..., SPIN]).max()
+    assert change[AWAY] == pytest.approx(exact[AWAY][:, SPIN], abs=0.02 * largest)
+
+
+def test_a_jump_at_a_bounce_is_that_of_a_ball_that_leaves_it_otherwise():
+    jump = np.array([0.0, 0.0, 0.0, 1.0, -0.5, 0.0, 0.0, 20.0, 0.0])
+    jumps = np.tile(jump, (COUNT, 1))[..., None]
+    change = struck(ARCS, 0, jumps, len(TIMES))[..., 0]
+    h, after = 1e-4, PATH.contacts.after[:, 0]
+    since = TIMES - PATH.contacts.time[:, :1]
+    flights = [
+        NOMINAL.fly(after + sign * h * jump, np.maximum(since, 0.0)).states for sign in (1, -1)
+    ]
+    exact = np.where(since[..., None] > 0.0, (flights[0] - flights[1]) / (2 * h), 0.0)
+    assert change[AWAY] == pytest.approx(exact[AWAY], abs=0.01 * np.abs(exact).max())
+
+
+def test_a_bounce_that_is_not_there_strikes_nobody():
+    assert not struck(ARCS, len(ARCS), np.ones((COUNT, 9, 2)), len(TIMES)).any()

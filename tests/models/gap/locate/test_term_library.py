@@ -1,0 +1,107 @@
+"""Basis: its terms are what the catalogue's effects do, by an independent way."""
+
+import numpy as np
+import pytest
+
+from models.ball.state import BALL_RADIUS
+from models.gap.fit.linearize import ballistic_unknowns, linearise
+from models.gap.hypotheses import Hypothesis
+from models.gap.locate.term_library import basis, joined
+from models.gap.locate.terms import TYPICAL_FALL, TYPICAL_SPEED
+from tests.models.gap.hidden import NOMINAL, launches, measured
+
+COLUMNS = (
+    Hypothesis("gravity", "g"),
+    Hypothesis("drag", "cd"),
+    Hypothesis("magnus", "cm"),
+    Hypothesis("speed_dependent_restitution", "c"),
+    Hypothesis("position_scale", "s"),
+    Hypothesis("spin_gain", "s"),
+    Hypothesis("spin_decay", "c"),
+    Hypothesis("wind", "x"),
+    Hypothesis("wind", "z"),
+    Hypothesis("frame_tilt", "y"),
+    Hypothesis("table_height", "h"),
+    Hypothesis("table_tilt", "x"),
+    Hypothesis("table_tilt", "y"),
+    Hypothesis("clock_rate", "d"),
+    Hypothesis("spin_dependent_drag", "c"),
+)
+STATES = launches(8, np.random.default_rng(0))
+LINEAR = linearise(measured(count=8), NOMINAL, ballistic_unknowns(STATES, 2), COLUMNS)
+BASIS = basis(LINEAR)
+DRAG, LIFT = 0.2793, 0.01489  # of C_D |u| u in 1/m, and of C_M w x u
+
+
+def term(name):
+    return next(k for k, one in enumerate(BASIS.terms) if one.parameter == name)
+
+
+@pytest.mark.parametrize(
+    ("column", "terms", "factor"),
+    [
+        (0, ["z"], -1.0),
+        (1, ["u (|u|/8)^1"], -DRAG * TYPICAL_SPEED),
+        (2, ["w x u"], LIFT * TYPICAL_SPEED / BALL_RADIUS),
+        (4, ["x at x", "y at y", "z at z"], 1.0),
+        (6, ["-w (|u|/8)^1"], TYPICAL_SPEED),
+    ],
+)
+def test_terms_do_what_effects_do(column, terms, factor):
+    found = factor * sum(BASIS.positions[..., term(name)] for name in terms)
+    effect = LINEAR.positions[..., LINEAR.own + column]
+    assert np.abs(effect).max() > 0.0
+    # At a bounce the law of the ball before it counts.
+    assert found == pytest.approx(effect, abs=0.03 * np.abs(effect).max())
+
+
+def test_a_kick_upwards_does_what_restitution_does_to_the_height():
+    effect = LINEAR.positions[..., 2, LINEAR.own + 3]
+    found = -TYPICAL_FALL * BASIS.positions[..., 2, term("n v_n")]
+    assert found == pytest.approx(effect, abs=0.03 * np.abs(effect).max())
+
+
+def test_the_gain_of_labels_is_a_term():
+    effect = LINEAR.labels[..., LINEAR.own + 5]
+    assert BASIS.labels[..., term("w")] == pytest.approx(effect, abs=1e-6)
+
+
+def test_labels_follow_a_loss_of_spin():
+    effect = LINEAR.labels[..., LINEAR.own + 6]
+    found = TYPICAL_SPEED * BASIS.labels[..., term("-w (|u|/8)^1")]
+    assert found == pytest.approx(effect, abs=0.03 * np.abs(effect).max())
+
+
+def test_effects_lie_in_the_span_of_terms():
+    def rows(places, labels):
+        """Rows in units of their noise."""
+        return np.concatenate([a.reshape(-1, a.shape[-1]) for a in (places / 0.003, labels / 0.05)])
+
+    terms = rows(BASIS.positions, BASIS.labels)
+    effects = rows(LINEAR.positions, LINEAR.labels)[:, LINEAR.own : -1]
+    scale = np.linalg.norm(terms, axis=0) + 1e-12
+    left = effects - terms / scale @ np.linalg.lstsq(terms / scale, effects, rcond=1e-6)[0]
+    assert np.all((left**2).sum(axis=0) < 0.02 * (effects**2).sum(axis=0))
+
+
+def test_terms_stand_before_the_residual():
+    with_terms = joined(LINEAR)
+    count = len(BASIS.terms)
+    assert with_terms.columns == (*COLUMNS, *BASIS.terms)
+    assert np.array_equal(with_terms.positions[..., -1], LINEAR.positions[..., -1])
+    assert np.array_equal(with_terms.positions[..., -1 - count : -1], BASIS.positions)
+
+
+def test_shots_without_labels_or_bounces_have_a_basis():
+    shots = measured(count=3, labels=None, seconds=0.15)
+    linear = linearise(shots, NOMINAL, ballistic_unknowns(STATES[:3], 0), COLUMNS)
+    found = basis(linear)
+    assert [one.parameter for one in found.terms] == [one.parameter for one in BASIS.terms]
+    assert found.labels.shape[1] == 0
+    assert not found.positions[..., term("n v_n")].any()
+    assert found.positions[..., term("z")].any()
+
+
+def test_terms_are_nobodys_own_numbers():
+    assert not any(one.listed(NOMINAL) for one in BASIS.terms)
+    assert {one.effect for one in BASIS.terms} == {"flight", "table", "sensor"}

@@ -1,0 +1,38 @@
+"""Shares: what each cause has in what all gain, whatever their number."""
+
+import numpy as np
+import pytest
+
+from models.gap.name.gap_share import shares
+from models.gap.name.set_scores import Scales
+
+
+def scales(scores, likeness=0.0):
+    """Causes of the same information, all equally alike."""
+    count = len(scores)
+    information = np.full((count, count), likeness) + (1 - likeness) * np.eye(count)
+    bounds, refitted = np.tile([-1e3, 1e3], (count, 1)), np.zeros(count, dtype=bool)
+    return Scales(information, np.array(scores), np.zeros(count), bounds, refitted)
+
+
+def test_causes_apart_have_what_each_gains_alone():
+    found = shares(scales([1.0, 2.0, 3.0]), (0, 1, 2))
+    assert found == pytest.approx({0: 1.0, 1: 4.0, 2: 9.0})
+
+
+def test_causes_alike_share_what_either_explains():
+    found = shares(scales([3.0, 3.0], likeness=0.5), (0, 1))
+    assert found[0] == pytest.approx(found[1])
+    assert sum(found.values()) == pytest.approx(2 * 3.0**2 / 1.5)
+
+
+def test_many_causes_have_all_of_the_gain():
+    some = scales(np.linspace(1.0, 5.0, 14), likeness=0.3)
+    causes = tuple(range(14))
+    found = shares(some, causes)
+    assert sum(found.values()) == pytest.approx(some.gains(np.array([causes]))[0][0])
+    assert found == shares(some, causes)
+
+
+def test_no_cause_has_no_share():
+    assert shares(scales([1.0]), ()) == {}

@@ -1,0 +1,32 @@
+"""Lift: missing Magnus force is not called gravity where nobody measured the spin."""
+
+import numpy as np
+
+from models.gap.fit.refit import refit
+from models.gap.hypotheses import Hypothesis
+from models.gap.name.missing_lift import lift
+from tests.models.gap.hidden import WITHOUT_MAGNUS, measured, own
+
+
+def gravity_off(found):
+    """By how many standard errors gravity differs from the true one."""
+    hypothesis = Hypothesis("gravity", "g")
+    place = found.evidence.columns.index(hypothesis)
+    test = found.evidence.tested([place], found.evidence.free)
+    return (hypothesis.value(found.simulator) - 9.81) / test.standard_error[0]
+
+
+def test_missing_magnus_is_found_and_gravity_stays():
+    shots = measured(count=40, labels=None)
+    without = refit(shots, WITHOUT_MAGNUS, own(WITHOUT_MAGNUS))
+    found = lift(shots, without)
+    assert found.p_value < 1e-6
+    assert abs(gravity_off(found.with_lift)) < 3.5
+    assert abs(found.with_lift.simulator.effects["magnus"]["cm"] - 0.09) < 0.01
+
+
+def test_balls_that_do_not_curve_need_no_lift():
+    shots = measured(WITHOUT_MAGNUS, count=30, labels=None, seconds=0.3)
+    without = refit(shots, WITHOUT_MAGNUS, own(WITHOUT_MAGNUS))
+    assert lift(shots, without).p_value > 0.01
+    assert np.abs(gravity_off(without)) < 3.5

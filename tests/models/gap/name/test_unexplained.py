@@ -1,0 +1,51 @@
+"""Unknown: what the catalogue explains is not, and what it does not explain is found."""
+
+import pytest
+
+from models.gap.fit.refit import refit
+from models.gap.name.unexplained import leftover
+from tests.models.gap.hidden import NOMINAL, measured
+
+TILTED = NOMINAL.amended("table_tilt", x=0.01)
+TILT = ("table_tilt",)
+
+
+def fitted(hall, seed):
+    return refit(measured(hall, count=16, seed=seed), NOMINAL, ())
+
+
+@pytest.fixture(scope="module")
+def tilted():
+    return fitted(TILTED, 1)
+
+
+@pytest.fixture(scope="module")
+def level():
+    return fitted(NOMINAL, 2)
+
+
+def test_an_effect_that_is_not_in_the_catalogue_is_left_over(tilted):
+    left = leftover(tilted, TILT)
+    assert left.p_value < 0.003
+    assert left.where in ("table", "sensor")
+    assert " x]" in left.lead
+
+
+def test_an_effect_of_the_catalogue_is_not_left_over(tilted):
+    assert leftover(tilted).p_value > 0.003
+
+
+def test_what_three_shots_show_the_catalogue_explains():
+    assert leftover(refit(measured(count=3), NOMINAL, ())).p_value > 0.003
+
+
+@pytest.mark.slow
+def test_nothing_is_left_over_where_nothing_is_wrong(level):
+    assert leftover(level, TILT).p_value > 0.003
+
+
+@pytest.mark.slow
+def test_other_shots_confirm_what_they_show_as_well(tilted, level):
+    left = leftover(tilted, TILT)
+    assert left.confirmed(fitted(TILTED, 3))
+    assert not left.confirmed(level)

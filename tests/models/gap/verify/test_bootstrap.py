@@ -1,0 +1,34 @@
+"""Resampled: intervals of root mean squares."""
+
+import numpy as np
+import pytest
+
+from models.gap.verify.bootstrap import interval, resampled, root_mean_squares
+
+
+def squares(shots=60, seed=0):
+    """Errors before, after and at the floor, which shots share but for a millimetre."""
+    random = np.random.default_rng(seed)
+    common = random.chisquare(2, (1, shots, 2))
+    return common * np.array([9.0, 4.0, 1.0])[:, None, None]
+
+
+def test_draws_scatter_about_what_was_measured():
+    found = squares()
+    drawn = resampled(found, 0)
+    assert drawn.mean(axis=0) == pytest.approx(root_mean_squares(found), rel=0.02)
+    low, high = interval(drawn[:, 0, 0])
+    assert low < root_mean_squares(found)[0, 0] < high
+
+
+def test_what_is_compared_is_drawn_together():
+    drawn = resampled(squares(), 0)
+    assert drawn[:, 0] / drawn[:, 1] == pytest.approx(np.full((2000, 2), 1.5))
+
+
+def test_shots_without_an_error_do_not_count():
+    found = squares()
+    found[:, ::2, 1] = np.nan
+    drawn = resampled(found, 0)
+    assert np.isfinite(drawn).all()
+    assert drawn[:, :, 1].mean(axis=0) == pytest.approx(root_mean_squares(found)[:, 1], rel=0.05)

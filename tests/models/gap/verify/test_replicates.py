@@ -1,0 +1,66 @@
+"""Rehearsals err as the noise says, about what a simulator's sensor sees."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from models.gap.fit.measurement import Moments, seen
+from models.gap.fit.noise import Noise
+from models.gap.verify.replicates import rehearsed
+from tests.models.gap.hidden import NOMINAL, launches, measured
+
+NOISE = Noise(white=0.003, slow=0.004, slow_time=0.02, label=0.1, label_common=0.05, timing=0.0)
+EVEN = replace(NOISE, scatter=(0.0, 0.0, 0.0))
+STATES = launches(200, np.random.default_rng(0))  # those of the shots measured
+
+
+def errors(noise, count=200):
+    """Rehearsed shots, their errors in position, and those of labels as shares of the spin."""
+    shots = measured(count=count)
+    again = rehearsed(shots, NOMINAL, STATES[:count], noise, np.random.default_rng(1))
+    view = seen(NOMINAL, Moments.of(shots), STATES[:count])
+    sizes = np.linalg.norm(view.labels, axis=2, keepdims=True)
+    return again, again.positions - view.positions, (again.labels - view.labels) / sizes
+
+
+def test_without_noise_balls_are_where_the_simulator_says():
+    still = Noise(0.0, 0.0, label=0.0, label_common=0.0, scatter=(0.0, 0.0, 0.0), timing=0.0)
+    again, off, turned = errors(still, count=5)
+    assert np.abs(off).max() < 1e-12
+    assert np.abs(turned[again.labelled]).max() < 1e-12
+    assert np.isnan(again.labels[~again.labelled]).all()
+
+
+def test_positions_err_by_what_is_white_and_what_changes_slowly():
+    again, off, _ = errors(EVEN)
+    long = off[again.valid.all(axis=1) | (again.valid.sum(axis=1) > 40), :40]
+    assert long.std() == pytest.approx(NOISE.position, rel=0.03)
+    kept = np.mean(long[:, 1:] * long[:, :-1]) / NOISE.slow**2
+    assert kept == pytest.approx(np.exp(-0.005 / NOISE.slow_time), abs=0.05)
+
+
+def test_late_stamps_move_balls_along_their_way():
+    _, off, _ = errors(replace(EVEN, white=1e-9, slow=0.0, timing=0.001))
+    first, velocities = off[:, 0], STATES[:, 3:6]
+    lengths = np.einsum("bi,bi->b", first, velocities) / (velocities**2).sum(axis=1)
+    assert lengths.std() == pytest.approx(0.001, rel=0.15)
+    across = first - lengths[:, None] * velocities
+    assert np.abs(across).max() < 1e-6
+
+
+def test_labels_err_in_every_row_and_in_all_rows_alike():
+    again, _, turned = errors(EVEN)
+    rows = zip(turned, again.labelled, strict=True)
+    means = np.stack([row[there].mean(axis=0) for row, there in rows])
+    assert means.std() == pytest.approx(NOISE.label_common, rel=0.2)
+    apart = (turned - means[:, None])[again.labelled]
+    assert apart.std() == pytest.approx(NOISE.label, rel=0.05)
+
+
+def test_bounces_scatter():
+    _, even, _ = errors(replace(EVEN, white=1e-9, slow=0.0))
+    _, odd, _ = errors(replace(NOISE, white=1e-9, slow=0.0, scatter=(0.05, 0.0, 0.0)))
+    assert np.abs(even).max() < 1e-6
+    assert odd[:, :5] == pytest.approx(even[:, :5], abs=1e-6)  # none has bounced yet
+    assert np.abs(odd[..., 2]).max() > 0.02

@@ -1,0 +1,74 @@
+"""Transitions are told under new goals, and are worth what these make of them."""
+
+import numpy as np
+import pytest
+from gymnasium import spaces
+
+from models.policy.goal_relabelling import RetoldReplay
+from models.policy.goals import Goals
+from models.policy.reward import goal_reward
+from models.policy.settings import GoalSettings
+
+GOALS = GoalSettings(landing_across=(-0.4, 0.4), landing_along=(0.5, 1.1), speed=None, topspin=None)
+COLUMNS = slice(3, 5)
+STROKE = {
+    "hit": True,
+    "landing": np.array([0.1, 0.9]),
+    "speed": 5.0,
+    "topspin": -20.0,
+    "returned": True,
+}
+OLD_GOAL = Goals(np.array([[0.2, 0.6]]))
+
+
+def worth(landing):
+    one = np.array([STROKE["speed"]]), np.array([STROKE["topspin"]]), np.array([True])
+    return goal_reward(STROKE["landing"][None], *one, Goals(landing[None]))[0]
+
+
+@pytest.fixture
+def replay():
+    """A tick in which one arm strikes its ball, and one in which it does not."""
+    seen, done = spaces.Box(-5, 5, (7,), np.float32), spaces.Box(-1, 1, (2,), np.float32)
+    kept = RetoldReplay(2, seen, done, n_envs=1, goals=GOALS, columns=COLUMNS)
+    of_goal = worth(OLD_GOAL.landing[0])
+    struck = {**STROKE, "goal_reward": of_goal}
+    rows = np.arange(7.0)[None] / 10
+    kept.add(rows, rows + 0.01, np.ones((1, 2)), np.array([-0.02]), np.array([False]), [{}])
+    kept.add(
+        rows, rows + 0.01, np.ones((1, 2)), np.array([0.7 + of_goal]), np.array([True]), [struck]
+    )
+    np.random.seed(1)
+    return kept.sample(64)
+
+
+def goals_of(samples):
+    scaled = samples.observations[:, COLUMNS].numpy()
+    assert np.array_equal(scaled, samples.next_observations[:, COLUMNS].numpy())
+    return scaled * [0.45, 0.3] + [0.0, 0.8]
+
+
+def test_goals_are_drawn_anew_each_time(replay):
+    across, along = goals_of(replay).T
+    assert len(np.unique(across)) == 64
+    assert -0.4 <= across.min() < -0.3 < 0.3 < across.max() <= 0.4
+    assert 0.5 <= along.min() < 0.6 < 1.0 < along.max() <= 1.1
+
+
+def test_a_stroke_is_worth_what_the_new_goal_makes_of_it(replay):
+    ended = replay.dones[:, 0].numpy() == 1
+    expected = [0.7 + worth(goal) for goal in goals_of(replay)[ended]]
+    assert replay.rewards[ended, 0].numpy() == pytest.approx(expected, abs=1e-5)
+    assert np.ptp(expected) > 0.3
+
+
+def test_what_ends_without_a_stroke_is_worth_the_same(replay):
+    going_on = replay.dones[:, 0].numpy() == 0
+    assert going_on.any()
+    assert (replay.rewards[going_on].numpy() == np.float32(-0.02)).all()
+
+
+def test_nothing_but_the_goal_is_told_differently(replay):
+    kept = [0, 1, 2, 5, 6]
+    assert np.allclose(replay.observations[:, kept].numpy(), np.array(kept) / 10)
+    assert np.allclose(replay.next_observations[:, kept].numpy(), np.array(kept) / 10 + 0.01)

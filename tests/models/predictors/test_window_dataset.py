@@ -1,0 +1,105 @@
+"""Tracks: the same windows as one at a time, from one indexing; no episode meets another."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import chisquare
+
+from models.predictors.protocol import TICK
+from models.predictors.window_dataset import tracks
+from models.predictors.windows import windows
+from tests.models.predictors.balls import FIRST
+from tests.models.predictors.episodes import GRID, flown, spoilt
+
+
+def every_window(track):
+    return [part.numpy() for part in track.windows(track.anchors)]
+
+
+def assert_windows_are_those_of(track, *episodes):
+    """Both ways of cutting give the same numbers, but for the last bits of float32."""
+    cuts = [windows(episode, every=TICK) for episode in episodes]
+    assert np.diff(track.bounds).tolist() == [len(cut) for cut in cuts if len(cut)]
+    history, seen, future, measured = every_window(track)
+    np.testing.assert_array_equal(seen, np.concatenate([cut.history.mask for cut in cuts]))
+    np.testing.assert_array_equal(measured, np.concatenate([cut.measured for cut in cuts]))
+    states = np.concatenate([cut.history.states for cut in cuts]).astype(np.float32)
+    later = np.concatenate([cut.future for cut in cuts]).astype(np.float32)
+    np.testing.assert_allclose(history, states, rtol=3e-7, atol=3e-8)
+    np.testing.assert_allclose(future, later, rtol=3e-7, atol=3e-8)
+
+
+@pytest.mark.parametrize("start", [0.0, 7.0, 1234.565])
+@pytest.mark.parametrize(("seed", "lost"), [(0, 0.1), (1, 0.1), (2, 0.6)])
+def test_windows_of_a_spoilt_episode_on_the_grid_are_those_cut_one_at_a_time(start, seed, lost):
+    bouncing = flown(FIRST[1 + seed % 2], start + GRID, noise=0.003, seed=seed)
+    episode = spoilt(bouncing, seed, lost)
+    assert len(episode.bounces) > 0 and episode.outlier.any()
+    assert np.isnan(episode.spins).any() and len(episode.times) < len(GRID)
+    assert_windows_are_those_of(tracks([episode]), episode)
+
+
+@pytest.mark.parametrize("rate", [120.0, 143.0, 1000 / 5.6])
+def test_windows_of_an_episode_at_another_rate_are_those_cut_one_at_a_time(rate):
+    episode = spoilt(flown(times=3.0 + np.arange(0, 0.6, 1 / rate), noise=0.003))
+    assert_windows_are_those_of(tracks([episode]), episode)
+
+
+def test_stamps_rounded_to_microseconds_are_on_the_grid():
+    episode = spoilt(flown(noise=0.003), lost=0.4)
+    jitter = np.random.default_rng(0).uniform(-4e-7, 4e-7, len(episode.times))
+    moved = replace(episode, times=episode.times + jitter)
+    exact, rounded = tracks([episode]), tracks([moved])
+    assert len(rounded.history) == len(exact.history)  # one track, not one a window
+    for one, other in zip(every_window(exact), every_window(rounded), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.lists(st.tuples(st.integers(1, 60), st.booleans()), min_size=1, max_size=5))
+def test_no_window_reaches_into_another_episode(lengths):
+    on_grid, off_grid = flown(), flown(times=GRID * 1.1)
+    whole = [(off_grid if off else on_grid, length) for length, off in lengths]
+    episodes = [first(length, episode) for episode, length in [*whole, (on_grid, 40)]]
+    joined = tracks(episodes)
+    assert_windows_are_those_of(joined, *episodes)
+    assert joined.episodes == sum(len(windows(episode, TICK)) > 0 for episode in episodes)
+
+
+def first(samples, episode):
+    rows = ("times", "positions", "velocities", "spins", "outlier", "arc")
+    return replace(episode, **{name: getattr(episode, name)[:samples] for name in rows})
+
+
+def test_every_anchor_of_an_episode_is_drawn_equally_often():
+    track = tracks([first(60, flown()), first(45, flown()), first(90, flown())])
+    for episode in range(3):
+        own = track.anchors[slice(*track.bounds[episode : episode + 2])]
+        drawn = track.drawn(np.full(200 * len(own), episode), np.random.default_rng(episode))
+        assert np.isin(drawn, own).all()
+        counts = (drawn[:, None] == own).sum(axis=0)
+        assert chisquare(counts).pvalue > 1e-3
+
+
+def test_the_same_seed_draws_the_same_anchors():
+    track, episodes = tracks([flown(), flown(FIRST[2])]), np.repeat([0, 1], 50)
+    draws = [track.drawn(episodes, np.random.default_rng(seed)) for seed in (0, 0, 1)]
+    np.testing.assert_array_equal(draws[0], draws[1])
+    assert (draws[0] != draws[2]).any()
+
+
+@pytest.mark.parametrize("episodes", [[], [first(20, flown())]])
+def test_nothing_to_learn_from_is_refused(episodes):
+    with pytest.raises(ValueError, match="no episode has a window"):
+        tracks(episodes)
+
+
+def test_windows_are_cut_in_the_memory_of_the_device():
+    track = tracks([flown()])
+    there = track.to(torch.device("meta")).windows(track.anchors)
+    assert {part.device.type for part in there} == {"meta"}
+    assert [part.shape for part in there] == [part.shape for part in track.windows(track.anchors)]

@@ -1,0 +1,78 @@
+"""Landings of balls in free fall, told from samples, beside the parabola."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from models.ball.state import BALL_RADIUS
+from models.predictors.windows import Episode
+from models.shot_quality.measured_landings import landing, seen_flying, struck_towards
+
+START = np.array([0.2, -1.5, 0.35, -0.3, 6.0, 1.0])  # m, m/s
+SPIN = np.array([-120.0, 15.0, 4.0])
+BOUNCE = (START[5] + np.sqrt(START[5] ** 2 + 2 * 9.81 * (START[2] - BALL_RADIUS))) / 9.81
+TIMES = 2.0 + 0.005 * np.arange(int(BOUNCE / 0.005) + 1)
+
+
+def fallen(seconds):
+    """Positions and velocities of the ball some seconds after its stroke."""
+    down = np.outer(seconds, [0, 0, -9.81])
+    velocities = START[3:] + down
+    return START[:3] + np.outer(seconds, START[3:]) + down * seconds[:, None] / 2, velocities
+
+
+def stroke(way=1):
+    positions, velocities = fallen(TIMES - 2.0)
+    turn = np.array([way, way, 1.0])
+    spins = np.tile(SPIN * turn, (len(TIMES), 1))
+    nothing = np.zeros(len(TIMES), dtype=int)
+    return Episode(
+        TIMES, positions * turn, velocities * turn, spins, nothing == 1, nothing,
+        np.array([2.0 + BOUNCE]),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_stroke_lands_where_it_falls_whoever_struck_it(way):
+    state, height = landing(stroke(way))
+    place, velocity = (one[0] for one in fallen(np.array([BOUNCE])))
+    assert struck_towards(stroke(way)) == way
+    assert state == pytest.approx(np.concatenate([place, velocity, SPIN]), abs=1e-9)
+    assert state[2] == pytest.approx(BALL_RADIUS)
+    at_net = fallen(np.array([1.5 / 6.0]))[0][0, 2]
+    assert height == pytest.approx(at_net, abs=1e-3)  # four samples within 15 ms
+
+
+def test_outliers_do_not_count():
+    one = stroke()
+    wrong = one.positions.copy()
+    wrong[-1] += 0.3
+    marked = np.arange(len(TIMES)) == len(TIMES) - 1
+    state, _ = landing(replace(one, positions=wrong, outlier=marked))
+    assert state == pytest.approx(landing(one)[0], abs=1e-9)
+
+
+def test_what_does_not_touch_the_other_half_first_is_no_return():
+    one = stroke()
+    assert landing(replace(one, bounces=np.empty(0))) is None
+    early = replace(one, bounces=np.array([2.1]), arc=(TIMES > 2.1).astype(int))
+    assert landing(early) is None  # comes down on the striker's own half
+    touched = replace(one, arc=(TIMES > 2.3).astype(int))  # something else came before the table
+    assert landing(touched) is None
+
+
+def test_a_sample_at_the_very_moment_of_the_bounce_is_after_it():
+    one = stroke()
+    rows = ("times", "positions", "velocities", "spins", "outlier", "arc")
+    again = [*range(len(TIMES)), -1]
+    longer = {name: getattr(one, name)[again] for name in rows}
+    longer["times"][-1], longer["arc"][-1] = one.bounces[0], 1
+    assert landing(replace(one, **longer))[0] == pytest.approx(landing(one)[0])
+
+
+def test_a_ball_that_nobody_saw_flies_nowhere():
+    one = stroke()
+    blind = replace(one, outlier=np.ones(len(TIMES), dtype=bool))
+    assert seen_flying(one) and not seen_flying(blind)
+    assert landing(blind) is None

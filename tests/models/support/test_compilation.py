@@ -1,0 +1,47 @@
+"""Stored binaries: made once, never stale, wherever the home is."""
+
+from pathlib import Path
+
+import pytest
+
+from models.support.compilation import compiler
+
+
+@pytest.fixture
+def source(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    path = tmp_path / "constants.py"
+    path.write_text("DRAG = 1.0")
+    return path
+
+
+def folder(*arguments):
+    """Where the binaries of a function of these sources are kept."""
+
+    @compiler(*arguments)
+    def doubled(x: float) -> float:
+        return 2.0 * x
+
+    assert doubled(1.5) == 3.0
+    return Path(doubled.stats.cache_path)
+
+
+def test_the_same_sources_share_a_folder_that_holds_the_binary(source):
+    first, second = folder([source]), folder([source])
+    assert first == second
+    assert list(first.glob("*.nbc"))
+
+
+def test_a_changed_source_never_meets_an_old_binary(source):
+    before = folder([source])
+    source.write_text("DRAG = 2.0")
+    assert folder([source]) != before
+
+
+def test_what_no_file_says_counts_too(source):
+    assert folder([source], "adds") != folder([source], "scales")
+
+
+def test_a_home_without_room_for_a_cache_is_left_alone(source, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(source))
+    assert tmp_path not in folder([source]).parents

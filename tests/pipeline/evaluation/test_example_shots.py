@@ -1,0 +1,56 @@
+"""Shots to look at: written and read back, or refused by name."""
+
+import json
+
+import pytest
+
+from pipeline.evaluation.example_shots import read_shots, write_shots
+from pipeline.runtime.errors import InputError
+from tests.pipeline.web.example_reports import made_up_shots
+
+
+def test_shots_come_back_as_they_were_written(tmp_path):
+    write_shots(tmp_path / "shots.json", made_up_shots())
+
+    assert read_shots(tmp_path / "shots.json") == made_up_shots()
+
+
+def break_times(shot):
+    shot["t"][3] = shot["t"][2]
+
+
+def break_length(shot):
+    shot["forecasts"]["physics_c"]["position"].pop()
+
+
+def break_number(shot):
+    shot["measured"][5][2] = None
+
+
+def break_anchor(shot):
+    shot["anchor"] = 99.0
+
+
+def break_key(shot):
+    shot["color"] = "red"
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (break_times, "0: .*t must grow from sample to sample"),
+        (break_length, "0.forecasts.physics_c: .*position has 59 points for 60 times"),
+        (break_number, "0.measured.5.2: .*valid number"),
+        (break_anchor, "0: .*anchor must lie within the measured times"),
+        (break_key, "0.color: .*Extra inputs are not permitted"),
+    ],
+)
+def test_broken_shot_is_refused_with_its_place(tmp_path, damage, message):
+    path = tmp_path / "shots.json"
+    write_shots(path, made_up_shots())
+    content = json.loads(path.read_text())
+    damage(content[0])
+    path.write_text(json.dumps(content))
+
+    with pytest.raises(InputError, match=f"shots.json, {message}"):
+        read_shots(path)

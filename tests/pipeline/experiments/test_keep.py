@@ -1,0 +1,164 @@
+"""The results of an experiment are kept with all it takes to make them again."""
+
+import json
+import os
+import subprocess
+
+import pytest
+
+from pipeline.experiments import keep
+from pipeline.experiments.keep import keep_experiment
+from pipeline.io.artifacts import write_json
+from pipeline.runtime.errors import InputError
+
+PARAMS = "seed: 1\ningest: {folder: null}\n"
+CONTENTS = '{"stage": "segment", "command": "a", "fingerprint": "f00d", "items": []}'
+
+
+def git(root, *words, day=1):
+    """Run git as somebody, on a day."""
+    command = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org", *words]
+    environment = {**os.environ, "GIT_COMMITTER_DATE": f"2026-01-{day:02}T00:00:00Z"}
+    options = {"capture_output": True, "text": True, "check": True}
+    return subprocess.run(command, cwd=root, env=environment, **options).stdout.strip()
+
+
+def commit(root, files, day=1):
+    """Write files, commit them, and return the commit."""
+    for name, text in files.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text)
+    git(root, "add", ".")
+    git(root, "commit", "--quiet", "--message=files", day=day)
+    return git(root, "rev-parse", "HEAD")
+
+
+@pytest.fixture
+def repository(tmp_path):
+    """A repository with a pipeline of one stage."""
+    git(tmp_path, "init", "--quiet")
+    pipeline = {".dvc/config": "", "dvc.yaml": "stages: {segment: {cmd: a}}"}
+    commit(tmp_path, pipeline | {"params.yaml": PARAMS})
+    return tmp_path
+
+
+def experiment(root, params, page="page", day=2, name="warm", contents=CONTENTS):
+    """Leave an experiment the way DVC does, and return the commit it started from."""
+    start = git(root, "rev-parse", "HEAD")
+    report = {"index.html": page, "segment/contents.json": contents}
+    report = {f"reports/{name}": text for name, text in report.items()}
+    changed = commit(root, report | {"params.yaml": params}, day)
+    git(root, "update-ref", f"refs/exps/{start[:2]}/{start[2:]}/{name}", changed)
+    git(root, "reset", "--quiet", "--hard", start)
+    return start
+
+
+def test_the_report_is_copied_with_the_run_that_made_it(repository):
+    start = experiment(repository, "seed: 2\ningest: {folder: null, sources: [a]}")
+    keep_experiment(repository, "warm")
+    kept = repository / "reports" / "warm"
+    assert (kept / "index.html").read_text() == "page"
+    assert json.loads((kept / "run.json").read_text()) == {
+        "experiment": "warm",
+        "commit": start,
+        "command": """dvc exp run -S seed=2 -S '+ingest.sources=["a"]'""",
+        "fingerprints": {"segment": "f00d"},
+        "params": {"seed": 2, "ingest": {"folder": None, "sources": ["a"]}},
+    }
+
+
+def test_the_newest_experiment_of_a_name_is_kept_and_takes_the_old_one_s_place(repository):
+    experiment(repository, PARAMS, "newer", day=4)
+    keep_experiment(repository, "warm")
+    commit(repository, {"another": "start"}, day=3)
+    experiment(repository, PARAMS, "newest", day=5)
+    keep_experiment(repository, "warm")
+    assert (repository / "reports" / "warm" / "index.html").read_text() == "newest"
+
+
+def test_trained_predictors_come_along_unless_they_are_too_large(repository, monkeypatch, capsys):
+    monkeypatch.setattr(keep, "LARGEST_FILE", 10)
+    trained = {"transformer/MODEL_CARD.md": "card", "transformer/weights.safetensors": 11 * "x"}
+    trained |= {"tae/MODEL_CARD.md": "see `reports/a.csv`", "tae/weights.safetensors": 10 * "x"}
+    commit(
+        repository, {f"artifacts/train_predictor/{path}": text for path, text in trained.items()}
+    )
+    experiment(repository, PARAMS)
+    keep_experiment(repository, "warm")
+    kept = repository / "reports" / "warm" / "predictors"
+    assert {str(path.relative_to(kept)) for path in kept.rglob("*") if path.is_file()} == {
+        "tae/MODEL_CARD.md",
+        "tae/weights.safetensors",
+    }
+    assert (kept / "tae" / "MODEL_CARD.md").read_text() == "see `reports/warm/a.csv`"
+    assert "transformer is left out" in capsys.readouterr().err
+
+
+def test_it_is_told_how_long_this_machine_took(repository):
+    start = experiment(repository, PARAMS)
+    keep_experiment(repository, "warm")
+    assert not (repository / "reports/warm/timings.json").exists()
+    took = {"net": {"training_s": 3.5}}
+    write_json(repository / "timings/segment/f00d.json", took)
+    keep_experiment(repository, "warm")
+    timings = json.loads((repository / "reports/warm/timings.json").read_text())
+    assert timings["segment"] == took
+    assert timings["machine"]["commit"] == start
+
+
+def test_an_experiment_whose_figures_are_nowhere_is_refused_and_nothing_is_written(repository):
+    out = "reports/segment/figure.png"
+    lock = {"cmd": "a", "outs": [{"path": out, "hash": "md5", "md5": 32 * "a", "size": 4}]}
+    pipeline = {"dvc.yaml": f"stages: {{segment: {{cmd: a, outs: [{out}]}}}}"}
+    commit(
+        repository,
+        pipeline | {"dvc.lock": json.dumps({"schema": "2.0", "stages": {"segment": lock}})},
+    )
+    experiment(repository, PARAMS)
+    with pytest.raises(InputError, match=f"experiment warm: neither .* has {out}; `dvc exp pull`"):
+        keep_experiment(repository, "warm")
+    assert not (repository / "reports" / "warm").exists()
+
+
+@pytest.mark.parametrize("name", ["cold", "", "*", "../warm"])
+def test_an_unknown_experiment_is_refused_and_nothing_is_written(repository, name):
+    experiment(repository, PARAMS)
+    with pytest.raises(InputError, match="there is no such experiment"):
+        keep_experiment(repository, name)
+    assert not (repository / "reports").exists()
+
+
+def test_an_experiment_that_names_a_folder_of_this_machine_is_not_kept(repository):
+    experiment(repository, "ingest: {folder: /home/me/balls}")
+    with pytest.raises(InputError, match=r"ingest\.folder: names a folder of this machine"):
+        keep_experiment(repository, "warm")
+    assert not (repository / "reports").exists()
+
+
+@pytest.mark.parametrize("contents", ["{}", "[]", "7"])
+def test_an_experiment_with_a_broken_report_is_refused_and_nothing_is_written(repository, contents):
+    experiment(repository, PARAMS, contents=contents)
+    with pytest.raises(InputError, match=r"segment/contents\.json"):
+        keep_experiment(repository, "warm")
+    assert not (repository / "reports" / "warm").exists()
+
+
+def test_an_experiment_called_like_a_stage_does_not_take_its_report_s_place(repository):
+    commit(repository, {"reports/segment/metrics.json": "{}"})
+    experiment(repository, PARAMS, name="segment")
+    with pytest.raises(InputError, match="has the name of a stage"):
+        keep_experiment(repository, "segment")
+    assert (repository / "reports" / "segment" / "metrics.json").read_text() == "{}"
+
+
+def test_an_experiment_does_not_take_the_place_of_what_was_not_kept(repository):
+    commit(repository, {"reports/costs/costs.csv": "predictor"})
+    experiment(repository, PARAMS, name="costs")
+    with pytest.raises(InputError, match="experiment costs: would take the place of reports/costs"):
+        keep_experiment(repository, "costs")
+    assert (repository / "reports" / "costs" / "costs.csv").read_text() == "predictor"
+
+
+def test_a_folder_that_is_no_repository_is_one_error(tmp_path):
+    with pytest.raises(InputError, match="not a git repository"):
+        keep_experiment(tmp_path, "warm")

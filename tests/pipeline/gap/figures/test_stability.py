@@ -1,0 +1,55 @@
+"""Figures of many verdicts show the numbers they were given."""
+
+import numpy as np
+import pytest
+
+from models.ball.simulators import shipped
+from models.gap.fit.shots import Shots
+from pipeline.gap.cases import Case, Diagnosed
+from pipeline.gap.figures.stability import closing_figure, stability_figure
+from pipeline.gap.figures.verdict import LINE_NAMES, LINES
+from pipeline.io.figure_style import apply_style
+from tests.pipeline.verdicts import GAP, GRAVITY, PATH, TIMES, WIND, verdict
+
+
+@pytest.fixture(autouse=True)
+def style():
+    apply_style()
+
+
+def diagnosed(found, begun, split):
+    shots = Shots.from_arrays([TIMES] * 4, [PATH] * 4)
+    return Diagnosed(Case("hall", begun, split, shipped("literature"), shots, 0.003), found)
+
+
+def found():
+    """Two splits of two simulators; one has both causes, the other none and no errors."""
+    return [
+        diagnosed(verdict(causes=(WIND, GRAVITY)), "first_one", 0),
+        diagnosed(verdict(), "first_one", 1),
+        diagnosed(verdict("no_gap", (), gap=None), "other", 0),
+    ]
+
+
+def test_errors_have_a_panel_a_simulator_and_a_line_a_split():
+    figure = closing_figure(found())
+    first, other = figure.axes
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["first one", "other"]
+    assert len(first.lines) == 2 * len(LINES) and not other.lines
+    before = [line for line in first.lines if line.get_label() == LINE_NAMES["before"]]
+    assert [line.get_ydata().tolist() for line in before] == [list(GAP.before_mm)] * 2
+    shown = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert shown == list(LINE_NAMES.values())
+
+
+def test_causes_are_drawn_in_detectable_sizes_beside_their_names():
+    figure = stability_figure(found())
+    first, other = figure.axes
+    assert [text.get_text() for text in first.get_yticklabels()] == ["wind.x", "gravity"]
+    marks = [line for line in first.lines if line.get_marker() == "o"]
+    size = 5.8 / 1.96 * (WIND.interval[1] - WIND.interval[0]) / 2
+    places = [(mark.get_xdata()[0], mark.get_ydata()[0]) for mark in marks]
+    np.testing.assert_allclose(
+        [places[0], places[2]], [(0.61 / size, -0.125), (0.61 / size, 0.125)]
+    )
+    assert not [line for line in other.lines if line.get_marker() == "o"]

@@ -1,0 +1,94 @@
+"""Cases of the gap workflow: which shots, which simulators."""
+
+import numpy as np
+import pytest
+
+from models.gap.diagnose import held_out
+from models.predictors.windows import Episode
+from pipeline.gap.cases import cases, compared, drawn
+from pipeline.io.episodes import MeasuredEpisode
+from pipeline.params import CloseGapSettings, ComparedSimulatorSettings
+from pipeline.runtime.errors import InputError
+
+TIMES = 0.01 * np.arange(20)
+
+
+def simulator(name="imperfect_c", without=()):
+    return ComparedSimulatorSettings(simulator=name, without=list(without))
+
+
+def settings(**changes):
+    known = {"c": simulator(), "bare": simulator(without=["magnus"])}
+    return CloseGapSettings(
+        **{"simulators": known, "splits": 2, "shots": 8, "level": 0.01, **changes}
+    )
+
+
+def episodes(recordings=12, each=1):
+    """Episodes that no two are alike."""
+    found = []
+    for number in range(recordings * each):
+        places = np.full((20, 3), float(number))
+        whole = Episode(TIMES, places, places, places, TIMES < 0, 0 * TIMES, np.empty(0))
+        recording = f"hall/{number // each:02d}"
+        name = f"{recording}/{number % each}"
+        found.append(MeasuredEpisode(name, recording, "hall", "train", True, whole))
+    return found
+
+
+def kept_from_naming(case):
+    return set(case.shots.names[held_out(case.shots)])
+
+
+def test_every_source_meets_every_simulator_in_every_split():
+    found = list(cases({"hall": episodes(), "other": episodes(4)}, settings(), seed=0))
+    names = [
+        f"{source}-{name}-{k}"
+        for source in ("hall", "other")
+        for name in ("c", "bare")
+        for k in (0, 1)
+    ]
+    assert [one.name for one in found] == names
+    assert [len(one.shots) for one in found] == [8] * 4 + [4] * 4
+    assert {one.level for one in found} == {0.01}
+
+
+def test_a_split_has_the_same_shots_for_all_simulators_and_others_than_the_next():
+    first, second, again, _ = cases({"hall": episodes()}, settings(shots=12), seed=0)
+    assert kept_from_naming(first) == kept_from_naming(again) != kept_from_naming(second)
+    assert first.shots.names.tolist() == again.shots.names.tolist()
+
+
+def test_shots_of_a_recording_stay_together():
+    shots = drawn(episodes(recordings=6, each=3), 18, np.random.default_rng(0))
+    recordings = [name.rsplit("/", 1)[0] for name in shots.names]
+    assert len(set(zip(recordings, shots.groups, strict=True))) == 6
+    held = held_out(shots)
+    assert not {r for r, out in zip(recordings, held, strict=True) if out} & {
+        r for r, out in zip(recordings, held, strict=True) if not out
+    }
+
+
+def test_effects_can_be_taken_out_of_a_simulator():
+    whole, less = (
+        compared(simulator(), "c").effects,
+        compared(simulator(without=["magnus"]), "c").effects,
+    )
+    assert set(whole) - set(less) == {"magnus"}
+    assert less == {name: values for name, values in whole.items() if name != "magnus"}
+
+
+@pytest.mark.parametrize(
+    ("one", "said"),
+    [
+        (simulator("imperfect_d"), "imperfect_d.*there are: "),
+        (
+            simulator(without=["wind"]),
+            r"close_gap\.simulators\.mine: cannot go without wind; it has gravity",
+        ),
+        (simulator(without=["table_bounce"]), r"close_gap\.simulators\.mine: needs table_bounce"),
+    ],
+)
+def test_a_simulator_that_cannot_be_used_is_named(one, said):
+    with pytest.raises(InputError, match=said):
+        compared(one, "mine")

@@ -1,0 +1,128 @@
+"""A folder of recordings and a simulator in; a verdict, an amended simulator and a page out."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from pipeline.gap import diagnose_folder as diagnosis
+from pipeline.gap.diagnose_folder import diagnose_folder, write_findings
+from pipeline.io.simulators import load_simulator
+from pipeline.runtime.errors import InputError
+from tests.pipeline.recorded import NOMINAL, write_recordings
+from tests.pipeline.verdicts import findings, verdict
+
+ROOT = Path(__file__).parents[3]
+WIND = {"wind": {"x": 0.6}}
+FILES = ["amended.yaml", "figures/causes.png", "figures/errors.png", "figures/growth.png"]
+FILES += ["figures/parting.png", "report.html", "verdict.json"]
+
+
+def files(folder):
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
+
+
+def rallygap(*words, cwd):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", "from pipeline.cli import main; main()", *map(str, words)]
+    return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True)
+
+
+@pytest.fixture(scope="module")
+def windy(tmp_path_factory):
+    """The terminal after recordings with a hidden wind were diagnosed into ``out``."""
+    folder = tmp_path_factory.mktemp("windy")
+    write_recordings(folder / "hall", WIND, shots=36)
+    shown = rallygap("diagnose", "hall", "--simulator", NOMINAL, "--out", "out", cwd=folder)
+    return shown, folder / "out"
+
+
+def test_a_hidden_effect_is_named_on_the_terminal_and_in_the_file(windy):
+    shown, out = windy
+    assert (shown.returncode, shown.stderr) == (0, "")
+    sight, found = shown.stdout.split("\n\n")
+    assert sight.startswith("36 shots of hall can show, from this size on:")
+    assert "\n  wind.x " in sight
+    assert found.startswith("Named: 36 shots of hall differ from literature by one cause.")
+    content = json.loads((out / "verdict.json").read_text())
+    assert [(one["name"], one["component"]) for one in content["effects"]] == [("wind", "x")]
+    assert content["effects"][0]["estimate"] == pytest.approx(0.6, rel=0.1)
+
+
+def test_every_file_is_there_and_the_amended_simulator_is_one(windy):
+    _, out = windy
+    assert files(out) == FILES
+    amended = load_simulator(str(out / "amended.yaml"))
+    assert amended.effects["wind"]["x"] == pytest.approx(0.6, rel=0.1)
+    assert "<h1>Verdict: named</h1>" in (out / "report.html").read_text()
+
+
+def test_clean_recordings_have_no_gap(tmp_path):
+    folder = write_recordings(tmp_path / "hall", shots=36)
+    found = diagnose_folder(folder, "csv", NOMINAL, 0.003, tmp_path / "out")
+    assert found.verdict.verdict == "no_gap"
+    assert files(tmp_path / "out") == [
+        "amended.yaml", "figures/errors.png", "figures/growth.png", "report.html", "verdict.json",
+    ]  # fmt: skip
+    assert load_simulator(str(tmp_path / "out/amended.yaml")) == load_simulator(NOMINAL)
+
+
+def test_a_later_verdict_replaces_an_earlier_one_and_nothing_else(tmp_path):
+    write_findings(findings(), tmp_path)
+    (tmp_path / "notes.txt").write_text("mine")
+    write_findings(findings(verdict("no_gap", (), gap=None)), tmp_path)
+    assert files(tmp_path) == ["amended.yaml", "notes.txt", "report.html", "verdict.json"]
+
+
+def test_same_findings_same_bytes(tmp_path):
+    for name in ("first", "second"):
+        write_findings(findings(), tmp_path / name)
+    for file in FILES:
+        assert (tmp_path / "first" / file).read_bytes() == (tmp_path / "second" / file).read_bytes()
+
+
+def test_what_fails_halfway_leaves_the_earlier_verdict(tmp_path, monkeypatch):
+    write_findings(findings(), tmp_path)
+    before = {name: (tmp_path / name).read_bytes() for name in files(tmp_path)}
+
+    def fail(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(diagnosis, "render_gap_page", fail)
+    with pytest.raises(InputError, match="cannot be written to: No space left"):
+        write_findings(findings(verdict("no_gap", ())), tmp_path)
+    assert {name: (tmp_path / name).read_bytes() for name in files(tmp_path)} == before
+
+
+def test_a_file_that_is_no_recording_is_refused_in_one_line(tmp_path):
+    folder = write_recordings(tmp_path / "hall", shots=3)
+    (folder / "001.csv").write_text("time,x,y,z\n0,0,1,0.3\n")
+    refused = rallygap("diagnose", folder, "--simulator", NOMINAL, "--out", "out", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert refused.stderr.startswith(f"rallygap: {folder / '001.csv'}, row 1")
+    assert len(refused.stderr.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_too_few_shots_are_refused_before_anything_is_written(tmp_path):
+    folder = write_recordings(tmp_path / "hall", shots=2)
+    with pytest.raises(InputError, match=r"hall: 2 of its 2 episodes are .* at least 3"):
+        diagnose_folder(folder, "csv", NOMINAL, 0.003, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_simulator_without_a_table_is_refused_where_balls_bounce(tmp_path):
+    folder = write_recordings(tmp_path / "hall", shots=6)
+    (tmp_path / "air.yaml").write_text("gravity: {g: 9.81}\n")
+    with pytest.raises(InputError, match=r"air.yaml, table_bounce: is missing, but \d of the"):
+        diagnose_folder(folder, "csv", str(tmp_path / "air.yaml"), 0.003, tmp_path / "out")
+
+
+def test_a_file_where_the_folder_should_be_is_left_alone(tmp_path):
+    (tmp_path / "out").write_text("mine")
+    with pytest.raises(InputError, match="out: is a file; give a folder"):
+        diagnose_folder(tmp_path, "csv", NOMINAL, 0.003, tmp_path / "out")
+    assert (tmp_path / "out").read_text() == "mine"

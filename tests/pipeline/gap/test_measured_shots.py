@@ -1,0 +1,56 @@
+"""Shots from a folder of recordings: which they are, and what is known of them."""
+
+from dataclasses import replace
+
+import pytest
+
+from models.exam.design.trial import CAMERAS
+from pipeline.gap.measured_shots import read_shots
+from pipeline.runtime.errors import InputError
+from tests.pipeline.recorded import write_recordings
+
+
+def test_every_recorded_shot_is_found_with_its_labels(tmp_path):
+    found = read_shots(write_recordings(tmp_path / "hall", shots=12), "csv")
+    assert (found.name, found.recordings, len(found.shots)) == ("hall", 12, 12)
+    assert found.shots.groups[0] == "hall/000"
+    assert found.shots.labelled.sum(axis=1).min() > 10
+    assert found.bounces > 0
+
+
+def test_labels_may_be_left_out(tmp_path):
+    folder = write_recordings(tmp_path / "hall", shots=6, spin_labels="none")
+    assert not read_shots(folder, "csv").shots.labelled.any()
+
+
+@pytest.mark.parametrize("noise", [0.003, 0.01])
+def test_noisy_recordings_are_cut_by_their_noise(tmp_path, noise):
+    cameras = replace(CAMERAS, position_noise=noise)
+    found = read_shots(write_recordings(tmp_path / "hall", shots=12, cameras=cameras), "csv")
+    assert found.noise == pytest.approx(noise, rel=0.15)
+    assert len(found.shots) == 12
+
+
+def test_refused_rows_are_counted(tmp_path):
+    folder = write_recordings(tmp_path / "hall", shots=6)
+    with (folder / "000.csv").open("a") as file:
+        file.write("0.0,0,1,0.3,,,\n")
+    assert read_shots(folder, "csv").refused == {"time backwards": 1}
+
+
+@pytest.mark.parametrize("source", ["nowhere", "arena"])
+def test_only_sources_of_measured_balls_are_read(tmp_path, source):
+    with pytest.raises(InputError, match=r"no source .* known: .*csv"):
+        read_shots(tmp_path, source)
+
+
+def test_launches_without_a_path_are_refused(tmp_path):
+    (tmp_path / "rallies.json").write_text("[]")
+    (tmp_path / "serves.json").write_text("[]")
+    with pytest.raises(InputError, match="launches without a path"):
+        read_shots(tmp_path, "competitive_robot_table_tennis")
+
+
+def test_a_missing_folder_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"hall: is not a folder.* files of csv"):
+        read_shots(tmp_path / "hall", "csv")

@@ -1,0 +1,76 @@
+"""Tables of verdicts, by hand."""
+
+import pandas as pd
+import pytest
+
+from models.ball.simulators import shipped
+from models.gap.fit.shots import Shots
+from pipeline.gap.cases import Case, Diagnosed
+from pipeline.gap.tables import cause_table, error_table, stability_table, verdict_table
+from tests.pipeline.verdicts import GRAVITY, PATH, TIMES, WIND, verdict
+
+
+def diagnosed(found, split=0, begun="mine"):
+    shots = Shots.from_arrays([TIMES] * 4, [PATH] * 4)
+    return Diagnosed(Case("hall", begun, split, shipped("literature"), shots, 0.003), found)
+
+
+def three():
+    """Splits that find a wind, another wind and a gravity, and nothing."""
+    stronger = WIND.model_copy(update={"estimate": 0.65})
+    found = [verdict(), verdict("ambiguous", (stronger, GRAVITY)), verdict("no_gap", (), gap=None)]
+    return [diagnosed(one, split) for split, one in enumerate(found)]
+
+
+def test_a_case_has_a_row_with_its_causes_in_words():
+    rows = verdict_table(three())
+    assert rows["verdict"].tolist() == ["named", "ambiguous", "no_gap"]
+    assert rows["causes"][0] == "wind.x 0.61 m/s (0.59 to 0.63)"
+    assert "gravity or buoyancy 10.3 m/s^2 (10.2 to 10.4)" in rows["causes"][1]
+    assert rows["removable_closed"][0] == 0.9
+    assert rows.loc[0, ["closer_low_mm", "closer_high_mm"]].tolist() == [12.0, 18.0]
+    assert rows["shots"].tolist() == [4, 4, 4]
+    assert rows.loc[2, ["causes", "removable_closed", "closed_low"]].isna().all()
+
+
+def test_a_cause_has_a_row_with_its_numbers():
+    rows = cause_table(three()).set_index(["split", "cause"])
+    assert rows.loc[(1, "gravity"), "possible"] == "gravity, buoyancy"
+    assert rows.loc[(0, "wind.x"), ["nominal", "estimate", "low", "high"]].tolist() == [
+        0.0,
+        0.61,
+        0.59,
+        0.63,
+    ]
+    assert len(rows) == 3
+
+
+def test_errors_are_told_from_100_to_300_ms():
+    rows = error_table(three())
+    assert rows.groupby("split")["horizon_ms"].apply(list).tolist() == [[100, 200, 300]] * 2
+    last = rows.iloc[-1]
+    assert last[["before_mm", "after_mm", "floor_mm"]].tolist() == [40.0, 12.0, 11.0]
+    ends = last[["before_low", "before_high", "after_low", "after_high"]]
+    assert ends.tolist() == [36.0, 45.0, 10.5, 14.0]
+
+
+def test_stability_tells_how_often_a_cause_comes_again():
+    rows = stability_table(three()).set_index("cause")
+    assert rows["found"].to_dict() == {"wind.x": 2, "gravity": 1}
+    assert (rows["splits"] == 3).all()
+    assert (rows["verdicts"] == "1 named, 1 ambiguous, 1 no_gap").all()
+    wind = rows.loc["wind.x"]
+    assert wind[["estimate", "lowest", "highest"]].tolist() == pytest.approx([0.63, 0.61, 0.65])
+
+
+def test_a_simulator_without_a_cause_has_a_row():
+    none = diagnosed(verdict("no_gap", ()), begun="other")
+    rows = stability_table([*three(), none]).set_index("simulator")
+    assert pd.isna(rows.loc["other", "cause"])
+    assert rows.loc["other", "verdicts"] == "1 no_gap"
+    assert len(rows.loc["mine"]) == 2
+
+
+def test_without_any_cause_the_table_of_causes_is_empty():
+    rows = cause_table([diagnosed(verdict("no_gap", ()))])
+    assert rows.empty and "estimate" in rows

@@ -1,0 +1,191 @@
+"""Artefacts: whole or not at all, same content same bytes, one error for what cannot be read."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pipeline.io.artifacts import (
+    count_row_groups,
+    read_json,
+    read_row_group,
+    read_row_groups,
+    read_rows,
+    read_table,
+    replacing,
+    replacing_folder,
+    table_writer,
+    write_json,
+    write_table,
+    write_text,
+)
+from pipeline.runtime.errors import InputError
+
+TABLE = pd.DataFrame({"name": ["a", "b"], "value": [0.1, np.nan], "count": [1, 2]})
+
+
+def read_groups(path):
+    return list(read_row_groups(path))
+
+
+def read_first_group(path):
+    return read_row_group(path, 0)
+
+
+READERS = [read_json, read_table, read_groups, read_first_group, count_row_groups]
+
+
+def write_groups(path, *groups):
+    with table_writer(path, TABLE.iloc[:0]) as add:
+        for group in groups:
+            add(group)
+
+
+def break_off(manager, path):
+    """Fail while the content is being written."""
+    with pytest.raises(RuntimeError), manager(path) as temporary:
+        target = temporary / "part" if temporary.is_dir() else temporary
+        target.write_text("half")
+        raise RuntimeError
+
+
+def test_a_file_that_breaks_off_leaves_the_former_one_and_nothing_else(tmp_path):
+    path = tmp_path / "file.txt"
+    path.write_text("former")
+
+    break_off(replacing, path)
+
+    assert path.read_text() == "former"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_folder_that_breaks_off_leaves_the_former_one_and_nothing_else(tmp_path):
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (folder / "former").touch()
+
+    break_off(replacing_folder, folder)
+
+    assert [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")] == [
+        "folder",
+        "folder/former",
+    ]
+
+
+def test_a_folder_takes_the_place_of_the_former_one(tmp_path):
+    for content in ("first", "second"):
+        with replacing_folder(tmp_path / "deep" / "folder") as folder:
+            (folder / content).touch()
+
+    assert [path.name for path in (tmp_path / "deep").rglob("*")] == ["folder", "second"]
+
+
+def test_json_comes_back_and_keeps_its_order(tmp_path):
+    content = {"z": np.int64(3), "a": [np.float64(0.1), None, "ü"], "flag": np.bool_(True)}
+
+    write_json(tmp_path / "new" / "content.json", content)
+
+    assert list(read_json(tmp_path / "new" / "content.json").items()) == list(content.items())
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), object()])
+def test_what_json_cannot_say_is_not_written(tmp_path, value):
+    with pytest.raises((ValueError, TypeError)):
+        write_json(tmp_path / "content.json", {"value": value})
+
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_text_has_unix_line_ends(tmp_path):
+    write_text(tmp_path / "text", "ä\nb\n")
+
+    assert (tmp_path / "text").read_bytes() == "ä\nb\n".encode()
+
+
+def test_tables_come_back_and_the_same_table_gives_the_same_bytes(tmp_path):
+    write_table(tmp_path / "one.parquet", TABLE)
+    write_table(tmp_path / "two.parquet", TABLE.copy())
+
+    pd.testing.assert_frame_equal(read_table(tmp_path / "one.parquet"), TABLE)
+    assert (tmp_path / "one.parquet").read_bytes() == (tmp_path / "two.parquet").read_bytes()
+
+
+def test_a_table_comes_back_in_the_groups_it_was_written_in(tmp_path):
+    groups = [TABLE, TABLE.iloc[:1], TABLE.assign(name="c")]
+
+    path = tmp_path / "table.parquet"
+    write_groups(path, *groups)
+
+    assert count_row_groups(path) == len(groups)
+    for number, (read, group) in enumerate(zip(read_groups(path), groups, strict=True)):
+        pd.testing.assert_frame_equal(read, group)
+        pd.testing.assert_frame_equal(read_row_group(path, number), group)
+    whole = read_table(path)
+    pd.testing.assert_frame_equal(whole, pd.concat(groups, ignore_index=True))
+
+
+def test_a_table_in_groups_has_the_same_bytes_every_time(tmp_path):
+    for name in ("one", "two"):
+        write_groups(tmp_path / name, TABLE, TABLE.copy())
+
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+
+
+def test_a_table_of_no_groups_keeps_its_columns_and_types(tmp_path):
+    write_groups(tmp_path / "table.parquet", TABLE.iloc[:0])
+
+    pd.testing.assert_frame_equal(read_table(tmp_path / "table.parquet"), TABLE.iloc[:0])
+    assert read_groups(tmp_path / "table.parquet") == []
+
+
+def test_a_table_that_breaks_off_leaves_the_former_one_and_nothing_else(tmp_path):
+    path = tmp_path / "table.parquet"
+    write_groups(path, TABLE)
+    former = path.read_bytes()
+
+    with pytest.raises(RuntimeError), table_writer(path, TABLE.iloc[:0]) as add:
+        add(TABLE.assign(name="half"))
+        raise RuntimeError
+
+    assert path.read_bytes() == former
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("rows", [[0], [1, 2, 5], [0, 1, 2, 3, 4, 5]])
+def test_chosen_rows_are_those_of_the_whole_table(tmp_path, rows):
+    groups = [TABLE.assign(count=[number, number + 1]) for number in (0, 2, 4)]
+    write_groups(tmp_path / "table.parquet", *groups)
+
+    found = read_rows(tmp_path / "table.parquet", np.array(rows), ["count", "name"])
+
+    assert list(found.columns) == ["count", "name"]
+    assert found["count"].tolist() == rows
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_a_missing_file_says_what_to_run(tmp_path, reader):
+    with pytest.raises(InputError, match="run the stage that writes it"):
+        reader(tmp_path / "missing")
+
+
+@pytest.mark.parametrize("reader", READERS)
+@pytest.mark.parametrize("content", [b"", b"{", b"\xff\xfe\x00", b"PAR1 and no more", b"[" * 9**5])
+def test_a_broken_file_is_one_error(tmp_path, reader, content):
+    (tmp_path / "broken").write_bytes(content)
+
+    with pytest.raises(InputError, match="broken: is not"):
+        reader(tmp_path / "broken")
+
+
+def test_a_truncated_table_is_one_error(tmp_path):
+    path = tmp_path / "table.parquet"
+    write_table(path, TABLE)
+    path.write_bytes(path.read_bytes()[:-10])
+
+    with pytest.raises(InputError, match=r"table\.parquet: is not a parquet table"):
+        read_table(path)
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_a_folder_is_no_file(tmp_path, reader):
+    with pytest.raises(InputError):
+        reader(tmp_path)

@@ -1,0 +1,61 @@
+"""The sealed truth comes back as the path that was flown."""
+
+import json
+
+import numpy as np
+import pytest
+
+from models.predictors.protocol import FUTURE_TIMES
+from pipeline.evaluation.test_windows import read_test_sets
+from pipeline.io.ground_truth import read_truth, true_windows
+from pipeline.runtime.errors import InputError
+from tests.pipeline.measured_shots import NOISE, SIMULATOR, write_inputs
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory):
+    """Simulated shots."""
+    made = tmp_path_factory.mktemp("arena")
+    write_inputs(made, sources=("arena",))
+    return made
+
+
+@pytest.fixture(scope="module")
+def shots(root):
+    """Their windows, measured and true."""
+    artifacts = root / "artifacts"
+    measured = read_test_sets(artifacts, every=0.05)[0]
+    truth = read_truth(artifacts / "ingest" / "truth.json")
+    path = artifacts / "ingest" / "true_contacts.parquet"
+    return measured, true_windows(measured.windows, measured.recordings, truth, path)
+
+
+def test_the_true_future_is_flown_through_the_bounce(shots):
+    measured, true = shots
+    first = measured.recordings == "arena/cannon/0"
+    anchors = measured.windows.anchors[first]
+    ball = [0.0, 1.3, 0.3, 0.2, -8.0, 0.5, -150.0, 10.0, 5.0]
+    flown = SIMULATOR.fly(np.tile(ball, (len(anchors), 1)), anchors[:, None] + FUTURE_TIMES).states
+    known = true.measured[first]
+    np.testing.assert_allclose(true.future[first][known], flown[known], atol=1e-6)
+    assert measured.windows.bounced[first].any()
+
+
+def test_true_and_measured_windows_are_the_same_but_for_the_noise(shots):
+    measured, true = shots
+    np.testing.assert_array_equal(true.measured, measured.windows.measured)
+    difference = (true.future - measured.windows.future)[..., :3][true.measured[..., :3]]
+    assert difference.std() == pytest.approx(NOISE, rel=0.1)
+
+
+def test_without_an_arena_there_is_no_truth(tmp_path):
+    write_inputs(tmp_path, sources=("plain",))
+    assert read_truth(tmp_path / "artifacts" / "ingest" / "truth.json") is None
+
+
+@pytest.mark.parametrize("broken", [{"simulator": {}}, {"simulator": {"gravitas": {}}}, []])
+def test_a_broken_truth_is_an_error_that_names_the_file(tmp_path, broken):
+    path = tmp_path / "truth.json"
+    path.write_text(json.dumps(broken))
+    with pytest.raises(InputError, match=r"truth\.json: is not the truth of an arena"):
+        read_truth(path)

@@ -1,0 +1,102 @@
+"""What a stage reports, read for the page."""
+
+import base64
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from pipeline.io.report_manifest import (
+    read_columns,
+    read_contents,
+    read_figure,
+    read_first_frame,
+)
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun
+from tests.pipeline.web.example_reports import moving_dot, write_stage
+
+
+def cells(path, text):
+    path.write_text(text)
+    return {column.name: column.cells for column in read_columns(path)}
+
+
+def test_float_columns_keep_four_digits_of_their_largest_number(tmp_path):
+    shown = cells(tmp_path / "a.csv", "large,small\n12345.678,0.00012345\n0.5,0.00001\n")
+
+    assert shown == {"large": ["12346", "0"], "small": ["0.0001234", "0.0000100"]}
+
+
+def test_whole_numbers_and_text_are_shown_as_they_are(tmp_path):
+    shown = cells(tmp_path / "a.csv", "n,name,flag\n123456,NA,True\n,tt3d/003,False\n")
+
+    assert shown == {"n": ["123456", "–"], "name": ["NA", "tt3d/003"], "flag": ["True", "False"]}
+
+
+def test_numbers_are_told_from_text(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("x,name,flag\n0.5,a,True\n")
+
+    assert [column.is_number for column in read_columns(path)] == [True, False, False]
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [("x,y\n1,2,3\n", "is not a CSV table"), ("x,y\n0.5,1e999\n", "y has a number that is not")],
+)
+def test_tables_that_no_stage_writes_are_refused(tmp_path, text, problem):
+    with pytest.raises(InputError, match=problem):
+        cells(tmp_path / "a.csv", text)
+
+
+def test_missing_contents_say_which_stage_to_run(tmp_path):
+    with pytest.raises(InputError, match=r"segment/contents\.json.*run `dvc repro segment` first"):
+        read_contents(tmp_path, "segment")
+
+
+def test_broken_contents_name_the_field(tmp_path):
+    items = [{"kind": "film", "file": "a.mp4", "title": "A", "caption": "B"}]
+    write_stage(tmp_path, "segment", items)
+
+    with pytest.raises(InputError, match=r"items\.0\.kind: .*'figure', 'animation' or 'table'"):
+        read_contents(tmp_path / "reports", "segment")
+
+
+def test_a_number_too_small_for_its_column_is_not_shown_as_zero(tmp_path):
+    (tmp_path / "a.csv").write_text("p\n12.5\n0.00003\n0\n-0.004\n")
+
+    assert read_columns(tmp_path / "a.csv")[0].cells == ["12.50", "3e-05", "0.00", "-0.004"]
+
+
+def test_empty_table_is_refused(tmp_path):
+    (tmp_path / "a.csv").write_text("")
+
+    with pytest.raises(InputError, match="is not a CSV table"):
+        read_columns(tmp_path / "a.csv")
+
+
+def test_figure_that_is_no_png_is_refused(tmp_path):
+    (tmp_path / "a.png").write_bytes(b"<svg/>")
+
+    with pytest.raises(InputError, match="is not a PNG"):
+        read_figure(tmp_path / "a.png")
+
+
+def test_first_frame_of_an_animation_stands_still(tmp_path):
+    StageRun("segment", tmp_path, None).add_animation(moving_dot(), "ball", title="", caption="")
+
+    shown = read_first_frame(tmp_path / "reports/segment/figures/ball.png")
+
+    still = Image.open(io.BytesIO(base64.b64decode(shown.partition("base64,")[2])))
+    assert not still.is_animated
+    np.testing.assert_array_equal(np.asarray(still), moving_dot()[0])
+
+
+@pytest.mark.parametrize("content", [b"<svg/>", b"\x89PNG\r\n\x1a\n"])
+def test_animation_that_is_no_png_is_refused(tmp_path, content):
+    (tmp_path / "a.png").write_bytes(content)
+
+    with pytest.raises(InputError, match="is not a PNG"):
+        read_first_frame(tmp_path / "a.png")

@@ -1,0 +1,45 @@
+"""The figure of learning curves shows the numbers it was given."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pipeline.io.figure_style import apply_style
+from pipeline.predictors.figures.training import training_figure
+
+CURVES = pd.DataFrame(
+    {
+        "predictor": ["transformer"] * 3 + ["transformer_fine_tuned"] * 2,
+        "epoch": [1, 2, 3, 1, 2],
+        "training": [0.9, 0.5, 0.4, 0.3, 0.2],
+        "validation": [1.0, 0.6, 0.45, 0.35, 0.3],
+    }
+)
+
+
+@pytest.mark.parametrize(("panel", "name"), enumerate(["transformer", "transformer_fine_tuned"]))
+def test_every_predictor_has_a_panel_with_both_its_curves(panel, name):
+    apply_style()
+    axes = training_figure(CURVES).axes
+    assert len(axes) == 2
+    assert axes[panel].get_title(loc="left") == name.replace("_", " ")
+    drawn = {line.get_label(): line.get_xydata() for line in axes[panel].lines}
+    rows = CURVES[CURVES["predictor"] == name]
+    assert set(drawn) == {"training", "validation"}
+    for label, points in drawn.items():
+        np.testing.assert_array_equal(points, rows[["epoch", label]])
+
+
+def test_losses_are_comparable_between_panels():
+    one, other = training_figure(CURVES).axes
+    assert one.get_ylim() == other.get_ylim()
+    assert one.get_yscale() == other.get_yscale() == "log"
+
+
+def test_more_predictors_than_fit_a_row_go_below():
+    names = ["one", "two", "three", "four"]
+    many = pd.concat([CURVES.iloc[:3].assign(predictor=name) for name in names])
+    axes = training_figure(many).axes
+    assert [panel.get_title(loc="left") for panel in axes] == names
+    assert [bool(panel.get_ylabel()) for panel in axes] == [True, False, False, True]
+    assert axes[3].get_position().y1 < axes[0].get_position().y0

@@ -1,0 +1,109 @@
+"""Networks are trained side by side: each as if alone, and no orphan goes on."""
+
+import os
+import subprocess
+import sys
+import textwrap
+import time
+
+import psutil
+import pytest
+from filelock import FileLock
+
+from models.predictors.training import ForecastTraining
+from pipeline.predictors import parallel_training as predictor_training
+from pipeline.predictors.parallel_training import Pupil, train_networks
+from tests.models.predictors.schooling import BRIEF, TINY, TINY_TAE, changed, schooling
+
+
+def pupil(folder, shape=TINY, settings=BRIEF):
+    training, data = schooling(settings, shape=shape)
+    return Pupil(f"{shape.kind}", training.network, data, folder / shape.kind)
+
+
+@pytest.mark.parametrize(
+    ("cores", "threads", "workers"),
+    [(1, 1, 1), (2, 1, 2), (8, 1, 2), (8, 4, 2), (8, 8, 1), (2, 4, 1)],
+)
+def test_as_many_are_trained_at_once_as_cores_have_room_for(
+    tmp_path, monkeypatch, cores, threads, workers
+):
+    monkeypatch.setattr(predictor_training, "cpu_count", lambda: cores)
+    settings = changed(BRIEF, threads=threads)
+    pupils = [pupil(tmp_path, shape, settings) for shape in (TINY, TINY_TAE)]
+    assert predictor_training._workers(pupils) == workers
+
+
+def test_the_steps_of_a_training_are_known_before_it_begins(tmp_path, monkeypatch):
+    monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
+    told = []
+    monkeypatch.setattr(predictor_training, "progress_bars", watching(told))
+    train_networks([pupil(tmp_path, TINY, changed(BRIEF, batch=7)), pupil(tmp_path, TINY_TAE)])
+    assert told == [{"transformer": 12, "tae": 9}, [12, 9]]
+
+
+def watching(told):
+    """A context that notes what there is to do, and at its end what was done."""
+
+    class Watching:
+        def __init__(self, totals, done):
+            told.append(totals)
+            self.done = done
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            told.append(self.done())
+
+    return Watching
+
+
+def test_a_training_waits_for_who_else_is_at_it(tmp_path, monkeypatch):
+    monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
+    one = pupil(tmp_path)
+    seen = []
+
+    def locked(*_):
+        other = FileLock(one.folder / "lock", is_singleton=False)
+        with pytest.raises(TimeoutError):
+            other.acquire(timeout=0)
+        seen.append(other)
+
+    monkeypatch.setattr(ForecastTraining, "on_train_epoch_start", locked)
+    train_networks([one])
+    assert len(seen) == BRIEF.epochs
+
+
+ORPHAN = """
+    import sys
+    from pathlib import Path
+    from pipeline.predictors.parallel_training import train_networks
+    from tests.models.predictors.schooling import BRIEF, TINY, TINY_TAE, changed
+    from tests.pipeline.predictors.test_parallel_training import pupil
+    long = changed(BRIEF, epochs=10_000)
+    train_networks([pupil(Path(sys.argv[1]), shape, long) for shape in (TINY, TINY_TAE)])
+"""
+
+
+@pytest.mark.slow
+def test_workers_of_a_run_that_was_killed_stop(tmp_path):
+    environment = {**os.environ, "LOKY_MAX_CPU_COUNT": "2"}
+    command = [sys.executable, "-c", textwrap.dedent(ORPHAN), str(tmp_path)]
+    run = subprocess.Popen(command, env=environment)
+    checkpoints = [tmp_path / kind / "last.ckpt" for kind in ("transformer", "tae")]
+    wait_for(lambda: all(path.exists() for path in checkpoints))
+    workers = psutil.Process(run.pid).children(recursive=True)
+    run.kill()
+    run.wait()
+    for path in checkpoints:
+        FileLock(path.with_name("lock"), timeout=60).acquire()
+    assert not any(one.cpu_percent(interval=0.2) > 20 for one in workers if one.is_running())
+
+
+def wait_for(condition, longest=300):
+    for _ in range(longest * 5):
+        if condition():
+            return
+        time.sleep(0.2)
+    raise AssertionError("it never came")

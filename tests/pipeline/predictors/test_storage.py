@@ -1,0 +1,184 @@
+"""Trained predictors as files: they come back bit for bit, or one error names the file."""
+
+import json
+import pickle
+
+import numpy as np
+import pytest
+from safetensors.torch import load_file, save_file
+
+from models.predictors.learned import LearnedPredictor
+from pipeline.predictors.storage import (
+    CARD,
+    DESCRIPTION,
+    WEIGHTS,
+    Learning,
+    TrainedPredictor,
+    load_predictor,
+    read_description,
+    save_predictor,
+)
+from pipeline.runtime.errors import InputError
+from tests.models.predictors.balls import observed
+from tests.models.predictors.schooling import (
+    BRIEF,
+    NETWORKS,
+    TINY,
+    changed,
+    network,
+    schooling,
+)
+
+LEARNING = Learning(
+    episodes=4321, windows=98765, validation_episodes=432, settings=BRIEF, seed=17
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def trained():
+    """A network whose normaliser was fitted."""
+    return schooling()[0].network
+
+
+def description(**changes):
+    plain = {
+        "name": "small_transformer",
+        "network": TINY,
+        "parameters": 2468,
+        "sources": ["arena", "tt3d"],
+        "starts_from": None,
+        "learning": LEARNING,
+    }
+    return TrainedPredictor(**{**plain, **changes})
+
+
+@pytest.fixture
+def folder(tmp_path, trained):
+    """Where it is saved."""
+    save_predictor(tmp_path / "predictor", trained, description())
+    return tmp_path / "predictor"
+
+
+def test_a_predictor_comes_back_with_the_same_forecasts_bit_for_bit(folder, trained):
+    history, _ = observed(noise=0.003)
+    saved, loaded = LearnedPredictor(trained), load_predictor(folder)
+    np.testing.assert_array_equal(saved.predict(history).states, loaded.predict(history).states)
+    assert read_description(folder) == description()
+
+
+@pytest.mark.parametrize("kind", NETWORKS)
+def test_a_network_of_every_kind_comes_back(tmp_path, kind):
+    trained, shape = schooling(shape=NETWORKS[kind])[0].network, NETWORKS[kind]
+    save_predictor(tmp_path / kind, trained, description(network=shape))
+    history, _ = observed(noise=0.003)
+    saved, loaded = LearnedPredictor(trained), load_predictor(tmp_path / kind)
+    np.testing.assert_array_equal(saved.predict(history).states, loaded.predict(history).states)
+    assert read_description(tmp_path / kind).network == shape
+    assert f"kind {kind}" in (tmp_path / kind / CARD).read_text()
+
+
+def test_the_same_weights_give_the_same_bytes(folder, tmp_path, trained):
+    save_predictor(tmp_path / "again", trained, description())
+    assert sorted(path.name for path in folder.iterdir()) == sorted([WEIGHTS, DESCRIPTION, CARD])
+    for path in folder.iterdir():
+        assert path.read_bytes() == (tmp_path / "again" / path.name).read_bytes()
+
+
+def damaged(folder, name, content):
+    (folder / name).write_bytes(content)
+
+
+def with_another_network(folder):
+    content = json.loads((folder / DESCRIPTION).read_text())
+    content["network"]["width"] = 2 * content["network"]["width"]
+    damaged(folder, DESCRIPTION, json.dumps(content).encode())
+
+
+def without_a_tensor(folder):
+    weights = load_file(folder / WEIGHTS)
+    del weights["network.projection.bias"]
+    save_file(weights, folder / WEIGHTS)
+
+
+def cut_short(folder):
+    damaged(folder, WEIGHTS, (folder / WEIGHTS).read_bytes()[:-100])
+
+
+class Trap:
+    """What runs code when it is unpickled."""
+
+    def __reduce__(self):
+        return pytest.fail, ("a pickle was opened",)
+
+
+DAMAGES = {
+    "no weights": (lambda folder: (folder / WEIGHTS).unlink(), WEIGHTS, "run the stage"),
+    "no description": (
+        lambda folder: (folder / DESCRIPTION).unlink(),
+        DESCRIPTION,
+        "run the stage",
+    ),
+    "cut short": (cut_short, WEIGHTS, "is not a file of weights"),
+    "empty": (lambda folder: damaged(folder, WEIGHTS, b""), WEIGHTS, "is not a file of weights"),
+    "pickled": (
+        lambda folder: damaged(folder, WEIGHTS, pickle.dumps(Trap())),
+        WEIGHTS,
+        "is not a file of weights",
+    ),
+    "another network": (with_another_network, WEIGHTS, "does not fit the network"),
+    "a tensor lost": (without_a_tensor, WEIGHTS, "see network.projection.bias"),
+    "no JSON": (lambda folder: damaged(folder, DESCRIPTION, b'{"name":'), DESCRIPTION, "not JSON"),
+    "other JSON": (lambda folder: damaged(folder, DESCRIPTION, b"{}"), DESCRIPTION, "name"),
+}
+
+
+@pytest.mark.parametrize(("damage", "name", "problem"), DAMAGES.values(), ids=DAMAGES)
+def test_what_cannot_be_loaded_is_an_error_that_names_the_file(folder, damage, name, problem):
+    damage(folder)
+    with pytest.raises(InputError, match=problem) as error:
+        load_predictor(folder)
+    assert error.value.where == str(folder / name)
+
+
+def test_saving_that_fails_leaves_the_former_predictor_and_nothing_else(folder, monkeypatch):
+    before = {path: path.read_bytes() for path in folder.parent.rglob("*") if path.is_file()}
+
+    def fail(*_):
+        raise OSError("the disk is full")
+
+    monkeypatch.setattr("pipeline.predictors.storage.write_text", fail)
+    with pytest.raises(OSError, match="full"):
+        save_predictor(folder, network(seed=1), description(name="other"))
+    after = {path: path.read_bytes() for path in folder.parent.rglob("*") if path.is_file()}
+    assert after == before
+
+
+def test_a_new_predictor_takes_the_place_of_the_former(folder):
+    save_predictor(folder, network(changed(TINY, heads=4)), description(name="other"))
+    assert read_description(folder).name == "other"
+    assert [path.name for path in folder.parent.iterdir()] == [folder.name]
+
+
+def test_the_card_says_what_goes_in_what_comes_out_and_what_it_was_trained_on(folder):
+    card = (folder / CARD).read_text()
+    assert card.startswith("# small_transformer\n")
+    assert "(B, 12, 6)" in card and "(B, 60, 9)" in card
+    assert all(unit in card for unit in ("(m)", "(m/s)", "(rad/s)"))
+    assert "2,468" in card
+    assert "arena, tt3d: 4,321 episodes, 98,765 windows" in card
+    assert "432 validation episodes" in card and "| seed | 17 |" in card
+    for settings in (TINY, BRIEF):
+        assert all(f"{key} {value}" in card for key, value in settings.model_dump().items())
+    assert "began with" not in card
+
+
+def test_the_card_is_one_whole_table(folder):
+    lines = (folder / CARD).read_text().splitlines()
+    rows = [number for number, line in enumerate(lines) if line.startswith("|")]
+    assert rows == list(range(rows[0], rows[-1] + 1))
+    assert all(line.count("|") == 3 for line in lines if line.startswith("|"))
+
+
+def test_the_card_of_a_fine_tuned_predictor_says_what_it_began_with(tmp_path, trained):
+    save_predictor(tmp_path, trained, description(starts_from="transformer"))
+    assert "| began with | the weights of `transformer` |\n" in (tmp_path / CARD).read_text()

@@ -1,0 +1,215 @@
+"""Training as a stage runs it: the same whether or not it was killed on the way."""
+
+import errno
+import os
+import signal
+from pathlib import Path
+
+import pytest
+import torch
+from torch.nn.utils import parameters_to_vector
+
+from models.predictors.training import ForecastTraining
+from pipeline.predictors.trainer import Steps, train
+from tests.models.predictors.schooling import BRIEF, changed, schooling
+
+
+class Killed(ForecastTraining):
+    """A training that is killed before a step."""
+
+    killed_at = 0
+
+    def training_step(self, batch):
+        if self.global_step == self.killed_at:
+            raise RuntimeError("killed")
+        return super().training_step(batch)
+
+
+class KilledAtTheEnd(ForecastTraining):
+    """A training that is killed after its last checkpoint, before it can clean up."""
+
+    def on_train_end(self):
+        raise RuntimeError("killed")
+
+
+class Counted(ForecastTraining):
+    """A training that counts its steps."""
+
+    steps = 0
+
+    def training_step(self, batch):
+        self.steps += 1
+        return super().training_step(batch)
+
+
+def trained(checkpoints, seed=0):
+    training, data = schooling(seed=seed, kind=Counted)
+    train(training, data, checkpoints)
+    return training
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    return trained(tmp_path_factory.mktemp("undisturbed"))
+
+
+def assert_same(training, other):
+    weights, others = training.network.state_dict(), other.network.state_dict()
+    assert weights.keys() == others.keys()
+    assert all(torch.equal(weights[name], others[name]) for name in weights)
+    assert training.curve == other.curve
+
+
+def test_the_same_seed_gives_the_same_weights_and_curve(undisturbed, tmp_path):
+    assert_same(trained(tmp_path / "again"), undisturbed)
+
+
+def test_another_seed_gives_others(undisturbed, tmp_path):
+    assert trained(tmp_path / "other", seed=1).curve != undisturbed.curve
+
+
+def test_the_curve_has_the_losses_of_every_epoch(undisturbed):
+    assert [set(record) for record in undisturbed.curve] == [
+        {"epoch", "training", "validation"}
+    ] * 3
+    assert [record["epoch"] for record in undisturbed.curve] == [1, 2, 3]
+
+
+@pytest.mark.parametrize(("step", "left"), [(0, 9), (2, 9), (3, 6), (8, 3)])
+def test_a_training_that_was_killed_goes_on_to_the_same_result(undisturbed, tmp_path, step, left):
+    killed, data = schooling(kind=Killed)
+    killed.killed_at = step
+    with pytest.raises(RuntimeError, match="killed"):
+        train(killed, data, tmp_path / "checkpoints")
+
+    resumed = trained(tmp_path / "checkpoints")
+
+    assert_same(resumed, undisturbed)
+    assert resumed.steps == left  # from the last whole epoch, of three steps each
+
+
+@pytest.mark.parametrize("matrix_learning_rate", [None, 0.01])
+def test_a_training_with_another_rate_at_every_step_goes_on_as_well(tmp_path, matrix_learning_rate):
+    settings = changed(BRIEF, decay=None, matrix_learning_rate=matrix_learning_rate)
+    killed, data = schooling(settings, kind=Killed)
+    killed.killed_at = 4
+    with pytest.raises(RuntimeError, match="killed"):
+        train(killed, data, tmp_path / "killed")
+    resumed, undisturbed = schooling(settings), schooling(settings)
+    train(*resumed, tmp_path / "killed")
+    train(*undisturbed, tmp_path / "undisturbed")
+    assert_same(resumed[0], undisturbed[0])
+
+
+def test_a_training_that_was_killed_twice_goes_on_to_the_same_result(undisturbed, tmp_path):
+    for step in (4, 8):
+        killed, data = schooling(kind=Killed)
+        killed.killed_at = step
+        with pytest.raises(RuntimeError, match="killed"):
+            train(killed, data, tmp_path / "checkpoints")
+    assert_same(trained(tmp_path / "checkpoints"), undisturbed)
+
+
+def test_a_checkpoint_for_which_the_disk_has_no_room_leaves_the_one_before(
+    undisturbed, tmp_path, monkeypatch
+):
+    write, written = Path.write_bytes, []
+
+    def full(path, content):
+        written.append(path)
+        write(path, content if len(written) != 2 else content[: len(content) // 2])
+        if len(written) == 2:
+            raise OSError(errno.ENOSPC, "No space left on device", str(path))
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(OSError, match="No space left"):
+        trained(tmp_path)
+    again = trained(tmp_path)
+    assert again.steps == 2 * undisturbed.steps / 3
+    assert_same(again, undisturbed)
+
+
+class ToldToStop(ForecastTraining):
+    """A training that is told to stop in its second epoch."""
+
+    def on_train_epoch_start(self):
+        if self.current_epoch == 1:
+            os.kill(os.getpid(), signal.SIGTERM)
+
+
+def test_a_training_that_is_told_to_stop_does_not_pass_for_done(undisturbed, tmp_path):
+    training, data = schooling(kind=ToldToStop)
+    with pytest.raises(SystemExit) as stopped:
+        train(training, data, tmp_path / "checkpoints")
+    assert stopped.value.code == 143
+    assert_same(trained(tmp_path / "checkpoints"), undisturbed)
+
+
+def test_the_steps_done_are_told_at_the_start_and_after_each(tmp_path):
+    told = []
+    killed, data = schooling(kind=Killed)
+    killed.killed_at = 5
+    with pytest.raises(RuntimeError, match="killed"):
+        train(killed, data, tmp_path, [Steps(told.append)])
+    assert told == [0, 1, 2, 3, 4, 5]
+    training, data = schooling()
+    train(training, data, tmp_path, [Steps(told.append)])
+    assert told[6:] == [3, 4, 5, 6, 7, 8, 9]
+
+
+def test_nothing_is_printed(tmp_path, capfd, recwarn):
+    for _ in range(2):  # anew, and from checkpoints
+        trained(tmp_path / "checkpoints")
+    assert capfd.readouterr() == ("", "")
+    assert [str(warning.message) for warning in recwarn] == []
+
+
+def test_a_training_that_was_killed_once_it_was_done_is_done(undisturbed, tmp_path):
+    killed, data = schooling(kind=KilledAtTheEnd)
+    with pytest.raises(RuntimeError, match="killed"):
+        train(killed, data, tmp_path / "checkpoints")
+    assert_same(trained(tmp_path / "checkpoints"), undisturbed)
+
+
+class Moved(ForecastTraining):
+    """A training by plain descent, that notes how far each step moves the weights."""
+
+    def configure_optimizers(self):
+        return torch.optim.SGD(self.network.parameters(), lr=1.0)
+
+    def on_train_start(self):
+        self.moves = []
+
+    def on_train_batch_start(self, *_):
+        self.before = parameters_to_vector(self.network.parameters()).detach()
+
+    def on_train_batch_end(self, *_):
+        now = parameters_to_vector(self.network.parameters()).detach()
+        self.moves.append((now - self.before).norm().item())
+
+
+def moves(checkpoints, longest):
+    training, data = schooling(changed(BRIEF, longest_gradient=longest, epochs=1), kind=Moved)
+    train(training, data, checkpoints)
+    return training.moves
+
+
+def test_a_step_s_gradient_is_cut_to_the_longest_where_there_is_one(tmp_path):
+    assert moves(tmp_path / "cut", 1e-3) == pytest.approx([1e-3] * 3, rel=1e-2)
+    assert min(moves(tmp_path / "whole", None)) > 0.1
+
+
+def test_a_training_that_is_done_is_not_done_again(undisturbed, tmp_path):
+    trained(tmp_path / "checkpoints")
+    again = trained(tmp_path / "checkpoints")
+    assert again.steps == 0
+    assert_same(again, undisturbed)
+
+
+def test_half_precision_trains_full_weights(undisturbed, tmp_path):
+    training, data = schooling(changed(BRIEF, precision="bf16-mixed"))
+    train(training, data, tmp_path / "checkpoints")
+    assert training.curve[-1]["validation"] == pytest.approx(
+        undisturbed.curve[-1]["validation"], 0.05
+    )
+    assert {weight.dtype for weight in training.network.parameters()} == {torch.float32}

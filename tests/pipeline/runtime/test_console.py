@@ -1,0 +1,13 @@
+"""A table loses nothing on the way to a file, however narrow the terminal is said to be."""
+
+from rich.table import Table
+
+from pipeline.runtime.console import show
+
+
+def test_a_table_in_a_pipe_is_as_wide_as_it_is(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "20")
+    table = Table("predictor", "mean error")
+    table.add_row("amended_imperfect_c", "0.519 (0.384–0.684)")
+    show(table)
+    assert "amended_imperfect_c │ 0.519 (0.384–0.684)" in capsys.readouterr().out

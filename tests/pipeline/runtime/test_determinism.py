@@ -1,0 +1,47 @@
+"""Stages compute alike on every x86-64 processor."""
+
+import os
+import platform
+import subprocess
+import sys
+
+import pytest
+
+from pipeline.runtime.determinism import ARITHMETIC
+from tests.test_repository import PIPELINE, STAGES
+
+pytestmark = pytest.mark.skipif(
+    platform.machine() not in ("x86_64", "AMD64"), reason="other processors have no AVX2"
+)
+
+LOADED = """
+import stages
+import numpy, threadpoolctl, torch
+from numpy._core._multiarray_umath import __cpu_features__ as features
+print([name for name in ("X86_V4", "AVX512_ICL", "AVX512_SPR") if features[name]])
+print({one["architecture"] for one in threadpoolctl.threadpool_info() if "architecture" in one})
+print(torch.backends.cpu.get_cpu_capability())
+"""
+
+
+def fresh(program, **environment):
+    clean = {name: value for name, value in os.environ.items() if name not in ARITHMETIC}
+    command = [sys.executable, "-W", "ignore", "-c", program]
+    done = subprocess.run(
+        command, env={**clean, **environment}, check=True, capture_output=True, text=True
+    )
+    return done.stdout.splitlines()
+
+
+def test_libraries_use_nothing_wider_than_avx2():
+    assert fresh(LOADED) == ["[]", "{'Haswell'}", "AVX2"]
+
+
+def test_who_sets_another_arithmetic_keeps_it():
+    program = "import os, pipeline; print(os.environ['OPENBLAS_CORETYPE'])"
+    assert fresh(program, OPENBLAS_CORETYPE="Zen") == ["Zen"]
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_a_stage_runs_anew_when_the_arithmetic_changes(stage):
+    assert "pipeline/runtime" in PIPELINE["stages"][stage]["deps"]

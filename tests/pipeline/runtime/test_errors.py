@@ -1,0 +1,23 @@
+"""Errors of input: one line that says where, what and what to do."""
+
+import pickle
+
+import pytest
+
+from pipeline.params import ParameterError
+from pipeline.runtime.errors import InputError
+
+ERROR = InputError("balls.csv", "is not a number", row=3, field="px")
+
+
+@pytest.mark.parametrize("error", [ERROR, ParameterError([ERROR, InputError("params.yaml", "?")])])
+def test_an_error_comes_whole_out_of_a_worker(error):
+    again = pickle.loads(pickle.dumps(error))
+    assert type(again) is type(error)
+    assert str(again) == str(error)
+    assert vars(again) == vars(error)
+
+
+@pytest.mark.parametrize("field", [None, ""])
+def test_the_whole_of_a_file_is_no_field_of_it(field):
+    assert str(InputError("a.json", "is no list", field=field)) == "a.json: is no list"

@@ -1,0 +1,112 @@
+"""A stage runs alone, stops when told to, and says what a disk refuses."""
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+from pipeline.runtime.console import warn
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.guard import guarded
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_second_run_of_a_stage_waits_for_the_first(folder, monkeypatch, capsys):
+    program = (
+        "from pipeline.runtime.guard import guarded\n"
+        "with guarded('segment'): print('in', flush=True); input(); open('ended', 'w')"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    first = subprocess.Popen(
+        [sys.executable, "-c", program], cwd=folder, env=environment,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert first.stdout.readline() == "in\n"
+    with guarded("ingest"):  # another stage does not
+        pass
+    ending = threading.Timer(0.3, lambda: first.communicate("\n"))
+
+    def warned(message):  # the first ends a little after the second has seen it
+        warn(message)
+        ending.start()
+
+    monkeypatch.setattr("pipeline.runtime.guard.warn", warned)
+    with guarded("segment"):
+        assert (folder / "ended").exists()
+    ending.join()
+    assert "another run of segment is at work here" in capsys.readouterr().err
+
+
+def test_a_killed_run_locks_nobody_out(folder, capsys):
+    program = (
+        "import os, signal\nfrom pipeline.runtime.guard import guarded\n"
+        "with guarded('segment'): os.kill(os.getpid(), signal.SIGKILL)"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    killed = subprocess.run([sys.executable, "-c", program], cwd=folder, env=environment)
+    assert killed.returncode == -signal.SIGKILL
+    with guarded("segment"):
+        assert capsys.readouterr().err == ""  # nobody is waited for
+
+
+def test_being_told_to_stop_unwinds_the_stage():
+    before = signal.getsignal(signal.SIGTERM)
+    with pytest.raises(SystemExit) as stopped, guarded("segment"):
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(5)
+    assert stopped.value.code == 128 + signal.SIGTERM
+    assert signal.getsignal(signal.SIGTERM) == before
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES])
+def test_what_a_disk_refuses_is_one_line_with_the_file(number):
+    with (
+        pytest.raises(InputError, match=r"^balls\.parquet: (the disk|the quota|this user)"),
+        guarded("segment"),
+    ):
+        raise OSError(number, os.strerror(number), "balls.parquet")
+
+
+def test_other_errors_are_not_hidden():
+    with pytest.raises(FileNotFoundError), guarded("segment"):
+        raise FileNotFoundError(errno.ENOENT, "none", "balls.parquet")
+
+
+AT_WORK = """
+import time
+from joblib import Parallel, delayed
+from pipeline.runtime.guard import guarded
+with guarded("segment"):
+    parallel = Parallel(2, return_as="generator", max_nbytes=None)
+    for _ in parallel(delayed(time.sleep)(seconds) for seconds in (0, 60, 60)):
+        print("at work", flush=True)
+"""
+
+
+def test_being_told_to_stop_ends_the_workers_too(folder):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    stage = subprocess.Popen(
+        [sys.executable, "-c", AT_WORK], cwd=folder, env=environment,
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+    )  # fmt: skip
+    assert stage.stdout.readline() == "at work\n"
+    workers = psutil.Process(stage.pid).children(recursive=True)
+    assert len(workers) >= 2
+    stage.terminate()
+    assert stage.wait() == 128 + signal.SIGTERM
+    _, left = psutil.wait_procs(workers, timeout=20)
+    assert left == []

@@ -1,0 +1,43 @@
+"""Results that could not be written are refused before the work, and nothing is made."""
+
+import os
+
+import pytest
+
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.output_folder import check_file, check_folder
+
+
+def test_a_folder_that_is_there_or_can_be_made_is_accepted(tmp_path):
+    check_folder(tmp_path)
+    check_folder(tmp_path / "new" / "newer")
+    check_file(tmp_path / "new" / "scores.json")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_relative_folder_is_one_of_the_working_directory(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "notes").touch()
+    with pytest.raises(InputError, match=r"^notes: is a file"):
+        check_folder(type(tmp_path)("notes"))
+
+
+def test_what_is_a_file_or_below_one_is_refused_by_the_file(tmp_path):
+    notes = tmp_path / "notes.txt"
+    notes.touch()
+    for folder in (notes, notes / "verdict"):
+        with pytest.raises(InputError, match=r"notes\.txt: is a file; give a folder"):
+            check_folder(folder)
+    with pytest.raises(InputError, match=r"notes\.txt: is a file; give a folder"):
+        check_file(notes / "scores.json")
+
+
+def test_a_folder_in_place_of_a_file_is_refused(tmp_path):
+    with pytest.raises(InputError, match="is a folder; give a file"):
+        check_file(tmp_path)
+
+
+def test_a_folder_of_somebody_else_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda path, mode: path != tmp_path)
+    with pytest.raises(InputError, match="verdict: cannot be written to by this user"):
+        check_folder(tmp_path / "verdict")

@@ -1,0 +1,204 @@
+"""Where tasks run makes no difference to what they give: here, on loky, or on a cluster."""
+
+import os
+import shutil
+import signal
+import socket
+import threading
+import time
+from functools import partial
+
+import joblib
+import pandas as pd
+import pytest
+from threadpoolctl import threadpool_info
+
+from models.exam.design.questions import Question
+from models.exam.design.trial import Trial
+from models.exam.methods.registry import METHODS
+from pipeline.exam.records import OURS, sit_all
+from pipeline.policies.training import Pupil, train_policies, try_policies
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.parallel import CLUSTER, parallel
+from tests.cluster import ROOT, cluster
+from tests.models.exam.halls import NOMINAL
+from tests.models.policy.schooling import BRIEF, same
+from tests.pipeline.trained_policies import description
+from tests.services import listening
+
+
+def noted(folder, number):
+    """Take a moment; leave a file that says which process did it; return the number."""
+    (folder / f"{number}-{os.getpid()}").touch()
+    time.sleep(0.05)
+    return number
+
+
+def killing(folder):
+    """Kill the worker once, whichever it is."""
+    if not (folder / "killed").exists():
+        (folder / "killed").touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return "done by another"
+
+
+def threads():
+    return {pool["num_threads"] for pool in threadpool_info()}
+
+
+def failing():
+    raise ZeroDivisionError("in the task")
+
+
+def tasks(folder, count=40):
+    return [partial(noted, folder, number) for number in range(count)]
+
+
+def processes(folder):
+    return {int(path.name.split("-")[1]) for path in folder.iterdir()}
+
+
+@pytest.fixture
+def on_cluster(tmp_path_factory, monkeypatch):
+    with cluster(tmp_path_factory.mktemp("cluster")) as found:
+        monkeypatch.setenv(CLUSTER, found.address)
+        yield found
+
+
+def test_results_come_in_the_order_of_the_tasks(tmp_path):
+    with joblib.parallel_config(backend="sequential"):
+        assert list(parallel(tasks(tmp_path, 3))) == [0, 1, 2]
+    assert processes(tmp_path) == {os.getpid()}
+
+
+def test_no_task_is_no_work():
+    assert list(parallel([])) == []
+
+
+def test_a_task_has_one_thread():
+    assert list(parallel([threads])) == [{1}]
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:{}", "127.0.0.1:{}", "carrier-pigeon://{}"])
+def test_an_address_without_a_scheduler_is_one_error(monkeypatch, address):
+    monkeypatch.setattr("pipeline.runtime.parallel.PATIENCE", 0.5)
+    with socket.socket() as taken:  # bound, but nobody listens
+        taken.bind(("127.0.0.1", 0))
+        address = address.format(taken.getsockname()[1])
+        monkeypatch.setenv(CLUSTER, address)
+        with pytest.raises(InputError, match=f"{CLUSTER}: no scheduler answers at {address}: "):
+            list(parallel([threads]))
+
+
+@pytest.mark.slow
+def test_a_cluster_does_all_tasks_though_a_worker_is_killed(tmp_path, on_cluster):
+    found = parallel(tasks(tmp_path))
+    first = next(found)
+    on_cluster.workers[0].kill()
+
+    assert [first, *found] == list(range(40))
+    assert {worker.pid for worker in on_cluster.workers} == processes(tmp_path)
+
+
+@pytest.mark.slow
+def test_the_task_that_a_worker_died_of_is_done_by_another(tmp_path, on_cluster):
+    assert list(parallel([partial(killing, tmp_path)])) == ["done by another"]
+    assert sum(worker.poll() == -signal.SIGKILL for worker in on_cluster.workers) == 1
+
+
+@pytest.mark.slow
+def test_an_error_in_a_task_on_a_cluster_is_the_caller_s(on_cluster):
+    with pytest.raises(ZeroDivisionError, match="in the task"):
+        list(parallel([threads, failing]))
+    assert list(parallel([threads])) == [{1}]
+
+
+@pytest.mark.slow
+def test_a_cluster_listens_on_loopback_alone(on_cluster):
+    for process in (on_cluster.scheduler, *on_cluster.workers):
+        assert listening(process) == {"127.0.0.1"}
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_is_lost_is_one_error(tmp_path, on_cluster):
+    running = parallel(tasks(tmp_path, 200))
+    next(running)
+    on_cluster.scheduler.kill()
+    with pytest.raises(InputError, match="was lost; what is done is kept, run again"):
+        list(running)
+
+
+@pytest.mark.slow
+def test_workers_that_would_give_other_results_are_refused(tmp_path, monkeypatch):
+    with cluster(tmp_path, workers=1, threads=2) as found:
+        monkeypatch.setenv(CLUSTER, found.address)
+        with pytest.raises(InputError, match="has 2 threads; start it with --nthreads 1"):
+            list(parallel([threads]))
+    other = tmp_path / "other"
+    for name in ("models", "pipeline", "stages"):
+        shutil.copytree(ROOT / name, other / name)
+    (other / "models" / "new.py").touch()
+    with cluster(tmp_path, workers=1, cwd=other) as found:
+        monkeypatch.setenv(CLUSTER, found.address)
+        with pytest.raises(InputError, match="runs other code; check out the same commit"):
+            list(parallel([threads]))
+
+
+@pytest.mark.slow
+def test_a_cluster_without_workers_is_one_error(tmp_path, monkeypatch):
+    monkeypatch.setattr("pipeline.runtime.parallel.PATIENCE", 5)
+    with cluster(tmp_path, workers=0) as found:
+        monkeypatch.setenv(CLUSTER, found.address)
+        with pytest.raises(InputError, match="has no workers; start some"):
+            list(parallel([threads]))
+
+
+def pupils(root):
+    described = [description(), description(simulator="imperfect_a", learning=BRIEF)]
+    return [Pupil(one, root / one.name) for one in described]
+
+
+def work(root):
+    """Train and try two policies, and sit two questions of the exam."""
+    graduates = train_policies(pupils(root))
+    tried = try_policies(graduates, 9)
+    questions = [
+        Question("clean", Trial(f"clean/{k}", NOMINAL, shots=10, seed=1000 + k)) for k in (0, 1)
+    ]
+    sat = sit_all([(one, {OURS: METHODS[OURS]}) for one in questions], root / "sheets")
+    return graduates, tried, [one.sheet for one in sat]
+
+
+def assert_same(found, expected):
+    for one, other in zip(found[0], expected[0], strict=True):
+        assert same(one.policy, other.policy)
+        pd.testing.assert_frame_equal(one.curve, other.curve, check_exact=True)
+    for one, other in zip(found[1], expected[1], strict=True):
+        pd.testing.assert_frame_equal(one, other, check_exact=True)
+    assert found[2] == expected[2]
+
+
+@pytest.mark.slow
+def test_policies_and_the_exam_are_the_same_wherever_they_run(tmp_path, monkeypatch, on_cluster):
+    """One after the other here, two at once here, and on a cluster that loses a worker."""
+    killed = on_cluster.workers[0]
+    folder = tmp_path / "cluster"
+    waiting = threading.Thread(target=kill_after_a_leg, args=[killed, folder])
+    waiting.start()
+    results = [work(folder)]
+    waiting.join()
+    assert killed.poll() == -signal.SIGKILL
+
+    monkeypatch.delenv(CLUSTER)
+    for number in ("1", "2"):
+        monkeypatch.setenv("LOKY_MAX_CPU_COUNT", number)
+        results.append(work(tmp_path / number))
+
+    for found in results[1:]:
+        assert_same(found, results[0])
+
+
+def kill_after_a_leg(worker, folder):
+    while not list(folder.rglob("record.json")):
+        time.sleep(0.05)
+    worker.kill()

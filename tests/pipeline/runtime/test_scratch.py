@@ -1,0 +1,100 @@
+"""What a stage leaves beside its outputs survives the temporary copies that DVC removes."""
+
+import shutil
+import threading
+
+import pytest
+
+from pipeline.io.artifacts import write_json
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.scratch import keep_timings, kept_timings, scratch_kept
+from pipeline.runtime.stage_run import StageRun
+
+FINGERPRINT, OTHER = "f" * 64, "0" * 64
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """The repository, as DVC names it to a stage in a temporary copy."""
+    monkeypatch.setenv("DVC_ROOT", str(tmp_path / "home"))
+    (tmp_path / "home").mkdir()
+    return tmp_path / "home"
+
+
+def copied_run(tmp_path, monkeypatch, name, fingerprint=FINGERPRINT):
+    """The run of a stage in a new copy of the repository."""
+    (tmp_path / name).mkdir()
+    monkeypatch.chdir(tmp_path / name)
+    return StageRun("segment", tmp_path / name, None, fingerprint)
+
+
+def leave_and_fail(run):
+    with pytest.raises(RuntimeError), scratch_kept("segment", run.fingerprint):
+        run.scratch("net").mkdir(parents=True)
+        (run.scratch("net") / "last").write_text("epoch 3")
+        raise RuntimeError
+
+
+def test_a_killed_stage_goes_on_in_the_next_copy_and_then_leaves_nothing(
+    home, tmp_path, monkeypatch
+):
+    leave_and_fail(copied_run(tmp_path, monkeypatch, "first"))
+    shutil.rmtree(tmp_path / "first")
+    run = copied_run(tmp_path, monkeypatch, "second")
+    with scratch_kept("segment", FINGERPRINT):
+        assert (run.scratch("net") / "last").read_text() == "epoch 3"
+        run.settle()
+    assert not list(home.rglob("last"))
+
+
+def test_a_stage_that_succeeds_leaves_the_scratch_of_others(home, tmp_path, monkeypatch):
+    leave_and_fail(copied_run(tmp_path, monkeypatch, "first", OTHER))
+    run = copied_run(tmp_path, monkeypatch, "second")
+    with scratch_kept("segment", FINGERPRINT):
+        assert not run.scratch("net").exists()
+        run.settle()
+    assert [path.read_text() for path in home.rglob("last")] == ["epoch 3"]
+
+
+def test_copies_that_are_at_the_same_take_turns(home, tmp_path, monkeypatch):
+    copied_run(tmp_path, monkeypatch, "first")
+    entered = threading.Event()
+
+    def other():
+        with scratch_kept("segment", FINGERPRINT):
+            entered.set()
+
+    waiting = threading.Thread(target=other)
+    with scratch_kept("segment", FINGERPRINT):
+        waiting.start()
+        assert not entered.wait(0.3)
+    waiting.join()
+    assert entered.is_set()
+
+
+def test_in_the_repository_itself_nothing_is_linked(home, monkeypatch):
+    monkeypatch.chdir(home)
+    with scratch_kept("segment", FINGERPRINT):
+        assert list(home.iterdir()) == []
+
+
+def test_timings_are_those_of_the_run_that_made_the_present_outputs(home):
+    keep_timings("segment", FINGERPRINT, {"net": {"training_s": 3}})
+    keep_timings("segment", OTHER, {"net": {"training_s": 5}})
+    report = home / "reports" / "segment"
+    assert kept_timings(home, report) == {}
+    contents = {"stage": "segment", "command": "a", "fingerprint": FINGERPRINT[:12], "items": []}
+    write_json(report / "contents.json", contents)
+    assert kept_timings(home, report) == {"net": {"training_s": 3}}
+
+
+@pytest.mark.parametrize("content", [7, [], {"net": "long"}, {"net": {"training_s": None}}])
+def test_broken_timings_are_one_error(home, content):
+    report = home / "reports" / "segment"
+    contents = {"stage": "segment", "command": "a", "fingerprint": FINGERPRINT[:12], "items": []}
+    write_json(report / "contents.json", contents)
+    keep_timings("segment", FINGERPRINT, {"net": 3.0})
+    (file,) = home.glob("timings/segment/*.json")
+    write_json(file, content)
+    with pytest.raises(InputError, match=file.name):
+        kept_timings(home, report)

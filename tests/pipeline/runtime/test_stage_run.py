@@ -1,0 +1,240 @@
+"""A stage runs whole or not at all, and the same inputs give the same bytes."""
+
+import hashlib
+import json
+import shutil
+import signal
+import subprocess
+import sys
+from contextlib import nullcontext
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image, ImageSequence
+
+from pipeline.io.artifacts import write_table
+from pipeline.params import load_params
+from pipeline.runtime import stage_run as run_module
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.stage_run import StageRun, placed, run_stage
+from pipeline.tracking import recording as tracking
+
+ROOT = Path(__file__).parents[3]
+
+DVC_YAML = """
+stages:
+  segment:
+    cmd: python -m stages.segment
+    deps: [code]
+    params: [seed, segment]
+    outs: [artifacts/segment]
+"""
+
+FRAMES = np.random.default_rng(0).integers(256, size=(4, 30, 40, 3), dtype=np.uint8)
+
+
+@pytest.fixture
+def repository(tmp_path, monkeypatch):
+    """A repository with one stage, `segment`, as the working directory, without tracking."""
+    shutil.copy(ROOT / "params.yaml", tmp_path)
+    (tmp_path / "dvc.yaml").write_text(DVC_YAML)
+    (tmp_path / "code").mkdir()
+    (tmp_path / "code" / "a.py").write_text("1")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(run_module, "recorded", lambda *_: nullcontext())
+    return tmp_path
+
+
+def segment(run: StageRun) -> None:
+    """A stage that writes one of everything."""
+    table = pd.DataFrame({"name": ["a", "b"], "value": [1 / 3, 2.0]})
+    write_table(run.artifact("episodes.parquet"), table)
+    figure = Figure()
+    figure.subplots().plot(table["value"])
+    run.add_figure(figure, "values", title="Values", caption="Of everything.")
+    run.add_animation(FRAMES, "noise", title="Noise", caption="In motion.")
+    run.add_table(table, "values", title="Values", caption="In numbers.")
+    run.write_metrics({"a": {"mean": 1 / 3}})
+
+
+def files(folder):
+    return {
+        path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()
+    }
+
+
+def exit_status(stage):
+    with pytest.raises(SystemExit) as caught:
+        run_stage(stage)
+    return caught.value.code
+
+
+def test_a_run_leaves_artefacts_a_report_and_its_contents(repository):
+    run_stage(segment)
+    assert pd.read_parquet("artifacts/segment/episodes.parquet")["value"].tolist() == [1 / 3, 2.0]
+    assert Path("reports/segment/values.csv").read_text() == "name,value\na,0.333333\nb,2\n"
+    assert json.loads(Path("reports/segment/metrics.json").read_text()) == {"a": {"mean": 1 / 3}}
+    contents = json.loads(Path("reports/segment/contents.json").read_text())
+    shown = [(item["kind"], item["file"]) for item in contents["items"]]
+    assert shown == [
+        ("figure", "figures/values.png"),
+        ("animation", "figures/noise.png"),
+        ("table", "values.csv"),
+    ]
+    assert contents["command"] == "python -m stages.segment"
+
+
+def test_an_animation_has_every_pixel_and_rests_on_its_last_frame(repository):
+    run_stage(segment)
+    with Image.open("reports/segment/figures/noise.png") as animation:
+        frames = ImageSequence.Iterator(animation)
+        seen = [(np.asarray(frame), frame.info["duration"]) for frame in frames]
+        assert animation.info["loop"] == 0  # without end
+    np.testing.assert_array_equal([pixels for pixels, _ in seen], FRAMES)
+    assert [duration for _, duration in seen] == [40, 40, 40, 1000]
+
+
+def test_tracking_gets_figures_and_animations(repository):
+    run = StageRun("segment", repository, load_params(Path("params.yaml")))
+    segment(run)
+    names = [Path(path).name for path in run.results()["figures"]]
+    assert names == ["values.png", "noise.png"]
+
+
+def test_the_same_inputs_give_the_same_bytes(repository):
+    run_stage(segment)
+    first = files(repository)
+    run_stage(segment)
+    assert files(repository) == first
+
+
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [("code/a.py", "2"), ("code/b.py", ""), ("params.yaml", None), ("dvc.yaml", None)],
+)
+def test_the_fingerprint_follows_code_parameters_and_command(repository, file, text):
+    run_stage(segment)
+    first = json.loads(Path("reports/segment/contents.json").read_text())["fingerprint"]
+    path = repository / file
+    changes = path.read_text() if text is None else text
+    path.write_text(changes.replace("seed: 1", "seed: 2").replace("python -m", "python3 -m"))
+    run_stage(segment)
+    assert json.loads(Path("reports/segment/contents.json").read_text())["fingerprint"] != first
+
+
+def test_an_input_error_is_one_line_and_leaves_nothing(repository, capsys):
+    def segment_badly(run):
+        segment(run)
+        raise InputError("balls.csv", "is empty", row=3)
+
+    segment_badly.__name__ = "segment"
+    run_stage(segment)
+    assert exit_status(segment_badly) == 2
+    assert capsys.readouterr().err == "rallygap: balls.csv, row 3: is empty\n"
+    assert files(repository / "artifacts") == files(repository / "reports") == {}
+
+
+def test_a_missing_input_is_one_line(repository, capsys):
+    shutil.rmtree(repository / "code")
+    assert exit_status(segment) == 2
+    problem = "is missing; `dvc repro` runs the stage that writes it"
+    assert capsys.readouterr().err == f"rallygap: {repository / 'code'}: {problem}\n"
+
+
+def test_wrong_parameters_stop_the_stage_before_it_starts(repository, capsys):
+    params = Path("params.yaml").read_text()
+    Path("params.yaml").write_text(params.replace("seed: 1", "seed: -1\nsed: 0"))
+    assert exit_status(segment) == 2
+    first, second = capsys.readouterr().err.splitlines()
+    assert first.startswith("rallygap: params.yaml, seed: input should be greater than")
+    assert second.startswith("rallygap: params.yaml, sed: is an unknown key; did you mean seed?")
+
+
+def test_a_killed_stage_leaves_no_half_file_and_runs_again(repository):
+    lines = [
+        "import os, signal",
+        "from contextlib import nullcontext",
+        "from pipeline.runtime import stage_run as run",
+        "from pipeline.io.artifacts import replacing",
+        "run.recorded = lambda *_: nullcontext()",
+        "def segment(stage):",
+        "    with replacing(stage.artifact('episodes.parquet')) as temporary:",
+        "        temporary.write_bytes(b'half')",
+        "        os.kill(os.getpid(), signal.SIGKILL)",
+        "run.run_stage(segment)",
+    ]
+    command = [sys.executable, "-c", "\n".join(lines)]
+    environment = {"PYTHONPATH": str(ROOT)}
+    killed = subprocess.run(command, env=environment, check=False)
+    assert killed.returncode == -signal.SIGKILL
+    assert not Path("artifacts/segment/episodes.parquet").exists()
+    run_stage(segment)
+    assert [str(path) for path in files(repository / "artifacts")] == ["segment/episodes.parquet"]
+
+
+def segment_at_length(run: StageRun) -> None:
+    """A stage that counts its runs in a scratch file, and fails the first two times."""
+    file = run.scratch("counting") / "runs"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    runs = int(file.read_text()) + 1 if file.exists() else 1
+    file.write_text(str(runs))
+    write_table(run.artifact("episodes.parquet"), pd.DataFrame({"a": [1]}))
+    run.timings["counting"] = {"runs": runs}
+    if runs < 3:
+        raise RuntimeError("too early")
+
+
+segment_at_length.__name__ = "segment"
+
+
+def test_a_failed_run_leaves_its_scratch_to_the_next_and_nothing_else(repository):
+    for _ in range(2):
+        with pytest.raises(RuntimeError, match="early"):
+            run_stage(segment_at_length)
+    assert files(repository / "artifacts") == files(repository / "reports") == {}
+    assert not Path("timings").exists()
+    run_stage(segment_at_length)
+    assert files(repository / "scratch") == {}
+
+
+def test_a_run_with_other_inputs_does_not_take_up_the_scratch(repository):
+    for text in ("2", "3"):
+        (repository / "code" / "a.py").write_text(text)
+        with pytest.raises(RuntimeError, match="early"):
+            run_stage(segment_at_length)
+    counts = [path.read_text() for path in (repository / "scratch").rglob("runs")]
+    assert counts == ["1", "1"]
+
+
+def test_timings_are_written_down_beside_the_outputs_not_in_them(repository, monkeypatch):
+    monkeypatch.setattr(run_module, "recorded", tracking.recorded)
+    monkeypatch.setattr(tracking, "_started", lambda _: None)
+    for _ in range(2):
+        with pytest.raises(RuntimeError, match="early"):
+            run_stage(segment_at_length)
+    run_stage(segment_at_length)
+    (kept,) = Path("timings/segment").glob("*.json")
+    assert json.loads(kept.read_text()) == {"counting": {"runs": 3}}
+    outputs = {**files(repository / "artifacts"), **files(repository / "reports")}
+    assert outputs and not any(b"runs" in content for content in outputs.values())
+
+
+def test_an_input_data_set_is_noted_with_its_digest(repository):
+    run = StageRun("segment", repository, load_params(Path("params.yaml")))
+    run.log_input("code", repository / "code" / "a.py", 7)
+    (noted,) = run.results()["inputs"]
+    assert (noted["rows"], noted["digest"]) == (7, hashlib.md5(b"1").hexdigest())
+
+
+def test_the_folder_of_the_measured_sets_comes_from_the_environment(repository, monkeypatch):
+    params = load_params(Path("params.yaml"))
+    monkeypatch.setenv("DVC_ROOT", str(repository))
+    monkeypatch.delenv("RALLYGAP_DATA", raising=False)
+    assert placed(params).ingest.folder is None
+    monkeypatch.setenv("RALLYGAP_DATA", "balls")
+    assert placed(params).ingest.folder == repository / "balls"
+    monkeypatch.setenv("RALLYGAP_DATA", "/balls")
+    assert placed(params).ingest.folder == Path("/balls")

@@ -1,0 +1,110 @@
+"""Trained predictors in MLflow load and predict again, and the best one is the champion."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import mlflow
+import numpy as np
+import pytest
+import torch
+
+from models.predictors.learned import build_network
+from models.predictors.settings import TrainingSettings, TransformerSettings
+from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
+from pipeline.tracking.lineage import _newest_run
+from pipeline.tracking.model_registry import beats, example, register_predictors
+
+ROOT = Path(__file__).parents[3]
+NETWORK = TransformerSettings(
+    kind="transformer", width=8, expanded=8, heads=2, encoder_layers=1, decoder_layers=1,
+    states_a_row=10, uniform_motion=True,
+)  # fmt: skip
+TRAINING = TrainingSettings(
+    epochs=2, windows_an_episode=1, batch=1, learning_rate=0.1, matrix_learning_rate=None,
+    decay=None, longest_gradient=None, hidden_spin=0, precision="32-true", threads=1,
+)  # fmt: skip
+LEARNING = Learning(episodes=1, windows=1, validation_episodes=1, settings=TRAINING, seed=0)
+
+PREDICT_AGAIN = """
+import sys, mlflow, numpy as np
+mlflow.set_tracking_uri(sys.argv[1])
+model = mlflow.pyfunc.load_model("models:/predictor-arena@champion")
+forecast = model.predict(model.input_example)
+np.savez(sys.argv[2], signature=str(model.metadata.signature), **forecast)
+"""
+
+
+def trained(folder, seed):
+    """An untrained network, written as the stage writes a trained one."""
+    torch.manual_seed(seed)
+    network = build_network(NETWORK)
+    description = TrainedPredictor(
+        name="small", network=NETWORK, parameters=network.parameter_count, sources=["arena"],
+        starts_from=None, learning=LEARNING,
+    )  # fmt: skip
+    save_predictor(folder / "artifacts/train_predictor/small", network, description)
+
+
+def register(client, folder, loss, balls):
+    """Register what lies in the folder, as the end of a stage with this loss on these balls."""
+    run = client.create_run("0", tags={"dvc.lock_hash": f"{balls}{loss}"})
+    epochs = {"9": {"validation": 8.0}, "10": {"validation": loss}}
+    inputs = [{"name": "arena", "digest": balls}]
+    register_predictors(client, run.info.run_id, {"metrics": {"small": epochs}, "inputs": inputs})
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    """A store with versions of losses 3 and 2 on the same balls, 4 on them, and 1 on others."""
+    folder = tmp_path_factory.mktemp("store")
+    uri = f"sqlite:///{folder / 'mlflow.db'}"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        mlflow.set_tracking_uri(uri)
+        client = mlflow.MlflowClient(uri)
+        for seed, (loss, balls) in enumerate([(3.0, "a"), (2.0, "a"), (4.0, "a"), (1.0, "b")]):
+            trained(folder, seed)
+            register(client, folder, loss, balls)
+        yield client, uri, folder
+        mlflow.set_tracking_uri(None)
+
+
+def test_the_champion_has_the_lowest_loss_on_its_balls(store):
+    champion = store[0].get_model_version_by_alias("predictor-arena", "champion")
+    assert str(champion.version) == "2"
+    assert float(champion.tags["validation_loss"]) == 2.0
+
+
+def test_a_model_predicts_the_same_in_a_fresh_process(store, tmp_path):
+    _, uri, _ = store
+    command = [sys.executable, "-c", PREDICT_AGAIN, uri, str(tmp_path / "out.npz")]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    again = np.load(tmp_path / "out.npz")
+    torch.manual_seed(1)  # of the champion
+    one = example()
+    states, seen = torch.tensor(one["states"], dtype=torch.float32), torch.tensor(one["mask"])
+    with torch.inference_mode():
+        expected = build_network(NETWORK).eval()(states, seen).numpy()
+    # The last bits follow the number of threads.
+    np.testing.assert_allclose(again["states"], expected, rtol=1e-4, atol=1e-4)
+    assert again["spin_measured"].tolist() == [True]
+    assert "'states'" in str(again["signature"]) and "'mask'" in str(again["signature"])
+
+
+def test_nothing_in_a_logged_model_is_pickled(store):
+    files = {path.name for path in store[2].rglob("mlruns/**/artifacts/**/*") if path.is_file()}
+    assert "weights.safetensors" in files
+    assert not {name for name in files if name.endswith((".pkl", ".pickle", ".pt", ".pth"))}
+
+
+def test_other_balls_do_not_compare():
+    champion = {"validation_loss": "2.0", "validation_balls": "a"}
+    assert beats({"validation_loss": "1.5", "validation_balls": "a"}, champion)
+    assert not beats({"validation_loss": "1.5", "validation_balls": "b"}, champion)
+
+
+def test_a_fingerprint_finds_its_run(store):
+    run = _newest_run(store[1], "b1")
+    assert run.data.tags["dvc.lock_hash"] == "b1.0"
+    assert _newest_run(store[1], "c") is None

@@ -1,0 +1,91 @@
+"""What retrained policies gain, by hand."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from models.ball.simulators import shipped
+from pipeline.policies.storage import TrainedPolicy
+from pipeline.transfer.retraining import anew, loop_table, pooled, share_closed
+from tests.pipeline.played_trials import trials
+from tests.pipeline.trained_policies import description
+
+OWN = {"115-125": 0.75}
+
+
+def played(oracle=True):
+    """Four balls: physics returns one, the amended simulator two, both changes three."""
+    parts = [
+        trials([1, 0, 0, 0], policy="original"),
+        trials([1, 0, 0, 0], policy="original", predictor="transformer"),
+        trials([0, 1, 1, 0], policy="original", predictor="amended"),
+        trials([1, 1, 1, 0], policy="retrained", predictor="amended"),
+    ]
+    if oracle:
+        parts.append(trials([1, 1, 1, 1], policy="original", predictor="oracle"))
+    return pd.concat(parts, ignore_index=True)
+
+
+def table(of, **changes):
+    rows = loop_table(of, **{"own": OWN, "resamples": 200, "seed": 0, **changes})
+    return rows.set_index(["policy", "predictor"])
+
+
+def test_shares_of_the_gap_are_of_what_the_oracle_gains():
+    rows = table(played())
+    assert rows["return_rate"].tolist() == [0.25, 0.25, 0.5, 0.75, 1.0]
+    closed = rows["gap_closed"]
+    assert closed["original", "transformer"] == 0
+    assert closed["original", "amended"] == pytest.approx(1 / 3)
+    assert closed["retrained", "amended"] == pytest.approx(2 / 3)
+    assert closed["original", "oracle"] == 1
+    assert np.isnan(closed["original", "physics"])
+
+
+def test_differences_are_on_the_same_balls():
+    amended = table(played()).loc[("original", "amended")]
+    assert amended["difference"] == 0.25
+    assert (amended["gained"], amended["lost"]) == (2, 1)
+    assert amended["ci_low"] < 0.25 < amended["ci_high"]
+
+
+def test_without_an_oracle_the_gap_is_to_the_rate_in_the_own_simulator():
+    more = [
+        played(oracle=False).assign(ball=lambda one, k=k: one["ball"] + 4 * k) for k in range(5)
+    ]
+    closed = table(pd.concat(more))["gap_closed"]
+    assert closed["original", "amended"] == pytest.approx(0.25 / 0.5)
+    assert closed["retrained", "amended"] == pytest.approx(1)
+
+
+def test_where_there_is_no_gap_nothing_closes():
+    rows = table(played(oracle=False), own={"115-125": 0.25})
+    assert rows["gap_closed"].isna().all()
+
+
+def test_there_is_a_share_where_the_gap_is_sure():
+    sure, unsure = np.ones(40), np.resize([1.0, -0.9], 40)
+    gain = np.resize([1.0, 0.0], 40)
+    share, low, high = share_closed(gain, sure, 1000, 0)
+    assert share == 0.5 and low == pytest.approx(0.35, abs=0.06) and low < 0.5 < high
+    assert np.isnan(share_closed(gain, unsure, 1000, 0)).all()
+
+
+def test_sets_of_a_source_come_as_one_first_and_each_after():
+    sets = [played().assign(set=name) for name in ("stroke_pro", "receive")]
+    whole = pooled(pd.concat(sets, ignore_index=True), "arena")
+    rows = loop_table(whole, OWN, 0, 0).drop_duplicates("set").set_index("set")
+    assert rows["balls"].to_dict() == {"arena": 8, "stroke_pro": 4, "receive": 4}
+    alone = played().assign(set="spindoe")
+    assert pooled(alone, "spindoe") is alone
+
+
+def test_a_policy_is_trained_anew_in_nothing_but_another_simulator():
+    before, windy = description(), shipped("imperfect_c").amended("wind", x=0.5)
+    after = anew(before, "hall", windy)
+    assert after.task.simulator == windy
+    assert after.name == "small-amended_by_hall-115ms-0"
+    changed = {
+        name for name in TrainedPolicy.model_fields if getattr(before, name) != getattr(after, name)
+    }
+    assert changed == {"simulator", "effects"}

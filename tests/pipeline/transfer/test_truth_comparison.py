@@ -1,0 +1,47 @@
+"""The amended simulator beside the one it was and the truth."""
+
+import pandas as pd
+
+from models.ball.simulators import shipped
+from models.gap.amend.simulator import amended
+from pipeline.transfer.truth_comparison import NamedCauses, number_table
+from tests.pipeline.amendments import causes
+from tests.pipeline.verdicts import verdict
+
+ORIGINAL = shipped("imperfect_c")
+FOUND = verdict(causes=causes("imperfect_c", {"drag": {"cd": 0.5}, "wind": {"x": 0.2}}))
+AMENDED = amended(ORIGINAL, FOUND)
+
+
+def table(truth):
+    causes = NamedCauses.model_validate_json(FOUND.to_json()).effects
+    rows = number_table(ORIGINAL, AMENDED, causes, truth)
+    return rows.set_index(["effect", "parameter"])
+
+
+def test_numbers_that_were_found_or_missed_stand_beside_the_truth():
+    truth = ORIGINAL.amended("drag", cd=0.55).amended("table_bounce", restitution=0.98)
+    rows = table(truth)
+    drag = rows.loc["drag", "cd"]
+    assert drag.tolist() == [0.4, 0.5, 0.49, 0.51, 0.55]
+    missed = rows.loc["table_bounce", "restitution"]
+    assert missed[["original", "amended", "truth"]].tolist() == [0.9, 0.9, 0.98]
+    assert missed[["low", "high"]].isna().all()
+    assert ("magnus", "cm") not in rows.index
+
+
+def test_a_number_of_the_table_says_nothing_of_the_racket():
+    found = verdict(causes=causes("imperfect_c", {"table_bounce": {"restitution": 0.95}}))
+    named = NamedCauses.model_validate_json(found.to_json()).effects
+    truth = ORIGINAL.amended("racket_bounce", restitution=0.8)
+    rows = number_table(ORIGINAL, amended(ORIGINAL, found), named, truth)
+    ends = rows.set_index(["effect", "parameter"])[["low", "high"]]
+    assert ends.loc["table_bounce", "restitution"].notna().all()
+    assert ends.loc["racket_bounce", "restitution"].isna().all()
+
+
+def test_an_effect_that_a_simulator_lacks_has_no_number_there():
+    rows = table(None)
+    assert pd.isna(rows.loc["wind", "x"]["original"])
+    assert rows.loc["wind", "x"]["amended"] == 0.2
+    assert rows["truth"].isna().all()

@@ -1,0 +1,181 @@
+"""The report page as text: complete, escaped, accessible and the same every time."""
+
+import re
+from html.parser import HTMLParser
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from pipeline.io.figure_style import CONTACT_COLOURS, predictor_colour
+from pipeline.io.report_manifest import read_contents
+from pipeline.paper.catalogue import GROUPS
+from pipeline.paper.run_reports import Reports
+from pipeline.runtime.errors import InputError
+from pipeline.web.report_page import render_page
+from tests.pipeline.web.example_reports import OFFSETS, made_up_page, make_reports, write_stage
+
+PAGES = sorted((Path(__file__).parents[3] / "reports").rglob("index.html"))
+LIGHT, WHOLE = 1.5e6, 16e6  # bytes for a phone: all 3-D views, and the page with its pictures
+STYLES = Path(__file__).parents[3] / "pipeline" / "web" / "templates" / "page.css"
+HOSTILE = "</script><img src=x onerror=alert(1)>\"'&"
+
+
+class Tags(HTMLParser):
+    """The tags of a page in order, each with the names and values of its attributes."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.found = []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attributes):
+        self.found.append((tag, dict(attributes)))
+
+    def named(self, name):
+        return [attributes for tag, attributes in self.found if tag == name]
+
+
+def palettes():
+    """The page's colours by name, light and dark."""
+    light, dark = STYLES.read_text().split("@media screen", maxsplit=1)
+    pattern = r"--([a-z]+): (#[0-9a-f]{6})"
+    light = dict(re.findall(pattern, light))
+    return [light, {**light, **dict(re.findall(pattern, dark))}]
+
+
+def contrast(first, second):
+    """The contrast ratio of two colours as the Web Content Accessibility Guidelines define it."""
+    brighter, darker = sorted(map(luminance, (first, second)), reverse=True)
+    return (brighter + 0.05) / (darker + 0.05)
+
+
+def luminance(colour):
+    channels = [int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+    return sum(c * weight for c, weight in zip(linear, (0.2126, 0.7152, 0.0722), strict=True))
+
+
+def test_same_inputs_give_the_same_page(root, tmp_path):
+    make_reports(tmp_path)
+
+    assert made_up_page(tmp_path) == made_up_page(root)
+
+
+def test_every_item_names_the_run_that_made_it(root):
+    page = made_up_page(root)
+
+    for stage in ("ingest", "segment", "evaluate_predictor", "sim2real"):
+        assert f"<code>python -m stages.{stage}</code>" in page
+    assert page.count("Made by <code>python") == 6  # four items and the 3-D views
+    assert page.count("run\n<code>3fa9c1d20b77</code>") == 6
+
+
+def test_every_table_of_the_paper_names_the_runs_that_it_is_from(root):
+    page = made_up_page(root)
+
+    made = "stage <code>sim2real</code>, run <code>3fa9c1d20b77</code>"
+    assert (
+        page.count(f'<p class="run">Made by {made}.</p>') == 3
+    )  # shares, gains, where they are most
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.parent.name)
+def test_pages_of_runs_are_light_enough_for_a_phone(path):
+    page = path.read_text(encoding="utf-8")
+    views = re.findall(r'<script type="application/json"[^>]*>(.*?)</script>', page, re.DOTALL)
+
+    assert views
+    assert sum(len(view.encode()) for view in views) < LIGHT
+    assert len(page.encode()) < WHOLE
+
+
+def test_names_from_the_data_cannot_become_markup(root, tmp_path):
+    make_reports(tmp_path, title=HOSTILE, shot=HOSTILE)
+
+    hostile = Tags(made_up_page(tmp_path))
+
+    assert [tag for tag, _ in hostile.found] == [tag for tag, _ in Tags(made_up_page(root)).found]
+    assert all("onerror" not in attributes for _, attributes in hostile.found)
+
+
+def test_page_refers_to_nothing_outside_itself(root):
+    tags = Tags(made_up_page(root)).found
+
+    links = [value for _, a in tags for key, value in a.items() if key in ("src", "href")]
+    assert links
+    assert all(link.startswith(("#", "data:")) for link in links)
+
+
+def test_headings_descend_one_level_at_a_time(root):
+    tags = Tags(made_up_page(root)).found
+    levels = [int(tag[1]) for tag, _ in tags if re.fullmatch("h[1-6]", tag)]
+
+    assert levels[0] == 1 and levels.count(1) == 1
+    assert all(after - before <= 1 for before, after in pairwise(levels))
+
+
+def test_figures_have_their_caption_as_alternative_text(root):
+    images = Tags(made_up_page(root)).named("img")
+
+    moving_and_still = ["A square crosses the picture."] * 2
+    assert [image["alt"] for image in images[1:]] == moving_and_still
+    assert images[0]["alt"].startswith("Mean error")
+
+
+def test_contents_link_to_every_item(root):
+    tags = Tags(made_up_page(root))
+    ids = [attributes["id"] for _, attributes in tags.found if "id" in attributes]
+
+    assert len(ids) == len(set(ids))
+    assert all(link["href"][1:] in ids for link in tags.named("a"))
+    assert len(tags.named("a")) == 4 + 4 + 2 + 1 + len(GROUPS)
+
+
+def test_figures_and_tables_of_the_paper_link_to_ours(tmp_path):
+    make_reports(tmp_path)
+    error = {"kind": "figure", "title": "Errors", "caption": "Errors."}
+    drawn = tmp_path / "reports" / "evaluate_predictor" / "figures"
+    (drawn / "spindoe.png").rename(drawn / "forecast_error_arena.png")
+    item = {**error, "file": "figures/forecast_error_arena.png"}
+    write_stage(tmp_path, "evaluate_predictor", [item])
+
+    page = made_up_page(tmp_path)
+
+    target = "evaluate_predictor/figures/forecast_error_arena.png"
+    assert f'<td><a href="#{target}">Figure 3</a></td>' in page
+    assert f'<a href="#{target}">{target}</a>' in page
+    assert f'<article id="{target}">' in page
+    assert "<td>Figure 4</td>" in page  # whose stage reports nothing here
+
+
+def test_numbers_are_rounded_by_column(root):
+    page = made_up_page(root)
+
+    assert '<td class="number">12.35</td>' in page
+    assert '<td class="number">0.50</td>' in page
+
+
+def test_page_without_shots_has_no_view(root):
+    contents = [read_contents(root / "reports", "evaluate_predictor")]
+
+    assert "<canvas" not in render_page(Reports(root / "reports", {}), contents, [], [])
+
+
+@pytest.mark.parametrize("name", ["segment/contacts.csv", "evaluate_predictor/figures/spindoe.png"])
+def test_missing_file_is_named(tmp_path, name):
+    make_reports(tmp_path)
+    (tmp_path / "reports" / name).unlink()
+
+    with pytest.raises(InputError, match=f"{name}: cannot be read; run its stage again"):
+        made_up_page(tmp_path)
+
+
+@pytest.mark.parametrize("palette", palettes(), ids=["light", "dark"])
+def test_text_and_lines_stand_out_from_their_background(palette):
+    lines = [*map(predictor_colour, OFFSETS), *CONTACT_COLOURS.values()]
+    for background in (palette["page"], palette["card"]):
+        texts = [palette[name] for name in ("ink", "muted", "accent")]
+        lines += [palette[name] for name in ("good", "bad", "arm")]
+        assert min(contrast(text, background) for text in texts) >= 4.5
+        assert min(contrast(line, background) for line in lines) >= 3.0
