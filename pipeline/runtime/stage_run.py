@@ -1,4 +1,9 @@
-"""One run of one stage: where its files are, what it reports, and how it ends."""
+"""One run of one stage: where its files are, what it reports, and how it ends.
+
+A stage is a function of a ``StageRun``. It reads its inputs, calls the domain packages, and adds
+what they return to the report: ``run.add(item, …)`` takes the figures, animations and tables of
+``pipeline.io.report_items``, which carry their title and caption.
+"""
 
 import os
 import shutil
@@ -11,27 +16,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
-from PIL import Image
 
-from pipeline.io.artifacts import replacing, write_csv, write_json
-from pipeline.io.figure_style import apply_style, save_figure
+from pipeline.io.artifacts import write_json
+from pipeline.io.figure_style import apply_style
+from pipeline.io.report_items import ReportAnimation, ReportFigure, ReportItem, ReportTable
+from pipeline.io.report_manifest import Item
 from pipeline.params import Params, load_params
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.provenance import Provenance, content_hash, provenance, repository_root, short
 from pipeline.tracking.recording import recorded
-
-FRAME_SHOWN, LAST_FRAME_SHOWN = 40, 1000  # ms, of an animation before it begins again
-
-
-@dataclass(frozen=True)
-class ReportItem:
-    """A figure, animation or table of a report; ``file`` is relative to the report's folder."""
-
-    kind: str
-    file: str
-    title: str
-    caption: str
 
 
 @dataclass(frozen=True)
@@ -63,7 +57,7 @@ class StageRun:
         self.fingerprint = fingerprint
         self.timings: dict[str, Any] = {}
         self.metrics: dict[str, Any] = {}
-        self.items: list[ReportItem] = []
+        self.items: list[Item] = []
         self.inputs: list[InputData] = []
 
     @property
@@ -96,32 +90,25 @@ class StageRun:
         self.metrics = metrics
         write_json(self.report("metrics.json"), metrics)
 
+    def add(self, *items: ReportItem) -> None:
+        """Write figures, animations and tables into the report, in this order."""
+        for one in items:
+            one.write(self.report(one.item.file))
+            self.items.append(one.item)
+
     def add_figure(self, figure: Figure, name: str, *, title: str, caption: str) -> None:
-        """Draw a figure into the report as ``figures/<name>.png``."""
-        item = ReportItem("figure", f"figures/{name}.png", title, caption)
-        save_figure(self.report(item.file), figure)
-        self.items.append(item)
+        """Add a ``ReportFigure``."""
+        self.add(ReportFigure(figure, name, title, caption))
 
     def add_animation(
         self, frames: Sequence[NDArray[np.uint8]], name: str, *, title: str, caption: str
     ) -> None:
-        """Put pictures (H, W, 3) RGB into the report as ``figures/<name>.png``, which moves.
-
-        It shows 25 of them a second, over and over. An animated PNG keeps every pixel, and what
-        cannot move it shows the first picture.
-        """
-        item = ReportItem("animation", f"figures/{name}.png", title, caption)
-        first, *others = [Image.fromarray(frame) for frame in frames]
-        shown = [*[FRAME_SHOWN] * len(others), LAST_FRAME_SHOWN]
-        with replacing(self.report(item.file)) as temporary:
-            first.save(temporary, save_all=True, append_images=others, duration=shown, loop=0)
-        self.items.append(item)
+        """Add a ``ReportAnimation``."""
+        self.add(ReportAnimation(frames, name, title, caption))
 
     def add_table(self, table: pd.DataFrame, name: str, *, title: str, caption: str) -> None:
-        """Write a table into the report as ``<name>.csv``, six digits a number."""
-        item = ReportItem("table", f"{name}.csv", title, caption)
-        write_csv(self.report(item.file), table)
-        self.items.append(item)
+        """Add a ``ReportTable``."""
+        self.add(ReportTable(table, name, title, caption))
 
     def write_contents(self, origin: Provenance) -> None:
         """Write the report's contents.json: the run that made it and what it holds."""
@@ -129,7 +116,7 @@ class StageRun:
             "stage": self.stage,
             "command": origin.command,
             "fingerprint": short(origin.fingerprint),
-            "items": [asdict(item) for item in self.items],
+            "items": [item.model_dump() for item in self.items],
         }
         write_json(self.report("contents.json"), contents)
 

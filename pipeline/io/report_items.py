@@ -1,0 +1,93 @@
+"""What a report shows: figures, animations and tables, each with its title and caption.
+
+A domain package builds them where it draws, so that a caption stays with what it describes::
+
+    def error_table(cases: Sequence[Case]) -> ReportTable:
+        return ReportTable(rows, "errors", title="Prediction error", caption="Root mean square …")
+
+and a stage only adds them: ``run.add(error_table(cases), error_figure(cases))``.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from PIL import Image
+
+from pipeline.io.artifacts import replacing, write_csv
+from pipeline.io.figure_style import save_figure
+from pipeline.io.report_manifest import Item
+
+FRAME_MS, LAST_FRAME_MS = 40, 1000  # how long an animation shows each frame, and its last
+
+
+@dataclass(frozen=True)
+class ReportFigure:
+    """A figure, written as ``figures/<name>.png``."""
+
+    figure: Figure
+    name: str
+    title: str
+    caption: str
+
+    @property
+    def item(self) -> Item:
+        """The entry in the report's contents.json."""
+        file = f"figures/{self.name}.png"
+        return Item(kind="figure", file=file, title=self.title, caption=self.caption)
+
+    def write(self, path: Path) -> None:
+        """Draw the figure into a file."""
+        save_figure(path, self.figure)
+
+
+@dataclass(frozen=True)
+class ReportAnimation:
+    """Frames (H, W, 3) RGB at 25 Hz, repeated, written as ``figures/<name>.png``.
+
+    An animated PNG keeps every pixel, and a viewer that cannot play it shows the first frame.
+    """
+
+    frames: Sequence[NDArray[np.uint8]]
+    name: str
+    title: str
+    caption: str
+
+    @property
+    def item(self) -> Item:
+        """The entry in the report's contents.json."""
+        file = f"figures/{self.name}.png"
+        return Item(kind="animation", file=file, title=self.title, caption=self.caption)
+
+    def write(self, path: Path) -> None:
+        """Write the frames into a file."""
+        first, *others = [Image.fromarray(frame) for frame in self.frames]
+        durations = [*[FRAME_MS] * len(others), LAST_FRAME_MS]
+        with replacing(path) as temporary:
+            first.save(temporary, save_all=True, append_images=others, duration=durations, loop=0)
+
+
+@dataclass(frozen=True)
+class ReportTable:
+    """A table, written as ``<name>.csv`` with six significant digits."""
+
+    table: pd.DataFrame
+    name: str
+    title: str
+    caption: str
+
+    @property
+    def item(self) -> Item:
+        """The entry in the report's contents.json."""
+        return Item(kind="table", file=f"{self.name}.csv", title=self.title, caption=self.caption)
+
+    def write(self, path: Path) -> None:
+        """Write the table into a file."""
+        write_csv(path, self.table)
+
+
+ReportItem = ReportFigure | ReportAnimation | ReportTable
