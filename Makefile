@@ -26,7 +26,7 @@ help: ## list the targets
 	@rm -f $@
 	$(PIP) pip
 	$(PIP) $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) torch
-	$(PIP) --build-constraint constraints.txt --editable '.[dev]'
+	$(PIP) --build-constraint constraints.txt --editable '.[pipeline,dev,docs]'
 	@touch $@
 
 reproduce: .venv/ready ## run the whole pipeline on the embedded data

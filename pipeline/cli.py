@@ -1,4 +1,4 @@
-"""The ``rallygap`` command: what DVC and MLflow leave to us, in a few verbs."""
+"""The ``rallygap`` command. Its functions import what they need when they are called."""
 
 import os
 import socket
@@ -12,6 +12,7 @@ import typer
 from pipeline.benchmark.command import app as benchmark
 from pipeline.runtime.console import refuse, show
 from pipeline.runtime.errors import InputError
+from pipeline.runtime.extras import missing_extra, require
 from pipeline.runtime.guard import disks_named
 from pipeline.runtime.repository import clone, clone_with_run
 
@@ -26,105 +27,56 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
-    help="Find where a table-tennis simulation and measured balls disagree.",
 )
-app.add_typer(benchmark, name="benchmark")
+
+
+# Headings of `rallygap --help`.
+GAP, RUNS, MAINTENANCE = "The gap", "Runs of the pipeline", "Maintenance of this repository"
 
 
 def main() -> None:
-    """Run the command line; a user's input error, or a full disk, is one line and status 2."""
+    """Run the command line.
+
+    A user's input error, a full disk and a missing optional package are one line and status 2.
+    """
     try:
         with disks_named("output"):
             app()
     except InputError as error:
         refuse(error)
+    except ModuleNotFoundError as error:
+        refuse(_not_installed(error))
 
 
-@app.command()
-def check() -> None:
-    """Check params.yaml, without running anything."""
-    from pipeline.params import load_params
-
-    path = clone() / "params.yaml"
-    load_params(path)
-    typer.echo(f"{path} is in order.")
-
-
-@app.command()
-def mend() -> None:
-    """Remove what is damaged in DVC's cache, with its copies, and a lock that a kill broke."""
-    from pipeline.experiments.cache_repair import mend
-
-    root = clone()
-    removed = mend(root)
-    for path in removed:
-        typer.echo(f"damaged, removed: {path}")
-    if not removed:
-        typer.echo("Nothing is damaged.")
+def _not_installed(error: ModuleNotFoundError) -> InputError:
+    """Return which extra brings the package that is missing; raise the error if none does."""
+    package = (error.name or "").partition(".")[0]
+    extra = missing_extra(package)
+    if extra is None:
+        raise error
+    problem = f"is not installed; this command needs the extra: pip install -e '.[{extra}]'"
+    return InputError(package, problem)
 
 
-@app.command()
-def profile(name: Annotated[str, typer.Argument(help="a file of the folder profiles")]) -> None:
-    """Print a profile as flags, for `dvc exp run $(rallygap profile smoke)`."""
-    from pipeline.experiments.profiles import profile_flags
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
 
-    typer.echo(" ".join(profile_flags(clone(), name)))
+        typer.echo(f"rallygap {version('rallygap')}")
+        raise typer.Exit
 
 
-@app.command()
-def real(
-    folder: Annotated[
-        Path | None,
-        typer.Argument(envvar="RALLYGAP_DATA", help="with spindoe, tt3d, … in it"),
-    ] = None,
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", is_eager=True, callback=_print_version, help="print the version"),
+    ] = False,
 ) -> None:
-    """Run the pipeline on the measured sets in FOLDER and keep the results as `real`."""
-    from pipeline.experiments.keep import keep_experiment
-    from pipeline.experiments.profiles import profile_flags
-
-    if folder is None:
-        raise InputError("real", "say where the measured sets are: make real DATA=~/balls")
-    if not folder.is_dir():
-        raise InputError(folder, "is not a folder; give the one that holds the measured sets")
-    root = clone()
-    # DVC does not watch the folder, so nothing may be taken for up to date.
-    command = ["dvc", "exp", "run", "--temp", "--force", "--name", "real"]
-    environment = {**os.environ, "RALLYGAP_DATA": str(folder.resolve())}
-    command = [sys.executable, "-m", *command, *profile_flags(root, "real")]
-    finished = subprocess.run(command, cwd=root, env=environment, check=False)
-    if finished.returncode != 0:
-        raise typer.Exit(finished.returncode)
-    keep_experiment(root, "real")
-    typer.echo(f"All of it: {root / 'reports' / 'real'}")
+    """Find where a table-tennis simulation and measured balls disagree."""
 
 
-@app.command()
-def keep(name: Annotated[str, typer.Argument(help="as `dvc exp list` shows it")]) -> None:
-    """Copy the results of a DVC experiment into reports/NAME, to be committed."""
-    from pipeline.experiments.keep import keep_experiment
-
-    root = clone()
-    keep_experiment(root, name)
-    typer.echo(f"All of it: {root / 'reports' / name}")
-
-
-@app.command()
-def effects() -> None:
-    """Print the catalogue of effects as Markdown: `rallygap effects > docs/effects.md`."""
-    from pipeline.documentation.effects_page import catalogue_page
-
-    typer.echo(catalogue_page())
-
-
-@app.command()
-def paper() -> None:
-    """Print the paper's numbers beside ours as Markdown: `rallygap paper > docs/paper.md`."""
-    from pipeline.paper.page import paper_page
-
-    typer.echo(paper_page(clone()))
-
-
-@app.command()
+@app.command(rich_help_panel=GAP)
 def diagnose(
     data: Annotated[Path, typer.Argument(help="the folder of the recordings")],
     simulator: Annotated[str, typer.Option(help="a shipped one's name, or a YAML file")],
@@ -146,20 +98,35 @@ def diagnose(
     typer.echo(f"All of it: {out / 'report.html'}")
 
 
-@app.command()
-def costs() -> None:
-    """Measure what the predictors of the last run cost on this machine; write reports/costs."""
-    from pipeline.evaluation.costs import costs_table, machine, measure_costs, write_costs
+@app.command(rich_help_panel=GAP)
+def simulators() -> None:
+    """List the shipped simulators: their names, and their effects as YAML."""
+    from textwrap import indent
 
-    root = clone_with_run()
-    folder = root / "reports" / "costs"
-    measured = measure_costs(root)
-    write_costs(folder, measured, machine(root))
-    show(costs_table(measured))
-    typer.echo(f"All of it: {folder}")
+    from models.ball.simulators import shipped_names, shipped_text
+
+    typer.echo("\n".join(f"{name}\n{indent(shipped_text(name), '  ')}" for name in shipped_names()))
 
 
-@app.command("run-of")
+@app.command(rich_help_panel=RUNS)
+def check() -> None:
+    """Check params.yaml, without running anything."""
+    from pipeline.params import load_params
+
+    path = clone() / "params.yaml"
+    load_params(path)
+    typer.echo(f"{path} is in order.")
+
+
+@app.command(rich_help_panel=RUNS)
+def profile(name: Annotated[str, typer.Argument(help="a file of the folder profiles")]) -> None:
+    """Print a profile as flags, for `dvc exp run $(rallygap profile smoke)`."""
+    from pipeline.experiments.profiles import profile_flags
+
+    typer.echo(" ".join(profile_flags(clone(), name)))
+
+
+@app.command("run-of", rich_help_panel=RUNS)
 def run_of(path: Annotated[Path, typer.Argument(help="a file under reports or artifacts")]) -> None:
     """Say which run wrote a file: stage, commit, DVC experiment, and its page in MLflow."""
     from dataclasses import asdict
@@ -170,7 +137,24 @@ def run_of(path: Annotated[Path, typer.Argument(help="a file under reports or ar
         typer.echo(f"{name:<12}{value or '–'}")
 
 
-@app.command()
+@app.command(rich_help_panel=RUNS)
+def ui(
+    port: Annotated[int, typer.Option(min=1, max=65535, help="on this machine only")] = 5000,
+) -> None:
+    """Serve the MLflow pages of this repository's runs, until interrupted."""
+    from pipeline.tracking.recording import store_uri
+
+    require("mlflow")
+    root = clone()
+    _check_free(port)
+    os.environ.update(LEAN)
+    command = ["mlflow", "server", "--host", "127.0.0.1", "--port", str(port), "--workers", "1"]
+    store = ["--backend-store-uri", store_uri(root)]
+    # MLflow takes the place of this process, so that what stops it stops the server.
+    os.execv(sys.executable, [sys.executable, "-m", *command, *store])
+
+
+@app.command(rich_help_panel=RUNS)
 def sweep(
     name: Annotated[str, typer.Argument(help="a file of profiles/sweeps, such as quick")],
     study: Annotated[
@@ -194,7 +178,7 @@ def sweep(
     )
 
 
-@app.command()
+@app.command(rich_help_panel=RUNS)
 def confirm(
     name: Annotated[str, typer.Argument(help="a sweep that was run, such as predictor")],
 ) -> None:
@@ -207,20 +191,87 @@ def confirm(
     typer.echo(f"All of it: {plan.report}")
 
 
-@app.command()
-def ui(
-    port: Annotated[int, typer.Option(min=1, max=65535, help="on this machine only")] = 5000,
+app.add_typer(benchmark, name="benchmark", rich_help_panel=RUNS)
+
+
+@app.command(rich_help_panel=RUNS)
+def real(
+    folder: Annotated[
+        Path | None,
+        typer.Argument(envvar="RALLYGAP_DATA", help="with spindoe, tt3d, … in it"),
+    ] = None,
 ) -> None:
-    """Serve the MLflow pages of this repository's runs, until interrupted."""
-    from pipeline.tracking.recording import store_uri
+    """Run the pipeline on the measured sets in FOLDER and keep the results as `real`."""
+    from pipeline.experiments.keep import keep_experiment
+    from pipeline.experiments.profiles import profile_flags
+
+    require("dvc")
+    if folder is None:
+        raise InputError("real", "say where the measured sets are: make real DATA=~/balls")
+    if not folder.is_dir():
+        raise InputError(folder, "is not a folder; give the one that holds the measured sets")
+    root = clone()
+    # DVC does not watch the folder, so nothing may be taken for up to date.
+    command = ["dvc", "exp", "run", "--temp", "--force", "--name", "real"]
+    environment = {**os.environ, "RALLYGAP_DATA": str(folder.resolve())}
+    command = [sys.executable, "-m", *command, *profile_flags(root, "real")]
+    finished = subprocess.run(command, cwd=root, env=environment, check=False)
+    if finished.returncode != 0:
+        raise typer.Exit(finished.returncode)
+    keep_experiment(root, "real")
+    typer.echo(f"All of it: {root / 'reports' / 'real'}")
+
+
+@app.command(rich_help_panel=MAINTENANCE)
+def keep(name: Annotated[str, typer.Argument(help="as `dvc exp list` shows it")]) -> None:
+    """Copy the results of a DVC experiment into reports/NAME, to be committed."""
+    from pipeline.experiments.keep import keep_experiment
 
     root = clone()
-    _check_free(port)
-    os.environ.update(LEAN)
-    command = ["mlflow", "server", "--host", "127.0.0.1", "--port", str(port), "--workers", "1"]
-    store = ["--backend-store-uri", store_uri(root)]
-    # MLflow takes the place of this process, so that what stops it stops the server.
-    os.execv(sys.executable, [sys.executable, "-m", *command, *store])
+    keep_experiment(root, name)
+    typer.echo(f"All of it: {root / 'reports' / name}")
+
+
+@app.command(rich_help_panel=MAINTENANCE)
+def mend() -> None:
+    """Remove what is damaged in DVC's cache, with its copies, and a lock that a kill broke."""
+    from pipeline.experiments.cache_repair import mend
+
+    root = clone()
+    removed = mend(root)
+    for path in removed:
+        typer.echo(f"damaged, removed: {path}")
+    if not removed:
+        typer.echo("Nothing is damaged.")
+
+
+@app.command(rich_help_panel=MAINTENANCE)
+def costs() -> None:
+    """Measure what the predictors of the last run cost on this machine; write reports/costs."""
+    from pipeline.evaluation.costs import costs_table, machine, measure_costs, write_costs
+
+    root = clone_with_run()
+    folder = root / "reports" / "costs"
+    measured = measure_costs(root)
+    write_costs(folder, measured, machine(root))
+    show(costs_table(measured))
+    typer.echo(f"All of it: {folder}")
+
+
+@app.command(rich_help_panel=MAINTENANCE)
+def effects() -> None:
+    """Print the catalogue of effects as Markdown: `rallygap effects > docs/effects.md`."""
+    from pipeline.documentation.effects_page import catalogue_page
+
+    typer.echo(catalogue_page())
+
+
+@app.command(rich_help_panel=MAINTENANCE)
+def paper() -> None:
+    """Print the paper's numbers beside ours as Markdown: `rallygap paper > docs/paper.md`."""
+    from pipeline.paper.page import paper_page
+
+    typer.echo(paper_page(clone()))
 
 
 def _check_free(port: int) -> None:

@@ -1,6 +1,5 @@
 """The parameters of every stage: read from params.yaml, typed, bounded, or refused by name."""
 
-import difflib
 import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -29,6 +28,7 @@ from models.policy.settings import (
 from models.predictors.settings import NetworkSettings, TrainingSettings
 from models.segmentation.settings import ScoringSettings, SegmentSettings
 from models.shot_quality.settings import ForestSettings
+from models.support.suggestion import suggestion
 from pipeline.runtime.errors import InputError
 from pipeline.sources.settings import IngestSettings
 
@@ -354,9 +354,7 @@ def _explanation(details: Any) -> str:
     location = details["loc"]
     if details["type"] == "extra_forbidden":
         known = sorted(_known_keys(location[:-1]))
-        near = difflib.get_close_matches(str(location[-1]), known, n=1)
-        hint = f"did you mean {near[0]}? " if near else ""
-        return f"is an unknown key; {hint}Allowed: {', '.join(known)}"
+        return f"is an unknown key; {suggestion(location[-1], known)}"
     if details["type"] == "missing":
         return "is missing"
     message = details["msg"][0].lower() + details["msg"][1:]

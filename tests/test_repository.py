@@ -3,6 +3,7 @@
 import re
 import tomllib
 from importlib.metadata import version
+from itertools import chain
 from pathlib import Path
 
 import grimp
@@ -97,7 +98,8 @@ def test_what_is_installed_has_the_exact_versions_of_the_constraints():
     pinned = dict(line.split("==") for line in lines if not line.startswith("#"))
     versions = {canonical(name): number for name, number in pinned.items()}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    for requirement in project["dependencies"] + project["optional-dependencies"]["dev"]:
+    extras = project["optional-dependencies"]
+    for requirement in chain(project["dependencies"], extras["pipeline"], extras["dev"]):
         name = re.match(r"[\w.-]+", requirement)[0]
         installed = version(name).split("+")[0]  # +cpu: the same version, built for less
         assert installed == versions[canonical(name)]

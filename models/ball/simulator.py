@@ -1,6 +1,5 @@
 """The simulator: a value, an ordered list of named effects with their parameters."""
 
-import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from models.ball.catalogue import catalogue, parameter_columns
 from models.ball.effect import Effect, Parameter
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats, Integers
+from models.support.suggestion import suggestion
 
 
 class SimulatorError(ValueError):
@@ -147,9 +147,8 @@ def _parameter(effect: Effect, name: str) -> Parameter:
 
 def _checked(name: str, values: Any) -> dict[str, float]:
     if name not in catalogue():
-        near = difflib.get_close_matches(str(name), catalogue(), n=1)
-        hint = f"; did you mean {near[0]}?" if near else f"; known: {', '.join(catalogue())}"
-        raise SimulatorError(f"there is no effect called {name!r}{hint}")
+        hint = suggestion(name, catalogue())
+        raise SimulatorError(f"there is no effect called {name!r}; {hint}")
     effect = catalogue()[name]
     values = {} if values is None else values
     if not isinstance(values, Mapping):

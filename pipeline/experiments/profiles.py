@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from models.support.suggestion import suggestion
 from pipeline.params import check_params, load_params, read_yaml
 from pipeline.runtime.errors import InputError
 
@@ -25,8 +26,8 @@ def profile_flags(root: Path, name: str) -> list[str]:
     """
     path = root / "profiles" / f"{name}.yaml"
     if not path.is_file():
-        names = sorted(file.stem for file in path.parent.glob("*.yaml"))
-        raise InputError(path, f"there is no such profile; there are: {', '.join(names)}")
+        names = [file.stem for file in path.parent.glob("*.yaml")]
+        raise InputError(path, f"there is no such profile; {suggestion(name, names)}")
     load_params(root / "params.yaml")
     params = read_yaml(root / "params.yaml")
     changed = merged(params, read_yaml(path) or {})

@@ -11,6 +11,7 @@ import pandas as pd
 from models.gap.fit.shots import Shots
 from models.segmentation.settings import SegmentSettings
 from models.segmentation.tables import segment_recordings
+from models.support.suggestion import suggestion
 from pipeline.gap.shots import is_shot, shots_of
 from pipeline.io.artifacts import table_writer, write_table
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
@@ -100,7 +101,7 @@ class _Folder(SourceContext):
 def _source(name: str) -> Source:
     known = {one: source for one, source in registry().items() if one != SIMULATED}
     if name not in known:
-        problem = f"there is no source {name!r} of measured balls; known: {', '.join(known)}"
+        problem = f"there is no source {name!r} of measured balls; {suggestion(name, known)}"
         raise InputError("--source", problem)
     return known[name]
 

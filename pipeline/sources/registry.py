@@ -7,6 +7,7 @@ with a ``source``, like the modules of ``adapters``.
 from functools import cache
 
 from models.support.discovery import discovered
+from models.support.suggestion import suggestion
 from pipeline.runtime.errors import InputError
 from pipeline.sources import adapters
 from pipeline.sources.source import Source
@@ -36,7 +37,6 @@ def find_source(name: str) -> Source:
         InputError: there is none of that name.
     """
     if name not in registry():
-        known = ", ".join(sorted(registry()))
-        problem = f"there is no source {name!r}; known: {known}"
+        problem = f"there is no source {name!r}; {suggestion(name, registry())}"
         raise InputError("params.yaml", problem, field="ingest.sources")
     return registry()[name]

@@ -5,6 +5,7 @@ from importlib.resources import files
 import yaml
 
 from models.ball.simulator import Simulator, SimulatorError
+from models.support.suggestion import suggestion
 
 
 def shipped_names() -> list[str]:
@@ -20,5 +21,11 @@ def shipped(name: str) -> Simulator:
         SimulatorError: there is none of that name.
     """
     if name not in shipped_names():
-        raise SimulatorError(f"no simulator {name!r} is shipped; there are: {shipped_names()}")
-    return Simulator.from_dict(yaml.safe_load((files(__name__) / f"{name}.yaml").read_text()))
+        hint = suggestion(name, shipped_names())
+        raise SimulatorError(f"there is no shipped simulator {name!r}; {hint}")
+    return Simulator.from_dict(yaml.safe_load(shipped_text(name)))
+
+
+def shipped_text(name: str) -> str:
+    """Return the YAML of the shipped simulator ``name``: a comment, then its effects."""
+    return (files(__name__) / f"{name}.yaml").read_text(encoding="utf-8")
