@@ -10,8 +10,9 @@ from pipeline.gap.figures.verdict import KIND_NAMES
 from pipeline.gap.summary import Findings
 from pipeline.gap.wording import label, number, percent, with_unit
 from pipeline.io.report_manifest import Column, read_figure
-from pipeline.web.report_page import TEMPLATES
+from pipeline.web.environment import page_environment
 
+TEMPLATES = Path(__file__).parent / "templates"
 SMALLEST_P = 1e-4  # of those that signs drawn at random can tell apart
 
 
@@ -39,19 +40,23 @@ def render_gap_page(
         InputError: a figure is missing.
     """
     verdict, located = findings.verdict, findings.verdict.located
-    return TEMPLATES.get_template("gap.html").render(
-        answer=verdict.verdict.replace("_", " "),
-        sentences=findings.sentences,
-        figures={one.name: _shown(one, folder) for one in illustrations},
-        causes=_table(_causes(findings)) if verdict.effects else None,
-        growth=_table(_growth(located)) if located and located.growth else None,
-        errors=_table(_errors(findings)) if verdict.gap else None,
-        closer=_closer(findings),
-        detectable=_table(_detectable(findings)),
-        blind=[f"{name}: {findings.title(name)}" for name in verdict.blind_to],
-        limits=verdict.limits,
-        amended=amended,
-        facts=_facts(findings),
+    return (
+        page_environment(TEMPLATES)
+        .get_template("gap.html")
+        .render(
+            answer=verdict.verdict.replace("_", " "),
+            sentences=findings.sentences,
+            figures={one.name: _shown(one, folder) for one in illustrations},
+            causes=_table(_causes(findings)) if verdict.effects else None,
+            growth=_table(_growth(located)) if located and located.growth else None,
+            errors=_table(_errors(findings)) if verdict.gap else None,
+            closer=_closer(findings),
+            detectable=_table(_detectable(findings)),
+            blind=[f"{name}: {findings.title(name)}" for name in verdict.blind_to],
+            limits=verdict.limits,
+            amended=amended,
+            facts=_facts(findings),
+        )
     )
 
 

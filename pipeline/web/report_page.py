@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
 from pipeline.evaluation.example_shots import Shot
 from pipeline.io.report_manifest import (
     Contents,
@@ -16,18 +14,11 @@ from pipeline.io.report_manifest import (
 )
 from pipeline.paper.run_reports import Reports
 from pipeline.transfer.example_returns import Return
+from pipeline.web.environment import page_environment
 from pipeline.web.paper_section import paper_section
 from pipeline.web.scenes import return_scenes, shot_scenes
 
 SHOTS_STAGE, RETURNS_STAGE = "evaluate_predictor", "sim2real"  # whose runs the 3-D views show
-
-TEMPLATES = Environment(
-    loader=FileSystemLoader(Path(__file__).parent / "templates"),
-    autoescape=True,
-    undefined=StrictUndefined,
-    trim_blocks=True,
-    lstrip_blocks=True,
-)
 
 
 def render_page(
@@ -46,13 +37,17 @@ def render_page(
         InputError: if a figure or table that the contents name is missing or broken.
     """
     stages = {one.stage: one for one in contents}
-    return TEMPLATES.get_template("page.html").render(
-        stages=[_shown_stage(run.folder, stage) for stage in contents],
-        paper=paper_section(run, contents),
-        shot_stage=stages.get(SHOTS_STAGE),
-        return_stage=stages.get(RETURNS_STAGE),
-        shots=shot_scenes(shots),
-        returns=return_scenes(returns),
+    return (
+        page_environment()
+        .get_template("page.html")
+        .render(
+            stages=[_shown_stage(run.folder, stage) for stage in contents],
+            paper=paper_section(run, contents),
+            shot_stage=stages.get(SHOTS_STAGE),
+            return_stage=stages.get(RETURNS_STAGE),
+            shots=shot_scenes(shots),
+            returns=return_scenes(returns),
+        )
     )
 
 

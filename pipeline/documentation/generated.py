@@ -1,0 +1,59 @@
+"""Documentation that is written from the code and from the committed runs.
+
+A page in ``PAGES`` is generated whole. Any other page may have generated blocks: the text between
+``<!-- generated: NAME -->`` and ``<!-- end -->`` is written by ``BLOCKS[NAME]``, on lines of its
+own or inside a sentence or a table cell. `rallygap docs` writes both; a test checks that writing
+them again changes nothing.
+"""
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from pipeline.documentation.effects_page import catalogue_page
+from pipeline.paper.page import paper_page
+from pipeline.runtime.errors import InputError
+
+Writer = Callable[[Path], str]  # takes the repository's root, returns Markdown
+
+PAGES: dict[str, Writer] = {
+    "docs/effects.md": lambda root: catalogue_page(),
+    "docs/paper.md": paper_page,
+}
+
+BLOCKS: dict[str, Writer] = {}
+
+_START = "<!-- generated:"
+_BLOCK = re.compile(r"(?P<start><!-- generated: (?P<name>\S+) -->)(?P<text>.*?)<!-- end -->", re.S)
+
+
+def regenerate(root: Path) -> dict[Path, str]:
+    """Return the text of every page of a repository that is generated or has generated blocks.
+
+    Raises:
+        InputError: a page names an unknown block or does not end one, or a report is broken.
+    """
+    pages = {root / name: write(root).rstrip() + "\n" for name, write in PAGES.items()}
+    return pages | {path: _with_blocks(path, root) for path in _pages_with_blocks(root)}
+
+
+def _pages_with_blocks(root: Path) -> Iterator[Path]:
+    for path in [root / "README.md", *sorted((root / "docs").rglob("*.md"))]:
+        generated = path.relative_to(root).as_posix() in PAGES
+        if not generated and _START in path.read_text(encoding="utf-8"):
+            yield path
+
+
+def _with_blocks(path: Path, root: Path) -> str:
+    def written(block: re.Match[str]) -> str:
+        name = block["name"]
+        if name not in BLOCKS:
+            problem = f"names an unknown block, {name}; known are {', '.join(sorted(BLOCKS))}"
+            raise InputError(path, problem)
+        margin = "\n\n" if block["text"].startswith("\n") else ""
+        return f"{block['start']}{margin}{BLOCKS[name](root).strip()}{margin}<!-- end -->"
+
+    text, count = _BLOCK.subn(written, path.read_text(encoding="utf-8"))
+    if count != text.count(_START):
+        raise InputError(path, "has a generated block without a name or without <!-- end -->")
+    return text
