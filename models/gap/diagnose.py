@@ -6,18 +6,20 @@ from dataclasses import replace
 import numpy as np
 
 from models.ball.simulator import Simulator
+from models.gap.fit.horizons import SEEN
 from models.gap.fit.refit import fitted
 from models.gap.fit.shot_fit import refit_shots
 from models.gap.fit.shots import Shots
+from models.gap.inference.score_test import Evidence
 from models.gap.locate.attribution import locate
 from models.gap.location import Located
 from models.gap.name.gap_share import shares
 from models.gap.name.intervals import within
 from models.gap.name.label_signs import Signs, no_signs, signs
 from models.gap.name.naming import SIGNS, Named, Question, name
-from models.gap.name.score_test import Evidence
-from models.gap.name.selection import Places, from_nominal
-from models.gap.name.unexplained import PHASES, Leftover, leftover
+from models.gap.name.selection import from_nominal
+from models.gap.name.unexplained import Leftover, leftover
+from models.gap.types import PHASES, Places
 from models.gap.verdict import (
     Answer,
     Cause,
@@ -30,7 +32,7 @@ from models.gap.verdict import (
     name_of,
 )
 from models.gap.verify.limitations import WANDERING, limits, misled
-from models.gap.verify.prediction_error import SEEN, errors, gap
+from models.gap.verify.prediction_error import errors, gap
 
 LEVEL = 0.003
 HELD_OUT = 3  # one shot in so many

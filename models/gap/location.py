@@ -2,9 +2,36 @@
 
 from dataclasses import dataclass
 
-from models.ball.types import Floats
-from models.gap.locate.trends import Growth
-from models.gap.name.unexplained import PHASES, Phase
+from models.ball.types import Floats, Integers
+from models.gap.types import PHASES, Phase
+
+
+@dataclass(frozen=True)
+class Growth:
+    """The parting against one axis, in K bins.
+
+    Attributes:
+        axis: its name.
+        unit: of its values, empty for kinds.
+        centres: (K,) medians of the axis in the bins, or numbers.
+        kinds: (K,) names of the bins where they are kinds.
+        means: (K, 3) m along the course, across it (to the right) and up.
+        errors: (K, 3) m, half the 95 % interval of a mean.
+        counts: (K,) shots.
+        share: of the partings' variance that goes with the axis; of the time since launch, share
+            of the mean square that all shots have in common.
+        p_value: chance that any axis is as telling where none tells anything.
+    """
+
+    axis: str
+    unit: str
+    centres: Floats
+    kinds: tuple[str, ...]
+    means: Floats
+    errors: Floats
+    counts: Integers
+    share: float
+    p_value: float
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from models.gap.fit.horizons import SEEN
 from models.gap.fit.shots import Shots
-from models.gap.verify.prediction_error import SEEN
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
 from pipeline.sources.manifest import read_manifest
 

@@ -4,8 +4,7 @@ import numpy as np
 
 from models.ball.simulators import shipped
 from models.gap.fit.shots import Shots
-from models.gap.locate.trends import Growth
-from models.gap.location import Located
+from models.gap.location import Growth, Located
 from models.gap.verdict import Cause, Gap, Landing, Unexplained, Verdict, Where
 from pipeline.gap.measured_shots import MeasuredShots
 from pipeline.gap.summary import Findings

@@ -25,7 +25,7 @@ from models.gap.fit.noise import Noise, grams
 from models.gap.fit.shot_fit import MOST_KICKS
 from models.gap.fit.shots import Shots
 from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.name.score_test import DETECTABLE, Evidence
+from models.gap.inference.score_test import DETECTABLE, Evidence
 from models.gap.verdict import name_of
 
 SIGNS: Name = ("spin_sign_flip", "share")

@@ -25,7 +25,7 @@ from models.gap.fit.noise import Noise, prior_precision
 from models.gap.fit.shot_fit import SPIN, fit_shots, refit_shots
 from models.gap.fit.shots import Shots
 from models.gap.hypotheses import Hypothesis
-from models.gap.name.score_test import regular
+from models.gap.inference.score_test import regular
 
 # By ``best_threshold`` on the sets of sindy.py. Clean sets right and hidden effects named, for 3,
 # 3.25, 3.5, 4 standard errors: 96 and 60 %, 100 and 61 %, 100 and 60 %, 100 and 55 %. With an own

@@ -8,7 +8,6 @@ The evidence for all other hypotheses is then that about the refitted simulator.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -22,7 +21,6 @@ from models.gap.fit.shot_fit import ShotFit, fit_shots, refit_shots
 from models.gap.fit.shots import Shots
 from models.gap.fit.variance_components import Components, components
 from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.name.score_test import Evidence
 from models.gap.types import Indices
 
 MOST_STEPS = 6  # from scratch ...
@@ -54,11 +52,6 @@ class Refitted:
     def __getitem__(self, rows: Indices) -> "Refitted":
         """Return some of the shots, about the same simulator in the same noise."""
         return replace(self, linear=self.linear[rows], components=self.components[rows])
-
-    @cached_property
-    def evidence(self) -> Evidence:
-        """For and against every hypothesis about the refitted simulator."""
-        return Evidence.of(self.linear, self.components)
 
 
 def refit(

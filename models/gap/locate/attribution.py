@@ -20,15 +20,15 @@ import numpy as np
 
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
+from models.gap.fit.horizons import at_horizons
 from models.gap.fit.refit import Refitted
 from models.gap.locate.covariates import axes, courses
 from models.gap.locate.discrepancy import parting, reliable
 from models.gap.locate.free_fit import free_parting
-from models.gap.locate.phase_selection import Candidates, Places
+from models.gap.locate.phase_selection import Candidates
 from models.gap.locate.trends import growths, over_time
 from models.gap.location import Located
-from models.gap.name.unexplained import PHASES
-from models.gap.verify.prediction_error import at_horizons
+from models.gap.types import PHASES, Places
 
 HORIZONS: Floats = np.linspace(0.025, 0.6, 24)  # s
 FEWEST, FEW = 5, 0.25  # shots at a horizon, and their share of those at most

@@ -14,11 +14,11 @@ import numpy as np
 
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
+from models.gap.fit.horizons import SEEN, last_seen
 from models.gap.fit.linearize import Linearised
 from models.gap.fit.noise import prior_precision
 from models.gap.fit.variance_components import Components
 from models.gap.types import Bools
-from models.gap.verify.prediction_error import SEEN, last_seen
 
 KNOWN = 1e-3  # rad/s, by which a spin without a label may shift
 INLIER, TRUSTED = 0.5, 0.5

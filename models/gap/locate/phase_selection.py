@@ -21,18 +21,15 @@ from models.gap.fit.linearize import Linearised
 from models.gap.fit.refit import Refitted
 from models.gap.fit.variance_components import Components
 from models.gap.hypotheses import Hypothesis
+from models.gap.inference.score_test import Evidence
 from models.gap.locate.term_library import joined
 from models.gap.locate.terms import Term
-from models.gap.name.score_test import Evidence
-from models.gap.name.unexplained import PHASES, Phase
-from models.gap.types import Bools
+from models.gap.types import PHASES, Bools, Phase, Places
 
 LEVEL = 0.003  # chance of a term where nothing is wrong
 OWN_PART = 1e-3  # of a term's information, that must be left beside those chosen
 MOST_TERMS = 12
 PHASE_OF: dict[str, Phase] = {"flight": "flight", "contact": "table", "sensor": "sensor"}
-
-Places = tuple[int, ...]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ chance is that of signs drawn at random, a shot's at once.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,40 +18,13 @@ from scipy.stats import t as student
 
 from models.ball.types import Floats, Integers
 from models.gap.locate.covariates import Axis
+from models.gap.location import Growth
 
 TIME = "time since launch"
 FEWEST, USUAL = 4, 6  # shots in a bin
 MOST_BINS = 5
 DRAWS = 2000
 BATCH = 500  # permutations at once
-
-
-@dataclass(frozen=True)
-class Growth:
-    """The parting against one axis, in K bins.
-
-    Attributes:
-        axis: its name.
-        unit: of its values, empty for kinds.
-        centres: (K,) medians of the axis in the bins, or numbers.
-        kinds: (K,) names of the bins where they are kinds.
-        means: (K, 3) m along the course, across it (to the right) and up.
-        errors: (K, 3) m, half the 95 % interval of a mean.
-        counts: (K,) shots.
-        share: of the partings' variance that goes with the axis; of the time since launch, share
-            of the mean square that all shots have in common.
-        p_value: chance that any axis is as telling where none tells anything.
-    """
-
-    axis: str
-    unit: str
-    centres: Floats
-    kinds: tuple[str, ...]
-    means: Floats
-    errors: Floats
-    counts: Integers
-    share: float
-    p_value: float
 
 
 def growths(axes: Sequence[Axis], partings: Floats, seed: int = 0) -> tuple[Growth, ...]:

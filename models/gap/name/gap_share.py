@@ -10,7 +10,7 @@ from math import factorial
 import numpy as np
 
 from models.ball.types import Floats
-from models.gap.name.set_scores import Scales
+from models.gap.inference.set_scores import Scales
 from models.gap.types import Indices
 
 MOST_ORDERS = 240

@@ -24,7 +24,7 @@ from models.gap.fit.refit import Refitted, refit
 from models.gap.fit.shot_fit import refit_shots
 from models.gap.fit.shots import Shots
 from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.name.score_test import Evidence
+from models.gap.inference.score_test import Evidence
 
 LIFT = 0.1  # C_M; only its product with the spin shows in flight
 

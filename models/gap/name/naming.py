@@ -23,17 +23,17 @@ from models.ball.state import SPIN
 from models.gap.fit.refit import Refitted, gained, refit
 from models.gap.fit.shots import Shots, evenly
 from models.gap.hypotheses import Hypothesis, hypotheses
+from models.gap.inference.score_test import Evidence
 from models.gap.name.label_signs import Signs, no_signs, signs
 from models.gap.name.missing_lift import lift
-from models.gap.name.score_test import Evidence
 from models.gap.name.selection import (
     AT_ONCE,
     Explainer,
     Explanation,
-    Places,
     explained,
     from_nominal,
 )
+from models.gap.types import Places
 
 MOST_ROUNDS = 8
 MOST_SHOTS = 70  # of which causes are looked for first; all of them only look once more

@@ -13,8 +13,8 @@ from scipy.stats import chi2
 
 from models.ball.types import Floats
 from models.gap.fit.marginal import visible
+from models.gap.inference.score_test import Evidence, Tested
 from models.gap.locate.terms import Term
-from models.gap.name.score_test import Evidence, Tested
 
 OWN_PART = 1e-4  # of a direction's information, that must be left beside the catalogue
 OWN_TERM = 1e-3  # the same of a term's

@@ -20,17 +20,15 @@ from scipy.stats import norm
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.fit.refit import Refitted
-from models.gap.name.score_test import Evidence, Tested, familywise
-from models.gap.name.set_scores import Scales
-from models.gap.types import Indices
+from models.gap.inference.score_test import Evidence, Tested, familywise
+from models.gap.inference.set_scores import Scales
+from models.gap.types import Indices, Places
 
 AT_ONCE = 5  # causes by which explanations about one fit may grow
 BEAM = 150  # sets of a size that are carried on, at most ...
 WORK = 750  # ... and of so many causes in all
 WITNESSES = 2.5  # shots that must say as much as all: no name rests on one or two
 ALIKE = 1e-3  # of twice the log likelihood, which the simulator's own numbers have as an advantage
-
-Places = tuple[int, ...]
 
 
 def from_nominal(found: Refitted, nominal: Simulator, withheld: Sequence[str] = ()) -> Evidence:
@@ -41,7 +39,7 @@ def from_nominal(found: Refitted, nominal: Simulator, withheld: Sequence[str] = 
         nominal: whose values count as no departure.
         withheld: effects that are not in question.
     """
-    evidence = found.evidence
+    evidence = Evidence.of(found.linear, found.components)
     kept = [k for k, one in enumerate(evidence.columns) if one.effect not in withheld]
     columns = tuple(evidence.columns[k] for k in kept)
     information = evidence.information[:, kept][:, :, kept]

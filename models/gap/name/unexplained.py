@@ -11,7 +11,6 @@ scores; it says what such an effect may look like, not that it is one.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -19,13 +18,12 @@ from models.ball.types import Floats
 from models.gap.fit.noise import Noise
 from models.gap.fit.refit import Refitted
 from models.gap.fit.variance_components import Components
+from models.gap.inference.score_test import Evidence
 from models.gap.locate.term_library import joined
 from models.gap.name.phase_test import PhaseTest
-from models.gap.name.score_test import Evidence
 from models.gap.name.sparse_formula import formula
+from models.gap.types import PHASES, Phase
 
-Phase = Literal["flight", "table", "sensor"]
-PHASES: tuple[Phase, ...] = ("flight", "table", "sensor")
 SIGN_FLIPS = 20_000
 CONFIRMS = 2.5  # standard errors on other shots
 

@@ -12,13 +12,14 @@ in naming (rehearsal.py). Rehearsals that it takes to miss the table, or to hit 
 not, are left out: they are few and far off, and by luck would lift the floor above the errors.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
+from models.gap.fit.horizons import SEEN, at_horizons, first_samples
 from models.gap.fit.linearize import ballistic_unknowns
 from models.gap.fit.measurement import Moments, seen
 from models.gap.fit.noise import Noise
@@ -31,9 +32,7 @@ from models.gap.verify.bootstrap import interval, resampled, root_mean_squares
 from models.gap.verify.landing import Landings, landings
 from models.gap.verify.replicates import rehearsed
 
-SEEN = 12  # samples
 HORIZONS = np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4])  # s
-WINDOW = 0.0125  # s
 FEWEST = 3  # shots with samples at a horizon, or that land
 INLIER = 0.5
 LATE = 0.2  # s after a shot's last sample, until when predictions may land
@@ -149,45 +148,6 @@ def _closed(sizes: Floats) -> Floats:
     removable = np.where(before > floor, before - floor, np.nan)
     closed: Floats = (before - after) / removable
     return closed
-
-
-def last_seen(shots: Shots) -> Floats:
-    """Return (B, 1) times of the last samples that predictions see, s."""
-    place = min(SEEN, shots.times.shape[1]) - 1
-    return shots.times[:, place : place + 1]
-
-
-def first_samples(shots: Shots, count: int) -> Shots:
-    """Return the first samples of shots, and the labels up to the last of them."""
-    last = shots.times[:, count - 1 : count]
-    known = np.asarray(shots.label_times <= last)
-    width = int(known.sum(axis=1).max(initial=0))
-    labels = np.where(known[..., None], shots.labels, np.nan)[:, :width]
-    return replace(
-        shots,
-        times=shots.times[:, :count],
-        positions=shots.positions[:, :count],
-        valid=shots.valid[:, :count],
-        label_times=np.where(known, shots.label_times, np.nan)[:, :width],
-        labels=labels,
-    )
-
-
-def at_horizons(shots: Shots, values: Floats, usable: Bools, horizons: Floats) -> Floats:
-    """Return (B, H, ...) means of (B, N, ...) values about horizons, NaN where there are none.
-
-    Args:
-        shots: B of them.
-        values: at their samples.
-        usable: (B, N) samples that count.
-        horizons: (H,) s from the last sample that a prediction sees.
-    """
-    since = shots.times - last_seen(shots)
-    near = usable[:, None] & (np.abs(since[:, None] - horizons[:, None]) <= WINDOW)
-    count = near.sum(axis=2)
-    shares = near / np.where(count > 0, count, np.nan)[..., None]
-    means: Floats = np.einsum("bhn,bn...->bh...", shares, values, optimize=True)
-    return means
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.gap.locate.trends import Growth
-from models.gap.location import Located
-from models.gap.name.unexplained import PHASES
+from models.gap.location import Growth, Located
+from models.gap.types import PHASES
 from pipeline.gap.summary import TELLING
 from pipeline.gap.wording import PLACES, chance, percent
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED

@@ -8,7 +8,7 @@ import pytest
 from models.gap.fit.linearize import linearise
 from models.gap.fit.refit import gained, refit
 from models.gap.hypotheses import Hypothesis
-from models.gap.name.score_test import familywise
+from models.gap.inference.score_test import Evidence, familywise
 from tests.models.gap.hidden import NOMINAL, measured, own
 
 # About three times what 100 shots can show.
@@ -57,7 +57,8 @@ def check_leads(effect, parameter, count):
     hypothesis = Hypothesis(effect, parameter)
     size = HIDDEN[effect, parameter] * np.sqrt(100 / count)
     shots = measured(hypothesis.at(NOMINAL, size), count=count, seed=2)
-    evidence = refit(shots, NOMINAL, own(NOMINAL)).evidence
+    found = refit(shots, NOMINAL, own(NOMINAL))
+    evidence = Evidence.of(found.linear, found.components)
     first, test = leader(evidence)
     assert test.gain > 50.0
     places = [evidence.columns.index(one) for one in (hypothesis, first)]
@@ -82,8 +83,8 @@ def test_wrong_values_come_back_within_their_errors():
         far = far.amended(effect, **values)
     found = refit(shots, far, own(far))
     for hypothesis in own(NOMINAL):
-        place = found.evidence.columns.index(hypothesis)
-        test = found.evidence.tested([place], found.evidence.free)
+        evidence = Evidence.of(found.linear, found.components)
+        test = evidence.tested([evidence.columns.index(hypothesis)], evidence.free)
         off = hypothesis.value(found.simulator) - hypothesis.value(NOMINAL)
         assert abs(off) < 3.5 * test.standard_error[0]
 
@@ -105,7 +106,8 @@ def test_a_start_about_which_nothing_fits_is_no_trap():
 
 
 def test_nothing_is_significant_in_a_clean_set():
-    evidence = refit(measured(count=40, seed=6), NOMINAL, own(NOMINAL)).evidence
+    found = refit(measured(count=40, seed=6), NOMINAL, own(NOMINAL))
+    evidence = Evidence.of(found.linear, found.components)
     tests = [evidence.tested([k], evidence.free) for k in evidence.decidable(evidence.free)]
     assert familywise(tests).min() > 0.003
 

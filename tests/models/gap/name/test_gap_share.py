@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from models.gap.inference.set_scores import Scales
 from models.gap.name.gap_share import shares
-from models.gap.name.set_scores import Scales
 
 
 def scales(scores, likeness=0.0):

@@ -4,6 +4,7 @@ import numpy as np
 
 from models.gap.fit.refit import refit
 from models.gap.hypotheses import Hypothesis
+from models.gap.inference.score_test import Evidence
 from models.gap.name.missing_lift import lift
 from tests.models.gap.hidden import WITHOUT_MAGNUS, measured, own
 
@@ -11,8 +12,8 @@ from tests.models.gap.hidden import WITHOUT_MAGNUS, measured, own
 def gravity_off(found):
     """By how many standard errors gravity differs from the true one."""
     hypothesis = Hypothesis("gravity", "g")
-    place = found.evidence.columns.index(hypothesis)
-    test = found.evidence.tested([place], found.evidence.free)
+    evidence = Evidence.of(found.linear, found.components)
+    test = evidence.tested([evidence.columns.index(hypothesis)], evidence.free)
     return (hypothesis.value(found.simulator) - 9.81) / test.standard_error[0]
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from models.ball.simulator import Simulator
 from models.gap.hypotheses import Hypothesis
-from models.gap.name.score_test import Evidence
+from models.gap.inference.score_test import Evidence
 from models.gap.name.selection import Explainer, explained
 
 NOMINAL = Simulator.from_dict({"gravity": {"g": 9.81}, "drag": {"cd": 0.5}})

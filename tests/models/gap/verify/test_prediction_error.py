@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from models.gap.fit.horizons import SEEN, first_samples
 from models.gap.fit.noise import Noise
 from models.gap.fit.refit import fitted
-from models.gap.verify.prediction_error import SEEN, Errors, errors, first_samples, gap
+from models.gap.verify.prediction_error import Errors, errors, gap
 from tests.models.gap.hidden import NOMINAL, measured
 
 NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.01, 0.02, 0.005))

@@ -12,7 +12,7 @@ import numpy as np
 
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
-from models.gap.name.score_test import Evidence
+from models.gap.inference.score_test import Evidence
 from models.gap.types import Bools, Indices
 
 MOST_ALIKE = 100.0  # by how much others may inflate the variance of a value

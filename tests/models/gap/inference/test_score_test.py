@@ -12,7 +12,7 @@ from models.gap.fit.noise import Noise, grams
 from models.gap.fit.shots import Shots
 from models.gap.fit.variance_components import Components
 from models.gap.hypotheses import Hypothesis
-from models.gap.name.score_test import Evidence, familywise
+from models.gap.inference.score_test import Evidence, familywise
 
 SIGMA = 0.003
 NOISE = Noise(white=SIGMA, slow=1e-9, timing=0.0)

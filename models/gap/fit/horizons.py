@@ -1,0 +1,51 @@
+"""Horizons: what a prediction observes of a shot, and how long after that its error is taken."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from models.ball.types import Floats
+from models.gap.fit.shots import Shots
+from models.gap.types import Bools
+
+SEEN = 12  # samples
+WINDOW = 0.0125  # s
+
+
+def last_seen(shots: Shots) -> Floats:
+    """Return (B, 1) times of the last samples that predictions see, s."""
+    place = min(SEEN, shots.times.shape[1]) - 1
+    return shots.times[:, place : place + 1]
+
+
+def first_samples(shots: Shots, count: int) -> Shots:
+    """Return the first samples of shots, and the labels up to the last of them."""
+    last = shots.times[:, count - 1 : count]
+    known = np.asarray(shots.label_times <= last)
+    width = int(known.sum(axis=1).max(initial=0))
+    labels = np.where(known[..., None], shots.labels, np.nan)[:, :width]
+    return replace(
+        shots,
+        times=shots.times[:, :count],
+        positions=shots.positions[:, :count],
+        valid=shots.valid[:, :count],
+        label_times=np.where(known, shots.label_times, np.nan)[:, :width],
+        labels=labels,
+    )
+
+
+def at_horizons(shots: Shots, values: Floats, usable: Bools, horizons: Floats) -> Floats:
+    """Return (B, H, ...) means of (B, N, ...) values about horizons, NaN where there are none.
+
+    Args:
+        shots: B of them.
+        values: at their samples.
+        usable: (B, N) samples that count.
+        horizons: (H,) s from the last sample that a prediction sees.
+    """
+    since = shots.times - last_seen(shots)
+    near = usable[:, None] & (np.abs(since[:, None] - horizons[:, None]) <= WINDOW)
+    count = near.sum(axis=2)
+    shares = near / np.where(count > 0, count, np.nan)[..., None]
+    means: Floats = np.einsum("bhn,bn...->bh...", shares, values, optimize=True)
+    return means

@@ -1,0 +1,1 @@
+"""Inference: score tests and penalised scores of sets of linearised columns."""
