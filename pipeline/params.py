@@ -196,13 +196,13 @@ class Sim2RealSettings(Settings):
 
 
 class ShotQualitySettings(Settings):
-    """How the forest that tells winning shots is grown and judged."""
+    """How the forest that estimates winning probabilities is trained and validated."""
 
     forest: ForestSettings
     folds: Annotated[int, Field(ge=2, le=100)]
-    """Parts that matches are shared out to; each is left out once."""
+    """Of the cross-validation; each match is in one fold."""
     points: Annotated[int, Field(ge=10, le=1_000_000)]
-    """That professionals play against each of the receivers that it is tried on."""
+    """Simulated between a professional and each receiver of the sensitivity analysis."""
     bootstrap_resamples: Annotated[int, Field(ge=0, le=100_000)]
     """Resamples of balls and matches for the confidence intervals; 0 leaves them out."""
 

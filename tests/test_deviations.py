@@ -201,7 +201,7 @@ def of_the_forest_s_label():
 
 def of_the_forest_s_settings():
     forest = read_yaml(ROOT / "params.yaml")["shot_quality"]["forest"]
-    return f"{forest['trees']} trees with at least {forest['smallest_leaf']} shots a leaf"
+    return f"{forest['trees']} trees with at least {forest['min_samples_leaf']} shots a leaf"
 
 
 def precision(measure):

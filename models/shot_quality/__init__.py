@@ -1,1 +1,1 @@
-"""The quality of returns: how fast, spun and flat they are, and how often such shots win."""
+"""Quality of returns: features, winning probability and its cross-validation."""

@@ -1,25 +1,23 @@
-"""Measured: how a stroke landed, told by the cameras alone."""
+"""Landings of strokes, estimated from measured samples alone."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.arena.sides import turned
+from models.ball.types import Floats, Integers
 from models.predictors.windows import Episode
 
-Floats = NDArray[np.float64]
-
-GRAVITY = 9.81  # m/s2; all else changes little in the few milliseconds between two samples
-AT_NET = 4  # samples nearest to the net that tell the height over it
+GRAVITY = 9.81  # m/s2; other accelerations are negligible over the milliseconds between samples
+NET_SAMPLES = 4  # samples nearest to the net, from which the height over it is averaged
 ROUNDING = 1e-6  # s
 
 
-def seen_flying(episode: Episode) -> bool:
-    """Return whether anything was seen of the ball between its stroke and its first contact."""
+def has_first_arc(episode: Episode) -> bool:
+    """Return whether the ball was measured between its stroke and its first contact."""
     return len(_first_arc(episode)) > 0
 
 
-def struck_towards(episode: Episode) -> float:
-    """Return 1 for a ball that is struck towards +y, -1 for one that is struck the other way."""
+def stroke_direction(episode: Episode) -> float:
+    """Return 1 for a ball that is struck towards +y, -1 towards -y."""
     first = _first_arc(episode)
     return float(np.sign(np.median(episode.velocities[first, 1])))
 
@@ -31,24 +29,24 @@ def landing(episode: Episode) -> tuple[Floats, float] | None:
         episode: of a stroke.
 
     Returns:
-        (9,) in the frame of who struck, and m of the ball's centre; ``None`` where the ball did
-        not touch the other half first, as in serves, or too little was seen of it.
+        (9,) in the frame of the striking player, and the height (m) of the ball's centre; ``None``
+        where the ball did not touch the other half first, as in serves, or too few samples exist.
     """
     first = _first_arc(episode)
     bounce = _bounce(episode)
-    if bounce is None or len(first) < AT_NET:
+    if bounce is None or len(first) < NET_SAMPLES:
         return None
-    way = struck_towards(episode)
-    states = turned(_states(episode, first)[None], np.array([way]))[0]
-    landed = _moved(states[-1:], bounce - episode.times[first[-1:]])[0]
+    direction = stroke_direction(episode)
+    states = turned(_states(episode, first)[None], np.array([direction]))[0]
+    landed = _propagated(states[-1:], bounce - episode.times[first[-1:]])[0]
     landed[6:] = states[:, 6:].mean(axis=0)
-    near = np.argsort(np.abs(states[:, 1]), kind="stable")[:AT_NET]
-    at_net = _moved(states[near], -states[near, 1] / states[near, 4])
+    nearest = np.argsort(np.abs(states[:, 1]), kind="stable")[:NET_SAMPLES]
+    at_net = _propagated(states[nearest], -states[nearest, 1] / states[nearest, 4])
     known = np.isfinite(landed).all() and landed[1] > 0 and states[0, 1] < 0
     return (landed, float(at_net[:, 2].mean())) if known else None
 
 
-def _first_arc(episode: Episode) -> NDArray[np.int64]:
+def _first_arc(episode: Episode) -> Integers:
     """Return the samples before the first contact that are no outliers."""
     flying = np.isfinite(episode.velocities).all(axis=1)
     return np.flatnonzero((episode.arc == 0) & flying & ~episode.outlier)
@@ -62,15 +60,15 @@ def _bounce(episode: Episode) -> float | None:
     return float(episode.bounces[0])
 
 
-def _states(episode: Episode, rows: NDArray[np.int64]) -> Floats:
+def _states(episode: Episode, rows: Integers) -> Floats:
     parts = (episode.positions, episode.velocities, episode.spins)
     return np.column_stack([part[rows] for part in parts])
 
 
-def _moved(states: Floats, seconds: Floats) -> Floats:
+def _propagated(states: Floats, seconds: Floats) -> Floats:
     """Return (B, 9) states some seconds later, in free fall."""
-    moved = states.copy()
-    moved[:, :3] += states[:, 3:6] * seconds[:, None]
-    moved[:, 2] -= GRAVITY / 2 * seconds**2
-    moved[:, 5] -= GRAVITY * seconds
-    return moved
+    propagated = states.copy()
+    propagated[:, :3] += states[:, 3:6] * seconds[:, None]
+    propagated[:, 2] -= GRAVITY / 2 * seconds**2
+    propagated[:, 5] -= GRAVITY * seconds
+    return propagated

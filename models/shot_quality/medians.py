@@ -1,77 +1,76 @@
-"""Medians of what was returned, with intervals over the balls that came."""
+"""Medians over returns, with intervals bootstrapped over the balls that were played."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
+from models.ball.types import Floats, Integers
 
 
 @dataclass(frozen=True)
-class Resampled:
-    """A number that tells of returns, and what it is of resamples of the balls.
+class Estimate:
+    """A statistic of returns, with its values on bootstrap resamples of the balls.
 
     Attributes:
-        value: NaN where nothing was returned.
-        again: (S,) of the resamples; NaN where nothing of one was returned.
+        value: NaN where no ball was returned.
+        resampled: (S,) on the resamples; NaN where no ball of one was returned.
     """
 
     value: float
-    again: Floats
+    resampled: Floats
 
     def interval(self) -> tuple[float, float, float]:
-        """Return the number and the ends of its 95 % interval; without resamples these are it."""
-        known = self.again[~np.isnan(self.again)]
+        """Return the value and the ends of its 95 % interval; without resamples, three values."""
+        known = self.resampled[~np.isnan(self.resampled)]
         if not len(known):
             return self.value, self.value, self.value
         low, high = np.quantile(known, [0.025, 0.975])
         return self.value, float(low), float(high)
 
-    def over(self, other: "Resampled") -> "Resampled":
-        """Return how many times another number of the same balls it is; NaN over none or less.
+    def ratio(self, other: "Estimate") -> "Estimate":
+        """Return this divided by ``other``; NaN where ``other`` is not positive.
 
         Both must be resampled from one seed: each resample then has the same balls in both, so
-        what makes a ball hard is in neither's favour.
+        differences between balls cancel.
         """
-        return Resampled(
-            float(_over(self.value, other.value)), np.asarray(_over(self.again, other.again))
+        return Estimate(
+            float(_ratio(self.value, other.value)), _ratio(self.resampled, other.resampled)
         )
 
 
 def resampled_median(
     values: ArrayLike, balls: ArrayLike, count: int, resamples: int, seed: int
-) -> Resampled:
-    """Return a median, of the returns and of resamples of the balls.
+) -> Estimate:
+    """Return a median over returns, and its values on resamples of the balls.
 
     Args:
         values: (R,) of returns.
-        balls: (R,) which ball each of them returned, of 0 ... count - 1. Balls are resampled, not
-            returns, each with what all policies make of it, those that nobody returned too.
+        balls: (R,) the ball that each returned, of 0 ... count - 1. Balls are resampled, not
+            returns; a ball brings the returns of all policies, or none.
         count: of the balls.
-        resamples: of them.
+        resamples: how many.
         seed: of the resamples.
     """
     known, owners = np.asarray(values, dtype=np.float64), np.asarray(balls, dtype=np.int64)
     if not len(known):
-        return Resampled(np.nan, np.full(resamples, np.nan))
-    drawn = np.random.default_rng(seed).multinomial(
-        count, np.full(count, 1 / count), size=resamples
-    )
-    return Resampled(float(np.median(known)), _medians(known, drawn[:, owners]))
+        return Estimate(np.nan, np.full(resamples, np.nan))
+    uniform = np.full(count, 1 / count)
+    drawn = np.random.default_rng(seed).multinomial(count, uniform, size=resamples)
+    return Estimate(float(np.median(known)), weighted_medians(known, drawn[:, owners]))
 
 
-def _medians(values: Floats, times: NDArray[np.int64]) -> Floats:
-    """Return the medians of (R,) values, each counted (S, R) times; NaN where none is counted."""
+def weighted_medians(values: Floats, counts: Integers) -> Floats:
+    """Return the (S,) medians of (R,) values repeated (S, R) times; NaN where none is counted."""
     order = np.argsort(values, kind="stable")
-    upto = np.cumsum(times[:, order], axis=1)
-    total = upto[:, -1:]
-    lower = (upto > (total - 1) // 2).argmax(axis=1)
-    upper = (upto > total // 2).argmax(axis=1)
+    cumulative = np.cumsum(counts[:, order], axis=1)
+    total = cumulative[:, -1:]
+    lower = (cumulative > (total - 1) // 2).argmax(axis=1)
+    upper = (cumulative > total // 2).argmax(axis=1)
     ordered = values[order]
     return np.where(total[:, 0] > 0, (ordered[lower] + ordered[upper]) / 2, np.nan)
 
 
-def _over(one: ArrayLike, other: ArrayLike) -> Floats:
-    below = np.asarray(other, dtype=np.float64)
-    return np.asarray(one) / np.where(below > 0, below, np.nan)
+def _ratio(numerator: ArrayLike, denominator: ArrayLike) -> Floats:
+    below = np.asarray(denominator, dtype=np.float64)
+    return np.asarray(numerator / np.where(below > 0, below, np.nan))

@@ -1,34 +1,32 @@
-"""Receivers: professionals who play against others of more or less reach, and of other errors."""
+"""Simulated points against receivers whose reach or errors differ from a professional's."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.arena.event_log import Log
 from models.arena.levels import LEVELS, Players
 from models.arena.rallies import Rallies
 from models.arena.truth import Truth
+from models.ball.types import Floats, Integers
 from models.policy.goals import Goals
 from models.policy.outcome import judge
-from models.shot_quality.shots import Shots, clearance, described, landings
-
-Floats = NDArray[np.float64]
+from models.shot_quality.shots import Shots, clearance, landings, shot_features
 
 LEVEL = "pro"
-NEAR = 0  # the side that strikes as ever, and whose shots count
+NEAR = 0  # the side of the unchanged player, whose shots count
 ERRORS = ("angle_error", "speed_error", "spin_error")
 
 
 @dataclass(frozen=True)
 class Receiver:
-    """Who has to return the shots: a professional with some traits changed.
+    """A professional with some traits changed, who has to return the shots.
 
     Attributes:
         name: for reports.
         reach: factor on how far they reach.
         error: factor on the errors of their strokes.
-        draw: of points; those of one draw have the same strikers.
+        draw: of the points; receivers of one draw play the same opponents.
     """
 
     name: str
@@ -38,8 +36,8 @@ class Receiver:
 
 
 RECEIVERS = (
-    Receiver("usual"),
-    Receiver("usual_again", draw=1),
+    Receiver("nominal"),
+    Receiver("nominal_repeat", draw=1),
     Receiver("less_reach", reach=2 / 3),
     Receiver("more_reach", reach=4 / 3),
     Receiver("less_error", error=2 / 3),
@@ -47,19 +45,19 @@ RECEIVERS = (
 )
 
 
-def played_against(
+def play_against(
     receiver: Receiver, truth: Truth, points: int, random: np.random.Generator
 ) -> Shots:
-    """Play points between professionals and a receiver, each a match of its own.
+    """Simulate points between professionals and a receiver; each point counts as a match.
 
     Args:
         receiver: plays at y > 0.
-        truth: the hall's physics.
+        truth: the arena's physics.
         points: how many.
-        random: where all variety comes from.
+        random: of all draws.
 
     Returns:
-        The good returns of the professionals at y < 0; serves are none.
+        The good returns of the professionals at y < 0, without serves.
     """
     players = _changed(LEVELS[LEVEL].individuals(2 * points, random), receiver, points)
     log = Rallies(truth, players, random.integers(2, size=points), random).play()
@@ -68,21 +66,21 @@ def played_against(
     good = outcome.returned
     last = np.append(rallies[1:] != rallies[:-1], True)
     point = log.winner[rallies] == NEAR
-    features = described(
+    features = shot_features(
         landings(truth.simulator, strokes[good]), clearance(outcome.net_height[good])
     )
     return Shots(features, (point & last)[good], point[good], rallies[good])
 
 
 def _changed(players: Players, receiver: Receiver, points: int) -> Players:
-    """Return players (2 P,) of whom the far ones, the later half, are such receivers."""
+    """Return players (2 P,) with the traits of the far ones, the later half, changed."""
     far = np.arange(2 * points) >= points
     error = np.where(far, receiver.error, 1.0)
     errors = {name: getattr(players, name) * error for name in ERRORS}
     return replace(players, reach=players.reach * np.where(far, receiver.reach, 1.0), **errors)
 
 
-def _near_strokes(log: Log) -> tuple[Floats, NDArray[np.int64]]:
+def _near_strokes(log: Log) -> tuple[Floats, Integers]:
     """Return the (B, 9) states just after strokes towards +y and their (B,) points, in order."""
     points, times, kinds, states = (np.concatenate(part) for part in zip(*log.events, strict=True))
     near = np.flatnonzero((kinds == "racket") & (states[:, 4] > 0))

@@ -1,4 +1,4 @@
-"""Settings of the forest that tells how often shots win."""
+"""Settings of the forest that estimates winning probabilities."""
 
 from typing import Annotated
 
@@ -11,5 +11,5 @@ class ForestSettings(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     trees: Annotated[int, Field(ge=1, le=10_000)]
-    smallest_leaf: Annotated[int, Field(ge=1, le=10_000)]
-    """Shots that a leaf has at least; its probability is their share of won points."""
+    min_samples_leaf: Annotated[int, Field(ge=1, le=10_000)]
+    """Training shots in a leaf, at least."""

@@ -1,20 +1,18 @@
-"""Shots: what a forest is told of a stroke that landed on the other half, and what came of it."""
+"""Shots: the features of a stroke that landed on the other half, and its outcome."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.ball.contact_laws import TABLE
 from models.ball.simulator import Simulator
 from models.ball.state import BALL_RADIUS, NET_HEIGHT
+from models.ball.types import Floats, Integers
 from models.policy.outcome import LONGEST_FLIGHT, with_net
+from models.predictors.protocol import Bools
 
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
-
-# In the frame of who strikes towards +y: place, velocity and spin just before the bounce, and how
-# far above the net the ball passed. Its height at the bounce is always its radius.
+# In the frame of a player who strikes towards +y: position, velocity and spin just before the
+# bounce, and the clearance over the net. The height at the bounce is always the ball's radius.
 FEATURES = ("across", "along", "vx", "vy", "vz", "wx", "wy", "wz", "clearance")
 
 
@@ -24,21 +22,21 @@ class Shots:
 
     Attributes:
         features: (B, 9) ``FEATURES``; m, m/s, rad/s.
-        wins: (B,) whether the point was won with this very shot: the other did not return it.
-        point: (B,) whether the point was won in the end, with this shot or a later one.
+        wins: (B,) whether this shot won the point: the opponent did not return it.
+        point: (B,) whether its player won the point, with this shot or a later one.
         matches: (B,) in which match.
     """
 
     features: Floats
-    wins: Booleans
-    point: Booleans
-    matches: NDArray[np.int64]
+    wins: Bools
+    point: Bools
+    matches: Integers
 
     def __len__(self) -> int:
         return len(self.wins)
 
 
-def described(landings: Floats, clearances: Floats) -> Floats:
+def shot_features(landings: Floats, clearances: Floats) -> Floats:
     """Return the (B, 9) features of shots.
 
     Args:
@@ -49,21 +47,21 @@ def described(landings: Floats, clearances: Floats) -> Floats:
 
 
 def clearance(net_heights: Floats) -> Floats:
-    """Return how far above the net (m) balls pass whose centres are (B,) m high there.
+    """Return the clearance over the net (m) of balls whose centres pass it at (B,) heights (m).
 
-    It is negative for a ball that goes over the net cord.
+    It is negative for a ball that rolls over the net cord.
     """
     return net_heights - NET_HEIGHT - BALL_RADIUS
 
 
 def landings(simulator: Simulator, after: Floats) -> Floats:
-    """Return the (B, 9) states in which balls come down on the table.
+    """Return the (B, 9) states just before the first bounce on the table.
 
     Args:
-        simulator: flies them; a net is set up where it has none.
-        after: (B, 9) just after the racket, of balls that reach the table.
+        simulator: computes the flight; a net is added where it has none.
+        after: (B, 9) states just after the racket, of balls that reach the table.
     """
-    met = with_net(simulator).fly(after, [LONGEST_FLIGHT]).contacts
-    first = (met.surface == TABLE).argmax(axis=1)
-    states: Floats = met.before[np.arange(len(after)), first]
+    contacts = with_net(simulator).fly(after, [LONGEST_FLIGHT]).contacts
+    first = (contacts.surface == TABLE).argmax(axis=1)
+    states: Floats = contacts.before[np.arange(len(after)), first]
     return states

@@ -1,1 +1,1 @@
-"""Shot quality on files: the forest, and tables of the returns."""
+"""Shot quality: tables of the returns, validation of the forest, and the report."""

@@ -1,4 +1,4 @@
-"""Shots of the arena's professionals: what the cameras saw of them, and who won their points."""
+"""Measured shots of the arena's professionals, labelled by who won their points."""
 
 from pathlib import Path
 
@@ -7,8 +7,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from models.arena.sides import SIDES
-from models.shot_quality.measured_landings import landing, seen_flying, struck_towards
-from models.shot_quality.shots import Shots, clearance, described
+from models.shot_quality.measured_landings import has_first_arc, landing, stroke_direction
+from models.shot_quality.shots import Shots, clearance, shot_features
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
 from pipeline.io.schemas import EPISODES, POINTS, read_checked
 from pipeline.runtime.errors import InputError
@@ -28,15 +28,15 @@ def read_professionals(artifacts: Path) -> Shots:
     points = read_checked(artifacts / "ingest" / "points.parquet", POINTS)
     strokes = _strokes(artifacts / "segment")
     played = _within_points(strokes, points[points["recording_id"].str.startswith(GROUP)])
-    found = [(row, landing(strokes[row].episode)) for row in played.index.to_numpy()]
-    good = [(row, *one) for row, one in found if one is not None and strokes[row].unbroken]
+    landed = [(row, landing(strokes[row].episode)) for row in played.index.to_numpy()]
+    good = [(row, *one) for row, one in landed if one is not None and strokes[row].unbroken]
     if not good:
         problem = "has no return of a professional; ingest more games of the arena"
         raise InputError(artifacts / "ingest" / "points.parquet", problem)
     rows, landings, heights = zip(*good, strict=True)
     chosen = played.loc[list(rows)]
     return Shots(
-        described(np.array(landings), clearance(np.array(heights))),
+        shot_features(np.array(landings), clearance(np.array(heights))),
         chosen["wins"].to_numpy(dtype=np.bool_),
         chosen["point"].to_numpy(dtype=np.bool_),
         pd.factorize(chosen["recording_id"])[0],
@@ -44,7 +44,7 @@ def read_professionals(artifacts: Path) -> Shots:
 
 
 def _strokes(folder: Path) -> list[MeasuredEpisode]:
-    """Return the professionals' episodes that begin with a stroke."""
+    """Return the professionals' episodes that start with a stroke."""
     table = read_checked(folder / "episodes.parquet", EPISODES)
     struck = set(table.loc[table["starts_with"] == "racket", "episode_id"])
     episodes = read_episodes(folder, labelled_once=set())
@@ -53,15 +53,15 @@ def _strokes(folder: Path) -> list[MeasuredEpisode]:
         for one in episodes
         if one.recording_id.startswith(GROUP)
         and one.episode_id in struck
-        and seen_flying(one.episode)
+        and has_first_arc(one.episode)
     ]
 
 
 def _within_points(strokes: list[MeasuredEpisode], points: pd.DataFrame) -> pd.DataFrame:
-    """Return the strokes that were played in points, by their place, and what came of them.
+    """Return the strokes that were played in points, indexed by their row in ``strokes``.
 
-    Columns are ``recording_id``, ``point``: whether the one who struck won it in the end, and
-    ``wins``: with this very stroke, the last that was theirs.
+    Columns are ``recording_id``, ``point``: whether the striking player won the point in the end,
+    and ``wins``: whether this was also that player's last stroke of it.
     """
     columns = {
         "recording_id": [one.recording_id for one in strokes],
@@ -78,5 +78,5 @@ def _within_points(strokes: list[MeasuredEpisode], points: pd.DataFrame) -> pd.D
 
 def _sides(strokes: list[MeasuredEpisode]) -> NDArray[np.str_]:
     """Return ``near`` for strokes towards +y, ``far`` for the others."""
-    ways = np.array([struck_towards(one.episode) for one in strokes])
-    return np.where(ways > 0, *SIDES)
+    directions = np.array([stroke_direction(one.episode) for one in strokes])
+    return np.where(directions > 0, *SIDES)

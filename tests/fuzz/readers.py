@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 
 from models.policy.observation import observation_size
-from models.shot_quality.forest import grown
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import run_sets, window_table
 from pipeline.evaluation.error_table import REPORT as FORECAST_ERRORS
@@ -32,13 +31,6 @@ from pipeline.params import load_params
 from pipeline.policies.storage import TrainedPolicy, load_policy
 from pipeline.predictors.storage import load_predictor
 from pipeline.runtime.scratch import kept_timings
-from pipeline.shot_quality.forest_storage import (
-    DESCRIPTION,
-    TREES,
-    TrainedForest,
-    load_forest,
-    save_forest,
-)
 from pipeline.sources.manifest import read_manifest
 from pipeline.sweeps.confirm import compared_params
 from pipeline.sweeps.plan import load_plan
@@ -48,7 +40,6 @@ from pipeline.transfer.truth_comparison import NamedCauses
 from tests.fuzz import hostile
 from tests.models.exam.sheets import answered, hidden, named, sheet
 from tests.models.predictors.balls import observed
-from tests.models.shot_quality.planted import SETTINGS, planted
 from tests.pipeline.benchmark.forecasting import Still, forecasts_of
 from tests.pipeline.measured_shots import params, source_record, write_inputs, write_trained
 from tests.pipeline.sources import made_up
@@ -153,23 +144,6 @@ def _write_best(folder: Path) -> Path:
 
 def _read_best(folder: Path) -> int:
     compared_params(load_plan(folder, "predictor"))
-    return 0
-
-
-def _write_forest(file: str) -> Callable[[Path], Path]:
-    def write(folder: Path) -> Path:
-        features, wins, _ = planted()
-        described = TrainedForest(shots=len(wins), matches=100, settings=SETTINGS, seed=0)
-        save_forest(folder / "forest", grown(features, wins, SETTINGS, 0), described)
-        return folder / "forest" / file
-
-    return write
-
-
-def _read_forest(folder: Path) -> int:
-    forest, described = load_forest(folder / "forest")
-    shares = forest.probabilities(np.zeros((2, len(described.features))))
-    assert ((shares >= 0) & (shares <= 1)).all()
     return 0
 
 
@@ -419,8 +393,6 @@ READERS = [
     ),
     Reader("policy, weights", _write_policy("weights.safetensors"), _read_policy, WEIGHTS),
     Reader("policy, policy.json", _write_policy("policy.json"), _read_policy, JSON),
-    Reader("forest, trees", _write_forest(TREES), _read_forest, WEIGHTS),
-    Reader("forest, forest.json", _write_forest(DESCRIPTION), _read_forest, JSON),
     Reader("verdict.json", _write_verdict, _read_verdict, JSON),
     Reader("exam sheets", _write_sheets, _read_sheets, JSON),
     Reader("benchmark forecasts", _write_forecasts, _read_forecasts, PARQUET),

@@ -1,4 +1,4 @@
-"""Figures of shot quality: medians of the returns, and how far a winning probability is one."""
+"""Figures of shot quality: medians of the returns, and calibration."""
 
 from textwrap import fill
 
@@ -11,7 +11,7 @@ from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour,
 
 BARS = 0.84  # width of all bars of a set; sets are 1 apart
 LABEL = 12  # letters of a set's name in a line
-HATCH = "////"  # the nearer horizons, as in the paper
+HATCH = "////"  # the shorter horizons, as in the paper
 METHOD_COLOURS = {"logistic": "#d55e00", "forest": "#0f7fc4"}
 
 
@@ -41,7 +41,7 @@ def medians_figure(table: pd.DataFrame, metrics: dict[str, str]) -> Figure:
 
 
 def calibration_figure(table: pd.DataFrame, share: float) -> Figure:
-    """Draw the share of the shots that won over the probability they were given.
+    """Draw the share of the shots that won over their estimated probability.
 
     Args:
         table: one row a ``method`` and bin, with ``probability`` and ``share``.
@@ -50,12 +50,12 @@ def calibration_figure(table: pd.DataFrame, share: float) -> Figure:
     figure = Figure(figsize=(FIGURE_WIDTH / 2, 3.4))
     axes = figure.subplots()
     end = 1.05 * table[["probability", "share"]].to_numpy().max()
-    axes.plot([0, end], [0, end], color=MUTED, lw=0.9, label="perfect")
+    axes.plot([0, end], [0, end], color=MUTED, lw=0.9, label="perfect calibration")
     axes.axhline(share, color=MUTED, lw=0.9, ls=":", label="base rate")
     for method, colour in METHOD_COLOURS.items():
-        own = table[table["method"] == method]
-        axes.plot(own["probability"], own["share"], ".-", color=colour, label=method)
-    axes.set(xlabel="winning probability", ylabel="share that won")
+        rows = table[table["method"] == method]
+        axes.plot(rows["probability"], rows["share"], ".-", color=colour, label=method)
+    axes.set(xlabel="estimated winning probability", ylabel="share of shots that won")
     axes.set(xlim=(0, end), ylim=(0, end))
     axes.legend()
     return figure

@@ -1,4 +1,4 @@
-"""Landings of balls in free fall, told from samples, beside the parabola."""
+"""Landings estimated from samples of balls in free fall, compared with the parabola."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 
 from models.ball.state import BALL_RADIUS
 from models.predictors.windows import Episode
-from models.shot_quality.measured_landings import landing, seen_flying, struck_towards
+from models.shot_quality.measured_landings import has_first_arc, landing, stroke_direction
 
 START = np.array([0.2, -1.5, 0.35, -0.3, 6.0, 1.0])  # m, m/s
 SPIN = np.array([-120.0, 15.0, 4.0])
@@ -22,9 +22,9 @@ def fallen(seconds):
     return START[:3] + np.outer(seconds, START[3:]) + down * seconds[:, None] / 2, velocities
 
 
-def stroke(way=1):
+def stroke(direction=1):
     positions, velocities = fallen(TIMES - 2.0)
-    turn = np.array([way, way, 1.0])
+    turn = np.array([direction, direction, 1.0])
     spins = np.tile(SPIN * turn, (len(TIMES), 1))
     nothing = np.zeros(len(TIMES), dtype=int)
     return Episode(
@@ -33,11 +33,11 @@ def stroke(way=1):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("way", [1, -1])
-def test_a_stroke_lands_where_it_falls_whoever_struck_it(way):
-    state, height = landing(stroke(way))
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_stroke_lands_where_the_parabola_does_in_either_direction(direction):
+    state, height = landing(stroke(direction))
     place, velocity = (one[0] for one in fallen(np.array([BOUNCE])))
-    assert struck_towards(stroke(way)) == way
+    assert stroke_direction(stroke(direction)) == direction
     assert state == pytest.approx(np.concatenate([place, velocity, SPIN]), abs=1e-9)
     assert state[2] == pytest.approx(BALL_RADIUS)
     at_net = fallen(np.array([1.5 / 6.0]))[0][0, 2]
@@ -53,7 +53,7 @@ def test_outliers_do_not_count():
     assert state == pytest.approx(landing(one)[0], abs=1e-9)
 
 
-def test_what_does_not_touch_the_other_half_first_is_no_return():
+def test_a_ball_that_does_not_touch_the_other_half_first_is_no_return():
     one = stroke()
     assert landing(replace(one, bounces=np.empty(0))) is None
     early = replace(one, bounces=np.array([2.1]), arc=(TIMES > 2.1).astype(int))
@@ -71,8 +71,8 @@ def test_a_sample_at_the_very_moment_of_the_bounce_is_after_it():
     assert landing(replace(one, **longer))[0] == pytest.approx(landing(one)[0])
 
 
-def test_a_ball_that_nobody_saw_flies_nowhere():
+def test_a_ball_without_valid_samples_has_no_landing():
     one = stroke()
-    blind = replace(one, outlier=np.ones(len(TIMES), dtype=bool))
-    assert seen_flying(one) and not seen_flying(blind)
-    assert landing(blind) is None
+    invalid = replace(one, outlier=np.ones(len(TIMES), dtype=bool))
+    assert has_first_arc(one) and not has_first_arc(invalid)
+    assert landing(invalid) is None

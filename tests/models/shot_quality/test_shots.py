@@ -1,4 +1,4 @@
-"""Where shots land and pass the net, by closed forms and beside the judge of returns."""
+"""Landings and clearances: closed forms, and the evaluation of returns."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from models.ball.simulators import shipped
 from models.ball.state import BALL_RADIUS
 from models.policy.goals import Goals
 from models.policy.outcome import judge
-from models.shot_quality.shots import FEATURES, clearance, described, landings
+from models.shot_quality.shots import FEATURES, clearance, landings, shot_features
 
 VACUUM = Simulator.from_dict(
     {"gravity": {"g": 9.81}, "table_bounce": {"restitution": 0.9, "friction": 0.25}}
@@ -23,22 +23,22 @@ def test_without_air_a_ball_lands_where_a_parabola_does():
     assert landings(VACUUM, STRUCK)[0] == pytest.approx([*expected, -100.0, 20.0, 10.0], abs=1e-6)
 
 
-def test_returns_land_where_the_judge_saw_them_land():
+def test_returns_land_where_their_evaluation_says():
     simulator = shipped("literature")
     random = np.random.default_rng(0)
     after = STRUCK + random.normal(scale=[0.1, 0.1, 0.1, 0.5, 1, 1, 50, 20, 20], size=(300, 9))
     outcome = judge(simulator, after, Goals(np.zeros((300, 2))))
-    back = outcome.returned
-    assert back.sum() > 50
-    landed = landings(simulator, after[back])
-    assert (landed[:, :2] == outcome.landing[back]).all()
+    returned = outcome.returned
+    assert returned.sum() > 50
+    landed = landings(simulator, after[returned])
+    assert (landed[:, :2] == outcome.landing[returned]).all()
     assert np.abs(landed[:, 2] - BALL_RADIUS).max() < 1e-6
-    assert clearance(outcome.net_height[back]).min() > -0.03  # over the cord at the lowest
+    assert clearance(outcome.net_height[returned]).min() > -0.03  # over the cord at the lowest
 
 
-def test_features_leave_the_height_at_the_bounce_out():
+def test_features_omit_the_height_at_the_bounce():
     state = np.arange(9.0)[None]
-    row = described(state, np.array([0.5]))[0]
+    row = shot_features(state, np.array([0.5]))[0]
     assert dict(zip(FEATURES, row, strict=True)) == {
         "across": 0, "along": 1, "vx": 3, "vy": 4, "vz": 5, "wx": 6, "wy": 7, "wz": 8,
         "clearance": 0.5,

@@ -1,4 +1,4 @@
-"""Shots of professionals, told by the cameras, beside what truly happened."""
+"""Measured shots of professionals, compared with the true ones."""
 
 import numpy as np
 import pandas as pd
@@ -37,18 +37,18 @@ def true_returns(recording, match):
     for number, kind in enumerate(contacts.kinds):
         if kind != "racket" or "table" not in contacts.kinds[number + 1 : number + 2]:
             continue
-        state, way = contacts.states[number], np.sign(contacts.states[number, 4])
+        state, direction = contacts.states[number], np.sign(contacts.states[number, 4])
         (point,) = [
             one for one in recording.points if one.start <= contacts.times[number] <= one.end
         ]
-        if way * contacts.states[number + 1, 1] < 0:
+        if direction * contacts.states[number + 1, 1] < 0:
             continue
         landed = landings(TRUTH.simulator, state[None])[0]
-        signs = np.array([way, way, 1.0] * 3)
-        won = point.winner == ("near" if way > 0 else "far")
+        signs = np.array([direction, direction, 1.0] * 3)
+        won = point.winner == ("near" if direction > 0 else "far")
         own = np.flatnonzero(
             (contacts.kinds == "racket")
-            & (np.sign(contacts.states[:, 4]) == way)
+            & (np.sign(contacts.states[:, 4]) == direction)
             & (contacts.times <= point.end)
         )
         rows.append((match, *(landed * signs), won, won and number == own[-1]))

@@ -14,7 +14,7 @@ ROWS = [
 ]  # fmt: skip
 
 
-def test_a_bar_is_a_median_and_the_nearer_horizons_are_hatched():
+def test_a_bar_is_a_median_and_the_shorter_horizons_are_hatched():
     figure = medians_figure(pd.DataFrame(ROWS), {"speed": "ball speed"})
     (axes,) = figure.axes
     bars = sorted(axes.patches, key=lambda bar: bar.get_x())
@@ -25,13 +25,13 @@ def test_a_bar_is_a_median_and_the_nearer_horizons_are_hatched():
     assert "ball speed" in (axes.get_title(), axes.get_title(loc="left"))
 
 
-def test_what_was_never_returned_has_no_bar():
+def test_without_returns_there_is_no_bar():
     rows = [dict(ROWS[0], speed=float("nan")), *ROWS[1:]]
     figure = medians_figure(pd.DataFrame(rows), {"speed": "ball speed"})
     assert len(figure.axes[0].patches) == len(ROWS) - 1
 
 
-def test_a_calibration_s_points_are_the_table_s():
+def test_the_calibration_curve_is_the_table_s():
     table = pd.DataFrame({"method": ["forest"] * 2, "probability": [0.1, 0.4], "share": [0.2, 0.3]})
     (axes,) = calibration_figure(table, 0.25).axes
     drawn = next(line for line in axes.lines if line.get_label() == "forest")

@@ -1,0 +1,144 @@
+"""Cross-validation of winning probabilities: every match is held out once, as a whole."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.base import clone
+from sklearn.dummy import DummyClassifier
+from sklearn.linear_model import LogisticRegression
+from sklearn.metrics import roc_auc_score
+from sklearn.model_selection import GroupKFold
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
+
+from models.ball.types import Floats, Integers
+from models.predictors.protocol import Bools
+from models.shot_quality.forest import forest_classifier, win_probabilities
+from models.shot_quality.settings import ForestSettings
+
+PERMUTATIONS = 5  # of each feature, for its importance
+
+
+def classifiers(settings: ForestSettings, seed: int) -> dict[str, Any]:
+    """Return the untrained scikit-learn classifiers that are compared, by name."""
+    return {
+        "base_rate": DummyClassifier(strategy="prior"),
+        "logistic": make_pipeline(StandardScaler(), LogisticRegression()),
+        "forest": forest_classifier(settings, seed),
+    }
+
+
+@dataclass(frozen=True)
+class Fold:
+    """The held-out shots of a fold, and the classifier that was trained on all other matches.
+
+    Attributes:
+        rows: (N,) rows of the held-out shots.
+        classifier: scikit-learn's.
+    """
+
+    rows: Integers
+    classifier: Any
+
+
+def cross_validate(
+    classifier: Any, features: Floats, wins: Bools, matches: Integers, folds: int
+) -> list[Fold]:
+    """Train a classifier once per fold, without the fold's matches.
+
+    Args:
+        classifier: scikit-learn's, untrained; it is cloned.
+        features: (B, F) of shots.
+        wins: (B,) whether each won.
+        matches: (B,) in which it was played; all shots of a match are in one fold.
+        folds: how many.
+
+    Raises:
+        ValueError: there are fewer matches than folds, or a training set has a single outcome.
+    """
+    count = len(np.unique(matches))
+    if count < folds:
+        raise ValueError(f"{count} matches cannot be split into {folds} folds")
+    fitted = []
+    for training, rows in GroupKFold(folds).split(features, wins, matches):
+        if wins[training].all() or not wins[training].any():
+            raise ValueError("all training shots of a fold have the same outcome")
+        fitted.append(Fold(rows, clone(classifier).fit(features[training], wins[training])))
+    return fitted
+
+
+def held_out_probabilities(folds: list[Fold], features: Floats) -> Floats:
+    """Return the (B,) probability of each shot, from the classifier that has not seen its match."""
+    probabilities = np.empty(len(features))
+    for fold in folds:
+        probabilities[fold.rows] = win_probabilities(fold.classifier, features[fold.rows])
+    return probabilities
+
+
+def roc_auc(wins: Bools, probabilities: Floats, weights: NDArray[Any] | None = None) -> float:
+    """Return the area under the ROC curve; NaN where all shots have the same outcome."""
+    counted = wins if weights is None else wins[weights > 0]
+    if counted.all() or not counted.any():
+        return np.nan
+    return float(roc_auc_score(wins, probabilities, sample_weight=weights))
+
+
+def brier(wins: Bools, probabilities: Floats, weights: NDArray[Any] | None = None) -> float:
+    """Return the mean squared error of probabilities: 0 is perfect."""
+    return float(np.average((probabilities - wins) ** 2, weights=weights))
+
+
+def bootstrap_score(
+    metric: Callable[..., float],
+    wins: Bools,
+    probabilities: Floats,
+    matches: Integers,
+    resamples: int,
+    seed: int,
+) -> tuple[float, float, float]:
+    """Return a score and the ends of its 95 % interval, bootstrapped over matches.
+
+    Args:
+        metric: ``roc_auc`` or ``brier``.
+        wins: (B,) whether each shot won.
+        probabilities: (B,) predicted.
+        matches: (B,) in which each was played.
+        resamples: of the matches; without any, both ends are the score.
+        seed: of the resamples.
+    """
+    value = metric(wins, probabilities)
+    names, member = np.unique(matches, return_inverse=True)
+    uniform = np.full(len(names), 1 / len(names))
+    counts = np.random.default_rng(seed).multinomial(len(names), uniform, size=resamples)
+    resampled = np.array([metric(wins, probabilities, count[member]) for count in counts])
+    if not np.isfinite(resampled).any():
+        return value, value, value
+    low, high = np.nanquantile(resampled, [0.025, 0.975])
+    return value, float(low), float(high)
+
+
+def calibration(wins: Bools, probabilities: Floats, bins: int) -> list[tuple[int, float, float]]:
+    """Return (shots, mean probability, share that won) of bins with equally many shots."""
+    order = np.argsort(probabilities, kind="stable")
+    parts = [rows for rows in np.array_split(order, bins) if len(rows)]
+    return [
+        (len(rows), float(probabilities[rows].mean()), float(wins[rows].mean())) for rows in parts
+    ]
+
+
+def permutation_importance(
+    folds: list[Fold], features: Floats, wins: Bools, random: np.random.Generator
+) -> Floats:
+    """Return the (PERMUTATIONS, F) decrease of the held-out ROC-AUC when a feature is permuted."""
+    reference = roc_auc(wins, held_out_probabilities(folds, features))
+    decrease = np.empty((PERMUTATIONS, features.shape[1]))
+    for repeat, column in np.ndindex(decrease.shape):
+        permuted = features.copy()
+        permuted[:, column] = random.permutation(permuted[:, column])
+        decrease[repeat, column] = reference - roc_auc(
+            wins, held_out_probabilities(folds, permuted)
+        )
+    return decrease
