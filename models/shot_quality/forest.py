@@ -30,7 +30,8 @@ class Forest:
 
     def out_of_range(self, features: Floats) -> Bools:
         """Return (B, F) whether a feature lies outside the range of the training shots."""
-        return (features < self.low) | (features > self.high)
+        outside: Bools = (features < self.low) | (features > self.high)
+        return outside
 
 
 def forest_classifier(settings: ForestSettings, seed: int) -> RandomForestClassifier:
