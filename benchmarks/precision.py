@@ -13,9 +13,8 @@ from rich.console import Console
 
 from pipeline.io.artifacts import write_csv
 from pipeline.params import Params, load_params
-from pipeline.sweeps.plan import load_plan
-from pipeline.sweeps.predictor_comparison import judged_predictors
-from pipeline.sweeps.settings import PredictorSweep
+from pipeline.sweeps.predictor import compare_predictors
+from pipeline.sweeps.settings import PredictorSweep, load_sweep
 
 ROOT = Path(__file__).parents[1]
 MEASURED = ROOT / "reports" / "costs" / "precision.csv"
@@ -38,12 +37,12 @@ def compared() -> list[Params]:
 
 
 def measure() -> pd.DataFrame:
-    """Return the table of ``Judged``; `params` are 32 bits, `found` 16."""
-    sweep = load_plan(ROOT, "predictor").settings
+    """Return the table of ``Comparison``; `params` are 32 bits, `found` 16."""
+    sweep = load_sweep(ROOT, "predictor").settings
     assert isinstance(sweep, PredictorSweep)
     both = compared()
     with tempfile.TemporaryDirectory() as folder:
-        return judged_predictors(ROOT, sweep, both, Path(folder)).table(both[0].seed)
+        return compare_predictors(ROOT, sweep, both, Path(folder)).table(both[0].seed)
 
 
 def main() -> None:

@@ -156,39 +156,37 @@ def ui(
 
 @app.command(rich_help_panel=RUNS)
 def sweep(
-    name: Annotated[str, typer.Argument(help="a file of profiles/sweeps, such as quick")],
+    name: Annotated[str, typer.Argument(help="a file in profiles/sweeps, such as quick")],
     study: Annotated[
         str | None,
-        typer.Option(envvar="RALLYGAP_STUDY", help="a database's URL; a file where there is none"),
+        typer.Option(envvar="RALLYGAP_STUDY", help="URL of a database; default: a file"),
     ] = None,
     workers: Annotated[int, typer.Option(min=1, help="processes on this machine")] = 1,
     trials: Annotated[
-        int | None, typer.Option(min=1, help="in all; those done before count")
+        int | None, typer.Option(min=1, help="total, with those of earlier runs")
     ] = None,
 ) -> None:
-    """Try parameters out, and write what does best to reports/sweeps/NAME."""
-    from pipeline.sweeps.plan import load_plan
-    from pipeline.sweeps.run import run_sweep
+    """Search hyperparameters with Optuna; write the best to reports/sweeps/NAME."""
+    from pipeline.sweeps.settings import load_sweep
+    from pipeline.sweeps.worker import run_sweep
 
-    plan = load_plan(clone(), name)
-    found = run_sweep(plan, study, workers, trials or plan.settings.trials)
-    typer.echo(f"All of it: {plan.report}")
-    typer.echo(
-        " ".join(["dvc exp run", *found]) if found else "Nothing did better than params.yaml."
-    )
+    loaded = load_sweep(clone(), name)
+    best = run_sweep(loaded, study, workers, trials or loaded.settings.trials)
+    typer.echo(f"Report: {loaded.report}")
+    typer.echo(" ".join(["dvc exp run", *best]) if best else "No trial is better than params.yaml.")
 
 
 @app.command(rich_help_panel=RUNS)
 def confirm(
     name: Annotated[str, typer.Argument(help="a sweep that was run, such as predictor")],
 ) -> None:
-    """Train what a sweep found, and params.yaml, with new seeds; compare them on unseen balls."""
+    """Train with the best parameters of a sweep and params.yaml; compare on unseen shots."""
     from pipeline.sweeps.confirm import confirmed_table, run_confirm
-    from pipeline.sweeps.plan import load_plan
+    from pipeline.sweeps.settings import load_sweep
 
-    plan = load_plan(clone(), name)
-    show(confirmed_table(run_confirm(plan)))
-    typer.echo(f"All of it: {plan.report}")
+    loaded = load_sweep(clone(), name)
+    show(confirmed_table(run_confirm(loaded)))
+    typer.echo(f"Report: {loaded.report}")
 
 
 app.add_typer(benchmark, name="benchmark", rich_help_panel=RUNS)

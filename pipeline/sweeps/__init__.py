@@ -1,1 +1,1 @@
-"""Sweeps: settings tried out by Optuna, and what comes of it confirmed on balls it never saw."""
+"""Hyperparameter sweeps with Optuna: settings, study, trial, worker, report, confirm."""

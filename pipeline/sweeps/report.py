@@ -1,118 +1,104 @@
-"""What a sweep found: parameters that params.yaml can take, all trials, and two figures."""
+"""The report of a sweep: best parameters as params.yaml takes them, all trials, two figures."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import optuna
 import pandas as pd
 import yaml
-from optuna.trial import FrozenTrial, TrialState
+from optuna.trial import TrialState
 
 from pipeline.experiments.profiles import flags, merged
 from pipeline.io.artifacts import write_csv, write_json, write_text
 from pipeline.io.figure_style import apply_style, save_figure
 from pipeline.io.metrics import rounded
+from pipeline.params import read_yaml
 from pipeline.runtime.errors import InputError
-from pipeline.sweeps.figures.trials import history_figure, importance_figure
-from pipeline.sweeps.plan import Plan, nested
+from pipeline.sweeps.figures import history_figure, importance_figure
+from pipeline.sweeps.settings import Sweep, nested
 
 BEST, TRIALS, SUMMARY = "best_params.yaml", "trials.csv", "sweep.json"
 HISTORY, IMPORTANCE = "history.png", "importance.png"
-CONFIRMED, CONFIRMED_SUMMARY = "confirmed.csv", "confirmed.json"  # see confirm.py
-OUTCOMES = {TrialState.COMPLETE: "finished", TrialState.PRUNED: "given up"}
+CONFIRMED, CONFIRMED_SUMMARY = "confirmed.csv", "confirmed.json"  # of `rallygap confirm`
+OUTCOMES = {TrialState.COMPLETE: "completed", TrialState.PRUNED: "pruned"}
 
 
-def write_report(plan: Plan, study: optuna.Study) -> list[str]:
-    """Write ``reports/sweeps/<name>``.
+def write_report(sweep: Sweep, study: optuna.Study) -> list[str]:
+    """Write ``reports/sweeps/NAME``.
 
     Returns:
-        The best parameters as flags of ``dvc exp run``; none where those of params.yaml did best.
+        The best parameters as flags of ``dvc exp run``; none if params.yaml has them.
 
     Raises:
-        InputError: no trial was finished.
+        InputError: no trial was completed.
     """
-    trials = trials_table(plan, study)
-    if "finished" not in set(trials["outcome"]):
-        raise InputError(f"sweep {plan.name}", "no trial was finished: all lagged behind or failed")
-    best = plan.suggested(study.best_trial)
-    _forget_outdated(plan, best)
-    write_text(plan.report / BEST, _best_text(plan, best))
-    write_csv(plan.report / TRIALS, trials)
-    write_json(plan.report / SUMMARY, _summary(plan, study, trials))
+    trials = trials_table(sweep, study)
+    if "completed" not in set(trials["outcome"]):
+        raise InputError(f"sweep {sweep.name}", "no trial was completed: all were pruned or failed")
+    best = nested(sweep.suggest(study.best_trial))
+    text = (
+        f"# The best trial of `rallygap sweep {sweep.name}`. Run `rallygap confirm {sweep.name}`\n"
+        "# before it goes into params.yaml.\n"
+    ) + str(yaml.safe_dump(best, sort_keys=False))
+    path = sweep.report / BEST
+    if path.is_file() and read_yaml(path) != best:
+        for name in (IMPORTANCE, CONFIRMED, CONFIRMED_SUMMARY):  # of an earlier result
+            (sweep.report / name).unlink(missing_ok=True)
+    write_text(path, text)
+    write_csv(sweep.report / TRIALS, trials)
+    write_json(sweep.report / SUMMARY, _summary(sweep, study, trials))
     apply_style()
-    save_figure(plan.report / HISTORY, history_figure(trials, plan.settings))
-    importances = _importances(study)
-    if importances:
-        save_figure(plan.report / IMPORTANCE, importance_figure(importances))
-    return flags(plan.params, merged(plan.params, nested(best)))
+    save_figure(sweep.report / HISTORY, history_figure(trials, sweep.settings))
+    if importances := _importances(study):
+        save_figure(sweep.report / IMPORTANCE, importance_figure(importances))
+    return flags(sweep.params, merged(sweep.params, best))
 
 
-def trials_table(plan: Plan, study: optuna.Study) -> pd.DataFrame:
-    """Return one row a trial that came to an end of its own.
+def trials_table(sweep: Sweep, study: optuna.Study) -> pd.DataFrame:
+    """Return one row per completed or pruned trial.
 
-    Columns: ``trial``, which counts them; ``outcome``; ``steps``, after which it ended; ``score``,
-    the last one; and a column a parameter, what was tried.
+    Columns: ``trial``, its number; ``outcome``; ``steps``, epochs or legs; ``score``, the last one;
+    and one column per searched parameter.
     """
-    rows = list(_rows(plan, study.get_trials(deepcopy=False)))
-    return pd.DataFrame(rows, columns=["trial", "outcome", "steps", "score", *plan.settings.space])
+    rows = [
+        {
+            "trial": trial.number,
+            "outcome": OUTCOMES[trial.state],
+            "steps": trial.last_step or 0,
+            "score": trial.value,
+            **sweep.suggest(trial),
+        }
+        for trial in study.get_trials(deepcopy=False, states=tuple(OUTCOMES))
+    ]
+    return pd.DataFrame(rows, columns=["trial", "outcome", "steps", "score", *sweep.settings.space])
 
 
-def _rows(plan: Plan, trials: list[FrozenTrial]) -> Iterator[dict[str, Any]]:
-    for trial in trials:
-        if trial.state in OUTCOMES:
-            yield {
-                "trial": trial.number,
-                "outcome": OUTCOMES[trial.state],
-                "steps": trial.last_step or 0,
-                "score": trial.value,
-                **plan.suggested(trial),
-            }
-
-
-def _summary(plan: Plan, study: optuna.Study, trials: pd.DataFrame) -> dict[str, Any]:
-    settings = plan.settings
+def _summary(sweep: Sweep, study: optuna.Study, trials: pd.DataFrame) -> dict[str, Any]:
     return {
-        "sweep": plan.name,
+        "sweep": sweep.name,
         "study": study.study_name,
-        "score": settings.score,
-        "direction": settings.direction,
+        "score": sweep.settings.score,
+        "direction": sweep.settings.direction,
         "trials": {str(name): int(n) for name, n in trials["outcome"].value_counts().items()},
         "best_trial": study.best_trial.number,
         "best_score": rounded(study.best_value),
-        "params_score": _params_score(plan, trials),
-        "settings": settings.model_dump(mode="json"),
+        "params_score": _params_score(sweep, trials),
+        "settings": sweep.settings.model_dump(mode="json"),
     }
 
 
-def _params_score(plan: Plan, trials: pd.DataFrame) -> float | None:
-    """Return the score of what params.yaml says, if it was tried to the end."""
-    wanted = plan.defaults()
-    for row in trials[trials["outcome"] == "finished"].to_dict("records"):
-        if wanted is not None and all(row[key] == value for key, value in wanted.items()):
+def _params_score(sweep: Sweep, trials: pd.DataFrame) -> float | None:
+    """Return the score of params.yaml, if that trial was completed."""
+    values = sweep.defaults()
+    for row in trials[trials["outcome"] == "completed"].to_dict("records"):
+        if values is not None and all(row[key] == value for key, value in values.items()):
             return rounded(row["score"])
     return None
 
 
 def _importances(study: optuna.Study) -> dict[str, float]:
-    """Return the share of each parameter in how scores vary; none where too few were finished."""
+    """Return Optuna's importance of each parameter; none if too few trials were completed."""
     try:
         found = optuna.importance.get_param_importances(study)
     except (ValueError, RuntimeError):
         return {}
     return {name: share for name, share in found.items() if share == share}
-
-
-def _forget_outdated(plan: Plan, best: dict[str, Any]) -> None:
-    """Remove what an earlier sweep of this name left that this one may not replace."""
-    path = plan.report / BEST
-    if path.is_file() and path.read_text(encoding="utf-8") != _best_text(plan, best):
-        for name in (IMPORTANCE, CONFIRMED, CONFIRMED_SUMMARY):
-            (plan.report / name).unlink(missing_ok=True)
-
-
-def _best_text(plan: Plan, best: dict[str, Any]) -> str:
-    heading = (
-        f"# The best trial of `rallygap sweep {plan.name}`. What holds up in\n"
-        f"# `rallygap confirm {plan.name}` may go into params.yaml.\n"
-    )
-    return heading + str(yaml.safe_dump(nested(best), sort_keys=False))

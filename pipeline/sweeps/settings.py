@@ -1,106 +1,97 @@
-"""What a sweep tries: ``profiles/sweeps/<name>.yaml``, typed, bounded, or refused by name.
+"""The settings of a sweep, read from ``profiles/sweeps/NAME.yaml`` and checked against params.yaml.
 
-Parameters are named as in ``dvc exp run -S``, by the dotted path through params.yaml.
+Parameters are named as in ``dvc exp run -S``: by their dotted path in params.yaml.
 """
 
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, Tag, TypeAdapter, model_validator
+from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
 from models.policy.settings import HorizonsMs
-from pipeline.params import Name, Settings
+from pipeline.experiments.profiles import merged
+from pipeline.io.simulators import load_simulator
+from pipeline.params import Name, Params, Settings, as_json, check_params, load_params, read_yaml
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.provenance import provenance, short
 
 if TYPE_CHECKING:
     from optuna.trial import BaseTrial
 
 Value = bool | int | float | str | None
 
-DIGITS = 3  # of a suggested number: more could not be told apart
+DIGITS = 3  # significant digits of a suggested number
+# Also hides the spin of validation windows, so that losses of different shares do not compare.
+DEFINES_SCORE = {"train_predictor.training.hidden_spin"}
 
 
-class Range(Settings):
-    """Numbers between two limits; whole ones where both limits are whole."""
+class Parameter(Settings):
+    """The values of a searched parameter: a range, of integers if both limits are, or choices."""
 
-    low: int | float
-    high: int | float
+    low: int | float | None = None
+    high: int | float | None = None
     log: bool = False
-    """Whether factors count, not differences."""
+    """Sample the logarithm uniformly."""
+    choices: Annotated[list[Value], Field(min_length=2)] | None = None
 
     @model_validator(mode="after")
-    def _has_room(self) -> "Range":
-        if not self.low < self.high or (self.log and self.low <= 0):
-            raise ValueError("give a low limit, above zero where log, and a higher one")
+    def _check(self) -> "Parameter":
+        if self.choices is not None:
+            if self.model_fields_set != {"choices"}:
+                raise ValueError("give low and high, or choices")
+        elif self.low is None or self.high is None or not (self.low > 0 or not self.log):
+            raise ValueError("give low, above zero with log, and high; or choices")
+        elif not self.low < self.high:
+            raise ValueError("give a low limit and a higher one")
         return self
 
-    def suggested(self, name: str, trial: "BaseTrial") -> Value:
-        """Return the number that a trial tries, in few enough digits to be read."""
-        if isinstance(self.low, int) and isinstance(self.high, int):
-            return trial.suggest_int(name, self.low, self.high, log=self.log)
-        return float(f"{trial.suggest_float(name, self.low, self.high, log=self.log):.{DIGITS}g}")
+    def suggest(self, name: str, trial: "BaseTrial") -> Value:
+        """Return the value that a trial uses."""
+        if self.choices is not None:
+            value: Value = trial.suggest_categorical(name, self.choices)
+            return value
+        low, high = self.extremes
+        if isinstance(low, int) and isinstance(high, int):
+            return trial.suggest_int(name, low, high, log=self.log)
+        return float(f"{trial.suggest_float(name, low, high, log=self.log):.{DIGITS}g}")
 
-    def holds(self, value: Any) -> bool:
-        """Return whether a value lies within the limits."""
-        return isinstance(value, int | float) and self.low <= value <= self.high
-
-    @property
-    def extremes(self) -> list[Value]:
-        """Values that params.yaml must take."""
-        return [self.low, self.high]
-
-
-class Choices(Settings):
-    """Values of which a trial tries one."""
-
-    choices: Annotated[list[Value], Field(min_length=2)]
-
-    def suggested(self, name: str, trial: "BaseTrial") -> Value:
-        """Return the value that a trial tries."""
-        chosen: Value = trial.suggest_categorical(name, self.choices)
-        return chosen
-
-    def holds(self, value: Any) -> bool:
-        """Return whether a value is among them."""
-        return value in self.choices
+    def contains(self, value: Any) -> bool:
+        """Return whether a trial may use a value."""
+        if self.choices is not None:
+            return value in self.choices
+        return isinstance(value, int | float) and self.extremes[0] <= value <= self.extremes[1]
 
     @property
-    def extremes(self) -> list[Value]:
-        """Values that params.yaml must take."""
-        return self.choices
-
-
-def _kind(content: Any) -> str:
-    named = isinstance(content, dict) and "choices" in content
-    return "choices" if named or isinstance(content, Choices) else "range"
-
-
-Parameter = Annotated[
-    Annotated[Range, Tag("range")] | Annotated[Choices, Tag("choices")], Discriminator(_kind)
-]
+    def extremes(self) -> list[Any]:
+        """The values that params.yaml must accept: both limits, or all choices."""
+        return self.choices or [self.low, self.high]
 
 
 class PruningSettings(Settings):
-    """When trials that lag behind are given up: those worse than the median of the others."""
+    """When a trial that is worse than the median of the others is pruned."""
 
     first_trials: Annotated[int, Field(ge=1, le=1000)]
-    """None of these is given up, ..."""
+    """Trials of which none is pruned."""
     first_steps: Annotated[int, Field(ge=0, le=1000)]
-    """... and no other within so many epochs or legs."""
+    """Epochs or legs after which no trial is pruned."""
 
 
 class SweepSettings(Settings):
-    """What both kinds of sweeps have."""
+    """Settings of sweeps of both kinds."""
 
     trials: Annotated[int, Field(ge=1, le=100_000)]
-    """How many, unless the command line says otherwise."""
+    """Default number of trials."""
     in_trials: dict[str, Value]
-    """Parameters that differ from params.yaml in trials alone, which have to be short."""
+    """Parameters that make trials shorter than full trainings; not part of the result."""
     space: Annotated[dict[str, Parameter], Field(min_length=1)]
-    """The parameters to be found, each with the values to try."""
+    """Parameters to search."""
     pruning: PruningSettings
 
 
 class PredictorSweep(SweepSettings):
-    """Finds how a network of ``train_predictor`` is built and trained."""
+    """Searches the architecture and training of a network of ``train_predictor``."""
 
     stage: ClassVar[str] = "train_predictor"
     direction: ClassVar[Literal["minimize", "maximize"]] = "minimize"
@@ -109,16 +100,16 @@ class PredictorSweep(SweepSettings):
 
     trains: Literal["predictor"]
     network: Name
-    """Of ``train_predictor.networks``."""
+    """A key of ``train_predictor.networks``."""
 
     @property
-    def places(self) -> tuple[str, ...]:
-        """Where in params.yaml the parameters to be found may stand."""
-        return ("train_predictor.training.", f"train_predictor.networks.{self.network}.")
+    def searchable(self) -> tuple[str, ...]:
+        """Groups of params.yaml whose parameters may be searched."""
+        return ("train_predictor.training", f"train_predictor.networks.{self.network}")
 
 
 class PolicySweep(SweepSettings):
-    """Finds how a group of ``train_policy`` learns, on one simulator and one triple of horizons."""
+    """Searches the training of a group of ``train_policy``, for one simulator and its horizons."""
 
     stage: ClassVar[str] = "train_policy"
     direction: ClassVar[Literal["minimize", "maximize"]] = "maximize"
@@ -127,17 +118,143 @@ class PolicySweep(SweepSettings):
 
     trains: Literal["policy"]
     group: Name
-    """Of ``train_policy.groups``."""
+    """A key of ``train_policy.groups``."""
     simulator: Name
-    """A shipped one."""
+    """A shipped simulator."""
     horizons_ms: HorizonsMs
 
     @property
-    def places(self) -> tuple[str, ...]:
-        """Where in params.yaml the parameters to be found may stand."""
-        return (f"train_policy.groups.{self.group}.learning.",)
+    def searchable(self) -> tuple[str, ...]:
+        """Groups of params.yaml whose parameters may be searched."""
+        return (f"train_policy.groups.{self.group}.learning",)
 
 
-SWEEPS: TypeAdapter[PredictorSweep | PolicySweep] = TypeAdapter(
+SETTINGS: TypeAdapter[PredictorSweep | PolicySweep] = TypeAdapter(
     Annotated[PredictorSweep | PolicySweep, Field(discriminator="trains")]
 )
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A sweep: its settings and the parameters that it changes.
+
+    Attributes:
+        root: the repository.
+        name: of the file ``profiles/sweeps/NAME.yaml``.
+        settings: its content.
+        params: the content of params.yaml.
+    """
+
+    root: Path
+    name: str
+    settings: PredictorSweep | PolicySweep
+    params: dict[str, Any]
+
+    @property
+    def path(self) -> Path:
+        """The file of the settings."""
+        return self.root / "profiles" / "sweeps" / f"{self.name}.yaml"
+
+    @property
+    def report(self) -> Path:
+        """The folder of the results."""
+        return self.root / "reports" / "sweeps" / self.name
+
+    @property
+    def scratch(self) -> Path:
+        """The folder of the study's file and of checkpoints."""
+        return self.root / "scratch" / "sweeps" / self.name
+
+    @property
+    def study(self) -> str:
+        """The name of the study: the sweep and a digest of all that a trial depends on.
+
+        It covers the search space, code, data and other parameters, but not the number of trials.
+        """
+        origin = provenance(self.root, self.settings.stage).fingerprint
+        settings = self.settings.model_dump_json(exclude={"trials"})
+        return f"{self.name}-{short(hashlib.sha256((origin + settings).encode()).hexdigest())}"
+
+    def defaults(self) -> dict[str, Value] | None:
+        """Return the searched parameters as in params.yaml; None if the space excludes them."""
+        space = self.settings.space
+        values = {key: lookup(self.params, key, self.path) for key in space}
+        return values if all(space[key].contains(values[key]) for key in space) else None
+
+    def suggest(self, trial: "BaseTrial") -> dict[str, Value]:
+        """Return the values of the searched parameters in a trial."""
+        return {key: one.suggest(key, trial) for key, one in self.settings.space.items()}
+
+    def trial_params(self, values: dict[str, Value]) -> Params:
+        """Return the parameters of a trial.
+
+        Raises:
+            InputError: the values are invalid together.
+        """
+        shortened = merged(self.params, nested(self.settings.in_trials))
+        return check_params(merged(shortened, nested(values)), self.path)
+
+
+def load_sweep(root: Path, name: str) -> Sweep:
+    """Read the settings of a sweep and check them against params.yaml.
+
+    Raises:
+        InputError: there is no such file, or its content is invalid.
+    """
+    path = root / "profiles" / "sweeps" / f"{name}.yaml"
+    if not path.is_file():
+        names = sorted(file.stem for file in path.parent.glob("*.yaml"))
+        raise InputError(path, f"there is no such sweep; there are: {', '.join(names)}")
+    try:
+        settings = SETTINGS.validate_json(as_json(read_yaml(path), path), strict=True)
+    except ValidationError as error:
+        first = error.errors()[0]
+        field = ".".join(str(part) for part in first["loc"])
+        raise InputError(path, first["msg"], field=field) from None
+    load_params(root / "params.yaml")
+    sweep = Sweep(root, name, settings, read_yaml(root / "params.yaml"))
+    _check(sweep)
+    return sweep
+
+
+def _check(sweep: Sweep) -> None:
+    """Refuse unknown parameters, parameters of other stages, and values that are out of bounds."""
+    settings = sweep.settings
+    for key in (*settings.searchable, *settings.in_trials, *settings.space):
+        lookup(sweep.params, key, sweep.path)
+    if isinstance(settings, PolicySweep):
+        load_simulator(settings.simulator)
+    for key, parameter in settings.space.items():
+        if key in DEFINES_SCORE or not key.startswith(tuple(f"{g}." for g in settings.searchable)):
+            problem = (
+                f"cannot be searched; search parameters of {' and '.join(settings.searchable)}"
+            )
+            raise InputError(sweep.path, problem, field=key)
+        for value in parameter.extremes:
+            sweep.trial_params({key: value})
+
+
+def lookup(params: dict[str, Any], key: str, path: Path) -> Any:
+    """Return the value of a dotted name in params.yaml.
+
+    Raises:
+        InputError: there is none; ``path`` is the file that uses the name.
+    """
+    value: Any = params
+    for part in key.split("."):
+        if not isinstance(value, dict) or part not in value:
+            raise InputError(path, "is no parameter in params.yaml", field=key)
+        value = value[part]
+    return value
+
+
+def nested(values: dict[str, Any]) -> dict[str, Any]:
+    """Return dotted names as nested groups, like those of params.yaml."""
+    groups: dict[str, Any] = {}
+    for key, value in values.items():
+        *above, last = key.split(".")
+        group = groups
+        for part in above:
+            group = group.setdefault(part, {})
+        group[last] = value
+    return groups

@@ -1,91 +1,145 @@
-"""The study of a sweep: Optuna's record of all trials."""
+"""The Optuna study of a sweep: in a file of this machine, or in a database shared by machines."""
 
 import warnings
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import optuna
-from optuna.distributions import BaseDistribution
 from optuna.exceptions import ExperimentalWarning
 from optuna.pruners import MedianPruner
-from optuna.samplers import BaseSampler, TPESampler
+from optuna.samplers import TPESampler
+from optuna.storages import BaseStorage, JournalStorage, RDBStorage
+from optuna.storages import RetryHeartbeatStaleTrialCallback as Retry
+from optuna.storages.journal import JournalFileBackend
 from optuna.trial import FrozenTrial, TrialState
+from sqlalchemy import create_engine, func, select
+from sqlalchemy.engine import URL, make_url
+from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 
-from pipeline.sweeps.plan import Plan
-from pipeline.sweeps.storage import alone, storage
+from pipeline.runtime.errors import InputError
+from pipeline.sweeps.settings import Sweep
 
-TRIED = (TrialState.COMPLETE, TrialState.PRUNED)
+HEARTBEAT = 10  # s between heartbeats of a trial in a database
+GRACE = 60  # s without a heartbeat after which a trial counts as lost
+RETRIES = 3  # of a lost trial
+CREATION_LOCK = zlib.crc32(b"rallygap sweep")  # PostgreSQL advisory lock
 
 warnings.filterwarnings("ignore", category=ExperimentalWarning)
 optuna.logging.set_verbosity(optuna.logging.ERROR)
 
 
-def create_study(plan: Plan, url: str | None) -> optuna.Study:
-    """Make the study, if it is not there yet; its first trial are the parameters as they are."""
-    with alone(url):
+class NumberedSampler(TPESampler):
+    """Optuna's TPE sampler with random draws that follow from a seed and the trial's number.
+
+    Workers therefore never draw the same values, and a resumed study draws as one without a break.
+    """
+
+    def __init__(self, seed: int) -> None:
+        super().__init__(seed=seed)
+        self.study_seed = seed
+
+    def before_trial(self, study: optuna.Study, trial: FrozenTrial) -> None:
+        """Seed the draws of a trial."""
+        super().__init__(seed=(self.study_seed + 1_000_003 * trial.number) % 2**32)
+
+
+def open_study(sweep: Sweep, url: str | None) -> optuna.Study:
+    """Open the study of a sweep; create it if missing, with params.yaml as its first trial.
+
+    Args:
+        sweep: the sweep.
+        url: of a database; None keeps the study in a file under ``scratch``.
+
+    Raises:
+        InputError: the database cannot be used.
+    """
+    pruning = sweep.settings.pruning
+    with _creation_lock(url):
         study = optuna.create_study(
-            storage=storage(plan, url),
-            study_name=plan.study,
-            direction=plan.settings.direction,
+            storage=_storage(sweep, url),
+            sampler=NumberedSampler(sweep.params["seed"]),
+            pruner=MedianPruner(pruning.first_trials, pruning.first_steps + 1),  # steps from 1
+            study_name=sweep.study,
+            direction=sweep.settings.direction,
             load_if_exists=True,
         )
-        defaults = plan.defaults()
+        defaults = sweep.defaults()
         if defaults is not None and not study.trials:
             study.enqueue_trial(defaults)
     return study
 
 
-def load_study(plan: Plan, name: str, url: str | None) -> optuna.Study:
-    """Open a study that was made, to add trials to it."""
-    pruning = plan.settings.pruning
-    return optuna.load_study(
-        study_name=name,
-        storage=storage(plan, url),
-        sampler=NumberedSampler(plan.params["seed"]),
-        pruner=MedianPruner(pruning.first_trials, pruning.first_steps + 1),  # steps count from 1
-    )
-
-
-def tried(study: optuna.Study) -> int:
-    """How many trials have come to an end of their own."""
-    return len(study.get_trials(deepcopy=False, states=TRIED))
+def ended(study: optuna.Study) -> int:
+    """Return the number of trials that were completed or pruned."""
+    return len(study.get_trials(False, states=(TrialState.COMPLETE, TrialState.PRUNED)))
 
 
 def running(study: optuna.Study) -> list[FrozenTrial]:
-    """The trials that are under way, or were when their worker died."""
-    return study.get_trials(deepcopy=True, states=(TrialState.RUNNING,))
+    """Return the trials that are running, or were when their worker died."""
+    return study.get_trials(states=(TrialState.RUNNING,))
 
 
-class NumberedSampler(BaseSampler):
-    """A tree-structured Parzen estimator whose draws follow from the seed and the trial's number.
+def retry_lost(study: optuna.Study, url: str | None) -> None:
+    """Mark trials of dead workers as failed and queue their values again.
 
-    So workers never draw alike, and a study that goes on later goes on as if it had not stopped.
+    Optuna knows them by their heartbeats in a database. A study in a file has no heartbeats: call
+    this only while no worker runs.
     """
+    if url is not None:
+        optuna.storages.fail_stale_trials(study)
+        return
+    for trial in running(study):
+        study.tell(trial.number, state=TrialState.FAIL)
+        Retry(RETRIES)(study, trial)
 
-    def __init__(self, seed: int) -> None:
-        self.seed = seed
-        self.estimator = TPESampler(seed=seed)
 
-    def before_trial(self, study: optuna.Study, trial: FrozenTrial) -> None:
-        """Begin the draws of a trial."""
-        self.estimator = TPESampler(seed=(self.seed + 1_000_003 * trial.number) % 2**32)
+def _storage(sweep: Sweep, url: str | None) -> BaseStorage:
+    if url is None:
+        sweep.scratch.mkdir(parents=True, exist_ok=True)
+        return JournalStorage(JournalFileBackend(str(sweep.scratch / "studies.jsonl")))
+    with _database_errors(parsed := _parsed(url)):
+        return RDBStorage(
+            # Quotes the braces, which Optuna would otherwise fill in.
+            parsed.render_as_string(hide_password=False),
+            engine_kwargs={"pool_pre_ping": True},
+            heartbeat_interval=HEARTBEAT,
+            grace_period=GRACE,
+            heartbeat_stale_trial_callback=Retry(RETRIES),
+        )
 
-    def infer_relative_search_space(
-        self, study: optuna.Study, trial: FrozenTrial
-    ) -> dict[str, BaseDistribution]:
-        """Ask the estimator."""
-        return self.estimator.infer_relative_search_space(study, trial)
 
-    def sample_relative(
-        self, study: optuna.Study, trial: FrozenTrial, search_space: dict[str, BaseDistribution]
-    ) -> dict[str, object]:
-        """Ask the estimator."""
-        return self.estimator.sample_relative(study, trial, search_space)
+@contextmanager
+def _creation_lock(url: str | None) -> Iterator[None]:
+    """Exclude other sweeps that create tables or a study in the same PostgreSQL database.
 
-    def sample_independent(
-        self,
-        study: optuna.Study,
-        trial: FrozenTrial,
-        param_name: str,
-        param_distribution: BaseDistribution,
-    ) -> object:
-        """Ask the estimator."""
-        return self.estimator.sample_independent(study, trial, param_name, param_distribution)
+    The server frees the lock when its holder dies.
+    """
+    parsed = None if url is None else _parsed(url)
+    if parsed is None or parsed.get_backend_name() != "postgresql":
+        yield
+        return
+    with _database_errors(parsed), create_engine(parsed).begin() as connection:
+        connection.execute(select(func.pg_advisory_xact_lock(CREATION_LOCK)))
+        yield
+
+
+def _parsed(url: str) -> URL:
+    try:
+        return make_url(url)
+    except (ArgumentError, ValueError):
+        problem = "is not the URL of a database, such as postgresql://user@host/database"
+        raise InputError("--study", problem) from None
+
+
+@contextmanager
+def _database_errors(url: URL) -> Iterator[None]:
+    """Report errors of a database without user, password and options of its URL."""
+    try:
+        yield
+    except (SQLAlchemyError, ImportError) as error:
+        text = " ".join(str(getattr(error, "orig", None) or error).split())
+        for secret in filter(None, [str(url.password or ""), *map(str, url.query.values())]):
+            text = text.replace(secret, "***")
+        where = f"{url.get_backend_name()}://{url.host or ''}/{url.database or ''}"
+        raise InputError(where, f"cannot be used: {text[:300]}") from None

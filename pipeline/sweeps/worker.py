@@ -1,152 +1,120 @@
-"""The process that does trials: ``python -m pipeline.sweeps.worker SWEEP STUDY TRIALS``.
+"""Runs a sweep: worker processes run trials of one study, then the report is written."""
 
-Any number of them work on one study. The URL of its database, which may hold a password, comes by
-the environment variable RALLYGAP_STUDY, where the process list does not show it.
-"""
-
-import math
+import multiprocessing
 import os
-import sys
-import tempfile
+import shutil
+import signal
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from types import FrameType
+from typing import NoReturn
 
 import optuna
-from optuna import TrialPruned
+from filelock import FileLock, Timeout
 
-from pipeline.runtime.console import refuse
+from pipeline.runtime.console import refuse, warn
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.provenance import repository_root
-from pipeline.sweeps.lost_trials import Signature
-from pipeline.sweeps.plan import Plan, load_plan
-from pipeline.sweeps.settings import PredictorSweep, Value
-from pipeline.sweeps.study import load_study, running, tried
-from pipeline.sweeps.trial_tracking import TrialRecord, recorded_trial
-from pipeline.sweeps.trial_types import Trials, Watch
+from pipeline.sweeps.report import write_report
+from pipeline.sweeps.settings import Sweep
+from pipeline.sweeps.study import ended, open_study, retry_lost, running
+from pipeline.sweeps.trial import Train, run_trial, training_of
 
-STUDY = "RALLYGAP_STUDY"  # the environment variable with the URL
-LOOK_AGAIN = 2.0  # s, while others do the last trials
+POLL = 2.0  # s, while other machines run the last trials
 
 
-@dataclass(frozen=True)
-class Worker:
-    """A worker on a study.
+def run_sweep(sweep: Sweep, url: str | None, workers: int, wanted: int) -> list[str]:
+    """Run trials until the study has as many as wanted, and write the report.
 
-    Attributes:
-        plan: of the sweep.
-        trials: trains.
-        signature: by which other workers know whether it lives.
-        say: told about each trial.
-        master: the process that started it; when that has died, it ends, too.
+    Trials of killed workers are run again. The same command resumes a killed sweep.
+
+    Args:
+        sweep: the sweep.
+        url: of the study's database, which other machines may share; None keeps it in a file.
+        workers: processes on this machine.
+        wanted: trials, with those of earlier runs and other machines.
+
+    Returns:
+        The best parameters as flags of ``dvc exp run``.
+
+    Raises:
+        InputError: the database cannot be used, another process runs this sweep, or no trial was
+            completed.
     """
-
-    plan: Plan
-    trials: Trials
-    signature: Signature
-    say: Callable[[str], None]
-    master: int
-
-    def work(self, study: optuna.Study, wanted: int, retry_lost: Callable[[], None]) -> None:
-        """Do trials until there are as many as wanted, those of others counted.
-
-        Others may die: the last trials are waited for, and done again where they are lost.
-        """
-        while (done := tried(study)) < wanted:
-            self._end_with_master()
-            retry_lost()
-            if done + len(running(study)) < wanted:
-                study.optimize(self._trial, n_trials=1)
-            else:
-                time.sleep(LOOK_AGAIN)
-
-    def _trial(self, trial: optuna.Trial) -> float:
-        self.signature.sign(trial)
-        values = self.plan.suggested(trial)
-        try:
-            return self._scored(trial, values)
-        except TrialPruned as pruned:
-            self.say(f"trial {trial.number}: given up, {pruned}")
-            raise
-        except KeyboardInterrupt:
-            # Optuna would take it for the trial's failure; so it is lost, and tried again.
-            raise SystemExit(130) from None
-
-    def _scored(self, trial: optuna.Trial, values: dict[str, Value]) -> float:
-        try:
-            params = self.plan.trial_params(values)
-        except InputError as error:
-            raise TrialPruned(str(error)) from None
-        with (
-            recorded_trial(self.plan, trial.study.study_name, trial.number, params) as record,
-            _folder(self.plan) as folder,
-        ):
-            score = self.trials.score(params, Path(folder), self._watch(trial, record))
-        self.say(f"trial {trial.number}: {self.plan.settings.score} {score:.4g}")
-        return score
-
-    def _watch(self, trial: optuna.Trial, record: TrialRecord) -> Watch:
-        settings = self.plan.settings
-
-        def watch(step: int, score: float) -> None:
-            self._end_with_master()
-            record.scores[step] = score
-            if not math.isfinite(score):
-                raise TrialPruned(f"{settings.score} {score} after {settings.step} {step}")
-            trial.report(score, step)
-            if trial.should_prune():
-                raise TrialPruned(f"{settings.score} {score:.4g} after {settings.step} {step}")
-
-        return watch
-
-    def _end_with_master(self) -> None:
-        """End where nobody waits any more; the trial is lost, and tried again."""
-        if os.getppid() != self.master:
-            raise SystemExit(1)
+    study = open_study(sweep, url)
+    with _exclusive(sweep, url):
+        while (before := ended(study)) < wanted:
+            retry_lost(study, url)
+            if before + len(running(study)) >= wanted:
+                time.sleep(POLL)
+            elif not _run_workers(sweep, url, workers, wanted) and ended(study) == before:
+                break
+        if not running(study):
+            shutil.rmtree(sweep.scratch / "trials", ignore_errors=True)
+    if (count := ended(study)) < wanted:
+        warn(f"{count} of {wanted} trials have ended; run the same command again for the others")
+    return write_report(sweep, study)
 
 
-def work(plan: Plan, name: str, wanted: int, url: str | None, say: Callable[[str], None]) -> None:
-    """Do trials of a study until it has as many as wanted."""
-    study = load_study(plan, name, url)
-    with Signature(plan.scratch / "workers") as signature:
-        worker = Worker(plan, trials_of(plan), signature, say, os.getppid())
-        if url is None:
-            worker.work(study, wanted, lambda: signature.retry_lost(study))
-        else:
-            worker.work(study, wanted, lambda: optuna.storages.fail_stale_trials(study))
-
-
-def trials_of(plan: Plan) -> Trials:
-    """Return what the trials of a plan train."""
-    if isinstance(plan.settings, PredictorSweep):
-        from pipeline.sweeps.predictor_trial import PredictorTrials
-
-        return PredictorTrials(plan.root, plan.settings, plan.trial_params({}))
-    from pipeline.sweeps.policy_trial import PolicyTrials
-
-    return PolicyTrials(plan.settings)
-
-
-def _folder(plan: Plan) -> "tempfile.TemporaryDirectory[str]":
-    """A folder for a trial's checkpoints; what a killed one leaves is removed with the scratch."""
-    parent = plan.scratch / "trials"
-    parent.mkdir(parents=True, exist_ok=True)
-    return tempfile.TemporaryDirectory(dir=parent)
-
-
-def main(sweep: str, study: str, wanted: int) -> None:
-    """Work on a study of this repository."""
-
-    def say(line: str) -> None:
-        sys.stdout.write(f"{line}\n")
-        sys.stdout.flush()
-
-    work(load_plan(repository_root(), sweep), study, wanted, os.environ.get(STUDY), say)
-
-
-if __name__ == "__main__":
+@contextmanager
+def _exclusive(sweep: Sweep, url: str | None) -> Iterator[None]:
+    """Refuse a second process on a study in a file, whose trials would look lost to the first."""
+    if url is not None:
+        yield
+        return
     try:
-        main(sys.argv[1], sys.argv[2], int(sys.argv[3]))
+        with FileLock(sweep.scratch / "lock", timeout=0):
+            yield
+    except Timeout:
+        problem = "is already running; use --workers for more processes, or a database"
+        raise InputError(f"sweep {sweep.name}", problem) from None
+
+
+def _run_workers(sweep: Sweep, url: str | None, workers: int, wanted: int) -> bool:
+    """Run worker processes to their end; return whether none failed or was killed."""
+    process = multiprocessing.get_context("spawn").Process
+    processes = [process(target=_worker, args=(sweep, url, wanted)) for _ in range(workers)]
+    try:
+        for one in processes:
+            one.start()
+        for one in processes:
+            one.join()
+    finally:
+        for one in processes:
+            if one.is_alive():
+                one.terminate()
+                one.join()
+    return all(one.exitcode == 0 for one in processes)
+
+
+def _worker(sweep: Sweep, url: str | None, wanted: int) -> None:
+    """Run trials in a process of its own."""
+    # The parent ends workers by SIGTERM. A SystemExit, unlike KeyboardInterrupt, leaves the trial
+    # running in the study, so that it is retried.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _exit)
+    os.environ["TTY_COMPATIBLE"] = "0"  # several progress bars would overwrite one another
+    try:
+        run_trials(open_study(sweep, url), sweep, training_of(sweep), wanted)
     except InputError as error:
         refuse(error)
+
+
+def _exit(number: int, _: FrameType | None) -> NoReturn:
+    raise SystemExit(128 + number)
+
+
+def run_trials(study: optuna.Study, sweep: Sweep, train: Train, wanted: int) -> None:
+    """Run trials in this process until the study has as many as wanted, ended or running."""
+    objective = partial(run_trial, sweep, train, _check_parent)
+    while ended(study) + len(running(study)) < wanted:
+        _check_parent()
+        study.optimize(objective, n_trials=1)
+
+
+def _check_parent() -> None:
+    """End a worker whose parent was killed; its trial is retried."""
+    parent = multiprocessing.parent_process()
+    if parent is not None and not parent.is_alive():
+        raise SystemExit(1)

@@ -33,8 +33,8 @@ from pipeline.predictors.storage import load_predictor
 from pipeline.runtime.scratch import kept_timings
 from pipeline.sources.manifest import read_manifest
 from pipeline.sweeps.confirm import compared_params
-from pipeline.sweeps.plan import load_plan
 from pipeline.sweeps.report import BEST
+from pipeline.sweeps.settings import load_sweep
 from pipeline.tracking.lineage import report_of
 from pipeline.transfer.truth_comparison import NamedCauses
 from tests.fuzz import hostile
@@ -130,7 +130,7 @@ def _read_simulator(folder: Path) -> int:
 
 
 def _read_sweep(folder: Path) -> int:
-    load_plan(folder, "predictor")
+    load_sweep(folder, "predictor")
     return 0
 
 
@@ -143,7 +143,7 @@ def _write_best(folder: Path) -> Path:
 
 
 def _read_best(folder: Path) -> int:
-    compared_params(load_plan(folder, "predictor"))
+    compared_params(load_sweep(folder, "predictor"))
     return 0
 
 

@@ -17,7 +17,7 @@ from pipeline.paper.page import paper_page
 from pipeline.paper.run_reports import Reports, laptop_reports, paper_reports
 from pipeline.params import read_yaml
 from pipeline.runtime.errors import InputError
-from pipeline.sweeps.plan import nested
+from pipeline.sweeps.settings import nested
 
 ROOT = Path(__file__).parents[3]
 ENTRIES = [entry for group in GROUPS for entry in group.entries]

@@ -1,83 +1,73 @@
-"""Workers share a study; whatever becomes of one of them, the study goes on."""
+"""Workers share a study; it survives the death of any of them."""
 
 import os
-import signal
 import subprocess
 import sys
+import time
 from contextlib import contextmanager
+from functools import partial
 
+import psutil
 import pytest
 from optuna.trial import TrialState
 
 from pipeline.runtime.errors import InputError
-from pipeline.sweeps.lost_trials import Signature
-from pipeline.sweeps.storage import storage
-from pipeline.sweeps.study import create_study, load_study, tried
-from pipeline.sweeps.worker import trials_of
-from tests.pipeline.sweeps.made_up import HEADS, RATE, ROOT, Valley, done, plan
+from pipeline.sweeps.study import ended, open_study, retry_lost
+from pipeline.sweeps.trial import training_of
+from pipeline.sweeps.worker import run_sweep
+from tests.pipeline.sweeps.small_sweeps import HEADS, ROOT, run, small_sweep
 
-# A worker in a process of its own, in the repository of argv[1], on the study of argv[2]. A trial
-# after the first says so and stays at its first epoch while there is a file "hold" beside the data.
-WORKER = """
+# Sweeps in the repository argv[1] with argv[2] workers until argv[3] trials; a trial says so
+# and waits while the file "hold" exists. Spawned workers import this file again.
+SCRIPT = """
 import os, sys, time
+from contextlib import nullcontext
 from pathlib import Path
-from pipeline.sweeps import storage, worker
-from pipeline.sweeps.plan import load_plan
-from tests.pipeline.sweeps.made_up import Valley, unrecorded
-
-class Held(Valley):
-    def score(self, params, folder, watch):
-        print("begun", flush=True)
-        while (root / "hold").exists():
-            time.sleep(0.05)
-        return super().score(params, folder, watch)
+from pipeline.sweeps import study, trial, worker
+from pipeline.sweeps.settings import load_sweep
+from tests.pipeline.sweeps.small_sweeps import valley
 
 root = Path(sys.argv[1])
-worker.trials_of, worker.recorded_trial, worker.LOOK_AGAIN = lambda plan: Held(), unrecorded, 0.1
-storage.HEARTBEAT, storage.GRACE = 1, 3
-url = os.environ.get(worker.STUDY)
-worker.work(load_plan(root, "tiny"), sys.argv[2], int(sys.argv[3]), url, lambda line: None)
+
+def held(params, folder, report):
+    print("started", flush=True)
+    while (root / "hold").exists():
+        time.sleep(0.05)
+    return valley(params, folder, report)
+
+trial.recording = lambda *_: nullcontext()
+worker.training_of = lambda sweep: held
+worker.POLL, study.HEARTBEAT, study.GRACE = 0.1, 1, 3
+if __name__ == "__main__":
+    sweep, url = load_sweep(root, "tiny"), os.environ.get("RALLYGAP_STUDY")
+    worker.run_sweep(sweep, url, int(sys.argv[2]), int(sys.argv[3]))
 """
-
-
-# Makes the study of a repository as soon as its input ends.
-MAKER = """
-import os, sys
-from pathlib import Path
-from pipeline.sweeps import study, worker
-from pipeline.sweeps.plan import load_plan
-
-swept = load_plan(Path(sys.argv[1]), "tiny")
-print("ready", flush=True)
-sys.stdin.read()
-study.create_study(swept, os.environ.get(worker.STUDY))
-"""
-
-
-# The command of argv[1:] in a process of its own.
-MASTER = "import subprocess, sys; subprocess.run(sys.argv[1:])"
-
-
-def surroundings(url):
-    """The environment of a process that works on a study."""
-    return {**os.environ, "PYTHONPATH": str(ROOT), **({"RALLYGAP_STUDY": url} if url else {})}
 
 
 @contextmanager
-def start(swept, study, wanted, url=None, master=()):
-    """A worker, which must have ended at the end of the block; where that fails it is killed."""
-    command = [*master, sys.executable, "-c", WORKER, str(swept.root), study, str(wanted)]
-    told = {"stdout": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, cwd=ROOT, env=surroundings(url), **told) as process:
+def start(sweep, workers, wanted, url=None):
+    """A sweep in a process of its own, killed with its workers at the end of the block."""
+    script = sweep.root / "script.py"
+    script.write_text(SCRIPT)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)} | ({"RALLYGAP_STUDY": url} if url else {})
+    command = [sys.executable, script, sweep.root, str(workers), str(wanted)]
+    options = {"stdout": subprocess.PIPE, "text": True, "env": environment, "cwd": ROOT}
+    with subprocess.Popen(command, **options) as process:
         try:
             yield process
-        except BaseException:
+        finally:
             process.kill()
-            raise
+
+
+def workers_of(process):
+    return [
+        child
+        for child in psutil.Process(process.pid).children()
+        if "spawn_main" in " ".join(child.cmdline())
+    ]
 
 
 def table(study):
-    """What was tried and what came of it."""
     return [(one.number, one.state, one.params, one.value) for one in study.trials]
 
 
@@ -85,191 +75,142 @@ def states(study):
     return [one.state for one in study.trials]
 
 
-def test_one_worker_tries_the_same_from_the_same_seed_and_finds_the_valley(tmp_path):
-    one, other = tmp_path / "one", tmp_path / "other"
-    studies = []
-    for root in (one, other):
-        root.mkdir()
-        studies.append(done(plan(root), 20))
+def test_one_worker_tries_the_same_from_the_same_seed_and_finds_the_minimum(tmp_path):
+    studies = [run(small_sweep(tmp_path / name), 20) for name in ("one", "other")]
     assert table(studies[0]) == table(studies[1])
+    assert studies[0].trials[0].params == small_sweep(tmp_path / "one").defaults()
     assert studies[0].best_value < 0.34 < studies[0].trials[0].value
 
 
-def test_a_study_that_was_left_goes_on_as_if_it_had_not_been(tmp_path):
-    whole, parts = tmp_path / "whole", tmp_path / "parts"
-    for root in (whole, parts):
-        root.mkdir()
+def test_a_resumed_study_tries_the_same_as_one_without_a_break(tmp_path):
     for wanted in (2, 7, 12):
-        left = done(plan(parts), wanted)
-        assert tried(left) == wanted
-    assert table(left) == table(done(plan(whole), 12))
+        resumed = run(small_sweep(tmp_path / "resumed"), wanted)
+        assert ended(resumed) == wanted
+    assert table(resumed) == table(run(small_sweep(tmp_path / "whole"), 12))
 
 
-def test_the_first_trial_are_the_parameters_as_they_are(tmp_path):
-    swept = plan(tmp_path)
-    first = done(swept, 1).trials[0]
-    assert first.params == swept.defaults()
+def test_a_space_without_the_values_of_params_yaml_starts_with_a_draw(tmp_path):
+    study = run(small_sweep(tmp_path, space={HEADS: {"choices": [2, 8]}}), 1)
+    assert study.trials[0].params[HEADS] in (2, 8)
 
 
-def test_trials_that_lag_behind_are_given_up_early_and_count(tmp_path):
-    study = done(plan(tmp_path), 15)
-    given_up = [one for one in study.trials if one.state == TrialState.PRUNED]
-    assert given_up
-    assert all(one.last_step < 3 for one in given_up)
-    assert min(one.intermediate_values[1] for one in given_up) > study.best_value
-    assert tried(study) == 15
+@pytest.mark.parametrize("first_steps", [0, 1])
+def test_trials_worse_than_the_median_are_pruned_after_the_first_steps(tmp_path, first_steps):
+    pruning = {"first_trials": 3, "first_steps": first_steps}
+    study = run(small_sweep(tmp_path, pruning=pruning), 15)
+    pruned = [one for one in study.trials if one.state == TrialState.PRUNED]
+    assert pruned
+    assert all(first_steps < one.last_step < 3 for one in pruned)
+    assert min(one.intermediate_values[1] for one in pruned) > study.best_value
+    assert ended(study) == 15
 
 
-class Astray(Valley):
-    """Trials whose loss is no number."""
-
-    def score(self, params, folder, watch):
-        watch(1, float("nan"))
+def diverging(params, folder, report):
+    report(1, float("nan"))
 
 
-def test_a_trial_that_goes_astray_is_given_up(tmp_path):
-    assert states(done(plan(tmp_path), 2, Astray())) == [TrialState.PRUNED] * 2
+def test_a_trial_whose_score_is_not_finite_is_pruned(tmp_path):
+    assert states(run(small_sweep(tmp_path), 2, diverging)) == [TrialState.PRUNED] * 2
 
 
-def test_values_that_do_not_go_together_are_given_up(tmp_path):
+def test_values_that_are_invalid_together_are_pruned(tmp_path):
     width = "train_predictor.networks.transformer.width"
     space = {HEADS: {"choices": [4, 8]}, width: {"choices": [60, 64]}}
-    study = done(plan(tmp_path, space=space), 12)
-    for one in study.trials:
-        clash = (one.params[HEADS], one.params[width]) == (8, 60)
-        assert (one.state == TrialState.PRUNED and not one.intermediate_values) == clash
+    for one in run(small_sweep(tmp_path, space=space), 12).trials:
+        invalid = (one.params[HEADS], one.params[width]) == (8, 60)
+        assert (one.state == TrialState.PRUNED and not one.intermediate_values) == invalid
 
 
-class Interrupted(Valley):
-    """Trials of which the second is interrupted from the keyboard."""
-
-    trials = 0
-
-    def score(self, params, folder, watch):
-        self.trials += 1
-        if self.trials == 2:
-            raise KeyboardInterrupt
-        return super().score(params, folder, watch)
+def killed(params, folder, report):
+    raise SystemExit(143)
 
 
-def test_a_trial_that_was_interrupted_is_tried_again(tmp_path):
-    swept = plan(tmp_path)
-    with pytest.raises(SystemExit):
-        done(swept, 3, Interrupted())
-    study = done(swept, 3)
-    assert states(study)[1] == TrialState.FAIL
-    assert study.trials[2].params == study.trials[1].params
-    assert tried(study) == 3
+def test_a_trial_that_keeps_ending_its_worker_is_retried_three_times(tmp_path):
+    sweep = small_sweep(tmp_path)
+    study = open_study(sweep, None)
+    for _ in range(6):
+        with pytest.raises(SystemExit):
+            run(sweep, 10, killed)
+        retry_lost(study, None)
+    first = [one for one in study.trials if one.params == sweep.defaults()]
+    assert states(study)[:6] == [TrialState.FAIL] * 6
+    assert len(first) == 4
 
 
-def test_a_trial_whose_worker_was_killed_is_tried_again_at_once(tmp_path):
-    swept = plan(tmp_path)
+def test_a_killed_worker_is_replaced_and_its_trial_retried(tmp_path):
+    sweep = small_sweep(tmp_path)
     (tmp_path / "hold").touch()
-    study = create_study(swept, None)
-    with start(swept, study.study_name, 4) as worker:
-        assert worker.stdout.readline() == "begun\n"
-        worker.send_signal(signal.SIGKILL)
+    with start(sweep, 2, 8) as process:
+        assert [process.stdout.readline() for _ in range(2)] == ["started\n"] * 2
+        workers_of(process)[0].kill()
+        (tmp_path / "hold").unlink()
+        assert process.wait(60) == 0
+    study = open_study(sweep, None)
+    assert ended(study) == 8
+    lost = next(one for one in study.trials if one.state == TrialState.FAIL)
+    again = [one for one in study.trials if one.system_attrs.get("failed_trial") == lost.number]
+    assert [one.params for one in again] == [lost.params]
+    assert not (sweep.scratch / "trials").exists()
+
+
+def test_workers_end_with_the_command_and_the_next_one_resumes(tmp_path):
+    sweep = small_sweep(tmp_path)
+    (tmp_path / "hold").touch()
+    with start(sweep, 1, 2) as process:
+        assert process.stdout.readline() == "started\n"
+        with pytest.raises(InputError, match="is already running"):
+            run_sweep(sweep, None, 1, 2)
+        (worker,) = workers_of(process)
+        process.kill()
+        (tmp_path / "hold").unlink()
+        worker.wait(60)
+    study = open_study(sweep, None)
     assert states(study) == [TrialState.RUNNING]
-    done(swept, 4)
+    with start(sweep, 1, 2) as process:
+        assert process.wait(60) == 0
     assert states(study)[0] == TrialState.FAIL
     assert study.trials[1].params == study.trials[0].params
-    assert tried(study) == 4
+    assert ended(study) == 2
 
 
-def test_workers_end_with_the_command_that_started_them(tmp_path):
-    swept = plan(tmp_path)
-    (tmp_path / "hold").touch()
-    study = create_study(swept, None)
-    with start(swept, study.study_name, 4, master=(sys.executable, "-c", MASTER)) as command:
-        assert command.stdout.readline() == "begun\n"
-        command.send_signal(signal.SIGKILL)
-        (tmp_path / "hold").unlink()
-        assert command.stdout.read() == ""  # no other trial, and then nobody to begin one
-    assert states(study) == [TrialState.RUNNING]
-
-
-def test_a_trial_of_a_worker_that_lives_is_waited_for(tmp_path):
-    swept = plan(tmp_path)
-    study = create_study(swept, None)
-    with Signature(swept.scratch / "workers") as other:
-        trial = load_study(swept, study.study_name, None).ask()
-        other.sign(trial)
-        with Signature(swept.scratch / "workers") as signature:
-            signature.retry_lost(study)
-            assert states(study) == [TrialState.RUNNING]
-    with Signature(swept.scratch / "workers") as signature:
-        signature.retry_lost(study)
-    assert states(study) == [TrialState.FAIL, TrialState.WAITING]
-
-
-def test_a_trial_that_keeps_killing_its_workers_is_given_up(tmp_path):
-    swept = plan(tmp_path)
-    study = create_study(swept, None)
-    for _ in range(6):
-        with Signature(swept.scratch / "workers") as signature:
-            signature.retry_lost(study)
-            signature.sign(study.ask())
-    tries = [one for one in study.trials if one.system_attrs.get("failed_trial", one.number) == 0]
-    assert len(tries) == 4  # itself, and three more
-
-
-@pytest.mark.parametrize("uses", [create_study, storage])
 @pytest.mark.parametrize(
     "url",
     [
         "postgresql://ann:sesame@127.0.0.1:1/studies?sslpassword=simsalabim",
         "postgresql://ann:{sesame}@127.0.0.1:1/studies",
+        "mysql://ann:sesame@127.0.0.1:1/studies",
         "sesame",
     ],
 )
-def test_a_database_that_cannot_be_used_is_named_without_its_password(tmp_path, url, uses):
+def test_a_database_that_cannot_be_used_is_named_without_its_password(tmp_path, url):
     with pytest.raises(InputError) as refused:
-        uses(plan(tmp_path), url)
+        open_study(small_sweep(tmp_path), url)
     assert "sesame" not in str(refused.value)
     assert "simsalabim" not in str(refused.value)
 
 
-def test_a_sweep_without_balls_to_learn_from_says_so(tmp_path):
+def test_a_sweep_without_data_says_so(tmp_path):
     with pytest.raises(InputError, match=r"manifest\.json"):
-        trials_of(plan(tmp_path))
+        training_of(small_sweep(tmp_path))
 
 
 @pytest.mark.slow
-def test_two_workers_share_a_study_in_postgresql_and_one_is_killed(tmp_path, postgres_url):
-    swept = plan(tmp_path)
+def test_two_machines_start_one_study_in_postgresql_and_one_is_killed(tmp_path, postgres_url):
+    sweep = small_sweep(tmp_path)
     (tmp_path / "hold").touch()
-    study = create_study(swept, postgres_url)
-    with (
-        start(swept, study.study_name, 12, postgres_url) as killed,
-        start(swept, study.study_name, 12, postgres_url) as other,
-    ):
-        assert killed.stdout.readline() == other.stdout.readline() == "begun\n"
+    machine = partial(start, sweep, 1, 8, postgres_url)
+    with machine() as lost, machine() as other:
+        assert lost.stdout.readline() == other.stdout.readline() == "started\n"
+        study = open_study(sweep, postgres_url)
         assert states(study) == [TrialState.RUNNING] * 2
-        killed.send_signal(signal.SIGKILL)
+        workers_of(lost)[0].kill()
+        lost.kill()
+        time.sleep(4)  # until its heartbeat is stale
         (tmp_path / "hold").unlink()
         assert other.wait(120) == 0
     assert states(study).count(TrialState.FAIL) == 1
-    assert tried(study) == 12
-    lost = next(one for one in study.trials if one.state == TrialState.FAIL)
-    again = next(one for one in study.trials if one.system_attrs.get("failed_trial") == lost.number)
-    assert again.params == lost.params
-    assert again.state in (TrialState.COMPLETE, TrialState.PRUNED)
-    assert len({one.params[RATE] for one in study.trials}) == len(study.trials) - 1
-
-
-@pytest.mark.slow
-def test_of_two_sweeps_that_start_at_once_on_an_empty_database_one_makes_the_study(
-    tmp_path, postgres_url
-):
-    swept = plan(tmp_path)
-    command = [sys.executable, "-c", MAKER, str(tmp_path)]
-    told = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "env": surroundings(postgres_url)}
-    with (
-        subprocess.Popen(command, cwd=ROOT, **told) as one,
-        subprocess.Popen(command, cwd=ROOT, **told) as other,
-    ):
-        assert one.stdout.readline() == other.stdout.readline() == b"ready\n"
-        one.stdin.close()
-        other.stdin.close()
-        assert one.wait() == other.wait() == 0
-    assert states(create_study(swept, postgres_url)) == [TrialState.WAITING]
+    assert ended(study) == 8
+    failed = next(one for one in study.trials if one.state == TrialState.FAIL)
+    again = [one for one in study.trials if one.system_attrs.get("failed_trial") == failed.number]
+    assert [one.params for one in again] == [failed.params]
+    assert len({str(one.params) for one in study.trials}) == len(study.trials) - 1

@@ -1,10 +1,9 @@
-"""Real trainings, very small: what a trial scores, and what confirms a sweep."""
+"""Real trainings, very small: the score of a trial, and the confirmation of a sweep."""
 
 import sqlite3
 import subprocess
 import sys
 import time
-from contextlib import nullcontext
 
 import numpy as np
 import pandas as pd
@@ -18,18 +17,15 @@ from pipeline.params import load_params
 from pipeline.policies import training as policy_training
 from pipeline.policies.training import Pupil, train_policies
 from pipeline.runtime.errors import InputError
+from pipeline.sweeps.comparison import Comparison
 from pipeline.sweeps.confirm import run_confirm
-from pipeline.sweeps.lost_trials import WORKER
-from pipeline.sweeps.paired_comparison import Judged
-from pipeline.sweeps.plan import load_plan
-from pipeline.sweeps.policy_trial import described
-from pipeline.sweeps.study import load_study
-from pipeline.sweeps.trial_tracking import recorded_trial
-from pipeline.sweeps.worker import trials_of
-from pipeline.tracking import recording as tracking
+from pipeline.sweeps.policy import described
+from pipeline.sweeps.predictor import PredictorTraining
+from pipeline.sweeps.settings import load_sweep
+from pipeline.sweeps.trial import training_of
 from tests.models.policy.schooling import BRIEF
 from tests.pipeline.measured_shots import shot_tables, write_inputs
-from tests.pipeline.sweeps.made_up import RATE, ROOT, TINY, plan, write_yaml
+from tests.pipeline.sweeps.small_sweeps import RATE, ROOT, SETTINGS, small_sweep, write_yaml
 from tests.services import PASSWORD
 
 NETWORK = "train_predictor.networks.transformer"
@@ -54,37 +50,35 @@ def one_process(monkeypatch):
     monkeypatch.setattr(policy_training, "TRIALS", 6)
 
 
-def predictor_plan(root):
+def predictor_sweep(root):
     splits = ["train"] * 4 + ["validation"] * 2
     shots = [shot_tables("arena/club", number, split=one) for number, one in enumerate(splits)]
     write_inputs(root, shots=shots, sources=("arena",))
-    return plan(root, in_trials=TINY_TRAINING)
+    return small_sweep(root, in_trials=TINY_TRAINING)
 
 
-def policy_plan(root):
-    return plan(root, **{**dict.fromkeys(TINY), **POLICY})
+def policy_sweep(root):
+    return small_sweep(root, **{**dict.fromkeys(SETTINGS), **POLICY})
 
 
 def test_a_predictor_is_scored_by_its_validation_loss_after_every_epoch(tmp_path):
-    swept = predictor_plan(tmp_path)
-    trials, seen = trials_of(swept), []
-    params = swept.trial_params({RATE: 0.01})
-    score = trials.score(params, tmp_path / "one", lambda *told: seen.append(told))
-    training = trials.trained(params, tmp_path / "other")
-    assert seen == [(row["epoch"], row["validation"]) for row in training.curve]
-    assert score == seen[-1][1]
+    sweep, reports = predictor_sweep(tmp_path), []
+    params = sweep.trial_params({RATE: 0.01})
+    score = training_of(sweep)(params, tmp_path / "one", lambda *one: reports.append(one))
+    fitted = PredictorTraining(tmp_path, sweep.settings, params).fit(params, tmp_path / "other")
+    assert reports == [(row["epoch"], row["validation"]) for row in fitted.curve]
+    assert score == reports[-1][1]
 
 
-def test_a_predictor_that_lags_behind_is_trained_no_further(tmp_path):
-    swept = predictor_plan(tmp_path)
-    epochs = []
+def test_a_pruned_predictor_is_trained_no_further(tmp_path):
+    sweep, epochs = predictor_sweep(tmp_path), []
 
-    def watch(epoch, loss):
+    def report(epoch, loss):
         epochs.append(epoch)
         raise TrialPruned
 
     with pytest.raises(TrialPruned):
-        trials_of(swept).score(swept.trial_params({RATE: 0.01}), tmp_path / "trial", watch)
+        training_of(sweep)(sweep.trial_params({RATE: 0.01}), tmp_path / "trial", report)
     assert epochs == [1]
 
 
@@ -94,46 +88,46 @@ def brief(params):
     return params.model_copy(update={"train_policy": policies})
 
 
-def test_a_policy_is_scored_by_the_returns_of_watched_balls_after_every_leg(tmp_path):
-    swept, seen = policy_plan(tmp_path), []
-    params = brief(swept.trial_params({}))
-    score = trials_of(swept).score(params, tmp_path / "trial", lambda *told: seen.append(told))
-    pupil = Pupil(described(swept.settings, params), tmp_path / "stage")
-    curve = train_policies([pupil])[0].curve
-    assert seen == list(enumerate(curve["return_rate"], start=1))
-    assert score == seen[-1][1]
+def test_a_policy_is_scored_by_its_return_rate_after_every_leg(tmp_path):
+    sweep, reports = policy_sweep(tmp_path), []
+    params = brief(sweep.trial_params({}))
+    score = training_of(sweep)(params, tmp_path / "trial", lambda *one: reports.append(one))
+    job = Pupil(described(sweep.settings, params), tmp_path / "stage")
+    curve = train_policies([job])[0].curve
+    assert reports == list(enumerate(curve["return_rate"], start=1))
+    assert score == reports[-1][1]
 
 
-def judged(params, found, smaller=True):
+def compared(params, found, smaller=True):
     measured = np.array([params, found], dtype=float)[..., None]
     groups = np.tile(np.arange(measured.shape[2]), (measured.shape[1], 1))
-    return Judged(["error"], smaller, measured[0], measured[1], groups).table(seed=0).iloc[0]
+    return Comparison(["error"], smaller, measured[0], measured[1], groups).table(seed=0).iloc[0]
 
 
-def test_what_is_better_on_every_ball_and_with_every_seed_holds():
+def test_a_difference_on_every_shot_and_with_every_seed_holds():
     random = np.random.default_rng(0)
     hard = random.uniform(10, 20, (3, 40))
-    better = judged(hard, hard - random.uniform(0.1, 0.3, (3, 40)))
+    better = compared(hard, hard - random.uniform(0.1, 0.3, (3, 40)))
     assert better["holds"]
     assert better["difference"] == pytest.approx(better["found"] - better["params"])
     assert -0.3 < better["ci_low"] < better["difference"] < better["ci_high"] < -0.1
-    assert not judged(hard, hard + 0.2)["holds"]
-    assert judged(hard, hard + 0.2, smaller=False)["holds"]
+    assert not compared(hard, hard + 0.2)["holds"]
+    assert compared(hard, hard + 0.2, smaller=False)["holds"]
 
 
-def test_what_one_seed_contradicts_or_chance_may_have_made_does_not_hold():
+def test_a_difference_that_one_seed_contradicts_or_noise_explains_does_not_hold():
     random = np.random.default_rng(0)
     hard = random.uniform(10, 20, (3, 40))
     contradicted = hard - np.array([[0.5], [0.5], [-0.01]])
-    assert judged(hard, contradicted)["ci_high"] < 0
-    assert not judged(hard, contradicted)["holds"]
+    assert compared(hard, contradicted)["ci_high"] < 0
+    assert not compared(hard, contradicted)["holds"]
     noise = random.normal(0, 1, 40)
-    assert not judged(hard, hard + noise - noise.mean() - 0.01)["holds"]
+    assert not compared(hard, hard + noise - noise.mean() - 0.01)["holds"]
 
 
-def confirmed(swept, best):
-    write_yaml(swept.report / "best_params.yaml", best)
-    return run_confirm(swept)
+def confirmed(sweep, best):
+    write_yaml(sweep.report / "best_params.yaml", best)
+    return run_confirm(sweep)
 
 
 def small(root, **changes):
@@ -144,12 +138,12 @@ def small(root, **changes):
 
 
 def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
-    predictor_plan(tmp_path)
+    predictor_sweep(tmp_path)
     # At its first step the learning rate is zero.
     network = {"transformer": {"width": 16}}
     small(tmp_path, train_predictor={"training": {"epochs": 3}, "networks": network})
-    swept = load_plan(tmp_path, "tiny")
-    table = confirmed(swept, {"train_predictor": {"training": {"learning_rate": 0.02}}})
+    sweep = load_sweep(tmp_path, "tiny")
+    table = confirmed(sweep, {"train_predictor": {"training": {"learning_rate": 0.02}}})
     assert table["measure"].tolist()[:2] == [
         "position error, 100 to 300 ms (mm)",
         "position error at 100 ms (mm)",
@@ -159,33 +153,33 @@ def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
     seeds = table.loc[0, ["seed_1", "seed_2", "seed_3"]]
     assert len(set(seeds)) == 3
     assert table.loc[0, "difference"] == pytest.approx(seeds.mean())
-    summary = read_json(swept.report / "confirmed.json")
+    summary = read_json(sweep.report / "confirmed.json")
     assert summary["holds"] == bool(table.loc[0, "holds"])
-    assert not (swept.scratch / "confirm").exists()
+    assert not (sweep.scratch / "confirm").exists()
 
 
-def test_policies_are_confirmed_on_unseen_balls_with_three_seeds(tmp_path):
-    policy_plan(tmp_path)
+def test_policies_are_confirmed_on_unseen_shots_with_three_seeds(tmp_path):
+    policy_sweep(tmp_path)
     groups = {"sim2sim": {"learning": BRIEF.model_copy(update={"legs": 1}).model_dump()}}
     small(tmp_path, train_policy={"groups": groups, "trials": 10})
-    swept = load_plan(tmp_path, "tiny")
+    sweep = load_sweep(tmp_path, "tiny")
     group = {"sim2sim": {"learning": {"discount": 0.9}}}
-    table = confirmed(swept, {"train_policy": {"groups": group}})
+    table = confirmed(sweep, {"train_policy": {"groups": group}})
     assert table["measure"].tolist() == ["return rate", "hit rate"]
     assert table["n"].tolist() == [30, 30]
     assert table["params"].between(0, 1).all()
 
 
 def test_there_is_nothing_to_confirm_before_a_sweep_nor_once_it_was_adopted(tmp_path):
-    swept = plan(tmp_path)
+    sweep = small_sweep(tmp_path)
     with pytest.raises(InputError, match="run `rallygap sweep tiny`"):
-        run_confirm(swept)
+        run_confirm(sweep)
     rate = load_params(ROOT / "params.yaml").train_predictor.training.learning_rate
-    with pytest.raises(InputError, match="says already"):
-        confirmed(swept, {"train_predictor": {"training": {"learning_rate": rate}}})
+    with pytest.raises(InputError, match=r"equals params\.yaml"):
+        confirmed(sweep, {"train_predictor": {"training": {"learning_rate": rate}}})
 
 
-def swept_by_two(root, **environment):
+def sweep_with_two_workers(root, **environment):
     """Let the command line do a sweep of four trials with two workers; return all that it said."""
     (root / "pyproject.toml").touch()
     (root / "tmp").mkdir(exist_ok=True)
@@ -195,7 +189,7 @@ def swept_by_two(root, **environment):
     command = [*program, "--workers", "2", "--trials", "4"]
     run = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
-    assert f"All of it: {root}/reports/sweeps/tiny\n" in run.stdout
+    assert f"Report: {root}/reports/sweeps/tiny\n" in run.stdout
     await_recorders(root / "tmp")
     return run.stdout + run.stderr
 
@@ -225,9 +219,9 @@ def assert_recorded(root):
 
 @pytest.mark.slow
 def test_the_command_line_sweeps_with_two_workers_and_records_every_trial(tmp_path):
-    predictor_plan(tmp_path)
+    predictor_sweep(tmp_path)
     for _ in range(2):  # the second time there is nothing left to do
-        swept_by_two(tmp_path)
+        sweep_with_two_workers(tmp_path)
     assert_recorded(tmp_path)
     assert not (tmp_path / "scratch" / "sweeps" / "tiny" / "trials").exists()
 
@@ -236,26 +230,11 @@ def test_the_command_line_sweeps_with_two_workers_and_records_every_trial(tmp_pa
 def test_a_sweep_in_postgresql_records_every_trial_and_leaves_the_password_nowhere(
     tmp_path, postgres_url
 ):
-    swept = predictor_plan(tmp_path)
-    said = swept_by_two(tmp_path, RALLYGAP_STUDY=postgres_url)
+    predictor_sweep(tmp_path)
+    said = sweep_with_two_workers(tmp_path, RALLYGAP_STUDY=postgres_url)
     assert_recorded(tmp_path)
-    trials = load_study(swept, swept.study, postgres_url).trials
-    assert len({trial.user_attrs[WORKER] for trial in trials}) == 2
     kept = [path for path in tmp_path.rglob("*") if path.is_file()]
     places = {path.relative_to(tmp_path).parts[0] for path in kept}
-    assert {"mlflow.db", "reports", "scratch"} <= places
+    assert {"mlflow.db", "reports"} <= places
     assert not [path for path in kept if PASSWORD.encode() in path.read_bytes()]
     assert PASSWORD not in said
-
-
-@pytest.mark.parametrize("ends", [nullcontext(), pytest.raises(TrialPruned)])
-def test_a_trial_of_which_mlflow_cannot_be_told_goes_on(tmp_path, monkeypatch, capsys, ends):
-    def no_room(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(tracking, "Recorder", no_room)
-    swept = plan(tmp_path)
-    with ends, recorded_trial(swept, "a study", 3, swept.trial_params({})):
-        if not isinstance(ends, nullcontext):
-            raise TrialPruned
-    assert "MLflow has no record of trial 3" in capsys.readouterr().err

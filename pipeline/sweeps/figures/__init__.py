@@ -1,1 +1,0 @@
-"""Figures of sweeps: drawing alone, from tables that others have computed."""

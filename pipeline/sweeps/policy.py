@@ -1,0 +1,76 @@
+"""Training and comparison of policies in sweeps, as in the stage train_policy."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.io.artifacts import read_json
+from pipeline.io.simulators import load_simulator
+from pipeline.params import Params
+from pipeline.policies.storage import TrainedPolicy
+from pipeline.policies.training import RECORD, Pupil, learn, train_policies, try_policies
+from pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
+from pipeline.sweeps.settings import PolicySweep
+from pipeline.sweeps.trial import Report
+
+MEASURES = {"returned": "return rate", "hit": "hit rate"}
+
+
+class PolicyTraining:
+    """Trains a policy and validates it on shots that it does not learn from.
+
+    Args:
+        sweep: names the group, the simulator and the forecast horizons.
+    """
+
+    def __init__(self, sweep: PolicySweep) -> None:
+        self.sweep = sweep
+
+    def score(self, params: Params, folder: Path, report: Report) -> float:
+        """Train; return the return rate after the last leg."""
+        job = Pupil(described(self.sweep, params), folder)
+        rate = 0.0
+        for leg in range(job.description.learning.legs):
+            learn(job, leg)
+            rate = read_json(job.leg(leg) / RECORD)["return_rate"]
+            report(leg + 1, rate)
+        return rate
+
+
+def described(sweep: PolicySweep, params: Params, repeat: int = 0) -> TrainedPolicy:
+    """Return the description of a policy to train; ``repeat`` selects its seed."""
+    group = params.train_policy.groups[sweep.group]
+    return TrainedPolicy(
+        group=sweep.group,
+        simulator=sweep.simulator,
+        effects=load_simulator(sweep.simulator).to_dict(),
+        horizons=sweep.horizons_ms,
+        observation=group.observation,
+        goals=group.goals,
+        learning=group.learning,
+        seed=repeat_seed(params.seed, repeat),
+        repeat=repeat,
+    )
+
+
+def compare_policies(sweep: PolicySweep, settings: Sequence[Params], folder: Path) -> Comparison:
+    """Train the policy with two parameter sets and every seed; return its results on unseen shots.
+
+    Policies of one seed play the same shots.
+
+    Args:
+        sweep: names the group, the simulator and the forecast horizons.
+        settings: the two parameter sets.
+        folder: for checkpoints.
+    """
+    jobs = [
+        Pupil(described(sweep, params, repeat), folder / f"{number}-{repeat}")
+        for number, params in enumerate(settings)
+        for repeat in range(1, SEEDS + 1)
+    ]
+    shots = settings[0].train_policy.trials
+    played = try_policies(train_policies(jobs), shots)
+    rates = np.stack([table[list(MEASURES)].to_numpy(dtype=np.float64) for table in played])
+    groups = np.arange(SEEDS * shots).reshape(SEEDS, shots)
+    return Comparison(list(MEASURES.values()), False, rates[:SEEDS], rates[SEEDS:], groups)

@@ -1,0 +1,140 @@
+"""Training and comparison of predictors in sweeps, on the data of the stage train_predictor."""
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import lightning
+import numpy as np
+from lightning.pytorch.callbacks import Callback
+
+from models.predictors.errors import HORIZONS_MS, errors
+from models.predictors.evaluation import SHOWN_HORIZONS_MS
+from models.predictors.learned import LearnedPredictor, build_network
+from models.predictors.protocol import Floats
+from models.predictors.training import ForecastTraining, WindowData
+from models.predictors.window_dataset import Tracks, tracks
+from pipeline.evaluation.contenders import one_thread
+from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
+from pipeline.io.episodes import read_episodes
+from pipeline.params import Params
+from pipeline.predictors.trainer import train
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.parallel import parallel
+from pipeline.sources.manifest import read_manifest
+from pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
+from pipeline.sweeps.settings import PredictorSweep
+from pipeline.sweeps.trial import Report
+
+UNITS = {"position": "mm", "velocity": "m/s", "spin": "rad/s"}
+MEASURES = [
+    f"position error, {HORIZONS_MS[0]} to {HORIZONS_MS[-1]} ms (mm)",
+    *(f"{name} error at {ms} ms ({UNITS[name]})" for name in UNITS for ms in SHOWN_HORIZONS_MS),
+]
+
+
+class PredictorTraining:
+    """Trains a network on the training recordings and validates it as the stage does.
+
+    Args:
+        root: the repository, with the artefacts of ingest and segment.
+        sweep: names the network.
+        params: name the sources.
+
+    Raises:
+        InputError: there are no training or validation episodes.
+    """
+
+    def __init__(self, root: Path, sweep: PredictorSweep, params: Params) -> None:
+        self.network = sweep.network
+        self.train, self.validation = _splits(root / "artifacts", params.train_predictor.sources)
+
+    def score(self, params: Params, folder: Path, report: Report) -> float:
+        """Train; return the validation loss after the last epoch."""
+        return self.fit(params, folder, [_Reporting(report)]).curve[-1]["validation"]
+
+    def fit(
+        self, params: Params, folder: Path, callbacks: Sequence[Callback] = ()
+    ) -> ForecastTraining:
+        """Train the network, with checkpoints in a folder."""
+        settings = params.train_predictor
+        lightning.seed_everything(params.seed, verbose=False)
+        network = build_network(settings.networks[self.network])
+        data = WindowData(self.train, self.validation, settings.training, params.seed)
+        data.fit_normaliser(network)
+        training = ForecastTraining(network, settings.training)
+        train(training, data, folder, callbacks)
+        return training
+
+
+class _Reporting(Callback):
+    """Reports the validation loss of every epoch."""
+
+    def __init__(self, report: Report) -> None:
+        self.report = report
+
+    def on_validation_end(self, trainer: lightning.Trainer, *_: Any) -> None:
+        self.report(trainer.current_epoch + 1, float(trainer.callback_metrics["validation"]))
+
+
+def _splits(artifacts: Path, sources: Sequence[str]) -> list[Tracks]:
+    """Return the training and validation tracks."""
+    manifest, splits = (
+        read_manifest(artifacts / "ingest" / "manifest.json"),
+        ("train", "validation"),
+    )
+    episodes = read_episodes(artifacts / "segment", manifest.labelled_once, splits)
+    usable = [one for one in episodes if one.unbroken and one.source in sources]
+    try:
+        return [tracks([one.episode for one in usable if one.split == split]) for split in splits]
+    except ValueError as error:
+        path = artifacts / "segment" / "episodes.parquet"
+        raise InputError(path, f"{error}: {', '.join(sources)}") from None
+
+
+def compare_predictors(
+    root: Path, sweep: PredictorSweep, settings: Sequence[Params], folder: Path
+) -> Comparison:
+    """Train the network with two parameter sets and every seed; return its test errors.
+
+    Args:
+        root: the repository, with the artefacts of ingest and segment.
+        sweep: names the network.
+        settings: the two parameter sets.
+        folder: for checkpoints.
+    """
+    training, first = PredictorTraining(root, sweep, settings[0]), settings[0]
+    every = first.evaluate_predictor.window_every_ms / 1000
+    sets = [
+        one
+        for one in read_test_sets(root / "artifacts", every)
+        if one.name in first.train_predictor.sources
+    ]
+    tasks = [
+        partial(_test_errors, training, seeded, folder / f"{number}-{repeat}", sets)
+        for number, params in enumerate(settings)
+        for repeat in range(SEEDS)
+        for seeded in [params.model_copy(update={"seed": repeat_seed(params.seed, repeat + 1)})]
+    ]
+    measured = np.stack(list(parallel(tasks)))
+    recordings = np.concatenate([one.recordings for one in sets])
+    groups = np.tile(recordings, (SEEDS, 1))
+    return Comparison(MEASURES, True, measured[:SEEDS], measured[SEEDS:], groups)
+
+
+@one_thread()
+def _test_errors(
+    training: PredictorTraining, params: Params, folder: Path, sets: Sequence[MeasuredSet]
+) -> Floats:
+    """Train a predictor and return its (N, K) errors on test windows, K as in ``MEASURES``."""
+    predictor = LearnedPredictor(training.fit(params, folder).network)
+    return np.concatenate([_errors(predictor, one) for one in sets])
+
+
+def _errors(predictor: LearnedPredictor, test: MeasuredSet) -> Floats:
+    forecast = predictor.predict(test.windows.history)
+    error = {quantity: errors(forecast, test.windows, quantity) for quantity in UNITS}
+    shown = [HORIZONS_MS.index(horizon) for horizon in SHOWN_HORIZONS_MS]
+    position = np.ma.masked_invalid(error["position"]).mean(axis=1).filled(np.nan)
+    return np.column_stack([position, *(one[:, shown] for one in error.values())])

@@ -1,0 +1,96 @@
+"""One trial: a short training with suggested parameters, scored and recorded in MLflow."""
+
+import math
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import optuna
+import typer
+from optuna import TrialPruned
+
+from pipeline.params import Params
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.provenance import Provenance
+from pipeline.sweeps.settings import PredictorSweep, Sweep
+from pipeline.tracking.recording import description, recording
+
+Report = Callable[[int, float], None]
+"""Takes the score after every epoch or leg, counted from 1; raises ``TrialPruned``."""
+
+Train = Callable[[Params, Path, Report], float]
+"""Trains with parameters in a folder for checkpoints, and returns the final score."""
+
+
+def training_of(sweep: Sweep) -> Train:
+    """Return the training of a sweep's trials, with its data in memory.
+
+    Raises:
+        InputError: the data are missing.
+    """
+    if isinstance(sweep.settings, PredictorSweep):
+        from pipeline.sweeps.predictor import PredictorTraining
+
+        return PredictorTraining(sweep.root, sweep.settings, sweep.trial_params({})).score
+    from pipeline.sweeps.policy import PolicyTraining
+
+    return PolicyTraining(sweep.settings).score
+
+
+def run_trial(
+    sweep: Sweep, train: Train, check_parent: Callable[[], None], trial: optuna.Trial
+) -> float:
+    """Run a trial and return its score.
+
+    Args:
+        sweep: the sweep.
+        train: the training.
+        check_parent: called after every step; ends the process if its parent has died.
+        trial: Optuna's.
+
+    Raises:
+        TrialPruned: the score is not finite or worse than the median of the other trials, or the
+            suggested values are invalid together.
+    """
+    settings, scores = sweep.settings, dict[str, float]()
+
+    def report(step: int, score: float) -> None:
+        check_parent()
+        scores[str(step)] = score
+        trial.report(score, step)
+        if not math.isfinite(score) or trial.should_prune():
+            raise TrialPruned(f"{settings.score} {score:.4g} after {settings.step} {step}")
+
+    pruned = None
+    try:
+        params = sweep.trial_params(sweep.suggest(trial))
+    except InputError as error:
+        raise TrialPruned(str(error)) from None
+    start = _mlflow_run(sweep, trial, params)
+    metric = settings.score.replace(" ", "_")
+    folder = sweep.scratch / "trials"
+    folder.mkdir(parents=True, exist_ok=True)
+    with (
+        recording(start, lambda: {"metrics": {metric: scores}}),
+        tempfile.TemporaryDirectory(dir=folder) as checkpoints,
+    ):
+        try:
+            score = train(params, Path(checkpoints), report)
+        except TrialPruned as reason:  # for MLflow the run is finished
+            pruned = reason
+    if pruned is not None:
+        typer.echo(f"trial {trial.number}: pruned, {pruned}")
+        raise pruned
+    typer.echo(f"trial {trial.number}: {settings.score} {score:.4g}")
+    return score
+
+
+def _mlflow_run(sweep: Sweep, trial: optuna.Trial, params: Params) -> dict[str, Any]:
+    """Return the description of a trial's MLflow run, nested in the run of the sweep."""
+    study, command = trial.study.study_name, f"rallygap sweep {sweep.name}"
+    used = params.model_dump(mode="json", include={"seed", sweep.settings.stage})
+    start = description(f"trial {trial.number}", Provenance(command, study), used)
+    tags = {name: tag for name, tag in start["tags"].items() if not name.startswith("dvc.")}
+    tags |= {"rallygap.study": study, "rallygap.trial": str(trial.number)}
+    return {**start, "reproduction": study, "parent": command, "tags": tags}

@@ -1,0 +1,71 @@
+"""Settings of a sweep are read from a file, or refused with the field's name."""
+
+import pytest
+
+from pipeline.runtime.errors import InputError
+from pipeline.sweeps.settings import load_sweep, nested
+from tests.pipeline.sweeps.small_sweeps import HEADS, RATE, ROOT, SETTINGS, small_sweep
+
+
+@pytest.mark.parametrize("name", ["predictor", "policy", "quick"])
+def test_the_first_trial_of_a_committed_sweep_has_the_parameters_of_params_yaml(name):
+    sweep = load_sweep(ROOT, name)
+    defaults = sweep.defaults()
+    assert defaults is not None
+    assert sweep.trial_params(defaults) == sweep.trial_params({})
+
+
+def test_a_trial_changes_the_searched_parameters_and_those_that_shorten_it(tmp_path):
+    sweep = small_sweep(tmp_path)
+    params = sweep.trial_params({RATE: 0.02, HEADS: 8}).train_predictor
+    assert (params.training.learning_rate, params.training.epochs) == (0.02, 3)
+    assert params.networks["transformer"].heads == 8
+    assert params.training.batch == sweep.params["train_predictor"]["training"]["batch"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"space": {"train_predictor.training.rate": {"low": 1, "high": 2}}}, "is no parameter"),
+        ({"space": {"segment.noise": {"low": 0.1, "high": 0.2}}}, "cannot be searched"),
+        (
+            {"space": {"train_predictor.training.hidden_spin": {"low": 0.1, "high": 0.2}}},
+            "cannot be searched",
+        ),
+        ({"space": {RATE: {"low": 0.1, "high": 7.5}}}, "less than or equal to 1, not 7.5"),
+        ({"space": {RATE: {"low": 0.2, "high": 0.1}}}, "give a low limit"),
+        ({"space": {RATE: {"low": 0.2}}}, "and high; or choices"),
+        ({"space": {RATE: {"low": 0.0, "high": 0.1, "log": True}}}, "above zero with log"),
+        ({"space": {RATE: {"choices": [0.1]}}}, "at least 2 items"),
+        ({"space": {RATE: {"choices": [0.1, 0.2], "low": 0.1}}}, "low and high, or choices"),
+        ({"space": {}}, "at least 1 item"),
+        ({"in_trials": {"train_predictor.training.epoch": 3}}, "is no parameter"),
+        ({"network": "lstm"}, "is no parameter"),
+        ({"trains": "robot"}, "does not match any of the expected tags"),
+        ({"trails": 3}, "Extra inputs are not permitted"),
+    ],
+)
+def test_invalid_settings_are_refused(tmp_path, changes, says):
+    with pytest.raises(InputError, match=r"tiny\.yaml") as refused:
+        small_sweep(tmp_path, **changes)
+    assert says in str(refused.value)
+
+
+def test_an_unknown_sweep_is_refused_with_the_known_names(tmp_path):
+    small_sweep(tmp_path)
+    with pytest.raises(InputError, match="there are: tiny"):
+        load_sweep(tmp_path, "wide")
+
+
+def test_other_data_or_another_space_make_another_study_but_more_trials_do_not(tmp_path):
+    study = small_sweep(tmp_path).study
+    assert small_sweep(tmp_path, trials=100).study == study
+    space = {**SETTINGS["space"], HEADS: {"choices": [2, 4]}}
+    assert small_sweep(tmp_path, space=space).study != study
+    sweep = small_sweep(tmp_path)
+    (tmp_path / "data.txt").write_text("other shots")
+    assert sweep.study != study
+
+
+def test_dotted_names_become_nested_groups():
+    assert nested({"a.b.c": 1, "a.b.d": None, "e": 2}) == {"a": {"b": {"c": 1, "d": None}}, "e": 2}
