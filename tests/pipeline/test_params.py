@@ -38,7 +38,7 @@ def test_every_parameter_is_written_in_params_yaml():
 @pytest.mark.parametrize(
     ("key", "value", "said"),
     [
-        ("segmnt", {}, "params.yaml, segmnt: is an unknown key; did you mean segment? Allowed:"),
+        ("segmnt", {}, "params.yaml, segmnt: is an unknown key; did you mean segment?"),
         ("segment.longest_gup", 1, "segment.longest_gup: is an unknown key; did you mean longest"),
         ("evaluate_predictor.predictors.x", {"kind": "physics"}, "x.simulator: is missing"),
         ("seed", "3", 'seed: input should be a valid integer, not "3"'),
@@ -71,8 +71,7 @@ def test_an_unknown_key_is_compared_with_those_of_its_own_kind():
     network = {"kind": "gru_tae", "recurrent": 8, "latnt": 8, "decoded": 8, "uniform_motion": True}
     said = complaint(changed("train_predictor.networks.tae", network)).splitlines()
     assert "networks.tae.latent: is missing" in said[0]
-    assert "networks.tae.latnt: is an unknown key; did you mean latent? Allowed:" in said[1]
-    assert said[1].endswith("Allowed: decoded, kind, latent, recurrent, uniform_motion")
+    assert "networks.tae.latnt: is an unknown key; did you mean latent?" in said[1]
 
 
 def test_every_problem_has_a_line():

@@ -81,7 +81,7 @@ def test_effects_can_be_taken_out_of_a_simulator():
 @pytest.mark.parametrize(
     ("one", "said"),
     [
-        (simulator("imperfect_d"), "imperfect_d.*there are: "),
+        (simulator("imperfect_d"), "imperfect_d.*did you mean imperfect_"),
         (
             simulator(without=["wind"]),
             r"close_gap\.simulators\.mine: cannot go without wind; it has gravity",
