@@ -257,19 +257,15 @@ def costs() -> None:
 
 
 @app.command(rich_help_panel=MAINTENANCE)
-def effects() -> None:
-    """Print the catalogue of effects as Markdown: `rallygap effects > docs/effects.md`."""
-    from pipeline.documentation.effects_page import catalogue_page
+def docs() -> None:
+    """Write the generated pages of the documentation, and the generated blocks of all others."""
+    from pipeline.documentation.generated import regenerate
+    from pipeline.io.artifacts import write_text
 
-    typer.echo(catalogue_page())
-
-
-@app.command(rich_help_panel=MAINTENANCE)
-def paper() -> None:
-    """Print the paper's numbers beside ours as Markdown: `rallygap paper > docs/paper.md`."""
-    from pipeline.paper.page import paper_page
-
-    typer.echo(paper_page(clone()))
+    for path, text in regenerate(clone()).items():
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            write_text(path, text)
+            typer.echo(f"written: {path}")
 
 
 def _check_free(port: int) -> None:

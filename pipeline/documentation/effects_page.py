@@ -6,7 +6,7 @@ from models.ball.effect import Effect, Parameter
 PREAMBLE = """# The catalogue of effects
 
 A simulator is a list of these effects, in YAML (`models/ball/simulators/`). Each is one file in
-`models/ball/effects/`; this page is written from them by `rallygap effects > docs/effects.md`.
+`models/ball/effects/`; this page is written from them by `rallygap docs`.
 
 Units are SI, angles in radians. `u` is the ball's velocity relative to the air, `S = r|w| / |u|`
 the spin ratio, `v_n` the normal and `v_b` the contact point's velocity at an impact, `w_t` the

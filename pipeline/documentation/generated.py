@@ -10,18 +10,24 @@ import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from pipeline.documentation.command_page import command_page
 from pipeline.documentation.effects_page import catalogue_page
+from pipeline.documentation.physics_tables import constants_table, quantities_table
 from pipeline.paper.page import paper_page
 from pipeline.runtime.errors import InputError
 
 Writer = Callable[[Path], str]  # takes the repository's root, returns Markdown
 
 PAGES: dict[str, Writer] = {
+    "docs/command-line.md": command_page,
     "docs/effects.md": lambda root: catalogue_page(),
     "docs/paper.md": paper_page,
 }
 
-BLOCKS: dict[str, Writer] = {}
+BLOCKS: dict[str, Writer] = {
+    "constants": lambda root: constants_table(),
+    "quantities": lambda root: quantities_table(),
+}
 
 _START = "<!-- generated:"
 _BLOCK = re.compile(r"(?P<start><!-- generated: (?P<name>\S+) -->)(?P<text>.*?)<!-- end -->", re.S)

@@ -16,7 +16,7 @@ PREAMBLE = """# The paper, number by number
 *Bridging the sim2real gap in the table tennis robot with a transformer-based ball states predictor*
 (Bi, Conti, Yang, Sigrist, Dürr, Takahashi; Sony AI): each of its figures, tables and printed
 numbers, the stage that makes ours, and how the two compare. Written from the reports by
-`rallygap paper > docs/paper.md`; `reports/index.html` draws the same.
+`rallygap docs`; `reports/index.html` draws the same.
 
 - *laptop* is the last run (`reports/`), *paper* the one with the paper's balls (`reports/paper/`,
   whose `run.json` has the command and the sizes).
