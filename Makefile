@@ -15,12 +15,12 @@ export DO_NOT_TRACK := true
 PIP := .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real exam test test-all faults lint audit pictures bench ui
+.PHONY: help reproduce real exam test test-all faults lint audit pictures bench docs ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
 
-# Written last: an environment without it was left half-made, and is made anew.
+# Written last: an environment without this file is incomplete and is created again.
 .venv/ready: pyproject.toml constraints.txt
 	@test -e $@ || $(PYTHON) -m venv --clear .venv
 	@rm -f $@
@@ -41,25 +41,25 @@ exam: .venv/ready ## hours: sit the whole blind exam and keep its sheets; goes o
 	@python -m pipeline.exam.run
 	@dvc repro hidden_effects
 
-test: .venv/ready ## the quick tests, a file after another on every core
+test: .venv/ready ## the quick tests, in parallel on all cores
 	@pytest --numprocesses logical --dist loadfile
 
-test-all: .venv/ready ## every test but the faults, the slow ones too
+test-all: .venv/ready ## all tests but the fault injection, the slow ones included
 	@pytest -m 'not faults'
 
 faults: .venv/ready ## an hour and a half, as root: damage files, kill every stage, fill disks; write reports/reliability
 	@pytest -m faults -v --tables
 
-lint: .venv/ready ## style, types, import arrows
+lint: .venv/ready ## style, types, import contracts
 	ruff check .
 	ruff format --check .
 	mypy
 	lint-imports
 
-audit: .venv/ready ## look up every pinned package among known vulnerabilities; needs pipx and the network
+audit: .venv/ready ## check the pinned packages for known vulnerabilities; needs pipx and the network
 	pipx run pip-audit --strict --requirement constraints.txt --no-deps --disable-pip
 
-pictures: .venv/ready ## photograph MLflow's pages for docs/compare.md; needs Chromium
+pictures: .venv/ready ## take the screenshots of MLflow for docs/compare.md; needs Chromium
 	@pytest -m slow tests/pipeline/test_comparing_pages.py --pictures docs/images
 
 bench: .venv/ready ## half an hour: the ball simulator and the learning beside their peers, and what predictors cost
@@ -68,5 +68,10 @@ bench: .venv/ready ## half an hour: the ball simulator and the learning beside t
 	@test ! -d artifacts/train_predictor || rallygap costs
 	@python -m benchmarks.learning
 
-ui: .venv/ready ## the MLflow pages of this repository's runs, on this machine only
+docs: .venv/ready ## build the documentation site into docs/_build/html; a warning is an error
+	@rallygap docs
+	@sphinx-build --fail-on-warning --keep-going --quiet --builder html docs docs/_build/html
+	@echo "docs/_build/html/index.html"
+
+ui: .venv/ready ## serve the MLflow pages of this repository's runs on 127.0.0.1
 	@rallygap ui

@@ -8,7 +8,7 @@ TITLE = "# The command line\n\nThis page is written from the commands by `rallyg
 def command_page(root: Path) -> str:
     """Return the commands of ``rallygap`` with their arguments and options as Markdown."""
     # Typer has no public function for what `typer ... utils docs` prints.
-    from click import Context
+    from typer import Context
     from typer.cli import get_docs_for_click
     from typer.main import get_command
 
