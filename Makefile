@@ -31,7 +31,6 @@ help: ## list the targets
 
 reproduce: .venv/ready ## run the whole pipeline on the embedded data
 	@rallygap check
-	@rallygap mend
 	@dvc repro
 
 real: .venv/ready ## run the pipeline on the measured sets in DATA and keep the results in reports/real

@@ -14,7 +14,7 @@ from pipeline.runtime.console import refuse, show
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.extras import missing_extra, require
 from pipeline.runtime.guard import disks_named
-from pipeline.runtime.repository import clone, clone_with_run
+from pipeline.runtime.paths import clone, clone_with_run
 
 # Of MLflow's server: no telemetry, and none of the processes that run jobs, which nobody submits.
 LEAN = {
@@ -228,19 +228,6 @@ def keep(name: Annotated[str, typer.Argument(help="as `dvc exp list` shows it")]
     root = clone()
     keep_experiment(root, name)
     typer.echo(f"All of it: {root / 'reports' / name}")
-
-
-@app.command(rich_help_panel=MAINTENANCE)
-def mend() -> None:
-    """Remove what is damaged in DVC's cache, with its copies, and a lock that a kill broke."""
-    from pipeline.experiments.cache_repair import mend
-
-    root = clone()
-    removed = mend(root)
-    for path in removed:
-        typer.echo(f"damaged, removed: {path}")
-    if not removed:
-        typer.echo("Nothing is damaged.")
 
 
 @app.command(rich_help_panel=MAINTENANCE)

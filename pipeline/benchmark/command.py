@@ -7,8 +7,7 @@ import typer
 
 from pipeline.runtime.console import show
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.output_folder import check_file, check_folder
-from pipeline.runtime.repository import clone_with_run
+from pipeline.runtime.paths import check_file, check_folder, clone_with_run
 
 app = typer.Typer(no_args_is_help=True, help="Test windows for any predictor, and its scores.")
 

@@ -20,7 +20,8 @@ from pipeline.io.simulators import load_simulator
 from pipeline.params import Params, load_params
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.provenance import repository_root, short
+from pipeline.runtime.paths import repository_root
+from pipeline.runtime.provenance import short
 
 # What decides about a sheet: the packages of ``models`` that it follows from, and the libraries.
 SHAPING = ("models/arena", "models/ball", "models/exam", "models/gap", "constraints.txt")

@@ -19,8 +19,8 @@ from pipeline.io.artifacts import write_text
 from pipeline.io.figure_style import apply_style, save_figure
 from pipeline.io.simulators import load_simulator
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.output_folder import check_folder
-from pipeline.runtime.phase_progress import phase_bar
+from pipeline.runtime.paths import check_folder
+from pipeline.runtime.progress import phase_bar
 
 TABLE = "table_bounce"
 FIGURES = "figures"

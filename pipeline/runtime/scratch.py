@@ -15,7 +15,8 @@ from pydantic import FiniteFloat
 
 from pipeline.io.artifacts import read_as, write_json
 from pipeline.io.report_manifest import read_contents
-from pipeline.runtime.provenance import repository_root, short
+from pipeline.runtime.paths import repository_root
+from pipeline.runtime.provenance import short
 
 COPIES = "copies"  # folder of scratch/ for what killed stages left in temporary copies
 

@@ -8,7 +8,6 @@ what they return to the report: ``run.add(item, …)`` takes the figures, animat
 import os
 import shutil
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,32 +23,23 @@ from pipeline.io.report_manifest import Item
 from pipeline.params import Params, load_params
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.provenance import Provenance, content_hash, provenance, repository_root, short
-from pipeline.tracking.recording import recorded
-
-
-@dataclass(frozen=True)
-class InputData:
-    """A data set that a stage read."""
-
-    name: str
-    source: str
-    rows: int
-    digest: str
+from pipeline.runtime.paths import repository_root
+from pipeline.runtime.provenance import Provenance, content_hash, provenance, short
+from pipeline.tracking.recording import InputData, Results, recorded
 
 
 class StageRun:
-    """What a stage works with: its parameters, its inputs, and places for its outputs.
+    """A stage's parameters, the paths of its inputs and outputs, and its report.
 
     Args:
         stage: the stage's name, also its key in params.yaml and its folder under reports.
         root: the folder that holds artifacts and reports.
         params: the parameters of all stages.
-        fingerprint: of the run: its parameters, and the content of what it depends on.
+        fingerprint: of the run; see ``Provenance``.
 
     Attributes:
-        timings: name to seconds of what took long; never the same twice, so they go to MLflow and
-            to ``timings/``, which neither DVC nor git keeps.
+        timings: name to seconds. They differ from run to run, so they go to MLflow and to
+            ``timings/``, which neither DVC nor git keeps.
     """
 
     def __init__(self, stage: str, root: Path, params: Params, fingerprint: str = "") -> None:
@@ -66,7 +56,7 @@ class StageRun:
         return self.params.seed
 
     def input(self, stage: str, name: str) -> Path:
-        """The path of an artefact that ``stage`` left."""
+        """The path of an artefact of another stage."""
         return self.root / "artifacts" / stage / name
 
     def artifact(self, name: str) -> Path:
@@ -74,7 +64,7 @@ class StageRun:
         return self.root / "artifacts" / self.stage / name
 
     def scratch(self, name: str) -> Path:
-        """The path of a folder that a killed run leaves to the next with the same fingerprint."""
+        """The path of a folder for checkpoints, found again by a run with the same fingerprint."""
         return self.root / "scratch" / self.stage / short(self.fingerprint) / name
 
     def report(self, name: str) -> Path:
@@ -82,7 +72,7 @@ class StageRun:
         return self.root / "reports" / self.stage / name
 
     def log_input(self, name: str, path: Path, rows: int) -> None:
-        """Note a data set that this stage reads, for tracking."""
+        """Note a data set that this stage reads, for MLflow."""
         self.inputs.append(InputData(name, str(path), rows, content_hash(path)))
 
     def write_metrics(self, metrics: dict[str, Any]) -> None:
@@ -121,26 +111,22 @@ class StageRun:
         write_json(self.report("contents.json"), contents)
 
     def clear(self) -> None:
-        """Remove what an earlier run of this stage left, whole or broken off."""
+        """Remove the outputs of an earlier run of this stage, whole or broken off."""
         for folder in (self.artifact("."), self.report(".")):
             shutil.rmtree(folder, ignore_errors=True)
 
-    def settle(self) -> None:
+    def clear_scratch(self) -> None:
         """Remove what only an unfinished run needs."""
         shutil.rmtree(self.root / "scratch" / self.stage, ignore_errors=True)
 
-    def own_params(self) -> dict[str, Any]:
-        """The parameters that this stage reads, for tracking."""
-        return self.params.model_dump(mode="json", include={"seed", self.stage})
-
-    def results(self) -> dict[str, Any]:
-        """What tracking records at the end."""
+    def results(self) -> Results:
+        """What MLflow records at the end."""
         figures = [self.report(item.file) for item in self.items if item.kind != "table"]
-        return {
-            "metrics": {**self.metrics, "timings": self.timings},
-            "inputs": [asdict(item) for item in self.inputs],
-            "figures": [str(path) for path in figures if path.exists()],
-        }
+        return Results(
+            {**self.metrics, "timings": self.timings},
+            self.inputs,
+            [path for path in figures if path.exists()],
+        )
 
 
 def run_stage(stage: Callable[[StageRun], None]) -> None:
@@ -151,27 +137,28 @@ def run_stage(stage: Callable[[StageRun], None]) -> None:
     os.environ["MPLBACKEND"] = "Agg"
     apply_style()
     try:
-        params = placed(load_params(Path("params.yaml")))
+        params = with_data_folder(load_params(Path("params.yaml")))
         origin = provenance(Path.cwd(), stage.__name__)
         run = StageRun(stage.__name__, Path.cwd(), params, origin.fingerprint)
-        with recorded(run.stage, origin, run.own_params(), run.results):
+        own = params.model_dump(mode="json", include={"seed", run.stage})
+        with recorded(run.stage, origin, own, run.results):
             run.clear()
             try:
                 stage(run)
                 run.write_contents(origin)
-                run.settle()
+                run.clear_scratch()
             except BaseException:
-                run.clear()  # half of a stage's outputs is worse than none
+                run.clear()  # no later stage takes half of the outputs for all of them
                 raise
     except InputError as error:
         refuse(error)
 
 
-def placed(params: Params) -> Params:
-    """``params`` with the folder of the measured sets where it is on this machine.
+def with_data_folder(params: Params) -> Params:
+    """``params`` with the folder of the measured sets on this machine.
 
-    params.yaml leaves it to the environment variable RALLYGAP_DATA, because it is committed. A
-    relative folder starts at the repository.
+    It comes from the environment variable RALLYGAP_DATA, because params.yaml is committed. A
+    relative folder is one of the repository.
     """
     folder = params.ingest.folder or os.environ.get("RALLYGAP_DATA")
     if not folder:

@@ -4,7 +4,6 @@ import math
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import optuna
 import typer
@@ -12,9 +11,9 @@ from optuna import TrialPruned
 
 from pipeline.params import Params
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.provenance import Provenance
+from pipeline.runtime.provenance import git_commit
 from pipeline.sweeps.settings import PredictorSweep, Sweep
-from pipeline.tracking.recording import description, recording
+from pipeline.tracking.recording import ParentRun, Results, RunStart, recording
 
 Report = Callable[[int, float], None]
 """Takes the score after every epoch or leg, counted from 1; raises ``TrialPruned``."""
@@ -72,7 +71,7 @@ def run_trial(
     folder = sweep.scratch / "trials"
     folder.mkdir(parents=True, exist_ok=True)
     with (
-        recording(start, lambda: {"metrics": {metric: scores}}),
+        recording(start, lambda: Results({metric: scores})),
         tempfile.TemporaryDirectory(dir=folder) as checkpoints,
     ):
         try:
@@ -86,11 +85,13 @@ def run_trial(
     return score
 
 
-def _mlflow_run(sweep: Sweep, trial: optuna.Trial, params: Params) -> dict[str, Any]:
+def _mlflow_run(sweep: Sweep, trial: optuna.Trial, params: Params) -> RunStart:
     """Return the description of a trial's MLflow run, nested in the run of the sweep."""
     study, command = trial.study.study_name, f"rallygap sweep {sweep.name}"
-    used = params.model_dump(mode="json", include={"seed", sweep.settings.stage})
-    start = description(f"trial {trial.number}", Provenance(command, study), used)
-    tags = {name: tag for name, tag in start["tags"].items() if not name.startswith("dvc.")}
+    commit = git_commit(sweep.root)
+    shared = {"mlflow.source.git.commit": commit} if commit else {}
+    tags = {**shared, "mlflow.source.name": command}
     tags |= {"rallygap.study": study, "rallygap.trial": str(trial.number)}
-    return {**start, "reproduction": study, "parent": command, "tags": tags}
+    used = params.model_dump(mode="json", include={"seed", sweep.settings.stage})
+    parent = ParentRun(study, command, command, shared, failure_is_final=False)
+    return RunStart(f"trial {trial.number}", used, tags, parent)

@@ -8,8 +8,7 @@ from typing import Any
 from pipeline.experiments.stage_outputs import stage_outputs
 from pipeline.io.report_manifest import read_contents
 from pipeline.runtime.errors import InputError
-from pipeline.tracking.recording import store_uri
-from pipeline.tracking.redaction import without_secrets
+from pipeline.tracking.recording import store_uri, without_secrets
 
 EXPERIMENT_TAG = "dvc.experiment"
 
@@ -20,12 +19,12 @@ class Origin:
 
     Attributes:
         stage: its name.
-        fingerprint: of its command, parameters and dependencies; see ``Provenance``.
+        fingerprint: see ``Provenance``.
         run: the id in MLflow.
-        status: how it ended, in MLflow's words.
-        address: of its page.
-        commit: that was checked out; an experiment's changes come on top of it.
-        experiment: of DVC, if any.
+        status: of the run in MLflow.
+        address: of its page in MLflow.
+        commit: that was checked out; the changes of an experiment are not in it.
+        experiment: name of the DVC experiment, if any.
     """
 
     stage: str
@@ -50,7 +49,7 @@ def origin_of(root: Path, path: Path) -> Origin:
     """
     stage, reports = report_of(root, path)
     fingerprint = read_contents(reports, stage).fingerprint
-    store = os.environ.get("MLFLOW_TRACKING_URI") or _own_store(root)
+    store = os.environ.get("MLFLOW_TRACKING_URI") or _local_store(root)
     run = _newest_run(store, fingerprint)
     if run is None:
         problem = f"has the fingerprint {fingerprint}; was it made elsewhere?"
@@ -59,7 +58,7 @@ def origin_of(root: Path, path: Path) -> Origin:
     tags, info = run.data.tags, run.info
     return Origin(
         stage,
-        tags["dvc.lock_hash"],
+        tags["rallygap.fingerprint"],
         info.run_id,
         info.status,
         f"{served.rstrip('/')}/#/experiments/{info.experiment_id}/runs/{info.run_id}",
@@ -92,7 +91,7 @@ def report_of(root: Path, path: Path) -> tuple[str, Path]:
     raise InputError(path, "no stage of dvc.yaml writes it; give a file under reports or artifacts")
 
 
-def _own_store(root: Path) -> str:
+def _local_store(root: Path) -> str:
     """The repository's store, which MLflow would make where there is none."""
     if not (root / "mlflow.db").is_file():
         problem = "is missing, because no stage has run here; whoever ran it has the run"
@@ -106,7 +105,7 @@ def _newest_run(store: str, fingerprint: str) -> Any:
     from mlflow.exceptions import MlflowException
     from sqlalchemy.exc import SQLAlchemyError
 
-    sought = f"tags.`dvc.lock_hash` LIKE '{fingerprint}%'"
+    sought = f"tags.`rallygap.fingerprint` LIKE '{fingerprint}%'"
     try:
         client = MlflowClient(store)
         experiments = [one.experiment_id for one in client.search_experiments()]

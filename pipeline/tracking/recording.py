@@ -1,115 +1,118 @@
-"""Tracking as a stage sees it: a recorder process beside it, which can never hold it up.
+"""A run in MLflow around a block of work: a stage of the pipeline, or a trial of a sweep.
 
-The recorder (``recorder.py``) opens the MLflow store while the stage works, and takes the
-results when it ends. The stage waits ``PATIENCE`` for it and no longer: a store that is down or
-locked costs a warning, a slow one is written in the background. A stage that is killed is recorded
-as killed, because the recorder outlives it.
+MLflow works in the process of the stage, with short timeouts. Whatever goes wrong with it costs one
+line of warning, and the stage goes on. A stage that is killed leaves its run open; the next one
+that is recorded in the same store closes it (``mlflow_run.close_abandoned``).
 """
 
 import os
-import shutil
-import subprocess
-import sys
-import tempfile
-import time
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import psutil
 
-from pipeline.io.artifacts import write_json
 from pipeline.runtime.console import warn
 from pipeline.runtime.guard import guarded
-from pipeline.runtime.provenance import Provenance, git_commit, repository_root
+from pipeline.runtime.paths import repository_root
+from pipeline.runtime.provenance import Provenance, git_commit
 from pipeline.runtime.scratch import keep_timings, scratch_kept
+from pipeline.tracking.changed_params import Change, changed_params
 
-PATIENCE = 5.0  # s, that a finished stage waits for its recorder
+Value = TypeVar("Value")
+
+LONGEST_REASON = 300  # characters of what MLflow says when it fails
 
 
-class Recorder:
-    """The process that writes one stage into MLflow.
+@dataclass(frozen=True)
+class InputData:
+    """A data set that a stage read.
 
-    Args:
-        start: what is known when the stage starts; see ``description``.
+    Attributes:
+        name: of the data set.
+        source: path of its file or folder.
+        rows: or other items in it.
+        digest: MD5 of its content.
     """
 
-    def __init__(self, start: dict[str, Any]) -> None:
-        self.stage = start["stage"]
-        self.messages = _delivered(start)
-        self.complaints = tempfile.TemporaryFile("w+")  # noqa: SIM115
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "pipeline.tracking.recorder", str(self.messages)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=self.complaints,
-            # An interrupt from the keyboard stops the stage; the recorder writes that down.
-            start_new_session=True,
-        )
-
-    def finish(self, end: dict[str, Any]) -> None:
-        """Hand over what the stage left and wait, but not for long."""
-        try:
-            write_json(self.messages / "end.json", end)
-            self.process.communicate(timeout=PATIENCE)
-        except OSError as error:
-            warn(f"MLflow has no complete record of {self.stage}: {error}")
-        except subprocess.TimeoutExpired:
-            warn(f"MLflow is slow or locked; {self.stage} is recorded in the background, if at all")
-        else:
-            if self.process.returncode != 0:
-                shutil.rmtree(self.messages, ignore_errors=True)  # where the recorder was killed
-                warn(f"MLflow has no complete record of {self.stage}: {self._last_complaint()}")
-
-    def _last_complaint(self) -> str:
-        if self.process.returncode < 0:
-            return "the recorder was killed"
-        self.complaints.seek(0)
-        return (self.complaints.read().splitlines() or ["it says nothing"])[-1]
+    name: str
+    source: str
+    rows: int
+    digest: str
 
 
-def _delivered(start: dict[str, Any]) -> Path:
-    """Return a new folder for messages to a recorder, with the first of them."""
-    messages = Path(tempfile.mkdtemp(prefix="rallygap-"))
-    try:
-        write_json(messages / "start.json", start)
-    except OSError:
-        shutil.rmtree(messages)
-        raise
-    return messages
+@dataclass(frozen=True)
+class Results:
+    """What a run leaves: nested metrics, the data sets it read, paths of its figures."""
+
+    metrics: dict[str, Any] = field(default_factory=dict)
+    inputs: list[InputData] = field(default_factory=list)
+    figures: list[Path] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class ParentRun:
+    """The run above others: of a reproduction, of a DVC experiment, or of a sweep.
+
+    Attributes:
+        key: runs with the same key share the parent.
+        name: of the run.
+        source: the command that makes it.
+        tags: of MLflow.
+        changed: parameters that differ from the commit, by dotted key.
+        failure_is_final: whether one failed run below it makes it fail.
+    """
+
+    key: str
+    name: str
+    source: str
+    tags: dict[str, str] = field(default_factory=dict)
+    changed: dict[str, Change] = field(default_factory=dict)
+    failure_is_final: bool = True
+
+
+@dataclass(frozen=True)
+class RunStart:
+    """What is known of a run when it starts: name, nested parameters, tags and the run above it."""
+
+    name: str
+    params: dict[str, Any]
+    tags: dict[str, str]
+    parent: ParentRun | None = None
 
 
 @contextmanager
 def recorded(
-    stage: str,
-    origin: Provenance,
-    params: dict[str, Any],
-    results: Callable[[], dict[str, Any]],
+    stage: str, origin: Provenance, params: dict[str, Any], results: Callable[[], Results]
 ) -> Iterator[None]:
-    """Guard and record the stage of this block, and keep what it leaves beside its outputs.
+    """Guard and record the stage of this block, and keep its scratch folder and its timings.
 
     Args:
         stage: its name.
         origin: its command and fingerprint.
         params: its parameters.
-        results: called at the end, whichever it is, for metrics, input data sets and figures.
+        results: called when the stage has ended, well or badly.
     """
-    with guarded(stage), recording(description(stage, origin, params), results):
+    with guarded(stage), recording(stage_start(stage, origin, params), results):
         with scratch_kept(stage, origin.fingerprint):
             yield
-        keep_timings(stage, origin.fingerprint, results()["metrics"].get("timings", {}))
+        keep_timings(stage, origin.fingerprint, results().metrics.get("timings", {}))
 
 
 @contextmanager
-def recording(start: dict[str, Any], results: Callable[[], dict[str, Any]]) -> Iterator[None]:
+def recording(start: RunStart, results: Callable[[], Results]) -> Iterator[None]:
     """Record what is done in this block, and how it ends.
 
     Args:
-        start: as for ``Recorder``.
-        results: called at the end, whichever it is, for what is left.
+        start: what is known of the run.
+        results: called when the block has ended, well or badly.
     """
-    recorder = _started(start)
+    from pipeline.tracking.mlflow_run import open_run  # takes seconds
+
+    run = _attempt(start.name, lambda: open_run(start))
     status = "FAILED"
     try:
         yield
@@ -118,52 +121,48 @@ def recording(start: dict[str, Any], results: Callable[[], dict[str, Any]]) -> I
         status = "KILLED"
         raise
     finally:
-        if recorder is not None:
-            recorder.finish({**results(), "status": status, "time": now()})
+        if run is not None:
+            _attempt(start.name, lambda: run.end(status, results()))
 
 
-def _started(start: dict[str, Any]) -> Recorder | None:
-    """Start the recorder; None, and a warning, where there is no room for what it must be told."""
+def _attempt(name: str, action: Callable[[], Value]) -> Value | None:
+    """Do something with MLflow; None, and a warning, where it fails in whatever way."""
     try:
-        return Recorder(start)
-    except OSError as error:
-        warn(f"MLflow has no record of {start['stage']}: {error}")
+        return action()
+    except Exception as error:
+        reason = without_secrets(" ".join(str(error).split()))[:LONGEST_REASON]
+        warn(f"MLflow has no complete record of {name}: {type(error).__name__}: {reason}")
         return None
 
 
-def description(stage: str, origin: Provenance, params: dict[str, Any]) -> dict[str, Any]:
-    """What is known of a stage when it starts, for ``Recorder``."""
+def stage_start(stage: str, origin: Provenance, params: dict[str, Any]) -> RunStart:
+    """Describe a stage that starts in the working directory."""
     home = repository_root()
-    tags = {
-        "dvc.stage": stage,
-        "dvc.lock_hash": origin.fingerprint,
+    changed = changed_params(home)
+    shared = {
         "dvc.experiment": os.environ.get("DVC_EXP_NAME"),
         "dvc.baseline": os.environ.get("DVC_EXP_BASELINE_REV"),
-        "mlflow.source.name": origin.command,
         "mlflow.source.git.commit": git_commit(home),
     }
-    own = os.environ.get("MLFLOW_TRACKING_URI")
-    return {
-        "stage": stage,
-        "store": own or store_uri(home),
-        "lock": str(home / "mlflow.db.lock"),
-        "artifacts": None if own else (home / "mlartifacts").as_uri(),
-        "reproduction": reproduction(),
-        "time": now(),
-        "params": params,
-        "tags": {name: value for name, value in tags.items() if value},
+    known = {name: value for name, value in shared.items() if value}
+    tags = {
+        **known,
+        "dvc.stage": stage,
+        "rallygap.fingerprint": origin.fingerprint,
+        "mlflow.source.name": origin.command,
+        **{f"changed.{key}": str(change) for key, change in changed.items()},
     }
-
-
-def store_uri(home: Path) -> str:
-    """The MLflow store of the repository at ``home``."""
-    return f"sqlite:///{home / 'mlflow.db'}"
+    key = reproduction()
+    name = known.get("dvc.experiment", "reproduction")
+    parent = ParentRun(key, name, "dvc", known, changed) if key else None
+    return RunStart(stage, params, tags, parent)
 
 
 def reproduction() -> str | None:
-    """What makes the stages of one ``dvc repro`` or experiment one: the DVC process above them.
+    """The DVC process above this one, which makes its stages one reproduction.
 
-    None for a stage that was started by hand.
+    Returns:
+        Its key; None for a stage that was started by hand.
     """
     for process in psutil.Process().parents():
         known = process.as_dict(["pid", "cmdline", "create_time"])  # None for what is not allowed
@@ -172,6 +171,12 @@ def reproduction() -> str | None:
     return None
 
 
-def now() -> int:
-    """The time as MLflow counts it, in ms."""
-    return round(time.time() * 1000)
+def store_uri(home: Path) -> str:
+    """The MLflow store of the repository at ``home``."""
+    return f"sqlite:///{home / 'mlflow.db'}"
+
+
+def without_secrets(text: str) -> str:
+    """Return text without the names and passwords in its URLs."""
+    text = re.sub(r"(://)[^\s'\"]*@", r"\1***@", text)
+    return re.sub(r"(?i)((?:password|passwd|token|secret|key)=)[^&\s'\"]+", r"\1***", text)

@@ -1,15 +1,13 @@
 """Faults other than kills of everything: what strikes, whether the run should bear it."""
 
 import os
-import shutil
 import signal
 import socket
 import sqlite3
 import subprocess
-import sys
 import time
 from collections.abc import Callable
-from contextlib import closing, suppress
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,14 +18,11 @@ from tests.faults.repository import (
     Ended,
     Repository,
     awaited_stage,
-    cached,
     command_of,
-    descendants,
     inhabitants,
 )
 
 INTERRUPTED = Path(__file__).parent / "interrupted"
-STORE_BEGUN = 60.0  # s, within which a recorder must have begun to make a store
 WORKERS_GONE = 10.0  # s, within which workers of a stage that was told to stop must be gone
 
 Strike = Callable[[Repository, str], Ended]
@@ -44,7 +39,7 @@ class Fault:
         says: what the run must say, so that a fault that never struck is not taken for borne.
         borne: whether that ends well all the same.
         needs_root: whether it mounts disks.
-        mended: whether `rallygap mend` comes before the next ``dvc repro``, as in `make reproduce`.
+        unlocked: whether DVC's broken lock is removed before the next ``dvc repro``.
     """
 
     name: str
@@ -53,7 +48,7 @@ class Fault:
     says: str = ""
     borne: bool = False
     needs_root: bool = False
-    mended: bool = False
+    unlocked: bool = False
 
 
 @dataclass(frozen=True)
@@ -84,11 +79,11 @@ class Suffered:
 
 def suffer(repository: Repository, fault: Fault) -> Suffered:
     """Let a stage meet a fault, and DVC run once more without it."""
-    with repository.anew(fault.stage):
+    with repository.without(fault.stage):
         struck, kept = _struck(repository, fault)
         half = repository.half_written()
-        if fault.mended:
-            repository.mend()
+        if fault.unlocked:
+            (repository.folder / ".dvc/tmp/rwlock").unlink(missing_ok=True)
         ended = repository.reproduce()
         differences = repository.differences()
         if ended.status:
@@ -143,22 +138,6 @@ def scratch_full(repository: Repository, stage: str) -> Ended:
         return repository.reproduce(stage)
 
 
-def temporary_full(repository: Repository, stage: str) -> Ended:
-    folder = repository.folder.with_name("full")
-    with full_disk(folder):
-        _fill(folder / "filler")
-        return repository.reproduce(stage, TMPDIR=str(folder))
-
-
-def _fill(path: Path) -> None:
-    """Leave one page: Python passes over a folder for temporary files that can hold nothing."""
-    page = os.sysconf("SC_PAGE_SIZE")
-    with path.open("wb", buffering=0) as filler, suppress(OSError):
-        while filler.write(b"0" * page):
-            pass
-    os.truncate(path, path.stat().st_size - page)
-
-
 def cache_full(repository: Repository, stage: str) -> Ended:
     with full_disk(repository.folder / ".dvc" / "cache"):
         return repository.reproduce(stage)
@@ -191,44 +170,6 @@ def store_locked(repository: Repository, stage: str) -> Ended:
     with closing(sqlite3.connect(store, isolation_level=None)) as other:
         other.execute("BEGIN EXCLUSIVE")
         return repository.reproduce(stage)
-
-
-def recorder_killed(repository: Repository, stage: str) -> Ended:
-    dvc, process = _running(repository, stage)
-    _recorder(process).kill()
-    return _ended(repository, dvc)
-
-
-def recorder_killed_in_a_new_store(repository: Repository, stage: str) -> Ended:
-    """Kill it when some tables are there, and ask that the store can then be opened."""
-    store = repository.folder / "mlflow.db"
-    store.unlink()
-    dvc, process = _running(repository, stage)
-    recorder = _recorder(process)
-    unfinished = store.with_name("mlflow.db.new")  # see pipeline.tracking.recorder.make_store
-    deadline = time.monotonic() + STORE_BEGUN
-    while not (unfinished.exists() or store.exists()):
-        assert time.monotonic() < deadline, "the recorder makes no store"
-        time.sleep(0.01)
-    time.sleep(0.3)
-    recorder.kill()
-    ended = _ended(repository, dvc)
-    assert not store.exists() or _opens(store), "the store can never be opened again"
-    return ended
-
-
-def _recorder(process: psutil.Process) -> psutil.Process:
-    while process.is_running():
-        for child in descendants(process.pid):
-            if "pipeline.tracking.recorder" in command_of(child):
-                return child
-        time.sleep(0.01)
-    raise AssertionError("the stage ended without a recorder")
-
-
-def _opens(store: Path) -> bool:
-    program = f"from mlflow import MlflowClient as C; C('sqlite:///{store}').search_experiments()"
-    return subprocess.run([sys.executable, "-c", program], capture_output=True).returncode == 0
 
 
 def stage_alone_killed(repository: Repository, stage: str) -> Ended:
@@ -288,37 +229,9 @@ def _interrupted(repository: Repository, stage: str, write: int) -> Ended:
     )
 
 
-def cache_damaged(repository: Repository, stage: str) -> Ended:
-    return _with_damage(repository, stage, lambda content: _flipped(content, len(content) // 2))
-
-
-def cache_cut(repository: Repository, stage: str) -> Ended:
-    return _with_damage(repository, stage, lambda content: content[: len(content) // 2])
-
-
-def _flipped(content: bytes, place: int) -> bytes:
-    return content[:place] + bytes([content[place] ^ 0xFF]) + content[place + 1 :]
-
-
-def _with_damage(repository: Repository, stage: str, damage: Callable[[bytes], bytes]) -> Ended:
-    """Damage the stage's largest output in the cache, from where DVC fetches it."""
-    largest = max(cached(repository.spare, stage), key=lambda entry: _size(repository, entry))
-    for name in ("dvc.lock", *cached(repository.spare, stage)):
-        shutil.copy2(repository.spare / name, repository.folder / name)
-    damaged = repository.folder / largest
-    damaged.chmod(0o644)
-    damaged.write_bytes(damage(damaged.read_bytes()))
-    damaged.chmod(0o444)  # DVC trusts what is read-only
-    return repository.reproduce(stage)
-
-
-def _size(repository: Repository, entry: Path) -> int:
-    return (repository.spare / entry).stat().st_size
-
-
 WORKERS = "sim2sim"  # a stage with worker processes even where there is one policy
 FULL, READ_ONLY = "the disk is full", "the disk can only be read"
-UNRECORDED = "warning: MLflow has no "
+UNRECORDED = "warning: MLflow has no complete record"
 FAULTS = (
     Fault("disk of artifacts full", "segment", artifacts_full, FULL, needs_root=True),
     Fault("disk of reports full", "segment", reports_full, FULL, needs_root=True),
@@ -328,15 +241,7 @@ FAULTS = (
         "disk of DVC's cache full",
         "segment",
         cache_full,
-        "failed to transfer",  # DVC goes on, and makes anew what its cache lacks at the next run
-        borne=True,
-        needs_root=True,
-    ),
-    Fault(
-        "disk of temporary files full",
-        "segment",
-        temporary_full,
-        UNRECORDED,
+        "failed to transfer",  # DVC goes on; the next run makes what its cache lacks
         borne=True,
         needs_root=True,
     ),
@@ -345,27 +250,17 @@ FAULTS = (
     ),
     Fault("disk of reports read-only", "segment", reports_read_only, READ_ONLY, needs_root=True),
     Fault("tracking server gone", "segment", store_gone, UNRECORDED, borne=True),
-    Fault("tracking server hangs", "segment", store_hangs, "warning: MLflow", borne=True),
-    Fault("tracking store locked", "segment", store_locked, "warning: MLflow", borne=True),
-    Fault("recorder killed", "segment", recorder_killed, UNRECORDED, borne=True),
-    Fault(
-        "recorder killed in a new store",
-        "segment",
-        recorder_killed_in_a_new_store,
-        UNRECORDED,
-        borne=True,
-    ),
+    Fault("tracking server hangs", "segment", store_hangs, UNRECORDED, borne=True),
+    Fault("tracking store locked", "segment", store_locked, UNRECORDED, borne=True),
     Fault("stage alone killed", WORKERS, stage_alone_killed),
     Fault("stage told to stop (SIGTERM)", WORKERS, stage_told_to_stop),
     Fault("stage told to stop (SIGTERM)", "train_predictor", stage_told_to_stop),
     Fault("DVC alone killed, started again", "segment", dvc_alone_killed, borne=True),
     Fault("DVC alone killed, started again", "train_policy", dvc_alone_killed, borne=True),
-    Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps, mended=True),
+    Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps, unlocked=True),
     Fault("first write cut short", "ingest", first_write_interrupted),
     Fault("first write cut short", "segment", first_write_interrupted),
     Fault("third write cut short", "ingest", third_write_interrupted),
     Fault("third write cut short", "segment", third_write_interrupted),
     Fault("first write cut short", "train_predictor", first_write_interrupted),
-    Fault("cached file damaged", "segment", cache_damaged, borne=True, mended=True),
-    Fault("cached file cut short", "segment", cache_cut, borne=True, mended=True),
 )

@@ -67,7 +67,7 @@ def kill_stage(repository: Repository, stage: str, number: int, among: int) -> I
 
 
 def _killed(repository: Repository, stage: str, number: int, share: float) -> Kill:
-    with repository.anew(stage):
+    with repository.without(stage):
         hit, seconds = killed_group(repository, stage, share * repository.seconds[stage])
         left, half = repository.left_by(stage), repository.half_written()
         ended = repository.reproduce()

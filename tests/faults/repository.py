@@ -1,4 +1,4 @@
-"""A copy of the repository that runs undisturbed once, and is then made anew for every fault."""
+"""A copy of the repository that runs undisturbed once, and is restored for every fault."""
 
 import hashlib
 import json
@@ -25,7 +25,6 @@ PROFILE = ROOT / "profiles" / "smoke.yaml"
 OUTPUTS = ("artifacts", "reports")
 CACHE = Path(".dvc") / "cache" / "files" / "md5"
 POLL = 0.02  # s
-LAST_RECORDER = 60.0  # s, that recorders of stages that have ended may still write
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ class Repository:
     seconds: dict[str, float]
 
     @contextmanager
-    def anew(self, stage: str) -> Iterator[None]:
+    def without(self, stage: str) -> Iterator[None]:
         """As after the undisturbed run, but that ``stage`` has never run."""
         _copy(self.spare, self.folder)
         _forget(self.folder, stage)
@@ -97,11 +96,6 @@ class Repository:
         command = ["dvc", "repro", *([stage] if stage else [])]
         status = self.start(*command, **environment).wait()
         return Ended(status, self.printed())
-
-    def mend(self) -> None:
-        """Run ``rallygap mend``."""
-        program = "from pipeline.cli import main; main()"
-        assert self.start(sys.executable, "-c", program, "mend").wait() == 0, self.printed()
 
     @property
     def log(self) -> Path:
@@ -198,16 +192,12 @@ def inhabitants(folder: Path) -> list[psutil.Process]:
 
 
 def settle(folder: Path) -> None:
-    """Let recorders come to their end, and kill whatever else is still at work in a folder."""
-    _, late = psutil.wait_procs(
-        [one for one in inhabitants(folder) if "pipeline.tracking.recorder" in command_of(one)],
-        timeout=LAST_RECORDER,
-    )
-    left = {*late, *inhabitants(folder)}
-    for process in left:
+    """Kill whatever is still at work in a folder."""
+    processes = inhabitants(folder)
+    for process in processes:
         with suppress(psutil.NoSuchProcess):  # it may end with the ones before it
             process.kill()
-    psutil.wait_procs(left)
+    psutil.wait_procs(processes)
 
 
 def digests(folder: Path) -> dict[str, str]:

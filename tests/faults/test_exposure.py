@@ -67,7 +67,7 @@ def test_the_pages_listen_on_loopback_alone(tmp_path):
 @pytest.mark.faults
 def test_nothing_listens_beyond_loopback_while_the_pipeline_runs(repository):
     seen = set()
-    with repository.anew(stages()[0]):
+    with repository.without(stages()[0]):
         dvc = repository.start("dvc", "repro", "--force")
         while dvc.poll() is None:
             seen |= listening(dvc.pid)

@@ -42,7 +42,7 @@ def test_help_names_every_verb_without_loading_the_libraries():
     )
     shown = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True)
     reading = ("check", "profile", "effects", "paper", "diagnose", "costs", "run-of", "ui")
-    for verb in (*reading, "real", "keep", "mend", "sweep", "confirm"):
+    for verb in (*reading, "real", "keep", "sweep", "confirm"):
         assert f" {verb} " in shown.stdout
     assert "loaded set()" in shown.stdout
 
@@ -75,7 +75,7 @@ def test_a_missing_folder_of_measured_sets_is_refused(elsewhere, words, says):
     assert len(refused.stderr.splitlines()) == 1
 
 
-@pytest.mark.parametrize("words", ["mend", "keep one", "run-of one", "sweep quick", "ui"])
+@pytest.mark.parametrize("words", ["keep one", "run-of one", "sweep quick", "ui"])
 def test_outside_a_clone_one_line_says_so_and_nothing_is_left(tmp_path, words):
     refused = rallygap(*words.split(), cwd=tmp_path)
     assert refused.returncode == 2

@@ -17,8 +17,7 @@ import pytest
 from mlflow import MlflowClient
 
 from pipeline.runtime.provenance import Provenance
-from pipeline.tracking import recording as tracking
-from pipeline.tracking.recording import recorded
+from pipeline.tracking.recording import Results, recorded
 from tests.clone import ROOT, commit, run
 from tests.services import free_port, listening
 
@@ -152,9 +151,8 @@ def test_runs_and_figures_are_kept_by_a_server_on_postgresql(
     store, figure = tmp_path / "figures", tmp_path / "cuts.png"
     store.mkdir()
     figure.write_bytes(b"drawn")
-    monkeypatch.setattr(tracking, "PATIENCE", 300)
     monkeypatch.setenv("MLFLOW_HTTP_REQUEST_TIMEOUT", "120")
-    results = {"metrics": {"tt3d": {"mean": 1.5}}, "inputs": [], "figures": [str(figure)]}
+    results = Results({"tt3d": {"mean": 1.5}}, figures=[figure])
     with tracking_server(postgres_url, store) as (url, process):
         monkeypatch.setenv("MLFLOW_TRACKING_URI", url)
         origin = Provenance("python -m stages.segment", "f" * 64)

@@ -69,8 +69,8 @@ def test_equal_parameters_need_no_flags():
     assert flags(params, params) == []
 
 
-def test_an_unknown_profile_is_refused_with_the_known_ones():
-    with pytest.raises(InputError, match=r"smok\.yaml: .*paper, policies, real, shots, smoke"):
+def test_an_unknown_profile_is_refused_with_the_nearest_one():
+    with pytest.raises(InputError, match=r"smok\.yaml: .*did you mean smoke\?"):
         profile_flags(ROOT, "smok")
 
 

@@ -43,7 +43,7 @@ def test_a_killed_stage_goes_on_in_the_next_copy_and_then_leaves_nothing(
     run = copied_run(tmp_path, monkeypatch, "second")
     with scratch_kept("segment", FINGERPRINT):
         assert (run.scratch("net") / "last").read_text() == "epoch 3"
-        run.settle()
+        run.clear_scratch()
     assert not list(home.rglob("last"))
 
 
@@ -52,7 +52,7 @@ def test_a_stage_that_succeeds_leaves_the_scratch_of_others(home, tmp_path, monk
     run = copied_run(tmp_path, monkeypatch, "second")
     with scratch_kept("segment", FINGERPRINT):
         assert not run.scratch("net").exists()
-        run.settle()
+        run.clear_scratch()
     assert [path.read_text() for path in home.rglob("last")] == ["epoch 3"]
 
 

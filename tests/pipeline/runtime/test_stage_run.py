@@ -19,7 +19,7 @@ from pipeline.io.artifacts import write_table
 from pipeline.params import load_params
 from pipeline.runtime import stage_run as run_module
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun, placed, run_stage
+from pipeline.runtime.stage_run import StageRun, run_stage, with_data_folder
 from pipeline.tracking import recording as tracking
 
 ROOT = Path(__file__).parents[3]
@@ -100,7 +100,7 @@ def test_an_animation_has_every_pixel_and_rests_on_its_last_frame(repository):
 def test_tracking_gets_figures_and_animations(repository):
     run = StageRun("segment", repository, load_params(Path("params.yaml")))
     segment(run)
-    names = [Path(path).name for path in run.results()["figures"]]
+    names = [path.name for path in run.results().figures]
     assert names == ["values.png", "noise.png"]
 
 
@@ -211,7 +211,7 @@ def test_a_run_with_other_inputs_does_not_take_up_the_scratch(repository):
 
 def test_timings_are_written_down_beside_the_outputs_not_in_them(repository, monkeypatch):
     monkeypatch.setattr(run_module, "recorded", tracking.recorded)
-    monkeypatch.setattr(tracking, "_started", lambda _: None)
+    monkeypatch.setattr(tracking, "_attempt", lambda *_: None)
     for _ in range(2):
         with pytest.raises(RuntimeError, match="early"):
             run_stage(segment_at_length)
@@ -225,16 +225,16 @@ def test_timings_are_written_down_beside_the_outputs_not_in_them(repository, mon
 def test_an_input_data_set_is_noted_with_its_digest(repository):
     run = StageRun("segment", repository, load_params(Path("params.yaml")))
     run.log_input("code", repository / "code" / "a.py", 7)
-    (noted,) = run.results()["inputs"]
-    assert (noted["rows"], noted["digest"]) == (7, hashlib.md5(b"1").hexdigest())
+    (noted,) = run.results().inputs
+    assert (noted.rows, noted.digest) == (7, hashlib.md5(b"1").hexdigest())
 
 
 def test_the_folder_of_the_measured_sets_comes_from_the_environment(repository, monkeypatch):
     params = load_params(Path("params.yaml"))
     monkeypatch.setenv("DVC_ROOT", str(repository))
     monkeypatch.delenv("RALLYGAP_DATA", raising=False)
-    assert placed(params).ingest.folder is None
+    assert with_data_folder(params).ingest.folder is None
     monkeypatch.setenv("RALLYGAP_DATA", "balls")
-    assert placed(params).ingest.folder == repository / "balls"
+    assert with_data_folder(params).ingest.folder == repository / "balls"
     monkeypatch.setenv("RALLYGAP_DATA", "/balls")
-    assert placed(params).ingest.folder == Path("/balls")
+    assert with_data_folder(params).ingest.folder == Path("/balls")

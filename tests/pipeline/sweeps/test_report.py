@@ -96,7 +96,6 @@ def test_trials_are_nested_mlflow_runs_and_a_failed_one_does_not_fail_the_parent
 ):
     monkeypatch.setenv("DVC_ROOT", str(tmp_path))
     monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
-    monkeypatch.setattr(tracking, "PATIENCE", 300)
     sweep = small_sweep(tmp_path, space={RATE: {"choices": [0.0625, 0.02]}})
     for number, rate in enumerate([0.0625, 0.02]):
         try:

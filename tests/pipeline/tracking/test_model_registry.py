@@ -14,6 +14,7 @@ from models.predictors.settings import TrainingSettings, TransformerSettings
 from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from pipeline.tracking.lineage import _newest_run
 from pipeline.tracking.model_registry import beats, example, register_predictors
+from pipeline.tracking.recording import InputData, Results
 
 ROOT = Path(__file__).parents[3]
 NETWORK = TransformerSettings(
@@ -48,10 +49,10 @@ def trained(folder, seed):
 
 def register(client, folder, loss, balls):
     """Register what lies in the folder, as the end of a stage with this loss on these balls."""
-    run = client.create_run("0", tags={"dvc.lock_hash": f"{balls}{loss}"})
+    run = client.create_run("0", tags={"rallygap.fingerprint": f"{balls}{loss}"})
     epochs = {"9": {"validation": 8.0}, "10": {"validation": loss}}
-    inputs = [{"name": "arena", "digest": balls}]
-    register_predictors(client, run.info.run_id, {"metrics": {"small": epochs}, "inputs": inputs})
+    data = InputData("arena", "samples.parquet", 1, balls)
+    register_predictors(client, run.info.run_id, Results({"small": epochs}, [data]))
 
 
 @pytest.fixture(scope="module")
@@ -106,5 +107,5 @@ def test_other_balls_do_not_compare():
 
 def test_a_fingerprint_finds_its_run(store):
     run = _newest_run(store[1], "b1")
-    assert run.data.tags["dvc.lock_hash"] == "b1.0"
+    assert run.data.tags["rallygap.fingerprint"] == "b1.0"
     assert _newest_run(store[1], "c") is None

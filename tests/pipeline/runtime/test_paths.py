@@ -1,11 +1,39 @@
-"""Results that could not be written are refused before the work, and nothing is made."""
+"""A missing repository, and a folder that cannot be written to, are refused by name."""
 
 import os
 
 import pytest
 
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.output_folder import check_file, check_folder
+from pipeline.runtime.paths import check_file, check_folder, clone, clone_with_run
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """A clone on which nothing has run; the user stands in a folder of it."""
+    monkeypatch.delenv("DVC_ROOT", raising=False)
+    for name in ("pyproject.toml", "params.yaml"):
+        (tmp_path / name).touch()
+    (tmp_path / "docs").mkdir()
+    monkeypatch.chdir(tmp_path / "docs")
+    return tmp_path
+
+
+def test_the_clone_is_found_from_any_folder_of_it(home):
+    assert clone() == home
+
+
+def test_another_folder_is_refused_by_its_name(home):
+    (home / "params.yaml").unlink()
+    with pytest.raises(InputError, match="is not within a clone of rallygap"):
+        clone()
+
+
+def test_a_clone_on_which_nothing_has_run_says_how_to_run_it(home):
+    with pytest.raises(InputError, match=r"artifacts: is missing.*`make reproduce`"):
+        clone_with_run()
+    (home / "artifacts").mkdir()
+    assert clone_with_run() == home
 
 
 def test_a_folder_that_is_there_or_can_be_made_is_accepted(tmp_path):
