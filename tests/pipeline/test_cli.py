@@ -41,7 +41,7 @@ def test_help_names_every_verb_without_loading_the_libraries():
         "print('loaded', heavy & set(sys.modules))"
     )
     shown = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True)
-    reading = ("check", "profile", "effects", "paper", "diagnose", "costs", "run-of", "ui")
+    reading = ("check", "profile", "docs", "simulators", "diagnose", "costs", "run-of", "ui")
     for verb in (*reading, "real", "keep", "sweep", "confirm"):
         assert f" {verb} " in shown.stdout
     assert "loaded set()" in shown.stdout
@@ -96,7 +96,7 @@ def test_where_nothing_has_run_what_needs_a_run_says_how_to_run(elsewhere, words
 def test_a_full_disk_is_one_line():
     with Path("/dev/full").open("w") as full:
         finished = subprocess.run(
-            [*RALLYGAP, "effects"], cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True
+            [*RALLYGAP, "simulators"], cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True
         )
     assert finished.returncode == 2
     assert finished.stderr.startswith("rallygap: output: the disk is full")
