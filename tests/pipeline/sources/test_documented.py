@@ -1,4 +1,4 @@
-"""What docs/data.md promises about sources."""
+"""What docs/data.md and docs/add-a-source.md promise about sources."""
 
 import re
 from pathlib import Path
@@ -10,11 +10,12 @@ from pipeline.sources import gather as gather_module
 from pipeline.sources.registry import registry
 from tests.pipeline.sources.made_up import read, write_lines
 
-PAGE = (Path(__file__).parents[3] / "docs" / "data.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[3] / "docs"
+GUIDE, PAGE = ((DOCS / name).read_text(encoding="utf-8") for name in ("add-a-source.md", "data.md"))
 
 
 def test_the_example_of_a_new_source_works(tmp_path, monkeypatch):
-    (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    (code,) = re.findall(r"```python\n(.*?)```", GUIDE, flags=re.DOTALL)
     module = {}
     exec(code, module)
     monkeypatch.setattr(gather_module, "find_source", lambda name: module["source"])
