@@ -1,4 +1,4 @@
-"""The reports of a run, as the comparison with the paper reads them."""
+"""The reports and parameters of a run, as the comparison with the paper reads them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,23 +10,20 @@ from pydantic import TypeAdapter, ValidationError
 
 from pipeline.experiments.profiles import merged
 from pipeline.io.artifacts import read_json
-from pipeline.paper.judgements import Interval
 from pipeline.params import check_params, load_params, read_yaml
 from pipeline.runtime.errors import InputError
 
 Value = TypeVar("Value")
 
-ENDS = ("ci_low", "ci_high")
-
 
 @dataclass(frozen=True)
 class Reports:
-    """What a run reports.
+    """The reports of a run.
 
     Attributes:
-        folder: with a folder a stage; it need not be there.
+        folder: one folder per stage; it need not exist.
         params: of all stages; those of a kept run are what it had, and may lack some.
-        written_in: the file that says the parameters.
+        written_in: the file that holds the parameters.
     """
 
     folder: Path
@@ -45,11 +42,11 @@ class Reports:
         try:
             return None if found is None else TypeAdapter(kind).validate_python(found, strict=True)
         except ValidationError as error:
-            problem = f"cannot be told: {error.errors()[0]['msg']}; `rallygap keep` writes it anew"
+            problem = f"has the wrong type: {error.errors()[0]['msg']}; run `rallygap keep` again"
             raise InputError(self.written_in, problem, field=path) from None
 
     def table(self, file: str, keys: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
-        """Return a table of the reports, empty where it or one of these columns is not there.
+        """Return a table of the reports, empty if it or one of these columns does not exist.
 
         Args:
             file: of the table.
@@ -70,7 +67,7 @@ class Reports:
             raise InputError(path, f"is not a CSV table: {error}; run its stage again") from None
 
     def numbers(self, file: str, names: Sequence[str], **keys: str | int) -> list[float] | None:
-        """Return numbers of the row with these values; ``None`` where one of them is not there."""
+        """Return numbers of the row with these values; ``None`` if one of them does not exist."""
         table = self.table(file, list(keys), names)
         for column, value in keys.items() if len(table) else ():
             table = table[table[column] == value]
@@ -79,16 +76,9 @@ class Reports:
         return [float(table.iloc[0][name]) for name in names]
 
     def number(self, file: str, name: str, **keys: str | int) -> float | None:
-        """Return a number of the row with these values; ``None`` where it is not there."""
+        """Return a number of the row with these values; ``None`` if it does not exist."""
         found = self.numbers(file, [name], **keys)
         return None if found is None else found[0]
-
-    def interval(
-        self, file: str, value: str, ends: tuple[str, str] = ENDS, **keys: str | int
-    ) -> Interval | None:
-        """Return a number of a table with its interval; ``None`` where it is not there."""
-        found = self.numbers(file, [value, *ends], **keys)
-        return None if found is None else Interval(*found)
 
 
 def laptop_reports(root: Path) -> Reports:
@@ -119,6 +109,6 @@ def _kept_params(path: Path) -> dict[str, Any]:
     record = read_json(path)
     params = record.get("params") if isinstance(record, dict) else None
     if not isinstance(params, dict):
-        problem = "is missing or holds no parameters; `rallygap keep` writes it anew"
+        problem = "is missing or holds no parameters; run `rallygap keep` again"
         raise InputError(path, problem, field="params")
     return params

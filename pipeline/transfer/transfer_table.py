@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.paper import values as paper
+from pipeline.paper.values import printed_transfer
 from pipeline.transfer.rates import OUTCOMES
 from pipeline.transfer.replay_trials import EveryTick
 
@@ -31,7 +31,7 @@ def in_the_form_of_the_paper(table: pd.DataFrame, learned: Sequence[str]) -> pd.
     rows = []
     for name, members in asked.groupby("set", sort=False):
         rows += [_own_row(members, str(name), one) for one in learned]
-        if name in paper.SHOTS:
+        if name in printed_transfer():
             rows.append(_paper_row(str(name), horizons))
     return pd.DataFrame(rows)
 
@@ -46,9 +46,9 @@ def _own_row(members: pd.DataFrame, name: str, learned: str) -> dict[str, Any]:
 
 
 def _paper_row(name: str, horizons: Sequence[str]) -> dict[str, Any]:
-    row = {"set": name, "learned_predictor": THE_PAPER, "shots": paper.SHOTS[name]}
+    printed = printed_transfer()[name]
+    row = {"set": name, "learned_predictor": THE_PAPER, "shots": printed.shots}
     for ahead in horizons:
-        if (name, ahead) in paper.TRANSFER:
-            found = paper.TRANSFER[name, ahead]._asdict().items()
-            row |= {f"{ahead} ms: {key.replace('_', ' ')}": value for key, value in found}
+        for kind, counts in printed.counts.get(ahead, {}).items():
+            row |= {f"{ahead} ms: {kind} {outcome}": count for outcome, count in counts.items()}
     return row

@@ -1,4 +1,4 @@
-"""The page's section on the paper: every number beside ours, and the difference drawn."""
+"""The page's section on the paper: every number with ours, and both drawn on a scale."""
 
 import math
 import re
@@ -7,10 +7,17 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.io.report_manifest import Contents
-from pipeline.paper.catalogue import EXHIBITS, GROUPS, OTHERS, findings
-from pipeline.paper.entries import NOTHING, Entry, Finding, Group
-from pipeline.paper.judgements import MEANINGS
+from pipeline.paper.comparison import (
+    CONTEXT,
+    NOTHING,
+    Finding,
+    Group,
+    Value,
+    exhibits,
+    groups,
+)
 from pipeline.paper.run_reports import Reports
+from pipeline.paper.verdicts import MEANINGS
 
 DECADES = 2.0  # of the scale on which sizes are drawn, on each side of the paper's
 
@@ -33,21 +40,25 @@ def paper_section(run: Reports, contents: Sequence[Contents]) -> dict[str, Any]:
         run: the reports that the page is about.
         contents: what the stages report, on the same page.
     """
-    found = findings(run)
     fingerprints = {one.stage: one.fingerprint for one in contents}
-    exhibits = [
+    anchors = _anchors(contents)
+    shown = [
         {
             "name": one.name,
             "what": one.what,
-            "ours": _linked(one.ours, _anchors(contents)),
+            "ours": _linked(one.ours, anchors),
             "verdict": one.verdict(run),
             "stage": one.stage,
             "fingerprint": fingerprints.get(one.stage, ""),
         }
-        for one in EXHIBITS
+        for one in exhibits()
     ]
-    groups = [_group(group, found, fingerprints) for group in GROUPS]
-    return {"others": OTHERS, "exhibits": exhibits, "groups": groups, "meanings": MEANINGS}
+    return {
+        "context": CONTEXT,
+        "exhibits": shown,
+        "groups": [_group(group, run, fingerprints) for group in groups()],
+        "meanings": MEANINGS,
+    }
 
 
 def _anchors(contents: Sequence[Contents]) -> set[str]:
@@ -65,23 +76,23 @@ def _linked(ours: str, anchors: Set[str]) -> list[tuple[str, str | None]]:
     ]
 
 
-def mark(group: Group, entry: Entry, found: Finding) -> Mark:
+def mark(group: Group, value: Value, found: Finding) -> Mark:
     """Return where the paper's value and ours are drawn.
 
     Groups without an axis are drawn by their ratio, the paper's in the middle.
     """
     if group.axis is None:
-        return _ratio(entry.printed, found.value)
+        return _ratio(value.printed, found.value)
     low, high = group.axis
 
-    def place(value: float | str | None) -> float | None:
-        if not isinstance(value, int | float):
+    def place(size: float | str | None) -> float | None:
+        if not isinstance(size, int | float):
             return None
-        return round(100 * min(max((value - low) / (high - low), 0.0), 1.0), 2)
+        return round(100 * min(max((size - low) / (high - low), 0.0), 1.0), 2)
 
     ends = (found.interval.low, found.interval.high) if found.interval else (None, None)
     zero = place(0.0) if low < 0 < high else None
-    return Mark(zero, place(entry.printed), place(found.value), *map(place, ends))
+    return Mark(zero, place(value.printed), place(found.value), *map(place, ends))
 
 
 def _ratio(printed: float | str | None, ours: float | str | None) -> Mark:
@@ -92,23 +103,21 @@ def _ratio(printed: float | str | None, ours: float | str | None) -> Mark:
     return Mark(None, 50.0, place, None, None)
 
 
-def _group(
-    group: Group, found: Mapping[str, Finding], fingerprints: Mapping[str, str]
-) -> dict[str, Any]:
+def _group(group: Group, run: Reports, fingerprints: Mapping[str, str]) -> dict[str, Any]:
     rows = [
         {
-            "what": entry.what,
-            "paper": entry.paper,
-            "ours": entry.ours(found[entry.key]),
-            "verdict": found[entry.key].verdict,
-            "mark": mark(group, entry, found[entry.key]),
-            "where": entry.where,
+            "what": value.what,
+            "paper": value.printed_text,
+            "ours": found.shown,
+            "verdict": found.verdict,
+            "mark": mark(group, value, found),
+            "where": value.ours.place,
         }
-        for entry in group.entries
+        for value, found in group.findings(run)
     ]
-    stages = dict.fromkeys(entry.stage for entry in group.entries if entry.stage != NOTHING)
+    stages = dict.fromkeys(value.stage for value in group.values if value.stage != NOTHING)
     return {
-        "key": group.key,
+        "key": group.id,
         "title": group.title,
         "about": group.about,
         "scale": _scale(group),
@@ -119,7 +128,7 @@ def _group(
 
 def _scale(group: Group) -> str:
     if group.axis is None:
-        return "ours over the paper's, 1/100 to 100"
-    unit = group.entries[0].unit
+        return "ours divided by the paper's, 1/100 to 100"
+    unit = group.values[0].unit
     low, high = group.axis
     return f"{low:g} to {high:g} {unit}"

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from pipeline.io.figure_style import INK, MUTED
 from pipeline.io.report_manifest import Contents, Item, read_columns, read_picture
-from pipeline.paper.catalogue import EXHIBITS, GROUPS, OTHERS, findings
+from pipeline.paper.comparison import CONTEXT, exhibits, groups
 from pipeline.paper.run_reports import Reports
 
 A4 = (8.27, 11.69)  # inch
@@ -56,21 +56,20 @@ def _figures(run: Reports, contents: Sequence[Contents]) -> Iterator[Figure]:
 
 def _paper(run: Reports, contents: Sequence[Contents]) -> Iterator[Figure]:
     """Yield the pages of the paper's figures, tables and numbers."""
+    runs = ", ".join(f"{stage.stage} {stage.fingerprint}" for stage in contents)
     about = (
         "Bridging the sim2real gap in the table tennis robot with a transformer-based ball states "
-        f"predictor (Bi et al., Sony AI): what it shows, and what this run found. {OTHERS} Stages "
-        "and their runs: "
-        + ", ".join(f"{stage.stage} {stage.fingerprint}" for stage in contents)
-        + "."
+        f"predictor (Bi et al., Sony AI) compared with this run. {CONTEXT} Stages and their runs: "
+        f"{runs}."
     )
-    rows: list[Row] = [(one.name, one.what, one.stage, one.verdict(run)) for one in EXHIBITS]
-    title = "The paper, number by number"
-    yield from _listed(title, about, ("in the paper", "what", "stage", "verdict"), rows)
-    found = findings(run)
-    for group in GROUPS:
+    rows: list[Row] = [(one.name, one.what, one.stage, one.verdict(run)) for one in exhibits()]
+    yield from _listed(
+        "Comparison with the paper", about, ("in the paper", "what", "stage", "verdict"), rows
+    )
+    for group in groups():
         rows = [
-            (one.what, one.paper, one.ours(found[one.key]), one.stage, found[one.key].verdict)
-            for one in group.entries
+            (value.what, value.printed_text, found.shown, value.stage, found.verdict)
+            for value, found in group.findings(run)
         ]
         names = ("what", "the paper", "ours", "stage", "verdict")
         yield from _listed(group.title, group.about, names, rows)

@@ -24,7 +24,7 @@ from pipeline.io.ground_truth import read_contacts, read_truth
 from pipeline.io.report_manifest import read_columns, read_contents
 from pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
 from pipeline.io.simulators import load_simulator
-from pipeline.paper.catalogue import findings
+from pipeline.paper.comparison import compare
 from pipeline.paper.run_reports import paper_reports
 from pipeline.params import load_params
 from pipeline.policies.storage import TrainedPolicy, load_policy
@@ -342,7 +342,7 @@ def _read_timings(folder: Path) -> int:
 
 
 def _read_kept_run(folder: Path) -> int:
-    findings(paper_reports(folder))
+    compare(paper_reports(folder))
     return 0
 
 

@@ -1,0 +1,253 @@
+"""Where our number comes from: the kinds of ``ours`` in ``values.yaml``."""
+
+from typing import NamedTuple
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+
+from pipeline.paper import forecast_errors
+from pipeline.paper.run_reports import Reports
+from pipeline.paper.settings import COMPUTED, CONSTANTS, Shipped, simulator_parameter
+from pipeline.paper.verdicts import Interval, difference
+
+DIGITS = 4  # of a difference in percentage points: tables have six digits of a share
+
+
+class Reading(NamedTuple):
+    """A number of ours.
+
+    Attributes:
+        value: the number; text where it is none.
+        interval: of 95 %, where there is one.
+        shown: how it is written, if not as value, interval and unit.
+        verdict: where reading it decides the claim.
+    """
+
+    value: float | str
+    interval: Interval | None = None
+    shown: str = ""
+    verdict: str = ""
+
+
+class _Source(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Table(_Source):
+    """A row of a table of the reports: a number, perhaps with its interval and the count behind it.
+
+    The number is ``(column + offset) * scale``.
+    """
+
+    file: str
+    where: dict[str, str | int]
+    column: str
+    low: str | None = "ci_low"
+    high: str | None = "ci_high"
+    offset: float = 0
+    scale: float = 1
+    count: str | None = None
+    of: str | None = None
+
+    @property
+    def place(self) -> str:
+        """The file and the column."""
+        return f"{self.file}: {self.column}"
+
+    def read(self, run: Reports) -> Reading | None:
+        """Return the number, or ``None`` where the reports do not have it."""
+        named = [self.column, self.low, self.high, self.count, self.of]
+        found = run.numbers(self.file, [name for name in named if name], **self.where)
+        if found is None:
+            return None
+        if self.low is None:
+            return Reading(found[0])
+        ends = (self.scale * (end + self.offset) for end in found[:3])
+        interval = Interval(*ends)
+        if self.count is None:
+            return Reading(interval.value, interval)
+        value, low, high = interval
+        shown = f"{number(found[3])} of {found[4]:.0f}: {value:.0f} % ({low:.0f} to {high:.0f})"
+        return Reading(value, interval, shown)
+
+
+class Difference(_Source):
+    """One number minus another; the half-widths add up where the two are not independent."""
+
+    first: "Source"
+    minus: "Source"
+    independent: bool = True
+
+    @property
+    def place(self) -> str:
+        """Where the first is."""
+        return self.first.place
+
+    def read(self, run: Reports) -> Reading | None:
+        """Return the difference, or ``None`` where the reports lack one of the two."""
+        found = [one.read(run) for one in (self.first, self.minus)]
+        ends = [one.interval for one in found if one is not None and one.interval is not None]
+        if len(ends) < len(found):
+            return None
+        ends_apart = difference(*ends, independent=self.independent)
+        interval = Interval(*(round(end, DIGITS) + 0.0 for end in ends_apart))  # no -0
+        return Reading(interval.value, interval)
+
+
+class FirstOf(_Source):
+    """The first of several sources that the reports have."""
+
+    first_of: list["Source"]
+
+    @property
+    def place(self) -> str:
+        """All of them."""
+        return " or ".join(dict.fromkeys(one.place for one in self.first_of))
+
+    def read(self, run: Reports) -> Reading | None:
+        """Return the first number there is."""
+        found = (one.read(run) for one in self.first_of)
+        return next((one for one in found if one is not None), None)
+
+
+class ErrorDifference(_Source):
+    """The transformer's mean forecast error compared with a rival's."""
+
+    rival: str
+    quantity: str
+
+    @property
+    def place(self) -> str:
+        """The table of differences."""
+        return f"{forecast_errors.DIFFERENCES}: mean, lower_share"
+
+    def read(self, run: Reports) -> Reading | None:
+        """Return the verdict and the difference in percent."""
+        found = forecast_errors.smaller_error(run, self.rival, self.quantity)
+        return None if found is None else Reading(found[1].value, found[1], verdict=found[0])
+
+
+class ErrorSpread(_Source):
+    """The standard deviation of the transformer's forecast error compared with all rivals'."""
+
+    smallest_spread: str
+    rivals: list[str]
+
+    @property
+    def place(self) -> str:
+        """The table of errors."""
+        return f"{forecast_errors.ERRORS}: std"
+
+    def read(self, run: Reports) -> Reading | None:
+        """Return the verdict and the excess in percent."""
+        found = forecast_errors.smallest_spread(run, self.smallest_spread, self.rivals)
+        return None if found is None else Reading(found[1], verdict=found[0])
+
+
+class Parameter(_Source):
+    """A number of params.yaml."""
+
+    param: str
+    scale: float = 1
+
+    @property
+    def place(self) -> str:
+        """Its path."""
+        return f"params.yaml: {self.param}"
+
+    def read(self, run: Reports) -> Reading | None:
+        """Return the run's parameter."""
+        found = run.param(self.param, FiniteFloat)
+        return None if found is None else Reading(self.scale * found)
+
+
+class Constant(_Source):
+    """A constant of the code, the same in every run."""
+
+    constant: str
+    of: str
+
+    @property
+    def place(self) -> str:
+        """The module that has it."""
+        return self.of
+
+    def read(self, run: Reports) -> Reading | None:
+        """Return the constant."""
+        return Reading(CONSTANTS[self.constant])
+
+
+class SimulatorParameter(_Source):
+    """A parameter of a shipped simulator, which is named here or by a parameter of the run."""
+
+    effect: str
+    parameter: str
+    simulator: str | None = None
+    simulator_param: str | None = None
+
+    @property
+    def place(self) -> str:
+        """The simulator's file, or the parameter that names it."""
+        if self.simulator_param:
+            return f"params.yaml: {self.simulator_param}"
+        return f"models/ball/simulators/{self.simulator}.yaml: {self.effect}.{self.parameter}"
+
+    def read(self, run: Reports) -> Reading | None:
+        """Return the parameter of the simulator."""
+        name = self.simulator
+        if self.simulator_param:
+            name = run.param(self.simulator_param, Shipped)
+        return (
+            None
+            if name is None
+            else Reading(simulator_parameter(name, self.effect, self.parameter))
+        )
+
+
+class Computed(_Source):
+    """A setting that is computed from the reports or the parameters of a run."""
+
+    computed: str
+
+    @property
+    def place(self) -> str:
+        """What it is computed from."""
+        return COMPUTED[self.computed][1]
+
+    def read(self, run: Reports) -> Reading | None:
+        """Return the setting."""
+        found = COMPUTED[self.computed][0](run)
+        return None if found is None else Reading(found)
+
+
+class Unmeasured(_Source):
+    """No number of ours; where to look instead."""
+
+    see: str = Field(min_length=1)
+
+    @property
+    def place(self) -> str:
+        """Where to look."""
+        return self.see
+
+    def read(self, run: Reports) -> Reading | None:
+        """Return nothing."""
+        return None
+
+
+Source = (
+    Table
+    | Difference
+    | FirstOf
+    | ErrorDifference
+    | ErrorSpread
+    | Parameter
+    | Constant
+    | SimulatorParameter
+    | Computed
+    | Unmeasured
+)
+
+
+def number(value: float) -> str:
+    """Return a number with three digits, however small it is."""
+    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"

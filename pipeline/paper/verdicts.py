@@ -1,0 +1,101 @@
+"""Verdicts on a number of ours compared with the paper's, each by a rule on the 95 % interval."""
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+SAME, DIFFERS = "same", "differs"  # settings and sizes
+LEVEL, HIGHER, LOWER = "level", "higher", "lower"  # measured rates against printed ones
+HOLDS, OPEN, FAILS = "holds", "open", "fails"  # claims
+NOT_COMPARABLE = "not comparable"
+NOT_MEASURED = "not measured"
+NO_NUMBER = "no number"
+
+MEANINGS = {
+    SAME: "a setting or size equal to the paper's within 1 %",
+    DIFFERS: "a setting or size that differs from the paper's",
+    LEVEL: "the 95 % interval of our rate minus the paper's contains zero",
+    HIGHER: "the 95 % interval of our rate minus the paper's is above zero",
+    LOWER: "the 95 % interval of our rate minus the paper's is below zero",
+    HOLDS: "the whole 95 % interval agrees with the paper's claim; of a figure: in all its rows",
+    OPEN: "the 95 % interval includes both outcomes; of a figure: in some row, and no row fails",
+    FAILS: "the whole 95 % interval contradicts the claim; of a figure: in some row",
+    NOT_COMPARABLE: "both numbers exist, but the experiments differ in what decides the outcome",
+    NOT_MEASURED: "the reports of the run do not have the number",
+    NO_NUMBER: "a sketch, or a number that the paper quotes from other work",
+}
+
+NORMAL = 1.96  # half-width of a 95 % interval in standard deviations
+
+
+class Interval(NamedTuple):
+    """A number with the ends of its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+    def times(self, factor: float) -> "Interval":
+        """Return it in another unit, or with the other sign."""
+        low, high = sorted((factor * self.low, factor * self.high))
+        return Interval(factor * self.value, low, high)
+
+
+def setting(ours: float | str, printed: float | str) -> str:
+    """Return whether a setting equals the paper's."""
+    if isinstance(ours, str) or isinstance(printed, str):
+        return SAME if ours == printed else DIFFERS
+    return SAME if math.isclose(ours, printed, rel_tol=0.01) else DIFFERS
+
+
+def difference(first: Interval, second: Interval, *, independent: bool = True) -> Interval:
+    """Return the difference of two numbers with its interval.
+
+    Independent numbers: Zou and Donner 2008, for intervals that need not be symmetric. Otherwise
+    the half-widths add up, which covers at least 95 % whatever the correlation.
+    """
+    total = math.hypot if independent else lambda one, other: one + other
+    value = first.value - second.value
+    below = total(first.value - first.low, second.high - second.value)
+    above = total(first.high - first.value, second.value - second.low)
+    return Interval(value, value - below, value + above)
+
+
+def rate(count: int, of: int) -> Interval:
+    """Return a rate with its interval (Wilson 1927)."""
+    middle = count + NORMAL**2 / 2
+    spread = NORMAL * math.sqrt(count * (of - count) / of + NORMAL**2 / 4)
+    whole = of + NORMAL**2
+    return Interval(count / of, (middle - spread) / whole, (middle + spread) / whole)
+
+
+def compared(ours: Interval, printed: Interval) -> str:
+    """Return whether a rate of ours is higher or lower than the paper's."""
+    gap = difference(ours, printed)
+    if gap.low > 0:
+        return HIGHER
+    return LOWER if gap.high < 0 else LEVEL
+
+
+def claim(change: Interval, *, grows: bool = True) -> str:
+    """Return whether a change has the sign that the paper claims."""
+    towards = change if grows else change.times(-1)
+    if towards.low > 0:
+        return HOLDS
+    return FAILS if towards.high < 0 else OPEN
+
+
+def within(ours: Interval, low: float, high: float) -> str:
+    """Return whether a number lies in the range that a claim allows."""
+    if low <= ours.low and ours.high <= high:
+        return HOLDS
+    return FAILS if ours.high < low or ours.low > high else OPEN
+
+
+def combined(parts: Iterable[str]) -> str:
+    """Return the verdict on a claim from the verdicts on its parts."""
+    found = set(parts)
+    for word in (FAILS, NOT_MEASURED, OPEN, NOT_COMPARABLE):
+        if word in found:
+            return word
+    return HOLDS if found else NOT_MEASURED

@@ -1,0 +1,207 @@
+"""Each value of the paper is compared with the number of the reports that it is about."""
+
+import itertools
+
+import pandas as pd
+import pytest
+
+from pipeline.paper.comparison import compare, exhibits, groups
+from pipeline.paper.run_reports import Reports
+from pipeline.paper.values import printed_transfer
+from pipeline.paper.verdicts import (
+    FAILS,
+    HIGHER,
+    HOLDS,
+    LEVEL,
+    LOWER,
+    NO_NUMBER,
+    NOT_COMPARABLE,
+    NOT_MEASURED,
+    OPEN,
+    SAME,
+)
+
+VALUES = {value.id: value for group in groups() for value in group.values}
+RIVALS = ("physics_c", "physics_literature", "tae", "gru_tae", "amended_imperfect_c", "oracle")
+QUANTITIES = ("position", "velocity", "spin")
+HORIZONS_MS = (100, 200, 300)
+
+
+def write(root, file, rows):
+    """Write a table of the reports; return them."""
+    path = root / "reports" / file
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pd.DataFrame(rows).to_csv(path, index=False)
+    return Reports(root / "reports", {})
+
+
+def write_errors(root, spread=None, **changes):
+    """Write mean errors of 20 (transformer) and 40 (others), and their differences."""
+    spread = {"transformer": 10.0} | (spread or {})
+    keys = itertools.product(["transformer", *RIVALS], QUANTITIES, HORIZONS_MS)
+    errors = [
+        {
+            "set": "arena", "against": "measured", "predictor": name, "quantity": quantity,
+            "bounce": "all", "horizon_ms": horizon, "mean": 20 if name == "transformer" else 40,
+            "std": spread.get(name, 30.0),
+        }
+        for name, quantity, horizon in keys
+    ]  # fmt: skip
+    write(root, "evaluate_predictor/forecast_error.csv", errors)
+    file = "evaluate_predictor/forecast_error_difference.csv"
+    return write(root, file, differences(**changes))
+
+
+def differences(predictor="transformer", other="physics_c", mean=-20.0, half=5.0, lower_share=1.0):
+    return [
+        {
+            "set": "arena", "predictor": predictor, "other": other, "quantity": quantity,
+            "horizon_ms": horizon, "mean": mean, "ci_low": mean - half, "ci_high": mean + half,
+            "lower_share": lower_share,
+        }
+        for quantity in QUANTITIES
+        for horizon in HORIZONS_MS
+    ]  # fmt: skip
+
+
+def gains(points, half=0.01, predictor="transformer", protocol="every_tick"):
+    """Rows of gains in returns at 115-125 ms, by set."""
+    return [
+        {
+            "set": name, "horizons_ms": "115-125", "predictor": predictor, "outcome": "returns",
+            "protocol": protocol, "difference": value, "ci_low": value - half,
+            "ci_high": value + half,
+        }
+        for name, value in points.items()
+    ]  # fmt: skip
+
+
+def swap(times, half):
+    metrics = ("speed", "spin", "clearance", "win_probability")
+    row = {
+        "set": "stroke_pro", "horizons_ms": "115-125", "predictor": "transformer",
+        "protocol": "every_tick", **dict.fromkeys(metrics, times),
+    }  # fmt: skip
+    ends = {f"{one}_low": times - half for one in metrics}
+    return [row | ends | {f"{one}_high": times + half for one in metrics}]
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [({}, HOLDS), ({"half": 25.0}, OPEN), ({"mean": 20.0}, FAILS), ({"lower_share": 0.9}, OPEN)],
+)
+def test_a_forecast_error_is_smaller_only_if_it_is_at_every_horizon(tmp_path, changes, word):
+    found = compare(write_errors(tmp_path, **changes))
+    assert found["accuracy.position.physics_c"].verdict == word
+    assert found["accuracy.spin.gru_tae"].verdict == NOT_MEASURED
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"predictor": "physics_c", "other": "transformer", "mean": 20.0, "lower_share": 0.0}],
+)
+def test_a_pair_of_predictors_is_found_in_either_order_and_shown_in_percent(tmp_path, changes):
+    found = compare(write_errors(tmp_path, **changes))["accuracy.position.physics_c"]
+    assert found.verdict == HOLDS
+    assert found.interval == pytest.approx((-50.0, -62.5, -37.5))
+
+
+def test_the_spread_is_compared_with_the_papers_predictors_alone(tmp_path):
+    found = compare(write_errors(tmp_path, {"oracle": 1.0, "tae": 25.0}))["accuracy.spin.spread"]
+    assert found.verdict == HOLDS
+    assert found.value == pytest.approx(100 * (10 / 25 - 1))  # % of the smallest rival
+    found = compare(write_errors(tmp_path, {"tae": 9.0}))["accuracy.spin.spread"]
+    assert found.verdict == FAILS
+
+
+def test_figure_3_is_judged_without_the_contenders_that_the_paper_lacks(tmp_path):
+    smaller = [row for rival in RIVALS[:4] for row in differences(other=rival)]
+    larger = [row for rival in RIVALS[4:] for row in differences(other=rival, mean=20.0)]
+    write_errors(tmp_path)
+    file = "evaluate_predictor/forecast_error_difference.csv"
+    run = write(tmp_path, file, smaller + larger)
+    assert next(one for one in exhibits() if one.name == "Figure 3").verdict(run) == HOLDS
+    found = compare(run)
+    assert {found[f"accuracy.{name}.oracle"].verdict for name in QUANTITIES} == {FAILS}
+
+
+def test_sim_to_sim_is_judged_from_the_first_state(tmp_path):
+    row = {"simulator": "imperfect_b", "horizons_ms": "170-180"}
+    first = {"protocol": "first_state", "difference": 0.2, "ci_low": 0.1, "ci_high": 0.3}
+    later = {"protocol": "re_anchored", "difference": -0.2, "ci_low": -0.3, "ci_high": -0.1}
+    run = write(tmp_path, "sim2sim/difference.csv", [{**row, **later}, {**row, **first}])
+    found = compare(run)
+    gain = found["sim2sim.imperfect_b.170-180"]
+    assert gain.verdict == HOLDS and gain.interval == pytest.approx((20, 10, 30))
+    assert found["sim2sim.imperfect_a.170-180"].verdict == NOT_MEASURED
+
+
+@pytest.mark.parametrize(("hits", "word"), [(30, LOWER), (41, LEVEL), (56, HIGHER)])
+@pytest.mark.parametrize(
+    ("protocol", "key"), [("every_tick", "physics"), ("first_window", "physics_first_window")]
+)
+def test_counts_are_compared_as_rates(tmp_path, hits, word, protocol, key):
+    row = {
+        "set": "stroke_pro", "horizons_ms": "115-125", "predictor": "physics",
+        "protocol": protocol, "balls": 60, "hits": hits, "hit_rate": hits / 60,
+        "hit_rate_low": hits / 60 - 0.1, "hit_rate_high": hits / 60 + 0.1,
+    }  # fmt: skip
+    found = compare(write(tmp_path, "sim2real/rates.csv", [row]))
+    assert found[f"transfer.stroke_pro.115-125.{key}.hits"].verdict == word
+    assert found[f"transfer.stroke_pro.170-180.{key}.hits"].verdict == NOT_MEASURED
+
+
+def test_printed_gains_are_the_differences_of_the_printed_counts():
+    gained = {}
+    for name, (shots, counts) in printed_transfer().items():
+        for horizons, by_predictor in counts.items():
+            for outcome in ("hits", "returns"):
+                change = by_predictor["learned"][outcome] - by_predictor["physics"][outcome]
+                gained[name, horizons, outcome] = 100 * change / shots
+    for reading in ("", "_first_window"):
+        for (name, horizons, outcome), gain in gained.items():
+            assert VALUES[f"gain{reading}.{name}.{horizons}.{outcome}"].printed == gain
+            if name != "stroke_uni":
+                more = gained["stroke_uni", horizons, outcome] - gain
+                assert VALUES[f"most{reading}.{name}.{horizons}.{outcome}"].printed == more
+
+
+@pytest.mark.parametrize(
+    ("uni", "half", "word"), [(0.3, 0.01, HOLDS), (0.1, 0.01, FAILS), (0.3, 0.2, OPEN)]
+)
+def test_the_largest_gain_is_judged_between_independent_sets(tmp_path, uni, half, word):
+    rows = gains({"stroke_uni": uni, "stroke_pro": 0.2}, half)
+    found = compare(write(tmp_path, "sim2real/difference.csv", rows))
+    more = found["most.stroke_pro.115-125.returns"]
+    assert more.verdict == word and more.value == pytest.approx(100 * (uni - 0.2))
+    assert found["most.receive.115-125.returns"].verdict == NOT_MEASURED
+
+
+def test_a_gain_over_the_first_window_is_paired_where_the_run_has_it(tmp_path):
+    key = "gain_first_window.stroke_pro.115-125.returns"
+    rows = gains({"stroke_pro": 0.02}) + gains(
+        {"stroke_pro": -0.1}, 0.04, predictor="physics", protocol="first_window"
+    )
+    kept = compare(write(tmp_path, "sim2real/difference.csv", rows))[key]
+    assert kept.interval == pytest.approx((12, 7, 17))  # half-widths of 1 and 4 points
+    paired = gains({"stroke_pro": 0.12}, 0.03)
+    run = write(tmp_path, "sim2real/difference_first_window.csv", paired)
+    assert compare(run)[key].interval == pytest.approx((12, 9, 15))
+
+
+def test_shot_quality_is_shown_but_not_comparable(tmp_path):
+    found = compare(write(tmp_path, "shot_quality/swap.csv", swap(1.25, 0.05)))
+    faster = found["quality.speed.stroke_pro.115-125"]
+    assert faster.value == pytest.approx(25.0) and faster.verdict == NOT_COMPARABLE
+    doubled = found["quality.doubled.stroke_pro"]
+    assert doubled.interval == pytest.approx((1.25, 1.2, 1.3))
+    assert doubled.verdict == NOT_COMPARABLE
+    undefined = compare(write(tmp_path, "shot_quality/swap.csv", swap(float("nan"), 0)))
+    assert undefined["quality.doubled.stroke_pro"].verdict == NOT_MEASURED
+
+
+def test_without_reports_only_constants_have_a_verdict(tmp_path):
+    run = Reports(tmp_path, {})
+    words = {found.verdict for found in compare(run).values()}
+    assert words == {NOT_MEASURED, NO_NUMBER, SAME, "differs"}
+    assert {one.verdict(run) for one in exhibits()} == {NOT_MEASURED, NO_NUMBER}

@@ -1,0 +1,88 @@
+"""Verdicts follow from the numbers by rule."""
+
+import numpy as np
+import pytest
+from scipy.stats import binomtest
+
+from pipeline.paper.verdicts import (
+    DIFFERS,
+    FAILS,
+    HIGHER,
+    HOLDS,
+    LEVEL,
+    LOWER,
+    NOT_MEASURED,
+    OPEN,
+    SAME,
+    Interval,
+    claim,
+    combined,
+    compared,
+    difference,
+    rate,
+    setting,
+    within,
+)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "word"), [(1, 3, HOLDS), (-1, 3, OPEN), (0, 3, OPEN), (-3, -1, FAILS)]
+)
+def test_a_claim_holds_where_the_whole_interval_is_on_its_side(low, high, word):
+    middle = (low + high) / 2
+    assert claim(Interval(middle, low, high)) == word
+    assert claim(Interval(-middle, -high, -low), grows=False) == word
+
+
+def test_a_figure_fails_with_one_claim_and_is_not_measured_without_one():
+    assert combined([HOLDS, HOLDS]) == HOLDS
+    assert combined([HOLDS, OPEN]) == OPEN
+    assert combined([HOLDS, OPEN, NOT_MEASURED]) == NOT_MEASURED
+    assert combined([HOLDS, NOT_MEASURED, FAILS]) == FAILS
+    assert combined([]) == NOT_MEASURED
+
+
+@pytest.mark.parametrize(("count", "of"), [(0, 30), (98, 100), (136, 200), (30, 30)])
+def test_rates_have_wilsons_interval(count, of):
+    expected = binomtest(count, of).proportion_ci(method="wilson")
+    found = rate(count, of)
+    assert found.value == count / of
+    assert found[1:] == pytest.approx((expected.low, expected.high), abs=1e-4)
+
+
+def coverage(firsts, seconds, true, **options):
+    """The share of intervals of a difference of rates that contain the true one."""
+    found = [
+        difference(rate(a, 60), rate(b, 60), **options)
+        for a, b in zip(firsts, seconds, strict=True)
+    ]
+    return np.mean([one.low <= true <= one.high for one in found])
+
+
+def test_intervals_of_a_difference_cover_95_percent_and_at_least_that_if_correlated():
+    random = np.random.default_rng(0)
+    firsts, seconds = random.binomial(60, 0.8, 2000), random.binomial(60, 0.7, 2000)
+    assert 0.93 < coverage(firsts, seconds, 0.1) < 0.97
+    opposed = 60 - firsts  # a correlation of -1, the worst case
+    assert coverage(firsts, opposed, 0.6) < 0.9
+    assert coverage(firsts, opposed, 0.6, independent=False) > 0.93
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "word"),
+    [(1.6, 2.4, HOLDS), (1.4, 2.4, OPEN), (1.0, 3.0, OPEN), (0.9, 1.1, FAILS), (2.6, 3.0, FAILS)],
+)
+def test_a_range_holds_where_the_whole_interval_lies_inside(low, high, word):
+    assert within(Interval((low + high) / 2, low, high), 1.5, 2.5) == word
+
+
+def test_rates_are_level_where_the_difference_may_be_zero():
+    printed = rate(100, 200)
+    assert compared(rate(30, 60), printed) == LEVEL
+    assert compared(rate(55, 60), printed) == HIGHER
+    assert compared(rate(5, 60), printed) == LOWER
+
+
+def test_settings_are_the_same_to_one_percent():
+    assert setting(0.901, 0.9) == SAME and setting(0.92, 0.9) == DIFFERS
+    assert setting("Adam", "Adam") == SAME and setting("half a cosine", 0.95) == DIFFERS
