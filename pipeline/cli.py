@@ -243,6 +243,20 @@ def costs() -> None:
     typer.echo(f"All of it: {folder}")
 
 
+@app.command("compare-commits", rich_help_panel=MAINTENANCE)
+def compare_commits(
+    base: Annotated[str, typer.Argument(help="a commit, such as main")],
+    new: Annotated[str, typer.Argument(help="another one")] = "HEAD",
+) -> None:
+    """List the numbers in which the committed tables and metrics of two commits differ."""
+    from pipeline.experiments.compare_commits import compare_commits
+
+    count, differences = compare_commits(clone(), base, new)
+    for one in differences:
+        typer.echo(f"{one.path}: {one.what}")
+    typer.echo(f"{count} files compared, {len(differences)} differences.")
+
+
 @app.command(rich_help_panel=MAINTENANCE)
 def docs() -> None:
     """Write the generated pages of the documentation, and the generated blocks of all others."""

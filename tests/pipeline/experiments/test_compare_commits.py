@@ -1,0 +1,60 @@
+"""Committed results of two commits compare number by number."""
+
+import subprocess
+
+import pytest
+
+from pipeline.experiments.compare_commits import compare_commits
+from pipeline.runtime.errors import InputError
+
+TABLE = "set,error_mm,low\nspindoe,1.5,\ntt3d,2.5,2\n"
+
+
+@pytest.fixture
+def commit(tmp_path):
+    """Commit files under reports/ and return the commit."""
+    git = ["git", "-c", "user.name=me", "-c", "user.email=me@example.org"]
+    subprocess.run([*git, "init", "--quiet"], cwd=tmp_path, check=True)
+
+    def write(files):
+        subprocess.run([*git, "rm", "-rq", "--ignore-unmatch", "."], cwd=tmp_path, check=True)
+        for name, text in files.items():
+            path = tmp_path / "reports" / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        subprocess.run([*git, "add", "."], cwd=tmp_path, check=True)
+        subprocess.run([*git, "commit", "--quiet", "-m", "run"], cwd=tmp_path, check=True)
+        shown = subprocess.run([*git, "rev-parse", "HEAD"], cwd=tmp_path, capture_output=True)
+        return shown.stdout.decode().strip()
+
+    return write
+
+
+def test_names_may_change_and_numbers_may_not(commit, tmp_path):
+    base = commit({"evaluate/errors.csv": TABLE, "evaluate/metrics.json": '{"mean": 1.5}'})
+    renamed = TABLE.replace("error_mm", "position_error_mm")
+    same = commit({"evaluate/position.csv": renamed, "evaluate/metrics.json": '{"average": 1.5}'})
+    assert compare_commits(tmp_path, base, same) == (2, [])
+
+    other = commit(
+        {"evaluate/errors.csv": TABLE.replace("2.5", "2.6"), "gap/metrics.json": "[true]"}
+    )
+    count, differences = compare_commits(tmp_path, base, other)
+    assert count == 1
+    assert [(one.path, one.what) for one in differences] == [
+        ("reports/gap/metrics.json", "added"),
+        ("reports/evaluate/metrics.json", "removed"),
+        ("reports/evaluate/errors.csv", "1 of 4 numbers differ, first 2.5 -> 2.6"),
+    ]
+
+
+def test_kept_runs_do_not_count(commit, tmp_path):
+    base = commit({"paper/run.json": "{}", "paper/evaluate/errors.csv": TABLE})
+    other = commit({"paper/run.json": "{}", "paper/evaluate/errors.csv": TABLE.replace("1", "2")})
+    assert compare_commits(tmp_path, base, other) == (0, [])
+
+
+def test_an_unknown_commit_is_refused(commit, tmp_path):
+    commit({"evaluate/errors.csv": TABLE})
+    with pytest.raises(InputError, match="no-such"):
+        compare_commits(tmp_path, "no-such", "HEAD")
