@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from models.ball.simulator import Simulator
-from models.gap.fit.horizons import SEEN
-from models.gap.fit.refit import fitted
+from models.gap.fit.refit import fit_nuisance
 from models.gap.fit.shot_fit import refit_shots
 from models.gap.fit.shots import Shots
 from models.gap.inference.score_test import Evidence
@@ -15,10 +14,11 @@ from models.gap.locate.attribution import locate
 from models.gap.location import Located
 from models.gap.name.gap_share import shares
 from models.gap.name.intervals import within
-from models.gap.name.label_signs import Signs, no_signs, signs
+from models.gap.name.label_signs import LabelSigns, find_flipped_labels, no_flipped_labels
 from models.gap.name.naming import SIGNS, Named, Question, name
-from models.gap.name.selection import from_nominal
-from models.gap.name.unexplained import Leftover, leftover
+from models.gap.name.selection import evidence_about
+from models.gap.name.unexplained import UnexplainedStructure, find_unexplained
+from models.gap.settings import GapSettings
 from models.gap.types import PHASES, Places
 from models.gap.verdict import (
     Answer,
@@ -34,7 +34,7 @@ from models.gap.verdict import (
 from models.gap.verify.limitations import WANDERING, limits, misled
 from models.gap.verify.prediction_error import errors, gap
 
-LEVEL = 0.003
+LEVEL = GapSettings().level
 HELD_OUT = 3  # one shot in so many
 # Of the work, done when the causes are named, the shots kept from naming fitted, and the rest seen.
 NAMED, FITTED, LOOKED = 0.6, 0.75, 0.9
@@ -69,24 +69,25 @@ def diagnose(
     """
     if len(shots) < HELD_OUT:
         raise ValueError(f"{len(shots)} shots are too few; give at least {HELD_OUT}")
-    question = Question(simulator, level, tuple(withheld))
+    settings = GapSettings(level=level)
+    question = Question(simulator, settings, tuple(withheld))
     held = held_out(shots)
-    labels = no_signs(shots[~held])
+    labels = no_flipped_labels(shots[~held], settings)
     named = name(shots[~held], question, lambda first: sight(_sight(first, labels, question)))
     progress(NAMED)
-    noise, fresh = named.found.components.noise, shots[held]
-    about = fitted(fresh, named.found.simulator, noise)
+    noise, fresh = named.fit.noise_estimate.noise, shots[held]
+    about = fit_nuisance(fresh, named.fit.simulator, noise, settings.fit)
     if named.signs.significant:
-        fresh = signs(fresh, about).righted(fresh)
-        about = fitted(fresh, named.found.simulator, noise)
+        fresh = find_flipped_labels(fresh, about, settings).corrected(fresh)
+        about = fit_nuisance(fresh, named.fit.simulator, noise, settings.fit)
     progress(FITTED)
-    left = leftover(named.found, question.withheld)
+    left = find_unexplained(named.fit, settings, question.withheld)
     found = left.p_value <= level and left.confirmed(about)
     verdict = _verdict(named, left if found else None, left.p_value, shots, question)
     progress(LOOKED)
-    if (fresh.valid.sum(axis=1) > SEEN).any():
-        after = errors(about, simulator, named.simulator, noise, named.spins)
-        verdict = judged(verdict, gap(after))
+    if (fresh.valid.sum(axis=1) > settings.observed_samples).any():
+        after = errors(about, simulator, named.simulator, noise, named.spins, settings)
+        verdict = judged(verdict, gap(after, settings))
     progress(1.0)
     return verdict
 
@@ -106,11 +107,14 @@ def detectable(evidence: Evidence) -> Sight:
         evidence: of the shots, before causes are looked for.
     """
     told = evidence.decidable(evidence.free)
-    sizes = {label_of(evidence.columns[k]): evidence.detectable(k, evidence.free) for k in told}
+    sizes = {
+        label_of(evidence.columns[k]): evidence.minimum_detectable_effect(k, evidence.free)
+        for k in told
+    }
     return sizes, tuple(label_of(one) for one in evidence.columns if label_of(one) not in sizes)
 
 
-def _sight(first: Evidence, labels: Signs, question: Question) -> Sight:
+def _sight(first: Evidence, labels: LabelSigns, question: Question) -> Sight:
     sizes, blind = detectable(first)
     if labels.labelled and SIGNS not in question.withheld:
         sizes[SIGNS] = labels.detectable
@@ -120,13 +124,17 @@ def _sight(first: Evidence, labels: Signs, question: Question) -> Sight:
 
 def _first(named: Named, question: Question) -> Evidence:
     """Return the evidence before causes were looked for."""
-    return from_nominal(named.before, question.simulator, question.withheld)
+    return evidence_about(named.before, question.simulator, question.settings, question.withheld)
 
 
 def _verdict(
-    named: Named, left: Leftover | None, p_value: float, shots: Shots, question: Question
+    named: Named,
+    left: UnexplainedStructure | None,
+    p_value: float,
+    shots: Shots,
+    question: Question,
 ) -> Verdict:
-    gains = shares(named.explainer.scales, named.explanation.causes)
+    gains = shares(named.explainer.set_scores, named.explanation.causes)
     turned = _gain_of_signs(named)
     whole = max(sum(gains.values()) + turned, 1e-12)
     whole += left.gain if left else 0.0
@@ -137,9 +145,9 @@ def _verdict(
         share=left.gain / whole if left else 0.0,
         p_value=p_value,
         where=left.where if left else None,
-        lead=left.lead if left else None,
+        lead=left.candidate_formula if left else None,
     )
-    located = locate(named.found, question.simulator, question.withheld)
+    located = locate(named.fit, question.simulator, question.settings, question.withheld)
     return Verdict(
         verdict=_answer(causes, left is not None, named.settled),
         effects=tuple(causes),
@@ -179,11 +187,13 @@ def _causes(named: Named, gains: dict[int, float], whole: float) -> list[Cause]:
 def _cause(named: Named, k: int, causes: Places, share: float) -> Cause:
     explainer = named.explainer
     evidence, hypothesis = explainer.evidence, explainer.evidence.columns[k]
-    test = evidence.tested([k], [one for one in causes if one != k])
+    test = evidence.score_test([k], [one for one in causes if one != k])
     nominal = hypothesis.value(explainer.nominal)
     found = nominal + float(test.estimate[0])
-    estimate, interval = within(found, float(test.margin[0]), hypothesis.declaration.bounds)
-    names = [name_of(evidence.columns[one]) for one in explainer.rivals(k, causes)]
+    estimate, interval = within(
+        found, float(test.margin[0]), hypothesis.declaration.bounds, evidence.settings
+    )
+    names = [name_of(evidence.columns[one]) for one in explainer.alternatives(k, causes)]
     return Cause(
         name=name_of(hypothesis),
         component=component_of(hypothesis),
@@ -203,17 +213,20 @@ def _gain_of_signs(named: Named) -> float:
     """Return by how much twice the log likelihood grows when labels are read with right signs."""
     if not named.signs.significant:
         return 0.0
-    found, rows = named.found, np.array(sorted(named.signs.backwards))
-    righted, unknowns = found.linear.shots[rows], found.linear.unknowns[rows]
-    as_read = replace(righted, labels=-righted.labels)
+    settings, found = named.signs.settings.fit, named.fit
+    rows = np.array(sorted(named.signs.flipped))
+    corrected, nuisance = found.linear.shots[rows], found.linear.nuisance[rows]
+    as_read = replace(corrected, labels=-corrected.labels)
     costs = [
-        refit_shots(shots, found.simulator, unknowns, found.components.noise).cost.sum()
-        for shots in (as_read, righted)
+        refit_shots(
+            shots, found.simulator, nuisance, found.noise_estimate.noise, settings
+        ).cost.sum()
+        for shots in (as_read, corrected)
     ]
     return max(float(costs[0] - costs[1]), 0.0)
 
 
-def _signs(found: Signs, share: float) -> list[Cause]:
+def _signs(found: LabelSigns, share: float) -> list[Cause]:
     if not found.significant:
         return []
     return [

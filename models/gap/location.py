@@ -48,14 +48,14 @@ class Located:
     """
 
     horizons: Floats
-    parting: Floats
+    discrepancy: Floats
     shares: dict[Phase, Floats]
     time: Growth
     growth: tuple[Growth, ...]
-    looked_at: float
+    trend_horizon: float
 
     @property
     def where(self) -> dict[Phase, float]:
         """The phases' shares over all horizons, by how far balls part; zero where they do not."""
-        whole = max(float(self.parting.sum()), 1e-12)
-        return {phase: float(self.parting @ self.shares[phase]) / whole for phase in PHASES}
+        whole = max(float(self.discrepancy.sum()), 1e-12)
+        return {phase: float(self.discrepancy @ self.shares[phase]) / whole for phase in PHASES}

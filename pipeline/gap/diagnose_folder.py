@@ -122,7 +122,7 @@ def figures_of(verdict: Verdict) -> dict[str, Figure]:
     figures = {}
     if verdict.effects:
         figures["causes"] = causes_figure(verdict)
-    if verdict.located and verdict.located.parting.any():
+    if verdict.located and verdict.located.discrepancy.any():
         figures["parting"] = parting_figure(verdict.located)
     if verdict.located and verdict.located.growth:
         figures["growth"] = growth_figure(verdict.located)

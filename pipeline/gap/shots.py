@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from models.gap.fit.horizons import SEEN
 from models.gap.fit.shots import Shots
+from models.gap.settings import GapSettings
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
 from pipeline.sources.manifest import read_manifest
 
@@ -42,4 +42,4 @@ def is_shot(one: MeasuredEpisode) -> bool:
     times = one.episode.times
     touches = int(one.episode.arc.max())
     bounces = int((one.episode.bounces < times[-1]).sum())
-    return one.unbroken and len(times) > SEEN and touches == bounces
+    return one.unbroken and len(times) > GapSettings().observed_samples and touches == bounces

@@ -55,7 +55,7 @@ def growth(axis="speed at launch", kinds=(), p_value=2e-4, centres=SPEEDS):
 
 LOCATED = Located(
     horizons=np.array([0.1, 0.2, 0.3]),
-    parting=np.array([0.002, 0.006, 0.012]),
+    discrepancy=np.array([0.002, 0.006, 0.012]),
     shares={
         "flight": np.array([1.0, 0.5, 0.5]),
         "table": np.array([0.0, 0.5, 0.25]),
@@ -66,7 +66,7 @@ LOCATED = Located(
         growth(),
         growth("direction of play", ("towards −y", "towards +y"), 0.3, np.array([0.0, 1.0])),
     ),
-    looked_at=0.3,
+    trend_horizon=0.3,
 )
 WIND = Cause(
     name="wind",

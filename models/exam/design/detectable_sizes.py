@@ -18,16 +18,17 @@ from models.exam.answer import shots_of
 from models.exam.design.questions import Name
 from models.exam.design.trial import Trial
 from models.exam.simulate.recordings import held
-from models.gap.fit.linearize import ballistic_unknowns, linearise
-from models.gap.fit.marginal import marginal, visible
-from models.gap.fit.measurement import Moments, bounces
-from models.gap.fit.noise import Noise, grams
-from models.gap.fit.shot_fit import MOST_KICKS
+from models.gap.fit.linearize import ballistic_nuisance, linearise
+from models.gap.fit.measurement import Schedule, count_bounces
+from models.gap.fit.noise import Noise, gram_matrices
+from models.gap.fit.projection import eliminate_nuisance, identifiable_directions
 from models.gap.fit.shots import Shots
 from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.inference.score_test import DETECTABLE, Evidence
+from models.gap.inference.score_test import Evidence
+from models.gap.settings import GapSettings
 from models.gap.verdict import name_of
 
+SETTINGS = GapSettings()
 SIGNS: Name = ("spin_sign_flip", "share")
 FLIPPED = 4.0  # labels that read backwards, on average, of which enough are seen to be
 LEAST = 1e-3  # of what the workflow takes for random: label errors of a shot, scatter across
@@ -81,11 +82,17 @@ class Sight:
         if name == SIGNS:
             return ()
         k, beside = self._place(name), self._places(others)
-        seen = [j for j in np.flatnonzero(self.evidence.seen).tolist() if j not in (k, *beside)]
+        seen = [
+            j for j in np.flatnonzero(self.evidence.observable).tolist() if j not in (k, *beside)
+        ]
         own = [] if self.evidence.listed[k] else [j for j in self.evidence.free if j in seen]
 
         def stand_ins(sets: Iterable[tuple[int, ...]]) -> tuple[str, ...]:
-            enough = (one for one in sets if self._left(k, size, [*one, *beside]) < DETECTABLE)
+            enough = (
+                one
+                for one in sets
+                if self._left(k, size, [*one, *beside]) < SETTINGS.inference.detectable
+            )
             names = (name_of(self.evidence.columns[j]) for one in enough for j in one)
             return tuple(dict.fromkeys(names))
 
@@ -96,7 +103,7 @@ class Sight:
         return abs(size) * float(np.sqrt(max(self._information(k, beside), 0.0)))
 
     def _information(self, k: int, beside: list[int]) -> float:
-        return float(self.evidence.tested([k], beside).information[0, 0])
+        return float(self.evidence.score_test([k], beside).information[0, 0])
 
     def _detectable(self, name: Name, others: list[Name]) -> float:
         if name == SIGNS:
@@ -108,7 +115,7 @@ class Sight:
             return np.inf
         if name[0] in self.withheld:
             return self._beside_all(k)
-        return self.evidence.detectable(k, beside)
+        return self.evidence.minimum_detectable_effect(k, beside)
 
     def _beside(self, k: int, others: list[int]) -> list[int]:
         """Return what is free beside a parameter: others and the nominal ones, if they can be."""
@@ -121,19 +128,23 @@ class Sight:
 
     def _decides(self, k: int, beside: list[int]) -> bool:
         evidence = self.evidence
-        return bool(evidence.seen[k]) and evidence.decides(evidence.tested([k], beside))
+        return bool(evidence.observable[k]) and evidence.decides(evidence.score_test([k], beside))
 
     def _beside_all(self, k: int) -> float:
         """Return the least size of a parameter beside all effects that are not withheld."""
         total = self.evidence.total
         beside = self._in_question
-        mixed = visible(total[np.ix_(beside, beside)]).T @ total[beside, k]
+        mixed = identifiable_directions(total[np.ix_(beside, beside)]).T @ total[beside, k]
         left = total[k, k] - mixed @ mixed
-        return float(DETECTABLE / np.sqrt(left)) if left > OWN_PART * total[k, k] else np.inf
+        return (
+            float(SETTINGS.inference.detectable / np.sqrt(left))
+            if left > OWN_PART * total[k, k]
+            else np.inf
+        )
 
     @cached_property
     def _in_question(self) -> list[int]:
-        seen = np.flatnonzero(self.evidence.seen).tolist()
+        seen = np.flatnonzero(self.evidence.observable).tolist()
         return [k for k in seen if self.evidence.columns[k].effect not in self.withheld]
 
     def _place(self, name: Name) -> int:
@@ -144,13 +155,16 @@ class Sight:
 
 
 def _evidence(trial: Trial, shots: Shots, states: Floats) -> Evidence:
-    kicks = min(int(bounces(trial.nominal, Moments.of(shots), states).max(initial=0)), MOST_KICKS)
-    unknowns = ballistic_unknowns(states, kicks)
+    kicks = min(
+        int(count_bounces(trial.nominal, Schedule.of(shots), states).max(initial=0)),
+        SETTINGS.fit.max_kicks,
+    )
+    unknowns = ballistic_nuisance(states, kicks)
     linear = linearise(shots, trial.nominal, unknowns, hypotheses(trial.nominal))
     noise = _noise(trial)
-    known = grams(linear, noise, linear.sampled.astype(float), np.ones(len(shots)))
-    left = marginal(known.total(noise), linear.own)
-    return Evidence(linear.columns, linear.listed, left.scores, left.information)
+    known = gram_matrices(linear, noise, linear.sampled.astype(float), np.ones(len(shots)))
+    left = eliminate_nuisance(known.total(noise), linear.nuisance_count)
+    return Evidence(linear.columns, linear.listed, left.scores, left.information, SETTINGS)
 
 
 def _noise(trial: Trial) -> Noise:

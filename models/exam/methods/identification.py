@@ -22,10 +22,11 @@ from models.exam.design.trial import Recording
 from models.exam.methods.regression import Places, Regression, candidates, finding
 from models.gap.fit.linearize import linearise
 from models.gap.fit.noise import Noise, prior_precision
-from models.gap.fit.shot_fit import SPIN, fit_shots, refit_shots
+from models.gap.fit.shot_fit import fit_shots, refit_shots
 from models.gap.fit.shots import Shots
 from models.gap.hypotheses import Hypothesis
-from models.gap.inference.score_test import regular
+from models.gap.inference.score_test import regularised
+from models.gap.settings import FitSettings
 
 # By ``best_threshold`` on the sets of sindy.py. Clean sets right and hidden effects named, for 3,
 # 3.25, 3.5, 4 standard errors: 96 and 60 %, 100 and 61 %, 100 and 60 %, 100 and 55 %. With an own
@@ -68,16 +69,16 @@ class Paths:
     @classmethod
     def of(cls, shots: Shots, simulator: Simulator) -> "Paths":
         """Fit the launches by a simulator."""
-        fit = fit_shots(shots, simulator)
-        return cls(shots, fit.unknowns[:, :STATE_SIZE], fit.noise)
+        fit = fit_shots(shots, simulator, FitSettings())
+        return cls(shots, fit.nuisance[:, :STATE_SIZE], fit.noise)
 
     def rows(self, simulator: Simulator, columns: tuple[Hypothesis, ...]) -> Floats:
         """Return (B, R, K + 1) slopes by the columns, and residuals, less what launches can do.
 
         They are in units of the noise; outliers count less, and samples at a bounce do not.
         """
-        fit = refit_shots(self.shots, simulator, self.launches, self.noise)
-        linear = linearise(self.shots, simulator, fit.unknowns, columns)
+        fit = refit_shots(self.shots, simulator, self.launches, self.noise, FitSettings())
+        linear = linearise(self.shots, simulator, fit.nuisance, columns)
         weights = np.sqrt(fit.weights) / self.noise.position
         parts = (linear.positions * weights[..., None, None], linear.labels / self.noise.label)
         flat = [part.reshape(*part.shape[:1], -1, part.shape[-1]) for part in parts]
@@ -85,7 +86,7 @@ class Paths:
         launch, rest = rows[..., :STATE_SIZE], rows[..., STATE_SIZE:]
         cross = np.swapaxes(launch, 1, 2)
         unlabelled = np.asarray(~self.shots.labelled.any(axis=1))
-        prior = prior_precision(unlabelled, STATE_SIZE, self.noise, SPIN)
+        prior = prior_precision(unlabelled, STATE_SIZE, self.noise, FitSettings().spin_prior)
         inner = cross @ launch + prior[:, None] * np.eye(STATE_SIZE)
         left: Floats = rest - launch @ np.linalg.solve(inner, cross @ rest)
         return left
@@ -145,9 +146,9 @@ def jackknife(grams: Floats) -> tuple[Floats, Floats]:
     are at least those of noise that is independent in every sample.
     """
     total, count = grams.sum(axis=0), len(grams)
-    inner, others = regular(total[:-1, :-1]), total - grams
+    inner, others = regularised(total[:-1, :-1]), total - grams
     whole = np.linalg.solve(inner, total[:-1, -1])
-    without = np.linalg.solve(regular(others[:, :-1, :-1]), others[:, :-1, -1:])[..., 0]
+    without = np.linalg.solve(regularised(others[:, :-1, :-1]), others[:, :-1, -1:])[..., 0]
     spread = (count - 1) / count * ((without - whole) ** 2).sum(axis=0)
     return whole, np.sqrt(np.maximum(spread, np.diag(np.linalg.inv(inner))))
 

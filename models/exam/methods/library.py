@@ -16,7 +16,13 @@ import numpy as np
 from models.ball.simulator import Simulator
 from models.ball.state import SPIN
 from models.ball.types import Floats
-from models.gap.fit.measurement import Moments, Seen, by_hypotheses, by_unknowns, seen
+from models.gap.fit.measurement import (
+    Prediction,
+    Schedule,
+    hypothesis_derivatives,
+    nuisance_derivatives,
+    predict_measurements,
+)
 from models.gap.hypotheses import Hypothesis
 
 STENCIL = 2e-3  # s between moments of which differences are taken
@@ -52,28 +58,28 @@ def library(
         columns: the K effects.
     """
     moments = _moments(len(states), ahead)
-    view = seen(simulator, moments, states)
-    now, later = _measured(by_hypotheses(simulator, moments, states, view, columns))
-    by_now, by_later = _measured(by_unknowns(simulator, moments, states, view))
+    view = predict_measurements(simulator, moments, states)
+    now, later = _measured(hypothesis_derivatives(simulator, moments, states, view, columns))
+    by_now, by_later = _measured(nuisance_derivatives(simulator, moments, states, view))
     slopes = by_later @ np.linalg.inv(by_now)
-    contacts = np.where(view.until[:, None] >= 0.0, np.nan, view.contacts)
+    contacts = np.where(view.smooth_until[:, None] >= 0.0, np.nan, view.contacts)
     return Library(later - slopes @ now, _measured(view)[1], slopes[:, :, SPIN], contacts)
 
 
 def rates(simulator: Simulator, states: Floats) -> Floats:
     """Return the (M, 6) rates of change of velocity and spin at (M, 9) states."""
-    return _measured(seen(simulator, _moments(len(states), 0.0), states))[1]
+    return _measured(predict_measurements(simulator, _moments(len(states), 0.0), states))[1]
 
 
-def _moments(count: int, ahead: float) -> Moments:
+def _moments(count: int, ahead: float) -> Schedule:
     """Return moments about now, and about a later one if there is one."""
     now = np.array([-STENCIL, 0.0, STENCIL])
     times = np.concatenate([now, ahead + now]) if ahead else now
     places = np.tile(np.arange(len(times)), (count, 1))
-    return Moments(np.tile(times, (count, 1)), places, places)
+    return Schedule(np.tile(times, (count, 1)), places, places)
 
 
-def _measured(view: Seen) -> tuple[Floats, Floats]:
+def _measured(view: Prediction) -> tuple[Floats, Floats]:
     """Return (M, 9, ...) the state now, and that later or else (M, 6, ...) rates of v and w."""
     p, w = view.positions, view.labels
     speeds = (p[:, 2::3] - p[:, 0::3]) / (2 * STENCIL)

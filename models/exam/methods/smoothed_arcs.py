@@ -15,9 +15,10 @@ from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
 from models.ball.types import Floats
-from models.gap.fit.measurement import JUMP, Moments, seen
+from models.gap.fit.measurement import JUMP, Schedule, predict_measurements
 from models.gap.fit.shot_fit import fit_shots
 from models.gap.fit.shots import Shots
+from models.gap.settings import FitSettings
 from models.gap.types import Bools, Indices
 
 DEGREE = 4  # of the polynomials in which what is left of an arc is written
@@ -57,10 +58,10 @@ def airborne(simulator: Simulator) -> Simulator:
 
 def cut(shots: Shots, simulator: Simulator) -> Arcs:
     """Cut shots where a fit of the simulator, with bounces that scatter, has them bounce."""
-    fit = fit_shots(shots, simulator)
-    view = seen(simulator, Moments.of(shots), fit.unknowns)
+    fit = fit_shots(shots, simulator, FitSettings())
+    view = predict_measurements(simulator, Schedule.of(shots), fit.nuisance)
     since = shots.times - shots.times[:, :1]
-    good = shots.valid & (fit.weights > INLIER) & ~(since > view.until[:, None])
+    good = shots.valid & (fit.weights > INLIER) & ~(since > view.smooth_until[:, None])
     pieces: list[dict[str, Any]] = []
     for shot, contacts in enumerate(view.contacts + shots.times[:, :1]):
         bounces = np.sort(contacts[np.isfinite(contacts)])
@@ -120,8 +121,8 @@ class Smoothed:
     def of(cls, arcs: Arcs, simulator: Simulator) -> "Smoothed":
         """Smooth arcs about a simulator."""
         shots, free = arcs.shots, airborne(simulator)
-        fit = fit_shots(shots, free)
-        view = seen(free, Moments.of(shots), fit.unknowns)
+        fit = fit_shots(shots, free, FitSettings())
+        view = predict_measurements(free, Schedule.of(shots), fit.nuisance)
         usable = shots.valid & (fit.weights > INLIER)
         rows = legvander(_scaled(shots, shots.times), DEGREE) * usable[..., None]
         columns, triangle = np.linalg.qr(rows)
@@ -130,7 +131,7 @@ class Smoothed:
         return cls(
             arcs,
             free,
-            fit.unknowns[:, :STATE_SIZE],
+            fit.nuisance[:, :STATE_SIZE],
             apart / np.maximum(shots.labelled.sum(axis=1), 1)[:, None],
             columns,
             np.linalg.inv(triangle),

@@ -6,15 +6,13 @@ import numpy as np
 
 from models.ball.types import Floats
 from models.gap.fit.shots import Shots
+from models.gap.settings import GapSettings
 from models.gap.types import Bools
 
-SEEN = 12  # samples
-WINDOW = 0.0125  # s
 
-
-def last_seen(shots: Shots) -> Floats:
-    """Return (B, 1) times of the last samples that predictions see, s."""
-    place = min(SEEN, shots.times.shape[1]) - 1
+def last_observed_time(shots: Shots, settings: GapSettings) -> Floats:
+    """Return (B, 1) times of the last samples that a prediction observes, s."""
+    place = min(settings.observed_samples, shots.times.shape[1]) - 1
     return shots.times[:, place : place + 1]
 
 
@@ -34,17 +32,20 @@ def first_samples(shots: Shots, count: int) -> Shots:
     )
 
 
-def at_horizons(shots: Shots, values: Floats, usable: Bools, horizons: Floats) -> Floats:
+def at_horizons(
+    shots: Shots, values: Floats, usable: Bools, horizons: Floats, settings: GapSettings
+) -> Floats:
     """Return (B, H, ...) means of (B, N, ...) values about horizons, NaN where there are none.
 
     Args:
         shots: B of them.
         values: at their samples.
         usable: (B, N) samples that count.
-        horizons: (H,) s from the last sample that a prediction sees.
+        horizons: (H,) s from the last sample that a prediction observes.
+        settings: of the prediction.
     """
-    since = shots.times - last_seen(shots)
-    near = usable[:, None] & (np.abs(since[:, None] - horizons[:, None]) <= WINDOW)
+    since = shots.times - last_observed_time(shots, settings)
+    near = usable[:, None] & (np.abs(since[:, None] - horizons[:, None]) <= settings.horizon_window)
     count = near.sum(axis=2)
     shares = near / np.where(count > 0, count, np.nan)[..., None]
     means: Floats = np.einsum("bhn,bn...->bh...", shares, values, optimize=True)

@@ -14,7 +14,14 @@ import numpy as np
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
-from models.gap.fit.measurement import JUMP, KINK, Moments, by_hypotheses, by_unknowns, seen
+from models.gap.fit.measurement import (
+    JUMP,
+    KINK,
+    Schedule,
+    hypothesis_derivatives,
+    nuisance_derivatives,
+    predict_measurements,
+)
 from models.gap.fit.shots import Shots
 from models.gap.hypotheses import Hypothesis
 from models.gap.types import Bools, Indices
@@ -26,7 +33,7 @@ class Linearised:
 
     Attributes:
         shots: the measurements.
-        simulator: about which.
+        simulator: about which they are linearised.
         columns: the K hypotheses.
         unknowns: (B, E) at which: states and kicks.
         positions: (B, N, 3, E + K + 1) columns of the positions, zero in padding.
@@ -41,24 +48,32 @@ class Linearised:
     shots: Shots
     simulator: Simulator
     columns: tuple[Hypothesis, ...]
-    unknowns: Floats
+    nuisance: Floats
     positions: Floats
     labels: Floats
-    units: Floats
+    label_scales: Floats
     velocities: Floats
     sampled: Bools
     labelled: Bools
 
     def __getitem__(self, rows: Indices) -> "Linearised":
         """Return some of the shots."""
-        parts = ("unknowns", "positions", "labels", "units", "velocities", "sampled", "labelled")
+        parts = (
+            "nuisance",
+            "positions",
+            "labels",
+            "label_scales",
+            "velocities",
+            "sampled",
+            "labelled",
+        )
         some = {name: getattr(self, name)[rows] for name in parts}
         return replace(self, shots=self.shots[rows], **some)
 
     @property
-    def own(self) -> int:
+    def nuisance_count(self) -> int:
         """E, the number of unknowns of a shot."""
-        return int(self.unknowns.shape[1])
+        return int(self.nuisance.shape[1])
 
     @property
     def listed(self) -> Bools:
@@ -67,39 +82,39 @@ class Linearised:
 
 
 def linearise(
-    shots: Shots, simulator: Simulator, unknowns: Floats, columns: tuple[Hypothesis, ...]
+    shots: Shots, simulator: Simulator, nuisance: Floats, columns: tuple[Hypothesis, ...]
 ) -> Linearised:
     """Linearise shots about a simulator and their (B, E) unknowns."""
-    moments = Moments.of(shots)
-    view = seen(simulator, moments, unknowns)
-    inner = by_unknowns(simulator, moments, unknowns, view)
-    outer = by_hypotheses(simulator, moments, unknowns, view, columns)
-    view = replace(view, until=np.fmin(inner.until, outer.until))
-    positions = _joined(inner.positions, outer.positions, shots.positions - view.positions)
-    labels = _joined(inner.labels, outer.labels, np.nan_to_num(shots.labels) - view.labels)
+    schedule = Schedule.of(shots)
+    prediction = predict_measurements(simulator, schedule, nuisance)
+    inner = nuisance_derivatives(simulator, schedule, nuisance, prediction)
+    outer = hypothesis_derivatives(simulator, schedule, nuisance, prediction, columns)
+    prediction = replace(prediction, smooth_until=np.fmin(inner.smooth_until, outer.smooth_until))
+    positions = _joined(inner.positions, outer.positions, shots.positions - prediction.positions)
+    labels = _joined(inner.labels, outer.labels, np.nan_to_num(shots.labels) - prediction.labels)
     start = shots.times[:, :1]
-    sampled = shots.valid & view.smooth(shots.times - start, KINK)
+    sampled = shots.valid & prediction.is_smooth(shots.times - start, KINK)
     sampled &= np.isfinite(positions).all(axis=(2, 3))
     positions[~sampled] = 0.0
-    labelled = shots.labelled & view.smooth(shots.label_times - start, JUMP)
+    labelled = shots.labelled & prediction.is_smooth(shots.label_times - start, JUMP)
     labels[~labelled] = 0.0
-    units = label_units(view.labels)
-    labels /= units[..., None, None]
+    scales = label_scales(prediction.labels)
+    labels /= scales[..., None, None]
     return Linearised(
         shots=shots,
         simulator=simulator,
         columns=columns,
-        unknowns=unknowns,
+        nuisance=nuisance,
         positions=positions,
         labels=labels,
-        units=units,
-        velocities=view.velocities,
+        label_scales=scales,
+        velocities=prediction.velocities,
         sampled=sampled,
         labelled=labelled,
     )
 
 
-def label_units(spins: Floats) -> Floats:
+def label_scales(spins: Floats) -> Floats:
     """Return (B, L) sizes of (B, L, 3) fitted spins, at least a tenth of the typical one, rad/s.
 
     Errors of labels grow with the spin. It is the fitted one, since a label's own size would give
@@ -107,11 +122,11 @@ def label_units(spins: Floats) -> Floats:
     """
     sizes = np.linalg.norm(spins, axis=-1)
     typical = float(np.sqrt(np.mean(sizes**2))) if sizes.size else 0.0
-    units: Floats = np.maximum(sizes, max(0.1 * typical, 1.0))
-    return units
+    scales: Floats = np.maximum(sizes, max(0.1 * typical, 1.0))
+    return scales
 
 
-def ballistic_unknowns(states: Floats, kicks: int) -> Floats:
+def ballistic_nuisance(states: Floats, kicks: int) -> Floats:
     """Return (B, 9 + 3 kicks) unknowns of (B, 9) states without kicks."""
     return np.concatenate([states[:, :STATE_SIZE], np.zeros((len(states), 3 * kicks))], axis=1)
 

@@ -1,8 +1,8 @@
-"""Motion: what a simulator's sensor sees of B balls, and how that depends on every unknown.
+"""Measurement model: what a simulator's sensor measures of B balls, and its derivatives.
 
-A shot's unknowns ("nuisance") are its state ``[p v w]`` at its first sample and a *kick* at each of
-its first K bounces (path.py). Derivatives are differences of exact flights, all unknowns of all
-shots flown in one call.
+The nuisance parameters of a shot are its state ``[p v w]`` at its first sample and a *kick* at each
+of its first K bounces (trajectory.py). Derivatives are finite differences of exact flights, all
+parameters of all shots flown in one call.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
 from models.ball.types import Floats
 from models.gap.fit.shots import Shots
-from models.gap.fit.trajectory import path, path_in_any_order
+from models.gap.fit.trajectory import fly_in_any_order, fly_with_kicks
 from models.gap.hypotheses import Hypothesis
 from models.gap.types import Bools, Indices
 
@@ -31,12 +31,12 @@ JUMP = 5e-3
 # so nearly linear in the unknowns that one-sided differences are good to five digits.
 STATE_STEPS = np.repeat([1e-5, 1e-4, 0.02], 3)
 KICK_STEP = 1e-4
-LATEST = 1.0  # s that a sensor may be late, where values that are tried make a ball ever faster
+MAX_DELAY = 1.0  # s that a sensor may be late, where values that are tried make a ball ever faster
 
 
 @dataclass(frozen=True)
-class Moments:
-    """When B balls are looked at, in s from each shot's first sample.
+class Schedule:
+    """When B balls are measured, in s from each shot's first sample.
 
     Attributes:
         times: (B, T) of samples and labels together, not falling.
@@ -49,15 +49,15 @@ class Moments:
     labels: Indices
 
     @classmethod
-    def of(cls, shots: Shots) -> "Moments":
-        """Return the moments of measured shots."""
+    def of(cls, shots: Shots) -> "Schedule":
+        """Return the schedule of measured shots."""
         start = shots.times[:, :1]
         labels = np.where(shots.labelled, shots.label_times, start) - start
         samples = shots.times - start
         if _at_samples(shots):
             places = np.arange(samples.shape[1])
-            own = np.where(shots.labelled, places[: labels.shape[1]], 0)
-            return cls(samples, np.tile(places, (len(samples), 1)), own)
+            label_places = np.where(shots.labelled, places[: labels.shape[1]], 0)
+            return cls(samples, np.tile(places, (len(samples), 1)), label_places)
         unions = [np.union1d(s, w) for s, w in zip(samples, labels, strict=True)]
         longest = max(len(union) for union in unions)
         times = np.array([np.pad(one, (0, longest - len(one)), mode="edge") for one in unions])
@@ -70,7 +70,7 @@ class Moments:
 
     @cached_property
     def _all_samples(self) -> bool:
-        """Whether there are no moments but those of the samples, in their order."""
+        """Whether all times are those of the samples, in their order."""
         count = self.samples.shape[1]
         return self.times.shape[1] == count and bool((self.samples == np.arange(count)).all())
 
@@ -79,15 +79,15 @@ class Moments:
         if self._all_samples:
             return rows
         places = self.samples.reshape(*self.samples.shape, *(1,) * (rows.ndim - 2))
-        found: Floats = np.take_along_axis(rows, places, axis=1)
-        return found
+        selected: Floats = np.take_along_axis(rows, places, axis=1)
+        return selected
 
-    def __getitem__(self, rows: Indices) -> "Moments":
-        return Moments(self.times[rows], self.samples[rows], self.labels[rows])
+    def __getitem__(self, rows: Indices) -> "Schedule":
+        return Schedule(self.times[rows], self.samples[rows], self.labels[rows])
 
-    def repeated(self, count: int) -> "Moments":
+    def repeated(self, count: int) -> "Schedule":
         """Return ``count`` copies of each ball's, below one another."""
-        return Moments(
+        return Schedule(
             np.repeat(self.times, count, axis=0),
             np.repeat(self.samples, count, axis=0),
             np.repeat(self.labels, count, axis=0),
@@ -95,27 +95,30 @@ class Moments:
 
 
 @dataclass(frozen=True)
-class Seen:
-    """What a sensor sees of B balls, or what it would see more of them for each of C columns.
+class Prediction:
+    """Measurements of B balls, or their derivatives by each of C columns.
 
     Attributes:
         positions: (B, N, 3) m, or (B, N, 3, C).
         labels: (B, L, 3) rad/s, or (B, L, 3, C).
         velocities: (B, N, 3) of the balls, m/s.
         contacts: (B, M) when balls met something, s from the first sample, NaN where they did not.
-        until: (B,) when they first met an edge or the net, and then all is open; NaN if never.
+        smooth_until: (B,) when they first met an edge or the net, beyond which derivatives mean
+            nothing; NaN if never.
     """
 
     positions: Floats
     labels: Floats
     velocities: Floats
     contacts: Floats
-    until: Floats
+    smooth_until: Floats
 
-    def smooth(self, times: Floats, least: float) -> Bools:
-        """Return which of (B, T) times are ``least`` from any contact and not beyond ``until``."""
+    def is_smooth(self, times: Floats, least: float) -> Bools:
+        """Return which of (B, T) times are ``least`` from any contact and before the end."""
         near = np.abs(times[..., None] - self.contacts[:, None]) < least
-        apart: Bools = np.logical_not(near.any(axis=-1) | (times > self.until[:, None] - least))
+        apart: Bools = np.logical_not(
+            near.any(axis=-1) | (times > self.smooth_until[:, None] - least)
+        )
         return apart
 
 
@@ -128,96 +131,101 @@ def _at_samples(shots: Shots) -> bool:
     return bool((at_sample | ~shots.labelled).all())
 
 
-def bounces(simulator: Simulator, moments: Moments, unknowns: Floats) -> NDArray[np.int64]:
+def count_bounces(simulator: Simulator, schedule: Schedule, nuisance: Floats) -> NDArray[np.int64]:
     """Return (B,) how often each ball bounces off the table before its last moment."""
-    flight = simulator.fly(unknowns[:, :STATE_SIZE], moments.times)
+    flight = simulator.fly(nuisance[:, :STATE_SIZE], schedule.times)
     count: NDArray[np.int64] = (flight.contacts.surface == TABLE).sum(axis=1)
     return count
 
 
-def seen(simulator: Simulator, moments: Moments, unknowns: Floats) -> Seen:
-    """Return what a simulator's sensor sees, without noise.
+def predict_measurements(simulator: Simulator, schedule: Schedule, nuisance: Floats) -> Prediction:
+    """Predict what a simulator's sensor measures, without noise.
 
     Args:
         simulator: with its sensor effects; signs of labels are left alone.
-        moments: of B balls.
-        unknowns: (B, 9 + 3 K) states at the first sample and kicks.
+        schedule: of B balls.
+        nuisance: (B, 9 + 3 K) states at the first sample and kicks.
     """
     clock = sensor_quantity(simulator, "clock_gain")
-    times = moments.times / clock
-    states, contacts, until = path(simulator, unknowns, times)
-    spins = np.take_along_axis(states[..., SPIN], moments.labels[..., None], axis=1)
-    velocities = moments.at_samples(states[..., VELOCITY])
+    times = schedule.times / clock
+    states, contacts, smooth_until = fly_with_kicks(simulator, nuisance, times)
+    spins = np.take_along_axis(states[..., SPIN], schedule.labels[..., None], axis=1)
+    velocities = schedule.at_samples(states[..., VELOCITY])
     speeds = np.sqrt(np.einsum("bni,bni->bn", velocities, velocities))
-    delay = np.minimum(sensor_quantity(simulator, "delay", View(speeds)), LATEST)
+    delay = np.minimum(sensor_quantity(simulator, "delay", View(speeds)), MAX_DELAY)
     if np.any(delay):
-        sampled = moments.at_samples(times)
-        places = path_in_any_order(simulator, unknowns, sampled - delay)[..., POSITION]
+        sampled = schedule.at_samples(times)
+        places = fly_in_any_order(simulator, nuisance, sampled - delay)[..., POSITION]
     else:
-        places = moments.at_samples(states[..., POSITION])
+        places = schedule.at_samples(states[..., POSITION])
     positions = sensor_quantity(simulator, "position_gain") * places
     labels = _labels(simulator, spins)
-    return Seen(positions, labels, velocities, clock * contacts, clock * until)
+    return Prediction(positions, labels, velocities, clock * contacts, clock * smooth_until)
 
 
-def by_unknowns(simulator: Simulator, moments: Moments, unknowns: Floats, view: Seen) -> Seen:
-    """Return the derivatives of what is seen by each of a shot's 9 + 3 K unknowns.
+def nuisance_derivatives(
+    simulator: Simulator, schedule: Schedule, nuisance: Floats, prediction: Prediction
+) -> Prediction:
+    """Return the derivatives of a prediction by each of a shot's 9 + 3 K nuisance parameters.
 
     Args:
         simulator: with its sensor effects.
-        moments: of B balls.
-        unknowns: (B, 9 + 3 K) where.
-        view: what is seen there.
+        schedule: of B balls.
+        nuisance: (B, 9 + 3 K) where.
+        prediction: there.
     """
-    size = unknowns.shape[1]
+    size = nuisance.shape[1]
     steps = np.concatenate([STATE_STEPS, np.full(size - STATE_SIZE, KICK_STEP)])
-    shifted = (unknowns[:, None] + np.diag(steps)).reshape(-1, size)
-    ahead = seen(simulator, moments.repeated(size), shifted)
+    shifted = (nuisance[:, None] + np.diag(steps)).reshape(-1, size)
+    ahead = predict_measurements(simulator, schedule.repeated(size), shifted)
 
     def differences(there: Floats, here: Floats) -> Floats:
         change = there.reshape(len(here), size, *here.shape[1:]) - here[:, None]
         slopes: Floats = np.moveaxis(change, 1, -1) / steps
         return slopes
 
-    contacts = np.swapaxes(ahead.contacts.reshape(len(unknowns), size, -1), 0, 1)
-    return Seen(
-        differences(ahead.positions, view.positions),
-        differences(ahead.labels, view.labels),
-        view.velocities,
-        view.contacts,
-        _until_parted(view, *contacts),
+    contacts = np.swapaxes(ahead.contacts.reshape(len(nuisance), size, -1), 0, 1)
+    return Prediction(
+        differences(ahead.positions, prediction.positions),
+        differences(ahead.labels, prediction.labels),
+        prediction.velocities,
+        prediction.contacts,
+        _smooth_until(prediction, *contacts),
     )
 
 
-def by_hypotheses(
+def hypothesis_derivatives(
     simulator: Simulator,
-    moments: Moments,
-    unknowns: Floats,
-    view: Seen,
+    schedule: Schedule,
+    nuisance: Floats,
+    prediction: Prediction,
     columns: tuple[Hypothesis, ...],
-) -> Seen:
-    """Return the derivatives of what is seen, which is ``view``, by each of the C ``columns``."""
-    positions = np.zeros((*view.positions.shape, len(columns)))
-    labels = np.zeros((*view.labels.shape, len(columns)))
+) -> Prediction:
+    """Return the derivatives of a prediction by each of the C ``columns``."""
+    positions = np.zeros((*prediction.positions.shape, len(columns)))
+    labels = np.zeros((*prediction.labels.shape, len(columns)))
     contacts = []
     for column, hypothesis in enumerate(columns):
         value, other = hypothesis.value(simulator), hypothesis.nearby(simulator)
-        there = seen(hypothesis.at(simulator, other), moments, unknowns)
-        positions[..., column] = (there.positions - view.positions) / (other - value)
-        labels[..., column] = (there.labels - view.labels) / (other - value)
+        there = predict_measurements(hypothesis.at(simulator, other), schedule, nuisance)
+        positions[..., column] = (there.positions - prediction.positions) / (other - value)
+        labels[..., column] = (there.labels - prediction.labels) / (other - value)
         contacts.append(there.contacts)
-    until = _until_parted(view, *contacts)
-    return Seen(positions, labels, view.velocities, view.contacts, until)
+    smooth_until = _smooth_until(prediction, *contacts)
+    return Prediction(positions, labels, prediction.velocities, prediction.contacts, smooth_until)
 
 
-def _until_parted(view: Seen, *others: Floats) -> Floats:
-    """Return ``view.until``, or the first contact of balls that meet more, or less, in others."""
-    until, nothing = view.until, np.full((len(view.until), 1), np.nan)
+def _smooth_until(prediction: Prediction, *others: Floats) -> Floats:
+    """Return when derivatives end: where balls meet more, or less, in others."""
+    smooth_until, nothing = (
+        prediction.smooth_until,
+        np.full((len(prediction.smooth_until), 1), np.nan),
+    )
     for contacts in others:
-        more = np.isfinite(contacts).sum(axis=1) != np.isfinite(view.contacts).sum(axis=1)
-        first = np.fmin.reduce(np.hstack([view.contacts, contacts, nothing]), axis=1)
-        until = np.fmin(until, np.where(more, first, np.nan))
-    return until
+        more = np.isfinite(contacts).sum(axis=1) != np.isfinite(prediction.contacts).sum(axis=1)
+        first = np.fmin.reduce(np.hstack([prediction.contacts, contacts, nothing]), axis=1)
+        smooth_until = np.fmin(smooth_until, np.where(more, first, np.nan))
+    return smooth_until
 
 
 def _labels(simulator: Simulator, spins: Floats) -> Floats:

@@ -1,17 +1,17 @@
-"""Noise: what the sensor adds, how bounces scatter, and what is known of spins beforehand.
+"""Noise model: the sensor's errors, the scatter of bounces, and priors.
 
 - A coordinate errs by white noise plus an error that changes slowly, an Ornstein-Uhlenbeck process
   (``slow`` m, correlation falls to 1/e in ``slow_time`` s). Outliers have their white variance
   divided by the probability that they are none.
 - A component of a spin label errs by ``label`` times the spin in every row, and by ``label_common``
   times the spin in all rows of a shot alike.
-- Kicks at bounces (motion.py) are Gaussian of zero mean, with a size each way.
-- States have hardly any prior, spins without a label neither. Lift is a product of spin and C_M, so
-  a prior that pulls all spins to zero would pull C_M up, and a mean spin that is not zero would
-  pass for gravity.
+- Kicks at bounces (trajectory.py) are Gaussian of zero mean, with a size each way.
+- States, and spins without a label, have diffuse priors. Lift is a product of spin and C_M: a prior
+  that pulls all spins to zero would bias C_M upwards, and a non-zero mean spin would look like
+  gravity.
 
-``Grams`` keeps the whitened Gram matrices apart by what their scale depends on, so that all but the
-positions' noise can be changed at no cost.
+``GramMatrices`` keeps the whitened Gram matrices separate by what their scale depends on, so that
+all but the noise of positions can be changed at no cost.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -23,13 +23,12 @@ from scipy.special import expit
 from models.ball import state
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised
-from models.gap.fit.whitening import shrunk, white_products
+from models.gap.fit.whitening import shrink_along, white_products
+from models.gap.settings import FitSettings
 
-OUTLIERS = 0.02  # share of outliers expected
-OUTLIER_SIZE = 0.1  # m, their spread
-LARGEST_NOISE = 0.3  # of the spread of outliers; beyond, outliers spread more
 NO_WEIGHT = 1e-6
-# A state may be anything up to these: m, m/s, rad/s, a component.
+NORMAL_SPREAD = 1.4826  # standard deviation over median absolute deviation of a normal
+# Standard deviations of a diffuse prior of states: m, m/s, rad/s, a component.
 ANY_PLACE, ANY_SPEED, ANY_SPIN = 100.0, 1000.0, 1e4
 
 
@@ -60,71 +59,77 @@ class Noise:
         """Standard deviation of a coordinate, m, that of the time stamps aside."""
         return float(np.hypot(self.white, self.slow))
 
-    def steady(self, velocities: Floats) -> Floats:
+    def timing_scale(self, velocities: Floats) -> Floats:
         """Return (...) the size of errors across (..., 3) velocities, in that of errors along."""
         squares = np.einsum("...i,...i->...", velocities, velocities)
         share: Floats = 1 / np.sqrt(1.0 + squares * (self.timing / self.white) ** 2)
         return share
 
-    def steadied(self, rows: Floats, velocities: Floats) -> Floats:
+    def whiten_timing(self, rows: Floats, velocities: Floats) -> Floats:
         """Return (B, N, 3, C) rows of positions shrunk along (B, N, 3) velocities.
 
         Their errors are then alike in all directions.
         """
         directions = np.ascontiguousarray(velocities)
-        return shrunk(np.ascontiguousarray(rows), directions, self.less(velocities))
+        return shrink_along(
+            np.ascontiguousarray(rows), directions, self.timing_reduction(velocities)
+        )
 
-    def less(self, velocities: Floats) -> Floats:
+    def timing_reduction(self, velocities: Floats) -> Floats:
         """Return (B, N) by how much times v v' rows shrink along (B, N, 3) velocities v."""
         squares = np.einsum("bni,bni->bn", velocities, velocities)
-        less: Floats = (1 - self.steady(velocities)) / np.maximum(squares, 1e-12)
-        return less
+        timing_reduction: Floats = (1 - self.timing_scale(velocities)) / np.maximum(squares, 1e-12)
+        return timing_reduction
 
-    def widened(self, factor: float) -> "Noise":
+    def scaled(self, factor: float) -> "Noise":
         """Return noise whose positions err by so many times as much."""
         return replace(self, white=factor * self.white, slow=factor * self.slow)
 
 
 @dataclass(frozen=True)
-class Grams:
+class GramMatrices:
     """Gram matrices (B, C, C) of linearised shots, C = E + K + 1 columns.
 
     Attributes:
         positions: in the metric of the positions' noise.
-        apart: of labels less their mean, in units of the spin.
-        mean: of the labels' mean, times their number.
+        label_deviations: of labels less their mean, in units of the spin.
+        label_mean: of the labels' mean, times their number.
         counts: (B,) labels a shot.
-        unknowns: (B, E) where the shots are linearised.
-        trust: (B,) in whole shots: the inverse of a factor on the variance of all that they say.
+        nuisance: (B, E) where the shots are linearised.
+        shot_weights: (B,) the inverse of a factor on the variance of a shot's measurements.
     """
 
     positions: Floats
-    apart: Floats
-    mean: Floats
+    label_deviations: Floats
+    label_mean: Floats
     counts: Floats
-    unknowns: Floats
-    trust: Floats
+    nuisance: Floats
+    shot_weights: Floats
 
-    def __getitem__(self, rows: NDArray[np.int64]) -> "Grams":
+    def __getitem__(self, rows: NDArray[np.int64]) -> "GramMatrices":
         """Return those of some of the shots."""
-        return Grams(*(getattr(self, field.name)[rows] for field in fields(self)))
+        return GramMatrices(*(getattr(self, field.name)[rows] for field in fields(self)))
 
     def total(self, noise: Noise) -> Floats:
         """Return (B, C, C) in the metric of all noise, priors included as measurements."""
         common = noise.label**2 + self.counts * noise.label_common**2
-        gram = self.positions + self.apart / noise.label**2 + self.mean / common[:, None, None]
-        precision, own = self.precision(noise), np.arange(self.unknowns.shape[1])
-        gram[:, own, own] += precision
-        pull = precision * self.unknowns
+        gram = (
+            self.positions
+            + self.label_deviations / noise.label**2
+            + self.label_mean / common[:, None, None]
+        )
+        precision, nuisance_count = self.precision(noise), np.arange(self.nuisance.shape[1])
+        gram[:, nuisance_count, nuisance_count] += precision
+        pull = precision * self.nuisance
         pull[:, : state.STATE_SIZE] = 0.0
-        gram[:, own, -1] -= pull
-        gram[:, -1, own] -= pull
-        gram[:, -1, -1] += (pull * self.unknowns).sum(axis=1)
-        return gram * self.trust[:, None, None]
+        gram[:, nuisance_count, -1] -= pull
+        gram[:, -1, nuisance_count] -= pull
+        gram[:, -1, -1] += (pull * self.nuisance).sum(axis=1)
+        return gram * self.shot_weights[:, None, None]
 
     def precision(self, noise: Noise) -> Floats:
         """Return (B, E) the precision of each unknown's prior."""
-        return prior_precision(self.counts == 0, self.unknowns.shape[1], noise, ANY_SPIN)
+        return prior_precision(self.counts == 0, self.nuisance.shape[1], noise, ANY_SPIN)
 
     def label_determinants(self, noise: Noise) -> Floats:
         """Return (B,) logarithms of the determinants of labels' errors, in units of the spin."""
@@ -134,27 +139,29 @@ class Grams:
         return np.where(n > 0, determinants, 0.0)
 
 
-def grams(linear: Linearised, noise: Noise, weights: Floats, trust: Floats) -> Grams:
+def gram_matrices(
+    linear: Linearised, noise: Noise, weights: Floats, shot_weights: Floats
+) -> GramMatrices:
     """Return the Gram matrices of linearised shots.
 
     Args:
         linear: the shots.
         noise: of which the positions' part counts.
         weights: (B, N) probabilities that samples are no outliers.
-        trust: (B,) in whole shots.
+        shot_weights: (B,) 1 for a whole shot.
     """
     positions, _ = white_gram(linear.positions, linear, noise, weights)
     labels = linear.labels
     counts = linear.labelled.sum(axis=1).astype(np.float64)
-    mean = labels.sum(axis=1, keepdims=True) / np.maximum(counts, 1.0)[:, None, None, None]
-    apart = np.where(linear.labelled[..., None, None], labels - mean, 0.0)
-    return Grams(
+    label_mean = labels.sum(axis=1, keepdims=True) / np.maximum(counts, 1.0)[:, None, None, None]
+    label_deviations = np.where(linear.labelled[..., None, None], labels - label_mean, 0.0)
+    return GramMatrices(
         positions,
-        gram(apart),
-        gram(mean) * counts[:, None, None],
+        gram(label_deviations),
+        gram(label_mean) * counts[:, None, None],
         counts,
-        linear.unknowns,
-        trust,
+        linear.nuisance,
+        shot_weights,
     )
 
 
@@ -177,13 +184,13 @@ def white_gram(
     products, determinants = white_products(
         np.ascontiguousarray(rows),
         np.ascontiguousarray(linear.velocities),
-        noise.less(linear.velocities),
+        noise.timing_reduction(linear.velocities),
         linear.shots.times,
         np.where(usable < NO_WEIGHT, 0.0, usable),
         (noise.white, noise.slow, noise.slow_time),
     )
-    steady = np.where(usable < NO_WEIGHT, 1.0, noise.steady(linear.velocities))
-    return products, determinants - 2 * np.log(steady).sum(axis=1)
+    timing_scale = np.where(usable < NO_WEIGHT, 1.0, noise.timing_scale(linear.velocities))
+    return products, determinants - 2 * np.log(timing_scale).sum(axis=1)
 
 
 def prior_precision(unlabelled: NDArray[np.bool_], size: int, noise: Noise, spin: float) -> Floats:
@@ -199,30 +206,32 @@ def prior_precision(unlabelled: NDArray[np.bool_], size: int, noise: Noise, spin
     precision = np.zeros((len(unlabelled), size))
     precision[:, : state.STATE_SIZE] = anything
     precision[unlabelled, state.SPIN] = spin**-2
-    bounces = (size - state.STATE_SIZE) // 3
-    precision[:, state.STATE_SIZE :] = np.tile(np.array(noise.scatter) ** -2.0, bounces)
+    count_bounces = (size - state.STATE_SIZE) // 3
+    precision[:, state.STATE_SIZE :] = np.tile(np.array(noise.scatter) ** -2.0, count_bounces)
     return precision
 
 
-def inlier_probability(residuals: Floats, noise: Noise) -> Floats:
-    """Return (B, N) probabilities that (B, N, 3) residuals, steadied, are no outliers'."""
-    inlier, outlier = _log_densities(residuals, noise)
+def inlier_probability(residuals: Floats, noise: Noise, settings: FitSettings) -> Floats:
+    """Return (B, N) probabilities that (B, N, 3) whitened residuals are no outliers."""
+    inlier, outlier = _log_densities(residuals, noise, settings)
     probability: Floats = expit(inlier - outlier)
     return probability
 
 
-def surprise(residuals: Floats, noise: Noise) -> Floats:
-    """Return (B, N) twice the negative log likelihoods of (B, N, 3) residuals, steadied.
+def deviance(residuals: Floats, noise: Noise, settings: FitSettings) -> Floats:
+    """Return (B, N) twice the negative log likelihoods of (B, N, 3) whitened residuals.
 
-    Outliers cost no more than they do; a residual of zero costs about nothing.
+    The density is a mixture of two normals, of inliers and of outliers; constants are left out so
+    that a residual of zero has a deviance of about zero.
     """
-    surprises: Floats = -2.0 * np.logaddexp(*_log_densities(residuals, noise))
-    return surprises
+    deviances: Floats = -2.0 * np.logaddexp(*_log_densities(residuals, noise, settings))
+    return deviances
 
 
-def _log_densities(residuals: Floats, noise: Noise) -> tuple[Floats, Floats]:
+def _log_densities(residuals: Floats, noise: Noise, settings: FitSettings) -> tuple[Floats, Floats]:
     """Return logarithms of the densities of inliers and outliers, times the shares of both."""
-    ratio = min(noise.position / OUTLIER_SIZE, LARGEST_NOISE)
+    share, spread = settings.outlier_share, settings.outlier_spread
+    ratio = min(noise.position / spread, settings.max_noise_to_outlier_spread)
     distance = (residuals**2).sum(axis=-1) / noise.position**2
-    inlier = np.log(1 - OUTLIERS) - distance / 2
-    return inlier, np.log(OUTLIERS * ratio**3) - distance * ratio**2 / 2
+    inlier = np.log(1 - share) - distance / 2
+    return inlier, np.log(share * ratio**3) - distance * ratio**2 / 2

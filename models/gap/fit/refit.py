@@ -15,26 +15,18 @@ from scipy.optimize import lsq_linear
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised, linearise
-from models.gap.fit.marginal import coefficients, marginal
-from models.gap.fit.noise import Grams, Noise, grams
+from models.gap.fit.noise import GramMatrices, Noise, gram_matrices
+from models.gap.fit.projection import eliminate_nuisance, nuisance_solution
 from models.gap.fit.shot_fit import ShotFit, fit_shots, refit_shots
 from models.gap.fit.shots import Shots
-from models.gap.fit.variance_components import Components, components
+from models.gap.fit.variance_components import NoiseEstimate, estimate_noise
 from models.gap.hypotheses import Hypothesis, hypotheses
+from models.gap.settings import FitSettings
 from models.gap.types import Indices
-
-MOST_STEPS = 6  # from scratch ...
-FEW_STEPS = 3  # ... and from a simulator nearby: the next linearisation takes one more
-CLOSE = 0.2  # standard errors of a step after which no other is taken
-FAR = 3.0  # standard errors of a step from scratch after which the noise is estimated anew
-PRIOR = 1 / 6  # of a value's range: its standard deviation before the shots are seen
-SHORTER = (1.0, 0.25, 0.05)  # parts of a step that are tried
-WORSE = 1.01  # times the cost up to which a step is taken: shots alone know no slow errors
-FOLLOWING = 3  # iterations of shots whose unknowns went along
 
 
 @dataclass(frozen=True)
-class Refitted:
+class RefitResult:
     """Shots fitted about a simulator whose chosen values were refitted.
 
     Attributes:
@@ -47,62 +39,74 @@ class Refitted:
     simulator: Simulator
     free: tuple[Hypothesis, ...]
     linear: Linearised
-    components: Components
+    noise_estimate: NoiseEstimate
 
-    def __getitem__(self, rows: Indices) -> "Refitted":
+    def __getitem__(self, rows: Indices) -> "RefitResult":
         """Return some of the shots, about the same simulator in the same noise."""
-        return replace(self, linear=self.linear[rows], components=self.components[rows])
+        return replace(self, linear=self.linear[rows], noise_estimate=self.noise_estimate[rows])
 
 
 def refit(
     shots: Shots,
     simulator: Simulator,
     free: tuple[Hypothesis, ...],
-    begin: Refitted | None = None,
-) -> Refitted:
+    settings: FitSettings,
+    start: RefitResult | None = None,
+) -> RefitResult:
     """Refit the values of ``free``.
 
     Args:
         shots: of which at least one bounces if a free value is of the table.
         simulator: where the values start; a missing effect is appended.
         free: what is refitted.
-        begin: the same shots about a simulator nearby, to start from.
+        settings: of the fit.
+        start: the same shots about a simulator nearby, to start from.
     """
     for hypothesis in free:
         simulator = hypothesis.at(simulator, hypothesis.value(simulator))
-    start = values = _values(simulator, free)
-    fit = fit_shots(shots, simulator) if begin is None else _resumed(begin, simulator)
-    steps = MOST_STEPS if begin is None else FEW_STEPS
-    known = begin is not None
-    trust = np.ones(len(shots)) if begin is None else begin.components.trust
+    origin = values = _values(simulator, free)
+    if start is None:
+        fit, steps = fit_shots(shots, simulator, settings), settings.refit_steps
+    else:
+        fit, steps = _resumed(start, simulator, settings), settings.refit_steps_nearby
+    noise_known = start is not None
+    shot_weights = np.ones(len(shots)) if start is None else start.noise_estimate.shot_weights
     for _ in range(steps if free else 0):
-        linear = linearise(shots, simulator, fit.unknowns, free)
-        if not known:
-            found = components(linear, fit.noise, fit.weights)
-            fit, trust = replace(fit, weights=found.weights, noise=found.noise), found.trust
-        parts = grams(linear, fit.noise, fit.weights, trust)
-        step, error = _step(parts.total(fit.noise), linear.own, free, values, start)
-        moved = _moved(linear, parts, fit, step)
+        linear = linearise(shots, simulator, fit.nuisance, free)
+        if not noise_known:
+            result = estimate_noise(linear, fit.noise, fit.weights, settings)
+            fit = replace(fit, weights=result.weights, noise=result.noise)
+            shot_weights = result.shot_weights
+        parts = gram_matrices(linear, fit.noise, fit.weights, shot_weights)
+        step, error = _step(
+            parts.total(fit.noise), linear.nuisance_count, free, values, origin, settings
+        )
+        moved = _moved(linear, parts, fit, step, settings)
         if moved is None:
             break
         simulator, fit = moved
         values = _values(simulator, free)
-        if (np.abs(step) <= CLOSE * error).all():
+        if (np.abs(step) <= settings.step_converged * error).all():
             break
-        known = begin is not None or bool((np.abs(step) < FAR * error).all())
-    linear = linearise(shots, simulator, fit.unknowns, hypotheses(simulator))
-    return Refitted(simulator, free, linear, components(linear, fit.noise, fit.weights))
+        noise_known = start is not None or bool((np.abs(step) < settings.step_far * error).all())
+    linear = linearise(shots, simulator, fit.nuisance, hypotheses(simulator))
+    noise = estimate_noise(linear, fit.noise, fit.weights, settings)
+    return RefitResult(simulator, free, linear, noise)
 
 
-def fitted(shots: Shots, simulator: Simulator, noise: Noise) -> Refitted:
-    """Fit shots about a simulator whose values stay, in a noise that is known."""
-    start = fit_shots(shots, simulator)
-    fit = refit_shots(shots, simulator, start.unknowns, noise)
-    linear = linearise(shots, simulator, fit.unknowns, hypotheses(simulator))
-    return Refitted(simulator, (), linear, Components.known(linear, noise, fit.weights))
+def fit_nuisance(
+    shots: Shots, simulator: Simulator, noise: Noise, settings: FitSettings
+) -> RefitResult:
+    """Fit the nuisance parameters of shots, given a simulator and the noise."""
+    start = fit_shots(shots, simulator, settings)
+    fit = refit_shots(shots, simulator, start.nuisance, noise, settings)
+    linear = linearise(shots, simulator, fit.nuisance, hypotheses(simulator))
+    return RefitResult(
+        simulator, (), linear, NoiseEstimate.known(linear, noise, fit.weights, settings)
+    )
 
 
-def gained(one: Refitted, other: Refitted) -> float:
+def likelihood_gain(one: RefitResult, other: RefitResult) -> float:
     """Return by how much less the same shots miss the ``other`` simulator, with fitted unknowns.
 
     It is twice the gain of log likelihood in the noise about the other, of samples, labels and
@@ -110,19 +114,21 @@ def gained(one: Refitted, other: Refitted) -> float:
     stamps miss at the velocities as fitted: both are weighed by those about the other. Each by its
     own, smaller spins and velocities would pass for a worse fit.
     """
-    noise = other.components.noise
+    noise = other.noise_estimate.noise
     about = replace(other.linear, labelled=one.linear.labelled & other.linear.labelled)
-    weights = np.minimum(one.components.weights, other.components.weights)
-    trust = np.minimum(one.components.trust, other.components.trust)
-    before, after = (_misfit(found.linear, about, noise, weights, trust) for found in (one, other))
+    weights = np.minimum(one.noise_estimate.weights, other.noise_estimate.weights)
+    shot_weights = np.minimum(one.noise_estimate.shot_weights, other.noise_estimate.shot_weights)
+    before, after = (
+        _misfit(result.linear, about, noise, weights, shot_weights) for result in (one, other)
+    )
     return before - after
 
 
 def _misfit(
-    linear: Linearised, about: Linearised, noise: Noise, weights: Floats, trust: Floats
+    linear: Linearised, about: Linearised, noise: Noise, weights: Floats, shot_weights: Floats
 ) -> float:
-    kept = [*range(linear.own), -1]  # the unknowns, and what is left
-    units = np.where(about.labelled, linear.units / about.units, 0.0)
+    kept = [*range(linear.nuisance_count), -1]  # the unknowns, and what is left
+    units = np.where(about.labelled, linear.label_scales / about.label_scales, 0.0)
     alone = replace(
         linear,
         columns=(),
@@ -131,7 +137,9 @@ def _misfit(
         labels=linear.labels[..., kept] * units[..., None, None],
         labelled=about.labelled,
     )
-    left = marginal(grams(alone, noise, weights, trust).total(noise), linear.own)
+    left = eliminate_nuisance(
+        gram_matrices(alone, noise, weights, shot_weights).total(noise), linear.nuisance_count
+    )
     return float(left.misfit.sum())
 
 
@@ -145,54 +153,68 @@ def _with_values(simulator: Simulator, free: tuple[Hypothesis, ...], values: Flo
     return simulator
 
 
-def _resumed(begin: Refitted, simulator: Simulator) -> ShotFit:
+def _resumed(start: RefitResult, simulator: Simulator, settings: FitSettings) -> ShotFit:
     """Return shots fitted about a simulator near that of an earlier refit."""
-    linear, known = begin.linear, begin.components
-    change = _values(simulator, linear.columns) - _values(begin.simulator, linear.columns)
-    unknowns = linear.unknowns + coefficients(known.grams, linear.own, change)
-    return refit_shots(linear.shots, simulator, unknowns, known.noise, FOLLOWING)
+    linear, known = start.linear, start.noise_estimate
+    change = _values(simulator, linear.columns) - _values(start.simulator, linear.columns)
+    nuisance = linear.nuisance + nuisance_solution(
+        known.gram_matrices, linear.nuisance_count, change
+    )
+    return refit_shots(
+        linear.shots, simulator, nuisance, known.noise, settings, settings.nearby_iterations
+    )
 
 
 def _step(
-    total: Floats, own: int, free: tuple[Hypothesis, ...], values: Floats, start: Floats
+    total: Floats,
+    nuisance_count: int,
+    free: tuple[Hypothesis, ...],
+    values: Floats,
+    origin: Floats,
+    settings: FitSettings,
 ) -> tuple[Floats, Floats]:
     """Return the best step of the free values within their bounds, and their standard errors."""
-    left = marginal(total, own)
+    left = eliminate_nuisance(total, nuisance_count)
     bounds = np.array([one.declaration.bounds for one in free])
-    scale = PRIOR * np.ptp(bounds, axis=1)
+    scale = settings.value_prior * np.ptp(bounds, axis=1)
     # In units of the prior's standard deviations, whose precision is one.
     information = left.information.sum(axis=0) * np.outer(scale, scale) + np.eye(len(free))
-    score = left.scores.sum(axis=0) * scale - (values - start) / scale
+    score = left.scores.sum(axis=0) * scale - (values - origin) / scale
     root = np.linalg.cholesky(information)
     low, high = ((bounds - values[:, None]) / scale[:, None]).T
-    found = lsq_linear(root.T, np.linalg.solve(root, score), (low, high))
-    return scale * found.x, scale * np.sqrt(np.diag(np.linalg.inv(information)))
+    result = lsq_linear(root.T, np.linalg.solve(root, score), (low, high))
+    return scale * result.x, scale * np.sqrt(np.diag(np.linalg.inv(information)))
 
 
 def _moved(
-    linear: Linearised, parts: Grams, fit: ShotFit, step: Floats
+    linear: Linearised, parts: GramMatrices, fit: ShotFit, step: Floats, settings: FitSettings
 ) -> tuple[Simulator, ShotFit] | None:
     """Return the simulator after as much of a step as fits no worse, and the shots about it."""
     shots, free, noise = linear.shots, linear.columns, fit.noise
     values, total = _values(linear.simulator, free), parts.total(noise)
-    here = refit_shots(shots, linear.simulator, fit.unknowns, noise, 0)
-    for part in SHORTER:
+    here = refit_shots(shots, linear.simulator, fit.nuisance, noise, settings, 0)
+    for part in settings.step_fractions:
         simulator = _with_values(linear.simulator, free, values + part * step)
-        unknowns = fit.unknowns + coefficients(total, linear.own, part * step)
-        there = _followed(shots, simulator, unknowns, here)
-        if parts.trust @ there.cost <= WORSE * (parts.trust @ here.cost):
+        nuisance = fit.nuisance + nuisance_solution(total, linear.nuisance_count, part * step)
+        there = _followed(shots, simulator, nuisance, here, settings)
+        if parts.shot_weights @ there.cost <= settings.cost_tolerance * (
+            parts.shot_weights @ here.cost
+        ):
             return simulator, there
     return None
 
 
-def _followed(shots: Shots, simulator: Simulator, unknowns: Floats, here: ShotFit) -> ShotFit:
+def _followed(
+    shots: Shots, simulator: Simulator, nuisance: Floats, here: ShotFit, settings: FitSettings
+) -> ShotFit:
     """Return shots about a simulator nearby; those that the way there loses start where they were.
 
     One lost shot, whose samples pass for outliers, could outweigh what all others gain.
     """
-    there = refit_shots(shots, simulator, unknowns, here.noise, FOLLOWING)
-    lost = np.flatnonzero(there.cost > WORSE * here.cost)
+    most = settings.nearby_iterations
+    there = refit_shots(shots, simulator, nuisance, here.noise, settings, most)
+    lost = np.flatnonzero(there.cost > settings.cost_tolerance * here.cost)
     if not len(lost):
         return there
-    again = refit_shots(shots[lost], simulator, here.unknowns[lost], here.noise, FOLLOWING)
+    again = refit_shots(shots[lost], simulator, here.nuisance[lost], here.noise, settings, most)
     return there.with_better(lost, again)

@@ -75,10 +75,10 @@ class Shots:
         count = len(times)
         moments = [np.asarray(one, dtype=np.float64) for one in times]
         places = [np.asarray(one, dtype=np.float64).reshape(-1, 3) for one in positions]
-        seen = [np.empty((0, 3))] * count if labels is None else labels
+        given_labels = [np.empty((0, 3))] * count if labels is None else labels
         when = moments if label_times is None else label_times
         when = when if labels is not None else [np.empty(0)] * count
-        spins = [_distinct(t, w) for t, w in zip(when, seen, strict=True)]
+        spins = [_distinct(t, w) for t, w in zip(when, given_labels, strict=True)]
         _check(moments, places, [w for _, w in spins])
         called = list(range(count)) if names is None else list(names)
         return cls(
@@ -105,7 +105,7 @@ class Shots:
         return there
 
 
-def evenly(count: int, most: int) -> NDArray[np.int64]:
+def spread_evenly(count: int, most: int) -> NDArray[np.int64]:
     """Return places of at most so many of ``count`` shots, spread evenly."""
     places: NDArray[np.int64] = np.unique(np.linspace(0, count - 1, most).round().astype(np.int64))
     return places

@@ -26,22 +26,24 @@ EDGE = 5e-3  # m from an edge of the table: the ball may have met it
 FARTHEST = 1e5
 
 
-def path(simulator: Simulator, unknowns: Floats, times: Floats) -> tuple[Floats, Floats, Floats]:
+def fly_with_kicks(
+    simulator: Simulator, nuisance: Floats, times: Floats
+) -> tuple[Floats, Floats, Floats]:
     """Return (B, T, 9) states, from bounce to bounce where there are kicks.
 
     Then (B, M) contact times and (B,) those of the first contact with an edge or the net.
     """
-    flight = _flight(simulator, unknowns[:, :STATE_SIZE], times)
+    flight = _flight(simulator, nuisance[:, :STATE_SIZE], times)
     states, met = flight.states, [_contacts(flight)]
     rows, start = np.arange(len(states)), np.zeros(len(states))
-    for kick in range(STATE_SIZE, unknowns.shape[1], KICK_SIZE):
+    for kick in range(STATE_SIZE, nuisance.shape[1], KICK_SIZE):
         there, moment, before, after = first_bounce(flight)
         if not there.any():
             break
         rows, start = rows[there], start[there] + moment
-        begin = _bounded(kicked(before, after, unknowns[rows, kick : kick + KICK_SIZE]))
+        launch = _bounded(apply_kicks(before, after, nuisance[rows, kick : kick + KICK_SIZE]))
         since = times[rows] - start[:, None]
-        flight = _flight(simulator, begin, np.maximum(since, 0.0))
+        flight = _flight(simulator, launch, np.maximum(since, 0.0))
         _go_on(states, rows, since, flight.states)
         met.append(np.full_like(met[0], np.nan))
         met[-1][:, rows] = start[:, None] + _contacts(flight)
@@ -49,10 +51,10 @@ def path(simulator: Simulator, unknowns: Floats, times: Floats) -> tuple[Floats,
     return states, smooth[:, np.isfinite(smooth).any(axis=0)], np.fmin.reduce(wild, axis=1)
 
 
-def path_in_any_order(simulator: Simulator, unknowns: Floats, times: Floats) -> Floats:
+def fly_in_any_order(simulator: Simulator, nuisance: Floats, times: Floats) -> Floats:
     """Return the (B, T, 9) states at times that may fall."""
     order = np.argsort(times, axis=1, kind="stable")
-    states, _, _ = path(simulator, unknowns, np.take_along_axis(times, order, axis=1))
+    states, _, _ = fly_with_kicks(simulator, nuisance, np.take_along_axis(times, order, axis=1))
     back = np.argsort(order, axis=1, kind="stable")
     return np.take_along_axis(states, back[..., None], axis=1)
 
@@ -80,7 +82,7 @@ def first_bounce(flight: Flight) -> tuple[Bools, Floats, Floats, Floats]:
     )
 
 
-def kicked(before: Floats, after: Floats, kicks: Floats) -> Floats:
+def apply_kicks(before: Floats, after: Floats, kicks: Floats) -> Floats:
     """Return the (B, 9) states after bounces with (B, 3) kicks."""
     vx, vy, vz, wx, wy, _ = before[:, 3:].T
     slip = np.stack([vx - BALL_RADIUS * wy, vy + BALL_RADIUS * wx], axis=1)
@@ -88,12 +90,12 @@ def kicked(before: Floats, after: Floats, kicks: Floats) -> Floats:
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
     size = np.abs(vz)[:, None]
     sideways = size * (kicks[:, 1:2] * along + kicks[:, 2:3] * across)
-    kicked = after.copy()
-    kicked[:, 3:5] += sideways
-    kicked[:, 5:6] += size * kicks[:, :1]
-    kicked[:, 6] += 1.5 / BALL_RADIUS * sideways[:, 1]
-    kicked[:, 7] -= 1.5 / BALL_RADIUS * sideways[:, 0]
-    return kicked
+    states = after.copy()
+    states[:, 3:5] += sideways
+    states[:, 5:6] += size * kicks[:, :1]
+    states[:, 6] += 1.5 / BALL_RADIUS * sideways[:, 1]
+    states[:, 7] -= 1.5 / BALL_RADIUS * sideways[:, 0]
+    return states
 
 
 def _flight(simulator: Simulator, states: Floats, times: Floats) -> Flight:

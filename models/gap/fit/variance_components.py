@@ -16,172 +16,185 @@ from scipy.optimize import Bounds, minimize
 from models.ball.state import SPIN, STATE_SIZE
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised
-from models.gap.fit.marginal import coefficients, marginal, visible
-from models.gap.fit.noise import Grams, Noise, grams, inlier_probability, white_gram
-from models.gap.fit.shots import evenly
+from models.gap.fit.noise import (
+    NORMAL_SPREAD,
+    GramMatrices,
+    Noise,
+    gram_matrices,
+    inlier_probability,
+    white_gram,
+)
+from models.gap.fit.projection import eliminate_nuisance, identifiable_directions, nuisance_solution
+from models.gap.fit.shots import spread_evenly
+from models.gap.settings import FitSettings
 from models.gap.types import Bools, Indices
-
-STANDS_OUT = 2.5  # standard errors
-MOST_SHOTS = 40  # of which the positions' noise is estimated ...
-MOST_BOUNCING = 70  # ... and label errors and scatter
-MOST_ROUNDS = 2
-SETTLED = 0.03  # relative change of the positions' noise after which there is no other round
-DOUBTFUL = (5.0, 15.0)  # standard deviations: from where a shot is trusted less, and not at all
-NORMAL_SPREAD = 1.4826  # standard deviation over median deviation of a normal
-LEAST_TRUST = 1e-4
-LEAST_MISFIT = 1e-6  # a degree of freedom, where shots fit exactly
-MOST_SPIN = 1500.0  # rad/s
-MOST_KICK = 0.5  # of the normal speed
-# What is plausible: m, m, s, s; shares of the spin; shares of the normal speed.
-LIMITS = {
-    "white": (1e-5, 0.1),
-    "slow": (1e-5, 0.1),
-    "slow_time": (0.01, 0.5),
-    "timing": (1e-6, 5e-3),
-    "label": (1e-3, 1.0),
-    "label_common": (1e-3, 1.0),
-    "scatter": (1e-3, 0.5),
-}
-# Where a search begins at the least: near zero, logarithms of sizes change nothing.
-BEGIN = {"slow": 3e-4, "timing": 1e-4, "label_common": 5e-3, "scatter": 3e-3}
 
 
 @dataclass(frozen=True)
-class Components:
-    """Noise of B shots, and what follows from it.
+class NoiseEstimate:
+    """Noise of B shots, and their Gram matrices in its metric.
 
     Attributes:
-        noise: its sizes.
+        noise: its standard deviations.
         weights: (B, N) probabilities that samples are no outliers.
-        trust: (B,) in whole shots, 1 for all but those that fit far worse than most.
-        grams: (B, C, C) Gram matrices of the linearised shots in the metric of the noise.
+        shot_weights: (B,) 1 for all but shots that fit far worse than most.
+        gram_matrices: (B, C, C) Gram matrices of the linearised shots in the metric of the noise.
     """
 
     noise: Noise
     weights: Floats
-    trust: Floats
-    grams: Floats
+    shot_weights: Floats
+    gram_matrices: Floats
 
-    def __getitem__(self, rows: Indices) -> "Components":
-        """Return what is known of some of the shots."""
-        return Components(self.noise, self.weights[rows], self.trust[rows], self.grams[rows])
+    def __getitem__(self, rows: Indices) -> "NoiseEstimate":
+        """Return the estimate for some of the shots."""
+        return NoiseEstimate(
+            self.noise, self.weights[rows], self.shot_weights[rows], self.gram_matrices[rows]
+        )
 
     @classmethod
-    def known(cls, linear: Linearised, noise: Noise, weights: Floats) -> "Components":
-        """Return what follows from a noise that is known; which shots to trust among it."""
-        parts = grams(linear, noise, weights, np.ones(len(weights)))
-        trust = _trust(linear, parts.total(noise))
-        return cls(noise, weights, trust, replace(parts, trust=trust).total(noise))
+    def known(
+        cls, linear: Linearised, noise: Noise, weights: Floats, settings: FitSettings
+    ) -> "NoiseEstimate":
+        """Return the shots' weights and Gram matrices in a given noise."""
+        parts = gram_matrices(linear, noise, weights, np.ones(len(weights)))
+        shot_weights = _shot_weights(linear, parts.total(noise), settings)
+        return cls(
+            noise, weights, shot_weights, replace(parts, shot_weights=shot_weights).total(noise)
+        )
 
 
-def components(linear: Linearised, noise: Noise, weights: Floats) -> Components:
+def estimate_noise(
+    linear: Linearised, noise: Noise, weights: Floats, settings: FitSettings
+) -> NoiseEstimate:
     """Estimate the noise of linearised shots, from a first guess of it and of outliers."""
-    trust = np.ones(len(weights))
-    for _ in range(MOST_ROUNDS):
+    shot_weights = np.ones(len(weights))
+    for _ in range(settings.noise_rounds):
         before = noise.position
-        parts = grams(linear, noise, weights, trust)
-        noise, weights = _inliers(linear, _unexplained(linear, parts.total(noise), noise), noise)
-        noise = _of_positions(linear, parts, noise, weights)
-        parts = grams(linear, noise, weights, np.ones(len(weights)))
-        trust = _trust(linear, parts.total(noise))
-        some = evenly(len(weights), MOST_BOUNCING)
-        noise = _of_the_rest(replace(parts, trust=trust)[some], noise)
-        if abs(noise.position - before) < SETTLED * before:
+        parts = gram_matrices(linear, noise, weights, shot_weights)
+        residuals = _residuals(linear, parts.total(noise), noise, settings)
+        noise, weights = _inliers(linear, residuals, noise, settings)
+        noise = _with_position_noise(linear, parts, noise, weights, settings)
+        parts = gram_matrices(linear, noise, weights, np.ones(len(weights)))
+        shot_weights = _shot_weights(linear, parts.total(noise), settings)
+        some = spread_evenly(len(weights), settings.bounce_shots)
+        noise = _with_label_noise_and_scatter(
+            replace(parts, shot_weights=shot_weights)[some], noise, settings
+        )
+        if abs(noise.position - before) < settings.noise_converged * before:
             break
-    return Components(noise, weights, trust, replace(parts, trust=trust).total(noise))
+    return NoiseEstimate(
+        noise, weights, shot_weights, replace(parts, shot_weights=shot_weights).total(noise)
+    )
 
 
-def _unexplained(linear: Linearised, total: Floats, noise: Noise) -> Floats:
-    """Return (B, N, 3) residuals, steadied, after the unknowns and what stands out of the rest."""
-    value = _standing_out(total, linear.own)
-    inner = coefficients(total, linear.own, value)
-    changes = np.concatenate([inner, np.broadcast_to(value, (len(inner), len(value)))], axis=1)
+def _residuals(linear: Linearised, total: Floats, noise: Noise, settings: FitSettings) -> Floats:
+    """Return (B, N, 3) residuals after nuisance parameters and significant hypotheses."""
+    values = _significant_values(total, linear.nuisance_count, settings)
+    inner = nuisance_solution(total, linear.nuisance_count, values)
+    changes = np.concatenate([inner, np.broadcast_to(values, (len(inner), len(values)))], axis=1)
     rest = linear.positions[..., -1] - np.einsum(
         "bnic,bc->bni", linear.positions[..., :-1], changes
     )
-    return noise.steadied(rest[..., None], linear.velocities)[..., 0]
+    return noise.whiten_timing(rest[..., None], linear.velocities)[..., 0]
 
 
-def _inliers(linear: Linearised, rest: Floats, noise: Noise) -> tuple[Noise, Floats]:
+def _inliers(
+    linear: Linearised, rest: Floats, noise: Noise, settings: FitSettings
+) -> tuple[Noise, Floats]:
     """Return (B, N) probabilities that samples are no outliers, and the noise they are judged in.
 
     It is at least as large as the typical residual: were it not, all samples might be outliers.
     """
     if linear.sampled.any():
-        typical = NORMAL_SPREAD * float(np.median(np.abs(rest[linear.sampled])))
-        noise = noise.widened(max(typical / noise.position, 1.0))
-    return noise, np.where(linear.sampled, inlier_probability(rest, noise), 0.0)
+        residual_scale = NORMAL_SPREAD * float(np.median(np.abs(rest[linear.sampled])))
+        noise = noise.scaled(max(residual_scale / noise.position, 1.0))
+    return noise, np.where(linear.sampled, inlier_probability(rest, noise, settings), 0.0)
 
 
-def _standing_out(total: Floats, own: int) -> Floats:
-    """Return (K,) values of the hypotheses along the directions that stand out."""
-    left = marginal(total, own)
-    directions = visible(left.information.sum(axis=0))
+def _significant_values(total: Floats, nuisance_count: int, settings: FitSettings) -> Floats:
+    """Return (K,) values of the hypotheses along their significant directions."""
+    left = eliminate_nuisance(total, nuisance_count)
+    directions = identifiable_directions(left.information.sum(axis=0))
     scores = directions.T @ left.scores.sum(axis=0)
-    values: Floats = directions @ np.where(np.abs(scores) > STANDS_OUT, scores, 0.0)
+    significant = np.abs(scores) > settings.significant_direction
+    values: Floats = directions @ np.where(significant, scores, 0.0)
     return values
 
 
-def _of_positions(linear: Linearised, parts: Grams, noise: Noise, weights: Floats) -> Noise:
-    """Return noise with the positions' part that makes some of the shots most likely."""
-    some = evenly(len(weights), MOST_SHOTS)
-    value = _standing_out(parts.total(noise), linear.own)
-    shots = _few(linear, some, value)
-    trust = parts.trust[some, None, None]
-    rest = parts.total(noise)[some] - trust * parts.positions[some]
-    own = linear.own
-    beyond = np.concatenate([np.zeros(own), -value, [1.0]])
-    kept = np.concatenate([np.eye(own, len(beyond)), beyond[None]])
+def _with_position_noise(
+    linear: Linearised, parts: GramMatrices, noise: Noise, weights: Floats, settings: FitSettings
+) -> Noise:
+    """Return noise whose position part maximises the restricted likelihood of some shots."""
+    some = spread_evenly(len(weights), settings.noise_shots)
+    values = _significant_values(parts.total(noise), linear.nuisance_count, settings)
+    shots = _reduced(linear, some, values)
+    shot_weights = parts.shot_weights[some, None, None]
+    rest = parts.total(noise)[some] - shot_weights * parts.positions[some]
+    nuisance_count = linear.nuisance_count
+    beyond = np.concatenate([np.zeros(nuisance_count), -values, [1.0]])
+    kept = np.concatenate([np.eye(nuisance_count, len(beyond)), beyond[None]])
     rest = kept @ rest @ kept.T
 
     def criterion(trial: Noise) -> float:
         products, determinants = white_gram(shots.positions, shots, trial, weights[some])
-        left = marginal(trust * products + rest, own)
-        # Shots that are not trusted must not count in the determinants either.
-        weighted = parts.trust[some] * (determinants + left.determinants)
+        left = eliminate_nuisance(shot_weights * products + rest, nuisance_count)
+        # Shots without weight must not count in the determinants either.
+        weighted = parts.shot_weights[some] * (determinants + left.determinants)
         return float((weighted + left.misfit).sum())
 
-    return _most_likely(criterion, noise, ("white", "slow", "slow_time", "timing"))
+    return _minimised(criterion, noise, ("white", "slow", "slow_time", "timing"), settings)
 
 
-def _few(linear: Linearised, some: Indices, value: Floats) -> Linearised:
-    """Return some shots with their unknowns' columns and what the hypotheses leave, alone."""
-    few, own = linear[some], linear.own
-    residual = few.positions[..., -1] - few.positions[..., own:-1] @ value
-    columns = np.concatenate([few.positions[..., :own], residual[..., None]], axis=-1)
-    return replace(few, columns=(), positions=columns)
+def _reduced(linear: Linearised, some: Indices, values: Floats) -> Linearised:
+    """Return some shots with nuisance columns and residuals alone, hypotheses subtracted."""
+    some_shots, nuisance_count = linear[some], linear.nuisance_count
+    residual = some_shots.positions[..., -1] - some_shots.positions[..., nuisance_count:-1] @ values
+    columns = np.concatenate(
+        [some_shots.positions[..., :nuisance_count], residual[..., None]], axis=-1
+    )
+    return replace(some_shots, columns=(), positions=columns)
 
 
-def _of_the_rest(parts: Grams, noise: Noise) -> Noise:
-    """Return noise with the label errors and scatter that make the shots most likely."""
-    own = parts.unknowns.shape[1]
-    first = marginal(parts.total(noise), own).information.sum(axis=0)
-    directions = visible(first)
+def _with_label_noise_and_scatter(
+    parts: GramMatrices, noise: Noise, settings: FitSettings
+) -> Noise:
+    """Return noise whose label errors and scatter maximise the restricted likelihood."""
+    nuisance_count = parts.nuisance.shape[1]
+    first = eliminate_nuisance(parts.total(noise), nuisance_count).information.sum(axis=0)
+    directions = identifiable_directions(first)
 
     def criterion(trial: Noise) -> float:
-        left = marginal(parts.total(trial), own)
+        left = eliminate_nuisance(parts.total(trial), nuisance_count)
         information = directions.T @ left.information.sum(axis=0) @ directions
         score = directions.T @ left.scores.sum(axis=0)
         explained = score @ np.linalg.solve(information, score)
         precision = parts.precision(trial)
         priors = -np.log(np.where(precision > 0.0, precision, 1.0)).sum(axis=1)
         determinants = left.determinants + priors + parts.label_determinants(trial)
-        total = parts.trust @ determinants + np.linalg.slogdet(information)[1]
+        total = parts.shot_weights @ determinants + np.linalg.slogdet(information)[1]
         return float(total + left.misfit.sum() - explained)
 
     names = [] if (parts.counts == 0).all() else ["label"]
     names += ["label_common"] if (parts.counts > 1).any() else []
-    names += ["scatter"] if own > STATE_SIZE else []
-    return _most_likely(criterion, noise, tuple(names)) if names else noise
+    names += ["scatter"] if nuisance_count > STATE_SIZE else []
+    return _minimised(criterion, noise, tuple(names), settings) if names else noise
 
 
-def _most_likely(
-    criterion: Callable[[Noise], float], noise: Noise, names: tuple[str, ...]
+def _minimised(
+    criterion: Callable[[Noise], float],
+    noise: Noise,
+    names: tuple[str, ...],
+    settings: FitSettings,
 ) -> Noise:
-    """Return noise with the named sizes at which ``criterion`` is least, within ``LIMITS``."""
-    sizes = [np.atleast_1d(np.maximum(getattr(noise, one), BEGIN.get(one, 0.0))) for one in names]
+    """Return noise with the named sizes that minimise ``criterion`` within their bounds."""
+    starts = settings.noise_starts
+    sizes = [np.atleast_1d(np.maximum(getattr(noise, one), starts.get(one, 0.0))) for one in names]
     ends = np.cumsum([len(size) for size in sizes])
-    limits = np.log([LIMITS[name] for name, size in zip(names, sizes, strict=True) for _ in size])
+    bounds = [
+        settings.noise_bounds[name] for name, size in zip(names, sizes, strict=True) for _ in size
+    ]
+    limits = np.log(bounds)
 
     def changed(logarithms: Floats) -> Noise:
         parts = np.split(np.exp(logarithms), ends[:-1])
@@ -192,44 +205,47 @@ def _most_likely(
         return replace(noise, **values)
 
     first = np.clip(np.log(np.concatenate(sizes)), limits[:, 0], limits[:, 1])
-    found: Any = minimize(  # type: ignore[call-overload]
+    result: Any = minimize(  # type: ignore[call-overload]
         lambda logarithms: criterion(changed(logarithms)),
         first.tolist(),
         method="L-BFGS-B",
         bounds=Bounds(*limits.T),
         options={"maxiter": 25.0, "ftol": 1e-7, "eps": 1e-3},
     )
-    return changed(found.x)
+    return changed(result.x)
 
 
-def _trust(linear: Linearised, total: Floats) -> Floats:
+def _shot_weights(linear: Linearised, total: Floats, settings: FitSettings) -> Floats:
     """Return (B,) weights of shots: those that fit far worse than most count less.
 
-    First as they fit the simulator as it is, then beside what the others say of it.
+    First by their fit to the simulator, then by that to the values that all shots give it.
     """
-    left = marginal(total, linear.own)
+    left = eliminate_nuisance(total, linear.nuisance_count)
     rows = 3 * (linear.sampled.sum(axis=1) + linear.labelled.sum(axis=1)) - STATE_SIZE
     rows = np.maximum(rows, 1)
-    trust = _relative(left.misfit, rows)
-    value = _standing_out(total * trust[:, None, None], linear.own)
-    misfit = left.misfit - 2 * left.scores @ value
-    misfit += np.einsum("i,bij,j->b", value, left.information, value)
-    return np.where(_plausible(linear), _relative(misfit, rows), LEAST_TRUST)
+    shot_weights = _robust_weights(left.misfit, rows, settings)
+    total = total * shot_weights[:, None, None]
+    values = _significant_values(total, linear.nuisance_count, settings)
+    misfit = left.misfit - 2 * left.scores @ values
+    misfit += np.einsum("i,bij,j->b", values, left.information, values)
+    weights = _robust_weights(misfit, rows, settings)
+    return np.where(_plausible(linear, settings), weights, settings.min_shot_weight)
 
 
-def _plausible(linear: Linearised) -> Bools:
-    """Return (B,) which fits are of this world; the others ended in a wrong minimum."""
-    spin = np.linalg.norm(linear.unknowns[:, SPIN], axis=1)
-    kick = np.abs(linear.unknowns[:, STATE_SIZE:]).max(axis=1, initial=0.0)
-    plausible: Bools = (spin < MOST_SPIN) & (kick < MOST_KICK)
+def _plausible(linear: Linearised, settings: FitSettings) -> Bools:
+    """Return (B,) which fits are physically plausible; the others ended in a wrong minimum."""
+    spin = np.linalg.norm(linear.nuisance[:, SPIN], axis=1)
+    kick = np.abs(linear.nuisance[:, STATE_SIZE:]).max(axis=1, initial=0.0)
+    plausible: Bools = (spin < settings.max_spin) & (kick < settings.max_plausible_kick)
     return plausible
 
 
-def _relative(misfit: Floats, rows: Floats) -> Floats:
+def _robust_weights(misfit: Floats, rows: Floats, settings: FitSettings) -> Floats:
     """Return weights by how many standard deviations a shot's misfit is beyond the typical one."""
-    typical = max(float(np.median(misfit / rows)), LEAST_MISFIT)
+    typical = max(float(np.median(misfit / rows)), settings.min_misfit)
     ratio = misfit / rows / typical
     spread = np.maximum(NORMAL_SPREAD * np.median(np.abs(ratio - 1.0)), np.sqrt(2.0 / rows))
-    low, high = DOUBTFUL
-    trust: Floats = np.clip((high - (ratio - 1.0) / spread) / (high - low), LEAST_TRUST, 1.0)
-    return trust
+    low, high = settings.misfit_range
+    falling = (high - (ratio - 1.0) / spread) / (high - low)
+    weights: Floats = np.clip(falling, settings.min_shot_weight, 1.0)
+    return weights

@@ -14,7 +14,7 @@ from models.support.compilation import compiler
 
 
 @compiler([Path(__file__)])
-def shrunk(rows: Floats, directions: Floats, less: Floats) -> Floats:
+def shrink_along(rows: Floats, directions: Floats, reduction: Floats) -> Floats:
     """Return (B, N, 3, C) rows less, along (B, N, 3) directions d, (B, N) times d d'."""
     count, length, _, width = rows.shape
     out = np.empty_like(rows)
@@ -23,7 +23,7 @@ def shrunk(rows: Floats, directions: Floats, less: Floats) -> Floats:
             x, y, z = directions[b, i]
             for c in range(width):
                 along = x * rows[b, i, 0, c] + y * rows[b, i, 1, c] + z * rows[b, i, 2, c]
-                along *= less[b, i]
+                along *= reduction[b, i]
                 out[b, i, 0, c] = rows[b, i, 0, c] - along * x
                 out[b, i, 1, c] = rows[b, i, 1, c] - along * y
                 out[b, i, 2, c] = rows[b, i, 2, c] - along * z
@@ -34,7 +34,7 @@ def shrunk(rows: Floats, directions: Floats, less: Floats) -> Floats:
 def white_products(
     rows: Floats,
     directions: Floats,
-    less: Floats,
+    reduction: Floats,
     times: Floats,
     weights: Floats,
     sizes: tuple[float, float, float],
@@ -44,7 +44,7 @@ def white_products(
     Args:
         rows: columns of positions.
         directions: (B, N, 3) along which they are shrunk.
-        less: (B, N) by how much.
+        reduction: (B, N) by how much.
         times: (B, N) s.
         weights: (B, N) by which white variances are divided; zero where a sample is not used.
         sizes: white noise and slow error, m, and the time in which the latter changes, s.
@@ -66,7 +66,9 @@ def white_products(
             total = variance + white * white / weights[b, i]
             determinants[b] += 3.0 * np.log(total)
             scale, gain = 1.0 / np.sqrt(total), variance / total
-            _innovate(rows[b, i], directions[b, i], less[b, i], memory, gain, expected, innovations)
+            _innovate(
+                rows[b, i], directions[b, i], reduction[b, i], memory, gain, expected, innovations
+            )
             _add_products(scale * scale, innovations, products[b])
             variance *= 1.0 - gain
         for a in range(width):
@@ -79,7 +81,7 @@ def white_products(
 def _innovate(
     rows: Floats,
     direction: Floats,
-    less: float,
+    reduction: float,
     memory: float,
     gain: float,
     expected: Floats,
@@ -88,7 +90,7 @@ def _innovate(
     """Put what (3, C) rows have beyond what was expected into innovations, and expect it on."""
     x, y, z = direction
     for c in range(rows.shape[1]):
-        along = less * (x * rows[0, c] + y * rows[1, c] + z * rows[2, c])
+        along = reduction * (x * rows[0, c] + y * rows[1, c] + z * rows[2, c])
         for axis in range(3):
             before = memory * expected[axis, c]
             innovation = rows[axis, c] - along * direction[axis] - before

@@ -29,22 +29,15 @@ from scipy.stats import t as student
 
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised
-from models.gap.fit.marginal import marginal
-from models.gap.fit.variance_components import Components
+from models.gap.fit.projection import eliminate_nuisance
+from models.gap.fit.variance_components import NoiseEstimate
 from models.gap.hypotheses import Hypothesis
-
-Indices = NDArray[np.int64]
-
-DETECTABLE = 5.8  # standard errors
-CONFIDENCE = 0.95  # of intervals
-FOLDS = 5
-NOISE_DEGREES = 8.0  # of freedom, that the noise as it was found is worth
-FEWEST_SUPPORTERS = 4.0  # shots, of what is said to be detectable
-LEAST_INFORMATION = 1e-7  # of a hypothesis alone, that its own part beside the others must have
+from models.gap.settings import GapSettings
+from models.gap.types import Places
 
 
 @dataclass(frozen=True)
-class Tested:
+class ScoreTest:
     """One block of hypotheses, tested beside others.
 
     Attributes:
@@ -53,9 +46,10 @@ class Tested:
         shares: (B, D, D) of each shot in the information.
     """
 
-    block: tuple[int, ...]
+    block: Places
     scores: Floats
     shares: Floats
+    settings: GapSettings
 
     @cached_property
     def information(self) -> Floats:
@@ -66,7 +60,7 @@ class Tested:
     @cached_property
     def estimate(self) -> Floats:
         """(D,) by how much the values differ from the simulator's, to first order."""
-        change: Floats = np.linalg.solve(regular(self.information), self.scores.sum(axis=0))
+        change: Floats = np.linalg.solve(regularised(self.information), self.scores.sum(axis=0))
         return change
 
     @cached_property
@@ -86,57 +80,58 @@ class Tested:
 
         The shots of each fold in turn are predicted from all others.
         """
-        fold = np.arange(len(self.scores)) % FOLDS
-        parts = [(self.scores[fold == f].sum(axis=0), self.shares[fold == f]) for f in range(FOLDS)]
+        folds = self.settings.inference.folds
+        fold = np.arange(len(self.scores)) % folds
+        parts = [(self.scores[fold == f].sum(axis=0), self.shares[fold == f]) for f in range(folds)]
         total, gain = self.scores.sum(axis=0), 0.0
         for score, shares in parts:
             information = shares.sum(axis=0)
-            said = np.linalg.solve(regular(self.information - information), total - score)
+            said = np.linalg.solve(regularised(self.information - information), total - score)
             gain += float(2 * said @ score - said @ information @ said)
         return gain
 
     @cached_property
-    def supporters(self) -> float:
+    def effective_sample_size(self) -> float:
         """How many shots, all alike, would say as much: no verdict rests on one or two."""
-        shares = np.einsum("bdd->b", np.linalg.solve(regular(self.information), self.shares))
+        shares = np.einsum("bdd->b", np.linalg.solve(regularised(self.information), self.shares))
         return float(shares.sum() ** 2 / np.maximum((shares**2).sum(), 1e-300))
 
     @cached_property
-    def surprises(self) -> Floats:
+    def leave_one_out_residuals(self) -> Floats:
         """(B, D) how far each shot's score is from what the others say of it."""
-        others = regular(self.information - self.shares)
+        others = regularised(self.information - self.shares)
         rest = self.scores.sum(axis=0) - self.scores
         said = np.linalg.solve(others, rest[..., None])
-        surprises: Floats = self.scores - (self.shares @ said)[..., 0]
-        return surprises
+        leave_one_out_residuals: Floats = self.scores - (self.shares @ said)[..., 0]
+        return leave_one_out_residuals
 
     @cached_property
     def degrees(self) -> float:
         """Degrees of freedom of the variance."""
-        return max(self.supporters - 1.0, 0.0) + NOISE_DEGREES
+        return max(self.effective_sample_size - 1.0, 0.0) + self.settings.inference.noise_degrees
 
     @cached_property
     def variance(self) -> Floats:
         """(D, D) of the sum of the scores, by the shots' spread and by the noise."""
-        share = NOISE_DEGREES / self.degrees
-        between = self.surprises.T @ self.surprises
+        share = self.settings.inference.noise_degrees / self.degrees
+        between = self.leave_one_out_residuals.T @ self.leave_one_out_residuals
         variance: Floats = (1 - share) * between + share * self.information
         return variance
 
     @cached_property
-    def chance(self) -> float:
+    def p_value(self) -> float:
         """Of so large a gain where there is no effect."""
         total, size = self.scores.sum(axis=0), len(self.block)
-        squared = float(total @ np.linalg.solve(regular(self.variance), total))
+        squared = float(total @ np.linalg.solve(regularised(self.variance), total))
         rest = max(self.degrees - size + 1, 1.0)
         return float(fisher.sf(squared * rest / (size * self.degrees), size, rest))
 
     @cached_property
     def margin(self) -> Floats:
         """(D,) by which each estimate may be off, either way, with 95 % confidence."""
-        inverse = np.linalg.inv(regular(self.information))
+        inverse = np.linalg.inv(regularised(self.information))
         errors = np.sqrt(np.diag(inverse @ self.variance @ inverse))
-        margin: Floats = errors * student.isf((1 - CONFIDENCE) / 2, self.degrees)
+        margin: Floats = errors * student.isf((1 - self.settings.confidence) / 2, self.degrees)
         return margin
 
 
@@ -155,12 +150,15 @@ class Evidence:
     listed: NDArray[np.bool_]
     scores: Floats
     information: Floats
+    settings: GapSettings
 
     @classmethod
-    def of(cls, linear: Linearised, components: Components) -> "Evidence":
+    def of(
+        cls, linear: Linearised, noise_estimate: NoiseEstimate, settings: GapSettings
+    ) -> "Evidence":
         """Return the evidence of linearised shots in the metric of their noise."""
-        left = marginal(components.grams, linear.own)
-        return cls(linear.columns, linear.listed, left.scores, left.information)
+        left = eliminate_nuisance(noise_estimate.gram_matrices, linear.nuisance_count)
+        return cls(linear.columns, linear.listed, left.scores, left.information, settings)
 
     @cached_property
     def total(self) -> Floats:
@@ -169,7 +167,7 @@ class Evidence:
         return total
 
     @cached_property
-    def seen(self) -> NDArray[np.bool_]:
+    def observable(self) -> NDArray[np.bool_]:
         """(K,) which hypotheses change what is measured at all."""
         diagonal = np.diag(self.total)
         shown: NDArray[np.bool_] = diagonal > 0.0
@@ -178,66 +176,68 @@ class Evidence:
     @cached_property
     def free(self) -> tuple[int, ...]:
         """Places of the simulator's own numbers: those that the shots see."""
-        return tuple(np.flatnonzero(self.listed & self.seen).tolist())
+        return tuple(np.flatnonzero(self.listed & self.observable).tolist())
 
-    def tested(self, block: Sequence[int], beside: Sequence[int]) -> Tested:
+    def score_test(self, block: Sequence[int], given: Sequence[int]) -> ScoreTest:
         """Test a block of hypotheses beside others that are free."""
-        k, n = list(block), [one for one in beside if one not in block]
-        inner = regular(self.total[np.ix_(n, n)])
+        k, n = list(block), [one for one in given if one not in block]
+        inner = regularised(self.total[np.ix_(n, n)])
         free = np.linalg.solve(inner, self.scores[:, n].sum(axis=0))
         mixing = np.linalg.solve(inner, self.total[np.ix_(n, k)]).T
         rest = self.scores - self.information[:, :, n] @ free
         a = self.information
         across = a[:, k][:, :, n] - mixing @ a[:, n][:, :, n]
         shares = a[:, k][:, :, k] - mixing @ a[:, n][:, :, k] - across @ mixing.T
-        return Tested(tuple(k), rest[:, k] - rest[:, n] @ mixing.T, shares)
+        return ScoreTest(tuple(k), rest[:, k] - rest[:, n] @ mixing.T, shares, self.settings)
 
-    def decidable(
-        self, beside: Sequence[int], fewest: float = FEWEST_SUPPORTERS
-    ) -> tuple[int, ...]:
-        """Return the places of hypotheses that the shots can tell from all that is beside them.
+    def decidable(self, given: Sequence[int], min_size: float | None = None) -> Places:
+        """Return the places of hypotheses that the shots can tell from all given ones.
 
         Args:
-            beside: what is free.
-            fewest: supporters of a hypothesis.
+            given: hypotheses whose values are free.
+            min_size: least effective sample size, if not that of a minimum detectable effect.
         """
         return tuple(
             k
-            for k in np.flatnonzero(self.seen).tolist()
-            if self.decides(self.tested([k], beside), fewest)
+            for k in np.flatnonzero(self.observable).tolist()
+            if self.decides(self.score_test([k], given), min_size)
         )
 
-    def decides(self, test: Tested, fewest: float = FEWEST_SUPPORTERS) -> bool:
-        """Return whether the shots can decide about the one hypothesis that is tested."""
+    def decides(self, test: ScoreTest, min_size: float | None = None) -> bool:
+        """Return whether the shots can decide about the one hypothesis of a test."""
         (k,) = test.block
+        settings = self.settings.inference
+        least = settings.min_detectable_sample_size if min_size is None else min_size
         information = test.information[0, 0]
         reach = np.ptp(self.columns[k].declaration.bounds)
-        own_part = information > LEAST_INFORMATION * self.total[k, k]
-        within = information * reach**2 > DETECTABLE**2
-        return bool(own_part and within and test.supporters > fewest)
+        identifiable = information > settings.min_information * self.total[k, k]
+        within = information * reach**2 > settings.detectable**2
+        return bool(identifiable and within and test.effective_sample_size > least)
 
-    def likeness(self, one: int, other: int, beside: Sequence[int]) -> float:
+    def correlation(self, one: int, other: int, given: Sequence[int]) -> float:
         """Return the correlation of two hypotheses' signatures, 1 where no data like these differ.
 
         The numbers beside them, less these two, are projected out.
         """
-        rest = [k for k in beside if k not in (one, other)]
-        pair = self.tested([one, other], rest).information
+        rest = [k for k in given if k not in (one, other)]
+        pair = self.score_test([one, other], rest).information
         return float(abs(pair[0, 1]) / np.sqrt(pair[0, 0] * pair[1, 1]))
 
-    def detectable(self, k: int, beside: Sequence[int]) -> float:
-        """Return the smallest size of a hypothesis that these shots would show."""
-        return DETECTABLE * float(self.tested([k], beside).standard_error[0])
+    def minimum_detectable_effect(self, k: int, given: Sequence[int]) -> float:
+        """Return the minimum detectable effect of a hypothesis, in its unit."""
+        return self.settings.inference.detectable * float(
+            self.score_test([k], given).standard_error[0]
+        )
 
 
-def familywise(tests: Sequence[Tested]) -> Floats:
+def familywise_p_values(tests: Sequence[ScoreTest]) -> Floats:
     """Return each test's chance that the most extreme of all is as extreme where nothing is."""
-    chances = np.array([test.chance for test in tests])
-    of_least: Floats = -np.expm1(len(tests) * np.log1p(-np.minimum(chances, 1 - 1e-12)))
+    p_values = np.array([test.p_value for test in tests])
+    of_least: Floats = -np.expm1(len(tests) * np.log1p(-np.minimum(p_values, 1 - 1e-12)))
     return of_least
 
 
-def regular(matrix: Floats) -> Floats:
+def regularised(matrix: Floats) -> Floats:
     """Return information matrices that can be inverted where hypotheses are exactly alike."""
     size = matrix.shape[-1]
     diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)[..., None] * np.eye(size)

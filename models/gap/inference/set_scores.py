@@ -13,17 +13,16 @@ import numpy as np
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.inference.score_test import Evidence
+from models.gap.settings import GapSettings
 from models.gap.types import Bools, Indices
 
-MOST_ALIKE = 100.0  # by how much others may inflate the variance of a value
-BEYOND = 3.0  # standard errors that an estimate may lie outside of what makes physical sense
 LEAST_LEFT = 1e-12  # of a hypothesis's information beside others, against rounding
 RIDGE = 1e-9  # of the information, so that sets of exactly alike hypotheses can be weighed
 NOTHING = 1e-300  # information of a hypothesis of which the shots tell nothing: it gains nothing
 
 
 @dataclass(frozen=True)
-class Scales:
+class SetScores:
     """What weighs sets of K hypotheses.
 
     Attributes:
@@ -40,9 +39,10 @@ class Scales:
     start: Floats
     bounds: Floats
     refitted: Bools
+    settings: GapSettings
 
     @classmethod
-    def of(cls, evidence: Evidence, nominal: Simulator, refitted: Sequence[int]) -> "Scales":
+    def of(cls, evidence: Evidence, nominal: Simulator, refitted: Sequence[int]) -> "SetScores":
         """Return the scales for departures from the nominal simulator.
 
         Args:
@@ -56,7 +56,9 @@ class Scales:
         bounds = [one.declaration.bounds for one in evidence.columns]
         scores = evidence.scores.sum(axis=0)
         with_it = np.isin(np.arange(len(start)), refitted)
-        return cls(information, scores, np.array(start), np.array(bounds), with_it)
+        return cls(
+            information, scores, np.array(start), np.array(bounds), with_it, evidence.settings
+        )
 
     def gains(self, sets: Indices) -> tuple[Floats, Floats]:
         """Return the (R,) gains of (R, S) sets of hypotheses, and their (R, S) estimates.
@@ -69,7 +71,7 @@ class Scales:
         possible = self._possible(sets, estimates, variance).all(axis=1)
         return np.where(possible, (estimates * self.scores[sets]).sum(axis=1), -np.inf), estimates
 
-    def grown(self, sets: Indices, further: Sequence[int]) -> Floats:
+    def gains_with_one_more(self, sets: Indices, further: Sequence[int]) -> Floats:
         """Return the (R, F) gains of (R, S) sets, each with one of F further hypotheses.
 
         Those that a set has already gain minus infinity.
@@ -95,11 +97,12 @@ class Scales:
         return np.asarray(inverse, dtype=np.float64)
 
     def _possible(self, places: Indices, estimates: Floats, variance: Floats) -> Bools:
-        """Return which estimates make sense beside the others, and are told apart from them."""
-        variance = np.maximum(variance, 0.0)
-        value, error = self.start[places] + estimates, BEYOND * np.sqrt(variance)
+        """Return which estimates are within bounds, and not collinear with the others."""
+        settings, variance = self.settings.inference, np.maximum(variance, 0.0)
+        value = self.start[places] + estimates
+        error = settings.bound_tolerance * np.sqrt(variance)
         low, high = self.bounds[places, 0] - error, self.bounds[places, 1] + error
-        apart = variance * np.diag(self.information)[places] < MOST_ALIKE
-        apart |= self.refitted[places]
-        possible: Bools = (value > low) & (value < high) & apart
+        inflation = variance * np.diag(self.information)[places]
+        identified = (inflation < settings.max_variance_inflation) | self.refitted[places]
+        possible: Bools = (value > low) & (value < high) & identified
         return possible

@@ -1,17 +1,15 @@
-"""Locate: how far simulated and measured balls part, where that arises, against what it grows.
+"""Attribution: how far simulated and measured balls diverge, by phase and against covariates.
 
-A phase (flight, table, sensor) is *replaced by the measured one* by freeing all that may act in it:
-the catalogue's effects there, whatever the simulator says of them, and the omnibus basis
-(basis.py), with the values that the shots say. A prediction with all three replaced leaves noise
-and scatter alone; one by the simulator parts from it by ``D``, the sum of what each phase does to
-it. The mean of ``D . D`` over shots is shared out by what it falls by when a phase is replaced,
-averaged over all orders of replacing the three; for the square of a sum this is the mean of
-``D_phase . D``. So what two phases do to one another is halved between them, and a table that is
-wrong counts from the bounce on.
+The discrepancy ``D`` of a prediction from a measured path is the sum of what each phase (flight,
+table, sensor) contributes. To free a phase is to free all that may act in it: the catalogue's
+effects there and the omnibus terms (term_library.py). The mean of ``D . D`` over shots is shared
+out by how much it falls when a phase is freed, averaged over all orders of freeing the three
+(Shapley's value); for the square of a sum this is the mean of ``D_phase . D``. An interaction of
+two phases is halved between them, and a wrong table counts from the bounce on.
 
-Which phases are wrong at all is weighed first (phases.py). Where shots tell them apart, one
-explanation stays; where they do not, the shares are the explanations' mean. What resembles neither
-the catalogue nor the basis passes for scatter or noise, and is in no share.
+Which phases are wrong at all is selected first (phase_selection.py). Where shots tell the phases
+apart, one explanation remains; where they do not, the shares are the mean of several, by their
+weights. What resembles neither catalogue nor terms counts as scatter or noise and is in no share.
 """
 
 from collections.abc import Sequence
@@ -21,74 +19,71 @@ import numpy as np
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.fit.horizons import at_horizons
-from models.gap.fit.refit import Refitted
-from models.gap.locate.covariates import axes, courses
-from models.gap.locate.discrepancy import parting, reliable
-from models.gap.locate.free_fit import free_parting
+from models.gap.fit.refit import RefitResult
+from models.gap.locate.covariates import axes, course_frames
+from models.gap.locate.discrepancy import discrepancy, reliable
+from models.gap.locate.free_fit import free_discrepancy
 from models.gap.locate.phase_selection import Candidates
-from models.gap.locate.trends import growths, over_time
+from models.gap.locate.trends import over_time, trends_against
 from models.gap.location import Located
+from models.gap.settings import GapSettings
 from models.gap.types import PHASES, Places
 
-HORIZONS: Floats = np.linspace(0.025, 0.6, 24)  # s
-FEWEST, FEW = 5, 0.25  # shots at a horizon, and their share of those at most
-MOST = 2 / 3  # of them reach the horizon at which growth is looked at
-UNLIKELY = 1e-3  # weight below which an explanation is left out
-NOTHING = 0.5  # weight of no term at all, from which on nothing parts
 
-
-def locate(found: Refitted, nominal: Simulator, withheld: Sequence[str] = ()) -> Located | None:
+def locate(
+    fit: RefitResult, nominal: Simulator, settings: GapSettings, withheld: Sequence[str] = ()
+) -> Located | None:
     """Locate the gap between shots and a simulator; None if too few shots are long enough.
 
     Args:
-        found: the shots about a simulator nearby, such as the nominal one, refitted or not.
+        fit: the shots about a simulator nearby, such as the nominal one, refitted or not.
         nominal: the simulator in question.
+        settings: of the workflow.
         withheld: effects that are not in the catalogue.
     """
-    shots, usable = found.linear.shots, reliable(found.linear, found.components)
-    measured = at_horizons(shots, shots.positions, usable, HORIZONS)
-    reaching = np.isfinite(measured[..., 0]).sum(axis=0)
-    reached = (reaching >= FEWEST) & (reaching >= FEW * reaching.max())
-    if not reached.any():
+    shots, usable = fit.linear.shots, reliable(fit.linear, fit.noise_estimate, settings)
+    horizons, own = np.array(settings.locate.horizons), settings.locate
+    measured = at_horizons(shots, shots.positions, usable, horizons, settings)
+    counts = np.isfinite(measured[..., 0]).sum(axis=0)
+    kept = (counts >= own.min_shots) & (counts >= own.min_share * counts.max())
+    if not kept.any():
         return None
-    horizons = HORIZONS[reached]
-    squares = _squares(Candidates.of(found, nominal, withheld), found, horizons)
-    partings = np.einsum(
-        "bij,bhj->bhi",
-        courses(found.linear),
-        at_horizons(shots, free_parting(found, nominal), usable, horizons),
-    )
-    looked_at = int(np.flatnonzero(reaching[reached] >= MOST * reaching.max())[-1])
-    places, then = measured[:, reached][:, looked_at], partings[:, looked_at]
+    horizons = horizons[kept]
+    squares = _squares(Candidates.of(fit, nominal, settings, withheld), fit, horizons)
+    free = at_horizons(shots, free_discrepancy(fit, nominal, settings), usable, horizons, settings)
+    discrepancies = np.einsum("bij,bhj->bhi", course_frames(fit.linear), free)
+    trend = int(np.flatnonzero(counts[kept] >= own.trend_share * counts.max())[-1])
+    places, discrepancy_there = measured[:, kept][:, trend], discrepancies[:, trend]
     return Located(
         horizons,
         np.sqrt(squares.sum(axis=1)),
         dict(zip(PHASES, _shares(squares).T, strict=True)),
-        over_time(horizons, partings),
-        growths(axes(found.linear, places), then),
-        float(horizons[looked_at]),
+        over_time(horizons, discrepancies, own),
+        trends_against(axes(fit.linear, places, own), discrepancy_there, own),
+        float(horizons[trend]),
     )
 
 
-def _squares(candidates: Candidates, found: Refitted, horizons: Floats) -> Floats:
-    """Return (H, P) what each phase has in the mean square of partings, m^2."""
+def _squares(candidates: Candidates, fit: RefitResult, horizons: Floats) -> Floats:
+    """Return (H, P) the share of each phase in the mean squared discrepancy, m^2."""
     squares = np.zeros((len(horizons), len(PHASES)))
-    likely = candidates.explanations()
-    for terms, weight in likely.items():
-        if terms and weight > UNLIKELY and likely[()] < NOTHING:
-            squares += weight * _explained(candidates, terms, found, horizons)
+    settings = candidates.evidence.settings.locate
+    weights = candidates.explanations()
+    for terms, weight in weights.items():
+        if terms and weight > settings.min_weight and weights[()] < settings.no_gap_weight:
+            squares += weight * _explained(candidates, terms, fit, horizons)
     return np.maximum(squares, 0.0)
 
 
-def _explained(candidates: Candidates, terms: Places, found: Refitted, horizons: Floats) -> Floats:
-    linear = candidates.linear
+def _explained(candidates: Candidates, terms: Places, fit: RefitResult, horizons: Floats) -> Floats:
+    linear, settings = candidates.linear, candidates.evidence.settings
     of_phase = [[candidates.phases[k] == phase for phase in PHASES] for k in terms]
     values = candidates.values(terms)[:, None] * np.array(of_phase)
-    places = [linear.own + k for k in terms]
+    places = [linear.nuisance_count + k for k in terms]
     positions, labels = linear.positions[..., places] @ values, linear.labels[..., places] @ values
-    parts = parting(linear, found.components, positions, labels)
-    usable = reliable(linear, found.components)
-    parts = at_horizons(linear.shots, parts, usable, horizons)
+    parts = discrepancy(linear, fit.noise_estimate, positions, labels, settings)
+    usable = reliable(linear, fit.noise_estimate, settings)
+    parts = at_horizons(linear.shots, parts, usable, horizons, settings)
     whole = parts.sum(axis=3, keepdims=True)
     squares: Floats = np.nanmean((parts * whole).sum(axis=2), axis=0)
     return squares

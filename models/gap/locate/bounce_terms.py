@@ -6,7 +6,7 @@ from models.ball.state import BALL_RADIUS, POSITION, STATE_SIZE, VELOCITY
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised
 from models.gap.fit.trajectory import KICK_SIZE
-from models.gap.locate.propagation import struck
+from models.gap.locate.propagation import after_jump
 from models.gap.locate.sensitivity import Arc
 from models.gap.locate.terms import TYPICAL_FALL, Flown, Term, Terms
 from models.gap.types import Bools, Indices
@@ -32,7 +32,7 @@ GRAVITY = 9.81  # m/s^2
 
 def of_bounces(flown: Flown) -> Terms:
     """Return the terms of bounces of balls."""
-    count = (flown.linear.own - STATE_SIZE) // KICK_SIZE
+    count = (flown.linear.nuisance_count - STATE_SIZE) // KICK_SIZE
     impacts = [_ends(arc, len(flown.states)) for arc in flown.arcs[:count]]
     return Terms.together([_of_kicks(flown.linear, impacts), _of_jumps(flown, impacts)])
 
@@ -81,10 +81,10 @@ def _of_jumps(flown: Flown, impacts: list[Floats]) -> Terms:
     count, width, _ = flown.states.shape
     changes = np.zeros((count, width, STATE_SIZE, len(JUMPS)))
     for number, before in enumerate(impacts[: len(flown.arcs) - 1]):
-        after = _begins(flown.arcs[number + 1], count)
+        after = _starts(flown.arcs[number + 1], count)
         jumps = np.nan_to_num(_jumps(before, after))
-        changes += struck(flown.arcs, number, jumps, width)
-    return flown.seen([Term("table", name) for name in JUMPS], changes)
+        changes += after_jump(flown.arcs, number, jumps, width)
+    return flown.measured_changes([Term("table", name) for name in JUMPS], changes)
 
 
 def _jumps(before: Floats, after: Floats) -> Floats:
@@ -113,7 +113,7 @@ def _ends(arc: Arc, count: int) -> Floats:
     return _states(arc, last, np.asarray(arc.beyond.any(axis=1)), count)
 
 
-def _begins(arc: Arc, count: int) -> Floats:
+def _starts(arc: Arc, count: int) -> Floats:
     """Return the (B, 9) states of balls where an arc begins, NaN of all others."""
     return _states(arc, arc.inside.argmax(axis=1), np.ones(len(arc.rows), dtype=bool), count)
 

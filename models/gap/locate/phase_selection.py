@@ -1,10 +1,11 @@
-"""Phases: which of flight, table and sensor must be wrong so that shots are explained.
+"""Phase selection: which of flight, table and sensor must be wrong to explain the shots.
 
-Effects in different phases may look alike, such as lengths read too short and too strong a gravity.
-So every set of phases is tried, explained by the fewest terms (effects of the catalogue and of the
-omnibus basis), each of which must gain more in twice the log likelihood than the largest of all
-does by chance. Explanations are weighed by their worth, the gain less this price: where shots tell
-the phases apart one of them stays. A term is no name; names have to pass more.
+Effects in different phases may look alike, such as a length scale that reads too short and too
+strong a gravity. So each subset of the phases is tried, explained by as few terms (effects of the
+catalogue and omnibus terms) as possible, found by stepwise selection. A term must gain more in
+twice the log likelihood than the largest of all does by chance at the level asked for. Explanations
+have the penalised score ``2 dlog L - lambda k`` and weights ``exp(score / 2)``, as in averaging by
+an information criterion (Burnham and Anderson 2002). A term is no cause; a cause has to pass more.
 """
 
 from collections.abc import Sequence
@@ -12,23 +13,20 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from scipy.stats import norm
 
 from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised
-from models.gap.fit.refit import Refitted
-from models.gap.fit.variance_components import Components
+from models.gap.fit.refit import RefitResult
+from models.gap.fit.variance_components import NoiseEstimate
 from models.gap.hypotheses import Hypothesis
 from models.gap.inference.score_test import Evidence
-from models.gap.locate.term_library import joined
+from models.gap.locate.term_library import with_terms
 from models.gap.locate.terms import Term
+from models.gap.settings import GapSettings
 from models.gap.types import PHASES, Bools, Phase, Places
 
-LEVEL = 0.003  # chance of a term where nothing is wrong
-OWN_PART = 1e-3  # of a term's information, that must be left beside those chosen
-MOST_TERMS = 12
 PHASE_OF: dict[str, Phase] = {"flight": "flight", "contact": "table", "sensor": "sensor"}
 
 
@@ -49,35 +47,42 @@ class Candidates:
     possible: Bools
 
     @classmethod
-    def of(cls, found: Refitted, nominal: Simulator, withheld: Sequence[str] = ()) -> "Candidates":
+    def of(
+        cls,
+        fit: RefitResult,
+        nominal: Simulator,
+        settings: GapSettings,
+        withheld: Sequence[str] = (),
+    ) -> "Candidates":
         """Return the terms about shots that were fitted about a simulator near the nominal one."""
-        linear = joined(found.linear)
-        noise = found.components.noise
-        known = Components.known(linear, noise, found.components.weights)
-        about = Evidence.of(linear, known)
-        scores = about.scores + about.information @ moved(linear, nominal)
+        linear = with_terms(fit.linear)
+        noise = fit.noise_estimate.noise
+        known = NoiseEstimate.known(linear, noise, fit.noise_estimate.weights, settings.fit)
+        about = Evidence.of(linear, known, settings)
+        scores = about.scores + about.information @ departures(linear, nominal)
         allowed = [one.effect not in withheld for one in linear.columns]
         return cls(
             linear,
             replace(about, scores=scores),
             tuple(phase_of(one) for one in linear.columns),
-            about.seen & np.array(allowed),
+            about.observable & np.array(allowed),
         )
 
     @property
-    def price(self) -> float:
-        """What a term must gain to be worth its place."""
-        return float(norm.isf(LEVEL / (2 * max(self.possible.sum(), 1))) ** 2)
+    def penalty(self) -> float:
+        """What a term must gain in twice the log likelihood."""
+        return self.evidence.settings.penalty(int(self.possible.sum()))
 
     def explanations(self) -> dict[Places, float]:
         """Return sets of terms that explain the shots, each with its weight; these sum to one."""
-        worth: dict[Places, float] = {(): 0.0}
+        scores: dict[Places, float] = {(): 0.0}
         for count in range(1, len(PHASES) + 1):
             for some in combinations(PHASES, count):
                 terms = self._fewest(self.possible & np.isin(self.phases, some))
-                worth[terms] = self._gain(terms) - self.price * len(terms)
-        weights = np.exp((np.array(list(worth.values())) - max(worth.values())) / 2)
-        return dict(zip(worth, (weights / weights.sum()).tolist(), strict=True))
+                scores[terms] = self._gain(terms) - self.penalty * len(terms)
+        values = np.array(list(scores.values()))
+        weights = np.exp((values - values.max()) / 2)
+        return dict(zip(scores, (weights / weights.sum()).tolist(), strict=True))
 
     def values(self, terms: Places) -> Floats:
         """Return the values of a set of terms that explain the shots best."""
@@ -91,9 +96,9 @@ class Candidates:
     def _fewest(self, usable: Bools) -> Places:
         """Return terms found one by one; those that later ones make needless go again."""
         chosen: Places = ()
-        for _ in range(MOST_TERMS):
+        for _ in range(self.evidence.settings.locate.max_terms):
             further = np.where(usable, self._further(chosen), 0.0)
-            if further.max() < self.price:
+            if further.max() < self.penalty:
                 break
             chosen = self._needed((*chosen, int(further.argmax())))
         return tuple(sorted(chosen))
@@ -105,7 +110,8 @@ class Candidates:
         mixed = np.linalg.solve(across[:, list(chosen)], across)
         left = own - (mixed * across).sum(axis=0)
         score = scores - mixed.T @ scores[list(chosen)]
-        further: Floats = np.where(left > OWN_PART * own, score**2 / np.maximum(left, 1e-300), 0.0)
+        enough = left > self.evidence.settings.locate.min_term_information * own
+        further: Floats = np.where(enough, score**2 / np.maximum(left, 1e-300), 0.0)
         return further
 
     def _needed(self, terms: Places) -> Places:
@@ -113,7 +119,7 @@ class Candidates:
         while len(terms) > 1:
             inverse = np.linalg.inv(self.evidence.total[np.ix_(terms, terms)])
             losses = self.values(terms) ** 2 / np.diag(inverse)
-            if losses.min() >= self.price:
+            if losses.min() >= self.penalty:
                 break
             terms = tuple(np.delete(terms, losses.argmin()).tolist())
         return terms
@@ -126,7 +132,7 @@ def phase_of(one: Hypothesis) -> Phase:
     return PHASE_OF[catalogue()[one.effect].acts]
 
 
-def moved(linear: Linearised, nominal: Simulator) -> Floats:
+def departures(linear: Linearised, nominal: Simulator) -> Floats:
     """Return (K,) by how much the simulator of linearised shots departs from the nominal one."""
     return np.array(
         [

@@ -1,7 +1,7 @@
-"""Carried: how a ball's state changes later on by what acts on it in flight, or at a bounce.
+"""Propagation of perturbations: later changes of a ball's state by a force or a jump.
 
 To first order the change ``z`` of a state follows ``dz/dt = J z + f`` with the forcing f, and is
-carried on by the propagator of each arc (variation.py).
+propagated by each arc (sensitivity.py).
 """
 
 import numpy as np
@@ -11,15 +11,15 @@ from models.ball.types import Floats
 from models.gap.locate.sensitivity import LEAST_VOLUME, Arc
 
 
-def forced(found: list[Arc], forcing: Floats) -> Floats:
+def after_forcing(arcs: list[Arc], forcing: Floats) -> Floats:
     """Return the (B, T, 9, D) changes of states by D forcings.
 
     Args:
-        found: arcs of the balls.
+        arcs: of the balls.
         forcing: (B, T, 9, D) rates of change of the state.
     """
     changes = np.zeros(forcing.shape)
-    for arc in found:
+    for arc in arcs:
         kept = arc.inside & (np.abs(np.linalg.det(arc.propagator)) > LEAST_VOLUME)
         propagator = np.where(kept[..., None, None], arc.propagator, np.eye(STATE_SIZE))
         rate = np.linalg.solve(propagator, forcing[arc.rows])
@@ -32,18 +32,18 @@ def forced(found: list[Arc], forcing: Floats) -> Floats:
     return changes
 
 
-def struck(found: list[Arc], number: int, jumps: Floats, moments: int) -> Floats:
+def after_jump(arcs: list[Arc], number: int, jumps: Floats, count: int) -> Floats:
     """Return the (B, T, 9, D) changes of states by D jumps of each state after a bounce.
 
     Args:
-        found: arcs of the balls.
+        arcs: of the balls.
         number: of the bounce, 0 for the first.
         jumps: (B, 9, D) of the state.
-        moments: T.
+        count: T, of moments.
     """
-    changes = np.zeros((len(jumps), moments, *jumps.shape[1:]))
-    if number + 1 < len(found):
-        arc = found[number + 1]
+    changes = np.zeros((len(jumps), count, *jumps.shape[1:]))
+    if number + 1 < len(arcs):
+        arc = arcs[number + 1]
         changes[arc.rows] = _later(arc, jumps[arc.rows][:, None])
     return changes
 

@@ -1,4 +1,4 @@
-"""Variation: how the path of a ball changes by a small acceleration, or by a small change of spin.
+"""Sensitivity of a ball's path to its state: propagators, arc by arc (variational equations).
 
 To first order the change ``z`` of a state follows ``dz/dt = J z + f`` with the forcing f. Its
 propagator comes from exact flights from states nearby, so that whatever the simulator does is in
@@ -14,7 +14,7 @@ from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
 from models.gap.fit.measurement import KINK, STATE_STEPS
-from models.gap.fit.trajectory import KICK_SIZE, first_bounce, kicked
+from models.gap.fit.trajectory import KICK_SIZE, apply_kicks, first_bounce
 from models.gap.types import Bools, Indices
 
 # Of states nearby, that a flight may shrink to: where some have bounced and rolled it is none.
@@ -42,11 +42,11 @@ class Arc:
     propagator: Floats
 
 
-def arcs(simulator: Simulator, unknowns: Floats, times: Floats) -> list[Arc]:
+def arcs(simulator: Simulator, nuisance: Floats, times: Floats) -> list[Arc]:
     """Return the arcs of balls of (B, 9 + 3 K) unknowns, looked at (B, T) s after their start."""
     found: list[Arc] = []
     rows, start = np.arange(len(times)), np.zeros(len(times))
-    states, number = unknowns[:, :STATE_SIZE], 0
+    states, number = nuisance[:, :STATE_SIZE], 0
     while len(rows):
         since = times[rows] - start[:, None]
         flight = simulator.fly(states, np.maximum(since, 0.0))
@@ -56,8 +56,8 @@ def arcs(simulator: Simulator, unknowns: Floats, times: Floats) -> list[Arc]:
         found.append(_arc(simulator, states, rows, since, end, flight.states))
         place = STATE_SIZE + KICK_SIZE * number
         states = after
-        if place < unknowns.shape[1]:
-            states = kicked(before, after, unknowns[rows[bounced], place : place + KICK_SIZE])
+        if place < nuisance.shape[1]:
+            states = apply_kicks(before, after, nuisance[rows[bounced], place : place + KICK_SIZE])
         rows, start, number = rows[bounced], start[bounced] + moment, number + 1
     return found
 

@@ -17,7 +17,9 @@ def of_sensor(flown: Flown) -> Terms:
     places, velocities = flown.sampled[..., POSITION], flown.sampled[..., VELOCITY]
     of_places = _of_places(places, velocities, (shots.times - start)[..., None])
     since = np.nan_to_num(shots.label_times - start)
-    of_labels = _of_labels(flown.labelled[..., SPIN], flown.units[..., None], since[..., None])
+    of_labels = _of_labels(
+        flown.labelled[..., SPIN], flown.label_scales[..., None], since[..., None]
+    )
     names = [Term("sensor", name) for name in (*of_places, *of_labels)]
     positions = np.zeros((*shots.positions.shape, len(names)))
     labels = np.zeros((*shots.labels.shape, len(names)))

@@ -1,11 +1,11 @@
-"""Basis: an omnibus of what may act on a ball, at a bounce and in a sensor, by no effect's name.
+"""Omnibus terms: generic forces, bounce errors and sensor errors, independent of the catalogue.
 
 In flight: accelerations along the ball's velocity, across it by the Magnus direction, sideways and
 in the frame's directions, and a loss of spin, each times powers of speed u and of spin ratio S. At
-the table: kicks (motion.py) times what a bounce depends on, kicks in the frame's directions, and a
-surface that is elsewhere (bounce_terms.py). In the sensor: errors of positions that grow with
-place, speed and time, and of labels (sensor_terms.py). Whatever structure is left when the
-catalogue is exhausted, most of it lies in the span of these, and a good part along one of them.
+the table: kicks (trajectory.py) times what a bounce depends on, kicks in the frame's directions,
+and a surface that is elsewhere (bounce_terms.py). In the sensor: errors of positions that grow with
+place, speed and time, and of labels (sensor_terms.py). Most structure that the catalogue leaves
+lies in the span of these, and a good part along one of them.
 """
 
 from dataclasses import replace
@@ -16,7 +16,7 @@ from models.ball.state import BALL_RADIUS, SPIN, VELOCITY
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised
 from models.gap.locate.bounce_terms import of_bounces
-from models.gap.locate.propagation import forced
+from models.gap.locate.propagation import after_forcing
 from models.gap.locate.sensor_terms import of_sensor
 from models.gap.locate.terms import TYPICAL_SPEED, Flown, Term, Terms
 
@@ -33,9 +33,9 @@ POWERS = {
 }
 
 
-def joined(linear: Linearised) -> Linearised:
+def with_terms(linear: Linearised) -> Linearised:
     """Return linearised shots with the basis among their columns."""
-    terms = basis(linear)
+    terms = terms_about(linear)
 
     def put(columns: Floats, more: Floats) -> Floats:
         return np.concatenate([columns[..., :-1], more, columns[..., -1:]], axis=-1)
@@ -48,11 +48,11 @@ def joined(linear: Linearised) -> Linearised:
     )
 
 
-def basis(linear: Linearised) -> Terms:
+def terms_about(linear: Linearised) -> Terms:
     """Return the terms about linearised shots, zero where a measurement is not used."""
     flown = Flown.of(linear)
     terms, forcings = _forcings(flown.states)
-    flight = flown.seen(terms, forced(flown.arcs, forcings))
+    flight = flown.measured_changes(terms, after_forcing(flown.arcs, forcings))
     whole = Terms.together([flight, of_bounces(flown), of_sensor(flown)])
     whole.positions[~linear.sampled] = 0.0
     whole.labels[~linear.labelled] = 0.0

@@ -9,8 +9,8 @@ import numpy as np
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, STATE_SIZE
 from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised, label_units
-from models.gap.fit.measurement import Moments
+from models.gap.fit.linearize import Linearised, label_scales
+from models.gap.fit.measurement import Schedule
 from models.gap.hypotheses import Hypothesis
 from models.gap.locate.sensitivity import Arc, arcs
 
@@ -63,38 +63,38 @@ class Flown:
     """
 
     linear: Linearised
-    moments: Moments
+    schedule: Schedule
     arcs: list[Arc]
     states: Floats
 
     @classmethod
     def of(cls, linear: Linearised) -> "Flown":
         """Return the balls of linearised shots."""
-        moments = Moments.of(linear.shots)
-        found = arcs(linear.simulator, linear.unknowns, moments.times)
-        states = np.zeros((*moments.times.shape, STATE_SIZE))
+        schedule = Schedule.of(linear.shots)
+        found = arcs(linear.simulator, linear.nuisance, schedule.times)
+        states = np.zeros((*schedule.times.shape, STATE_SIZE))
         for arc in found:
             states[arc.rows] = np.where(arc.inside[..., None], arc.states, states[arc.rows])
-        return cls(linear, moments, found, states)
+        return cls(linear, schedule, found, states)
 
     @cached_property
     def sampled(self) -> Floats:
         """(B, N, 9) states at the samples."""
-        return np.take_along_axis(self.states, self.moments.samples[..., None], axis=1)
+        return np.take_along_axis(self.states, self.schedule.samples[..., None], axis=1)
 
     @cached_property
     def labelled(self) -> Floats:
         """(B, L, 9) states at the labels."""
-        return np.take_along_axis(self.states, self.moments.labels[..., None], axis=1)
+        return np.take_along_axis(self.states, self.schedule.labels[..., None], axis=1)
 
     @cached_property
-    def units(self) -> Floats:
+    def label_scales(self) -> Floats:
         """(B, L) rad/s, those of the labels."""
-        return label_units(self.labelled[..., SPIN])
+        return label_scales(self.labelled[..., SPIN])
 
-    def seen(self, terms: Sequence[Term], changes: Floats) -> Terms:
+    def measured_changes(self, terms: Sequence[Term], changes: Floats) -> Terms:
         """Return what sensors see of (B, T, 9, D) changes of the states."""
-        samples, labels = self.moments.samples, self.moments.labels
+        samples, labels = self.schedule.samples, self.schedule.labels
         places = np.take_along_axis(changes[:, :, POSITION], samples[..., None, None], axis=1)
         spins = np.take_along_axis(changes[:, :, SPIN], labels[..., None, None], axis=1)
-        return Terms(tuple(terms), places, spins / self.units[..., None, None])
+        return Terms(tuple(terms), places, spins / self.label_scales[..., None, None])

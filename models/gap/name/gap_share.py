@@ -1,4 +1,4 @@
-"""Shares: what each of several causes has in what all of them gain.
+"""Shares of the gap: how much of the gain of all causes each of them has.
 
 A cause's share is the mean, over the orders in which causes may be added, of what it adds to those
 before it (Shapley's value). Where there are many causes, some orders drawn at random stand for all.
@@ -10,38 +10,36 @@ from math import factorial
 import numpy as np
 
 from models.ball.types import Floats
-from models.gap.inference.set_scores import Scales
-from models.gap.types import Indices
-
-MOST_ORDERS = 240
+from models.gap.inference.set_scores import SetScores
+from models.gap.types import Indices, Places
 
 
-def shares(scales: Scales, causes: tuple[int, ...]) -> dict[int, float]:
+def shares(set_scores: SetScores, causes: Places) -> dict[int, float]:
     """Return what each cause gains in twice the log likelihood, the sum being what all gain.
 
     More causes never explain less, though some alone may gain nothing, where they would need
     impossible values.
 
     Args:
-        scales: that weigh sets of causes.
+        set_scores: of sets of causes.
         causes: their places.
     """
-    orders = _orders(causes)
-    gains = [_gains(scales, orders[:, :size]) for size in range(1, len(causes) + 1)]
+    orders = _orders(causes, set_scores.settings.name.max_orders)
+    gains = [_gains(set_scores, orders[:, :size]) for size in range(1, len(causes) + 1)]
     best = np.maximum.accumulate([np.zeros(len(orders)), *gains])
     added = np.diff(best, axis=0).T
     return {k: float(added[orders == k].mean()) for k in causes}
 
 
-def _orders(causes: tuple[int, ...]) -> Indices:
+def _orders(causes: Places, most: int) -> Indices:
     """Return (R, C) orders of the causes: all of them, or some at random where they are many."""
-    if factorial(len(causes)) <= MOST_ORDERS:
+    if factorial(len(causes)) <= most:
         return np.array(list(permutations(causes)), dtype=np.int64)
-    rows = np.tile(np.array(causes, dtype=np.int64), (MOST_ORDERS, 1))
+    rows = np.tile(np.array(causes, dtype=np.int64), (most, 1))
     return np.random.default_rng(0).permuted(rows, axis=1)
 
 
-def _gains(scales: Scales, sets: Indices) -> Floats:
+def _gains(set_scores: SetScores, sets: Indices) -> Floats:
     distinct, places = np.unique(np.sort(sets, axis=1), axis=0, return_inverse=True)
-    gains: Floats = scales.gains(distinct)[0][places.reshape(-1)]
+    gains: Floats = set_scores.gains(distinct)[0][places.reshape(-1)]
     return gains

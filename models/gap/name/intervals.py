@@ -1,4 +1,4 @@
-"""Bounded: estimates and intervals of values that cannot be anything.
+"""Intervals of estimates within physical bounds.
 
 The 95 % interval of a value within bounds holds the likeliest values with 95 % of the probability
 that its normal distribution has between them. Far from the bounds it is the usual one; at a bound
@@ -9,30 +9,33 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
-CONFIDENCE = 0.95
-NORMAL = 1.96  # standard errors of a normal's 95 %
-BEYOND = 5.0  # standard errors that an estimate counts as outside, at most
+from models.gap.settings import GapSettings
+
+FARTHEST = 5.0  # standard errors outside its bounds that an estimate counts as, at most (numerics)
 
 Interval = tuple[float, float]
 
 
-def within(estimate: float, margin: float, bounds: Interval) -> tuple[float, Interval]:
+def within(
+    estimate: float, margin: float, bounds: Interval, settings: GapSettings
+) -> tuple[float, Interval]:
     """Return the likeliest value within bounds, and its 95 % interval.
 
     Args:
         estimate: without bounds.
         margin: half of its 95 % interval.
         bounds: least and greatest value.
+        settings: with the confidence.
     """
-    error = max(margin / NORMAL, 1e-9 * (bounds[1] - bounds[0]))
+    error = max(margin / settings.normal_quantile, 1e-9 * (bounds[1] - bounds[0]))
     low, high = ((end - estimate) / error for end in bounds)
-    outside = max(low - BEYOND, 0.0) + min(high + BEYOND, 0.0)
+    outside = max(low - FARTHEST, 0.0) + min(high + FARTHEST, 0.0)
     low, high = low - outside, high - outside
 
     def probability(reach: float) -> float:
         return float(ndtr(min(high, reach)) - ndtr(max(low, -reach)))
 
-    wanted, farthest = CONFIDENCE * probability(np.inf), max(-low, high)
+    wanted, farthest = settings.confidence * probability(np.inf), max(-low, high)
     half = brentq(lambda reach: probability(reach) - wanted, max(low, -high, 0.0), farthest)
     ends = np.clip([-half, half], low, high) - low
     start, end = np.clip(bounds[0] + error * ends, *bounds)

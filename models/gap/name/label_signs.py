@@ -1,9 +1,9 @@
-"""Signs: shots whose spin label reads backwards.
+"""Label signs: shots whose spin label is negated.
 
-Whether a label is negated is a question to one shot at a time: it is fitted with the label as it is
-and with the label negated. Where the latter fits far better, and as well as shots do, the label is
-backwards. The share of such shots is the effect ``spin_sign_flip``; the rest of the workflow sees
-them with their signs put right, or leaves them out as long as that is in doubt.
+Whether a label is negated is tested one shot at a time: the shot is fitted with its label and with
+the negated label. Where the latter fits decisively better, and as well as other shots do, the label
+is flipped. The share of such shots is the effect ``spin_sign_flip``; the rest of the workflow uses
+corrected labels, or leaves them out as long as they are in doubt.
 """
 
 from dataclasses import dataclass, replace
@@ -15,102 +15,108 @@ from models.ball.simulator import Simulator
 from models.ball.state import SPIN
 from models.ball.types import Floats
 from models.gap.fit.linearize import linearise
-from models.gap.fit.noise import OUTLIER_SIZE, OUTLIERS, Noise
-from models.gap.fit.refit import Refitted
+from models.gap.fit.noise import Noise
+from models.gap.fit.refit import RefitResult
 from models.gap.fit.shot_fit import refit_shots
 from models.gap.fit.shots import Shots
-
-FEWEST = 3  # shots: no verdict rests on one or two
-DECISIVE = 20.0  # of twice the log likelihood
-DOUBTFUL = 1.1  # times the typical error from which a shot is asked
-ORDINARY = 2.0  # times the typical error up to which a shot fits as shots do
+from models.gap.settings import GapSettings
+from models.gap.types import Bools
 
 
 @dataclass(frozen=True)
-class Signs:
-    """Which labels are backwards.
+class LabelSigns:
+    """Which labels are flipped.
 
     Attributes:
         count: of shots in all.
-        backwards: numbers of the shots whose labels are.
+        flipped: numbers of the shots whose labels are.
         labelled: how many shots have labels.
+        settings: of the workflow.
     """
 
     count: int
-    backwards: frozenset[int]
+    flipped: frozenset[int]
     labelled: int
+    settings: GapSettings
 
     @property
     def share(self) -> float:
-        """Of the labelled shots."""
-        return float(len(self.backwards) / max(self.labelled, 1))
+        """Of flipped labels in the labelled shots."""
+        return float(len(self.flipped) / max(self.labelled, 1))
 
     @property
     def interval(self) -> tuple[float, float]:
-        """95 % of the share."""
-        found = binomtest(len(self.backwards), max(self.labelled, 1))
-        ends = found.proportion_ci(0.95, "wilson")
+        """Of the share (Wilson 1927)."""
+        test = binomtest(len(self.flipped), max(self.labelled, 1))
+        ends = test.proportion_ci(self.settings.confidence, "wilson")
         return float(ends.low), float(ends.high)
 
     @property
     def significant(self) -> bool:
-        """Whether more shots say so than no verdict rests on."""
-        return len(self.backwards) >= FEWEST
+        """Whether enough shots are flipped for a verdict."""
+        return len(self.flipped) >= self.settings.name.min_flipped_labels
 
     @property
     def detectable(self) -> float:
         """The smallest share that would be found."""
-        return FEWEST / max(self.labelled, 1)
+        return self.settings.name.min_flipped_labels / max(self.labelled, 1)
 
-    def righted(self, shots: Shots) -> Shots:
-        """Return shots with the signs of their labels put right, if that many are wrong."""
+    def corrected(self, shots: Shots) -> Shots:
+        """Return shots with the flipped labels negated, if they are significant."""
         if not self.significant:
             return shots
-        turn = np.ones((self.count, 1, 1))
-        turn[sorted(self.backwards)] = -1.0
-        return replace(shots, labels=shots.labels * turn)
+        sign = np.ones((self.count, 1, 1))
+        sign[sorted(self.flipped)] = -1.0
+        return replace(shots, labels=shots.labels * sign)
 
     def left_out(self, shots: Shots) -> Shots:
-        """Return shots without the labels that are backwards."""
+        """Return shots without the flipped labels."""
         times, labels = shots.label_times.copy(), shots.labels.copy()
-        times[sorted(self.backwards)] = labels[sorted(self.backwards)] = np.nan
+        times[sorted(self.flipped)] = labels[sorted(self.flipped)] = np.nan
         return replace(shots, label_times=times, labels=labels)
 
 
-def no_signs(shots: Shots) -> Signs:
-    """Return that all labels read as they should."""
+def no_flipped_labels(shots: Shots, settings: GapSettings) -> LabelSigns:
+    """Return that no label is flipped."""
     labelled = shots.labelled.any(axis=1)
-    return Signs(len(shots), frozenset(), int(labelled.sum()))
+    return LabelSigns(len(shots), frozenset(), int(labelled.sum()), settings)
 
 
-def signs(shots: Shots, found: Refitted) -> Signs:
-    """Return which labels are backwards, as far as their balls' paths tell."""
+def find_flipped_labels(shots: Shots, fit: RefitResult, settings: GapSettings) -> LabelSigns:
+    """Return which labels the paths of their balls contradict."""
     labelled = shots.labelled.any(axis=1)
-    backwards = np.zeros(len(shots), dtype=bool)
+    flipped = np.zeros(len(shots), dtype=bool)
     if labelled.any():
-        simulator, noise, unknowns = found.simulator, found.components.noise, found.linear.unknowns
-        as_is = _misfit(shots, simulator, unknowns, noise)
-        rows = shots.valid.sum(axis=1) + shots.labelled.sum(axis=1)
-        typical = np.median((as_is / rows)[labelled])
-        asked = np.flatnonzero(labelled & (as_is > DOUBTFUL * typical * rows))
-        if len(asked):
-            turned = replace(shots[asked], labels=-shots.labels[asked])
-            start = unknowns[asked].copy()
-            start[:, SPIN] *= -1.0
-            fit = refit_shots(turned, simulator, start, noise)
-            other = _misfit(turned, simulator, fit.unknowns, noise)
-            better = other < as_is[asked] - DECISIVE
-            backwards[asked] = better & (other < ORDINARY * typical * rows[asked])
-    numbers = frozenset(np.flatnonzero(backwards).tolist())
-    return Signs(len(shots), numbers, int(labelled.sum()))
+        flipped = _flipped(shots, fit, settings)
+    numbers = frozenset(np.flatnonzero(flipped).tolist())
+    return LabelSigns(len(shots), numbers, int(labelled.sum()), settings)
 
 
-def _misfit(shots: Shots, simulator: Simulator, unknowns: Floats, noise: Noise) -> Floats:
+def _flipped(shots: Shots, fit: RefitResult, settings: GapSettings) -> Bools:
+    own, labelled = settings.name, shots.labelled.any(axis=1)
+    simulator, noise, nuisance = fit.simulator, fit.noise_estimate.noise, fit.linear.nuisance
+    misfit = _misfit(shots, simulator, nuisance, noise)
+    rows = shots.valid.sum(axis=1) + shots.labelled.sum(axis=1)
+    typical = np.median((misfit / rows)[labelled])
+    tried = np.flatnonzero(labelled & (misfit > own.suspect_misfit * typical * rows))
+    flipped = np.zeros(len(shots), dtype=bool)
+    if len(tried):
+        negated = replace(shots[tried], labels=-shots.labels[tried])
+        start = nuisance[tried].copy()
+        start[:, SPIN] *= -1.0
+        refitted = refit_shots(negated, simulator, start, noise, settings.fit)
+        other = _misfit(negated, simulator, refitted.nuisance, noise)
+        better = other < misfit[tried] - own.decisive_gain
+        flipped[tried] = better & (other < own.ordinary_misfit * typical * rows[tried])
+    return flipped
+
+
+def _misfit(shots: Shots, simulator: Simulator, nuisance: Floats, noise: Noise) -> Floats:
     """Return (B,) twice the negative log likelihoods, where outliers cost no more than they do."""
-    linear = linearise(shots, simulator, unknowns, ())
+    linear = linearise(shots, simulator, nuisance, ())
     distance = (linear.positions[..., -1] ** 2).sum(axis=2) / noise.position**2
-    ratio = noise.position / OUTLIER_SIZE
-    density = (1 - OUTLIERS) * np.exp(-distance / 2) + OUTLIERS * ratio**3
+    ratio = noise.position / 0.1
+    density = (1 - 0.02) * np.exp(-distance / 2) + 0.02 * ratio**3
     places = -2 * np.where(linear.sampled, np.log(density), 0.0).sum(axis=1)
     count = np.maximum(linear.labelled.sum(axis=1), 1)
     variance = noise.label**2 + count * noise.label_common**2

@@ -1,13 +1,13 @@
-"""Lift: whether balls curve by their spins, although the simulator has no Magnus force.
+"""Missing lift: whether balls curve by their spins although the simulator has no Magnus force.
 
-Such a simulator has no derivative by C_M where spins are unknown: lift is the product of two
-numbers that are both missing. Where spins were measured it has, but is so far off that labels pass
-for wrong ones and decoys for causes. What lift does is different in every shot, up, down or
-aside, and that is what tells it from wrong gravity, which pulls all shots alike. So each shot gets
-a spin of its own about a simulator with some C_M, the simulator's own values are free on both
-sides, and the squared errors, in the noise as found *with* lift, must fall by more than three free
-numbers a shot explain. Without labels C_M itself shows only where balls bounce; elsewhere it stays
-what it was.
+Such a simulator has no derivative by C_M where spins are unknown: lift is a product of two
+parameters that are both missing. Where spins were measured it has one, but is so far off that
+labels look wrong and other effects look like causes. Lift acts differently in every shot, up, down
+or aside, which distinguishes it from a wrong gravity, which pulls all shots alike. So each shot
+gets a free spin about a simulator with some C_M, the simulator's listed values are free on both
+sides, and the squared errors, in the noise as estimated *with* lift, must fall by more than three
+free parameters a shot explain (a likelihood-ratio test). Without labels C_M itself is identified
+only by bounces; elsewhere it stays at its start.
 """
 
 from dataclasses import dataclass
@@ -18,19 +18,18 @@ from scipy.stats import chi2
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised, linearise
-from models.gap.fit.marginal import marginal
-from models.gap.fit.noise import Noise, grams
-from models.gap.fit.refit import Refitted, refit
+from models.gap.fit.noise import Noise, gram_matrices
+from models.gap.fit.projection import eliminate_nuisance
+from models.gap.fit.refit import RefitResult, refit
 from models.gap.fit.shot_fit import refit_shots
 from models.gap.fit.shots import Shots
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.inference.score_test import Evidence
-
-LIFT = 0.1  # C_M; only its product with the spin shows in flight
+from models.gap.settings import GapSettings
 
 
 @dataclass(frozen=True)
-class Lift:
+class LiftTest:
     """What spins explain.
 
     Attributes:
@@ -39,32 +38,36 @@ class Lift:
         p_value: of so large a gain without any lift.
     """
 
-    with_lift: Refitted
+    with_lift: RefitResult
     gain: float
     p_value: float
 
 
-def lift(shots: Shots, without: Refitted) -> Lift:
+def lift_test(shots: Shots, without: RefitResult, settings: GapSettings) -> LiftTest:
     """Test whether spins bend the paths.
 
     Args:
         shots: with or without labels.
-        without: the shots about a simulator without Magnus force, its own values refitted.
+        without: the shots about a simulator without Magnus force, its listed values refitted.
+        settings: of the workflow.
     """
-    simulator: Simulator = without.simulator.amended("magnus", cm=LIFT)
-    found = refit(shots, simulator, (*without.free, Hypothesis("magnus", "cm")))
-    noise = found.components.noise
-    fit = refit_shots(shots, without.simulator, without.linear.unknowns, noise)
+    simulator: Simulator = without.simulator.amended("magnus", cm=settings.name.lift_start)
+    free = (*without.free, Hypothesis("magnus", "cm"))
+    with_lift = refit(shots, simulator, free, settings.fit)
+    noise = with_lift.noise_estimate.noise
+    fit = refit_shots(shots, without.simulator, without.linear.nuisance, noise, settings.fit)
     columns = hypotheses(without.simulator)
-    about = linearise(shots, without.simulator, fit.unknowns, columns)
-    weights = np.minimum(fit.weights, found.components.weights)
-    gain = _misfit(about, noise, weights) - _misfit(found.linear, noise, weights)
-    return Lift(found, gain, float(chi2.sf(gain, 3 * len(shots))))
+    linear = linearise(shots, without.simulator, fit.nuisance, columns)
+    weights = np.minimum(fit.weights, with_lift.noise_estimate.weights)
+    gain = _misfit(linear, noise, weights, settings)
+    gain -= _misfit(with_lift.linear, noise, weights, settings)
+    return LiftTest(with_lift, gain, float(chi2.sf(gain, 3 * len(shots))))
 
 
-def _misfit(linear: Linearised, noise: Noise, weights: Floats) -> float:
-    """Return the squared errors left when unknowns and the simulator's own values are fitted."""
-    left = marginal(grams(linear, noise, weights, np.ones(len(weights))).total(noise), linear.own)
-    evidence = Evidence(linear.columns, linear.listed, left.scores, left.information)
+def _misfit(linear: Linearised, noise: Noise, weights: Floats, settings: GapSettings) -> float:
+    """Return the squared errors when nuisance parameters and listed values are fitted."""
+    grams = gram_matrices(linear, noise, weights, np.ones(len(weights))).total(noise)
+    left = eliminate_nuisance(grams, linear.nuisance_count)
+    evidence = Evidence(linear.columns, linear.listed, left.scores, left.information, settings)
     free = [one for one in evidence.free if linear.columns[one].effect != "magnus"]
-    return float(left.misfit.sum()) - evidence.tested(free, []).gain
+    return float(left.misfit.sum()) - evidence.score_test(free, []).gain

@@ -12,12 +12,9 @@ import numpy as np
 from scipy.stats import chi2
 
 from models.ball.types import Floats
-from models.gap.fit.marginal import visible
-from models.gap.inference.score_test import Evidence, Tested
+from models.gap.fit.projection import identifiable_directions
+from models.gap.inference.score_test import Evidence, ScoreTest
 from models.gap.locate.terms import Term
-
-OWN_PART = 1e-4  # of a direction's information, that must be left beside the catalogue
-OWN_TERM = 1e-3  # the same of a term's
 
 
 @dataclass(frozen=True)
@@ -41,7 +38,7 @@ class PhaseTest:
         return [k for k in self._seen if columns[k].effect == self.phase]
 
     @cached_property
-    def beside(self) -> list[int]:
+    def given(self) -> list[int]:
         """(N,) places of the catalogue's numbers."""
         columns = self.evidence.columns
         effects = [k for k in self._seen if not isinstance(columns[k], Term)]
@@ -49,38 +46,38 @@ class PhaseTest:
 
     @cached_property
     def _seen(self) -> list[int]:
-        return np.flatnonzero(self.evidence.seen).tolist()
+        return np.flatnonzero(self.evidence.observable).tolist()
 
     @cached_property
     def spread(self) -> Floats:
         """(N, N) covariance of the catalogue's values, which may be alike."""
-        directions = visible(self.evidence.total[np.ix_(self.beside, self.beside)])
+        directions = identifiable_directions(self.evidence.total[np.ix_(self.given, self.given)])
         covariance: Floats = directions @ directions.T
         return covariance
 
     @cached_property
     def values(self) -> Floats:
         """(N,) of the catalogue, by which they differ from the simulator's."""
-        values: Floats = self.spread @ self.evidence.scores[:, self.beside].sum(axis=0)
+        values: Floats = self.spread @ self.evidence.scores[:, self.given].sum(axis=0)
         return values
 
     @cached_property
     def mixing(self) -> Floats:
         """(D, N) how much of the terms the catalogue explains."""
-        mixing: Floats = self.evidence.total[np.ix_(self.places, self.beside)] @ self.spread
+        mixing: Floats = self.evidence.total[np.ix_(self.places, self.given)] @ self.spread
         return mixing
 
     def scores(self, evidence: Evidence) -> Floats:
         """Return the (B, D) scores of the terms beside the catalogue with its values."""
-        rest = evidence.scores - evidence.information[:, :, self.beside] @ self.values
-        scores: Floats = rest[:, self.places] - rest[:, self.beside] @ self.mixing.T
+        rest = evidence.scores - evidence.information[:, :, self.given] @ self.values
+        scores: Floats = rest[:, self.places] - rest[:, self.given] @ self.mixing.T
         return scores
 
     @cached_property
     def information(self) -> Floats:
         """(D, D) of the terms beside the catalogue."""
         total = self.evidence.total
-        mixed = self.mixing @ total[np.ix_(self.beside, self.places)]
+        mixed = self.mixing @ total[np.ix_(self.given, self.places)]
         information: Floats = total[np.ix_(self.places, self.places)] - mixed
         return information
 
@@ -91,10 +88,8 @@ class PhaseTest:
         Scores along them have unit variance.
         """
         scale = np.sqrt(np.diag(self.evidence.total)[self.places])
-        values, vectors = np.linalg.eigh(self.information / np.outer(scale, scale))
-        kept = values > OWN_PART
-        directions: Floats = vectors[:, kept] / scale[:, None] / np.sqrt(values[kept])
-        return directions
+        least = self.evidence.settings.name.min_direction_information
+        return identifiable_directions(self.information, scale, least)
 
     @cached_property
     def along(self) -> Floats:
@@ -109,28 +104,33 @@ class PhaseTest:
         return estimate
 
     @cached_property
-    def alone(self) -> dict[int, Tested]:
+    def alone(self) -> dict[int, ScoreTest]:
         """Tests of terms of which a good part is their own, each alone, by their numbers."""
-        a, n, k = self.evidence.information, self.beside, self.places
+        a, n, k = self.evidence.information, self.given, self.places
         mixed = np.einsum("dn,bnd->bd", self.mixing, a[:, n][:, :, k])
         twice = ((a[:, n][:, :, n] @ self.mixing.T) * self.mixing.T).sum(axis=1)
         shares = np.einsum("bkk->bk", a)[:, k] - 2 * mixed + twice
         scores = self.scores(self.evidence)
-        own = np.flatnonzero(shares.sum(axis=0) > OWN_TERM * np.diag(self.evidence.total)[k])
-        return {d: Tested((k[d],), scores[:, [d]], shares[:, [d], None]) for d in own.tolist()}
+        settings = self.evidence.settings
+        least = settings.name.min_term_information
+        own = np.flatnonzero(shares.sum(axis=0) > least * np.diag(self.evidence.total)[k])
+        return {
+            d: ScoreTest((k[d],), scores[:, [d]], shares[:, [d], None], settings)
+            for d in own.tolist()
+        }
 
     @cached_property
     def clearest(self) -> Floats:
         """(D,) the value of the term that is the least likely by chance, others zero."""
         terms = np.zeros(len(self.places))
-        number = min(self.alone, key=lambda one: _chance(self.alone[one]))
+        number = min(self.alone, key=lambda one: _p_value(self.alone[one]))
         terms[number] = self.alone[number].estimate[0]
         return terms
 
     @cached_property
-    def chance_alone(self) -> float:
+    def p_value_alone(self) -> float:
         """Chance of the term that is the least likely by chance."""
-        return min((_chance(test) for test in self.alone.values()), default=1.0)
+        return min((_p_value(test) for test in self.alone.values()), default=1.0)
 
     @cached_property
     def squared(self) -> float:
@@ -147,7 +147,7 @@ class PhaseTest:
         """Logarithm of the chance of so much structure, by the noise as it was found."""
         return float(chi2.logsf(self.squared, max(self.along.shape[1], 1)))
 
-    def chance(self, signs: Floats) -> float:
+    def p_value(self, signs: Floats) -> float:
         """Return the chance of so much structure, by the spread between shots and by the noise.
 
         Shots whose values were fitted spread less than they did: the noise as found must agree.
@@ -161,14 +161,14 @@ class PhaseTest:
         by_noise = float(chi2.sf(self.squared, self.along.shape[1]))
         return max((1 + above) / (1 + len(signs)), by_noise)
 
-    def foretold(self, terms: Floats, others: Evidence) -> tuple[float, float]:
+    def predicted_score(self, terms: Floats, others: Evidence) -> tuple[float, float]:
         """Return how far other shots follow values of the terms, and how far they would by chance.
 
         Args:
             terms: (D,) values.
             others: shots about the same simulator.
         """
-        k, n = self.places, self.beside
+        k, n = self.places, self.given
         score = self.scores(others).sum(axis=0) @ terms
         total = others.total
         across = total[np.ix_(k, n)] - self.mixing @ total[np.ix_(n, n)]
@@ -178,6 +178,6 @@ class PhaseTest:
         return float(score), float(np.sqrt(max(float(variance), 0.0)))
 
 
-def _chance(test: Tested) -> float:
+def _p_value(test: ScoreTest) -> float:
     """Return the chance of a term; the noise as found must agree."""
-    return max(test.chance, float(chi2.sf(test.gain, 1)))
+    return max(test.p_value, float(chi2.sf(test.gain, 1)))

@@ -1,12 +1,12 @@
-"""Unknown: structure in what is left when the whole catalogue is free.
+"""Unexplained structure: what remains in the residuals when the whole catalogue is free.
 
-Every catalogued effect that the shots can show is free, so that none of them, nor several together,
-can pass for an unknown one or hide it by standing in for it. Beside them the omnibus basis is
-tested in two ways: all terms of a phase together, which sees whatever lies in their span, and each
-term alone, which sees what is much like one of them at a smaller size. Null distributions of a
-phase come from the shots: their scores with signs drawn at random. What is found must hold on other
-shots, too. The lead is a sparse formula that pysindy's thresholded least squares find for the same
-scores; it says what such an effect may look like, not that it is one.
+Every catalogued effect that the shots can show is free, so that no effect, and no combination, can
+pass for an unknown one or hide it. Given them, the omnibus terms (term_library.py) are tested in
+two ways: all terms of a phase together, which detects whatever lies in their span, and each term
+alone, which detects a smaller effect that resembles one of them. The null distribution of a phase
+comes from the shots: their scores with random signs. What is found must be confirmed on other
+shots. The candidate formula is a sparse fit to the same scores; it says what such an effect may
+look like, not that it is one.
 """
 
 from collections.abc import Sequence
@@ -16,20 +16,18 @@ import numpy as np
 
 from models.ball.types import Floats
 from models.gap.fit.noise import Noise
-from models.gap.fit.refit import Refitted
-from models.gap.fit.variance_components import Components
+from models.gap.fit.refit import RefitResult
+from models.gap.fit.variance_components import NoiseEstimate
 from models.gap.inference.score_test import Evidence
-from models.gap.locate.term_library import joined
+from models.gap.locate.term_library import with_terms
 from models.gap.name.phase_test import PhaseTest
 from models.gap.name.sparse_formula import formula
+from models.gap.settings import GapSettings
 from models.gap.types import PHASES, Phase
-
-SIGN_FLIPS = 20_000
-CONFIRMS = 2.5  # standard errors on other shots
 
 
 @dataclass(frozen=True)
-class Leftover:
+class UnexplainedStructure:
     """What is left beside the catalogue.
 
     Attributes:
@@ -54,35 +52,42 @@ class Leftover:
         return self.test.gain
 
     @property
-    def lead(self) -> str:
+    def candidate_formula(self) -> str:
         """A sparse formula of terms of which a good part is not in the span of the catalogue."""
         test, some = self.test, list(self.test.alone)
         names = [test.evidence.columns[test.places[d]].parameter for d in some]
         rows = test.directions.T @ test.information[:, some]
-        return formula(names, rows, test.along.sum(axis=0))
+        return formula(names, rows, test.along.sum(axis=0), test.evidence.settings.name)
 
-    def confirmed(self, others: Refitted) -> bool:
+    def confirmed(self, others: RefitResult) -> bool:
         """Whether other shots, about the same simulator, show the same structure."""
-        score, error = self.test.foretold(self.terms, _evidence(others, self.noise))
-        return score > CONFIRMS * error
+        score, error = self.test.predicted_score(
+            self.terms, _evidence(others, self.noise, self.test.evidence.settings)
+        )
+        return score > self.test.evidence.settings.name.confirmation * error
 
 
-def leftover(found: Refitted, withheld: Sequence[str] = ()) -> Leftover:
+def find_unexplained(
+    fit: RefitResult, settings: GapSettings, withheld: Sequence[str] = ()
+) -> UnexplainedStructure:
     """Test whether structure is left beside the whole catalogue.
 
     Args:
-        found: the shots about the simulator with the causes that were named.
+        fit: the shots about the simulator with the causes that were named.
+        settings: of the workflow.
         withheld: effects that are not in the catalogue.
     """
-    noise = found.components.noise
-    evidence = _evidence(found, noise)
+    noise = fit.noise_estimate.noise
+    evidence = _evidence(fit, noise, settings)
     tests = {phase: PhaseTest(evidence, phase, tuple(withheld)) for phase in PHASES}
-    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(SIGN_FLIPS, len(evidence.scores)))
-    together = min(1.0, len(PHASES) * min(test.chance(signs) for test in tests.values()))
+    signs = np.random.default_rng(0).choice(
+        [-1.0, 1.0], size=(settings.name.sign_flips, len(evidence.scores))
+    )
+    together = min(1.0, len(PHASES) * min(test.p_value(signs) for test in tests.values()))
     count = max(sum(len(test.alone) for test in tests.values()), 1)
-    alone = min(1.0, count * min(test.chance_alone for test in tests.values()))
+    alone = min(1.0, count * min(test.p_value_alone for test in tests.values()))
     if alone < together:
-        where = min(PHASES, key=lambda phase: tests[phase].chance_alone)
+        where = min(PHASES, key=lambda phase: tests[phase].p_value_alone)
         terms = tests[where].clearest
     else:
         where = min(PHASES, key=lambda phase: tests[phase].rarity)
@@ -90,10 +95,11 @@ def leftover(found: Refitted, withheld: Sequence[str] = ()) -> Leftover:
     total = max(sum(test.gain for test in tests.values()), 1e-12)
     shares = {phase: test.gain / total for phase, test in tests.items()}
     p_value = min(1.0, 2 * min(together, alone))
-    return Leftover(p_value, where, shares, tests[where], terms, noise)
+    return UnexplainedStructure(p_value, where, shares, tests[where], terms, noise)
 
 
-def _evidence(found: Refitted, noise: Noise) -> Evidence:
+def _evidence(fit: RefitResult, noise: Noise, settings: GapSettings) -> Evidence:
     """Return the evidence for hypotheses and terms."""
-    linear = joined(found.linear)
-    return Evidence.of(linear, Components.known(linear, noise, found.components.weights))
+    linear = with_terms(fit.linear)
+    known = NoiseEstimate.known(linear, noise, fit.noise_estimate.weights, settings.fit)
+    return Evidence.of(linear, known, settings)

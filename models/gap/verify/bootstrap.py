@@ -1,13 +1,11 @@
-"""Resampled: how sure errors of predictions are, by shots drawn at random with replacement.
+"""Bootstrap of prediction errors over shots (percentile intervals, Efron 1979).
 
-All that is compared is drawn together, so that what shots have in common does not count.
+Errors that are compared are resampled together (paired), so that what shots share cancels.
 """
 
 import numpy as np
 
 from models.ball.types import Floats
-
-DRAWS = 2000
 
 
 def root_mean_squares(squares: Floats) -> Floats:
@@ -18,17 +16,18 @@ def root_mean_squares(squares: Floats) -> Floats:
     return roots
 
 
-def resampled(squares: Floats, seed: int) -> Floats:
+def resampled(squares: Floats, draws: int, seed: int) -> Floats:
     """Return the (D, 3, H) root mean squares of shots drawn at random, D times.
 
     Args:
         squares: (3, B, H) of B shots, NaN where one has none.
+        draws: how many.
         seed: of the drawing.
     """
     shots = squares.shape[1]
-    rows = np.random.default_rng(seed).integers(shots, size=(DRAWS, shots))
-    times = np.zeros((DRAWS, shots))
-    np.add.at(times, (np.arange(DRAWS)[:, None], rows), 1.0)
+    rows = np.random.default_rng(seed).integers(shots, size=(draws, shots))
+    times = np.zeros((draws, shots))
+    np.add.at(times, (np.arange(draws)[:, None], rows), 1.0)
     there = np.isfinite(squares)
     count = np.maximum(np.einsum("db,kbh->dkh", times, there), 1.0)
     total = np.einsum("db,kbh->dkh", times, np.where(there, squares, 0.0))
@@ -36,8 +35,12 @@ def resampled(squares: Floats, seed: int) -> Floats:
     return roots
 
 
-def interval(figures: Floats) -> tuple[float, float]:
-    """Return 95 % of a figure of shots drawn at random; zeros where none of them has one."""
+def interval(figures: Floats, confidence: float) -> tuple[float, float]:
+    """Return the percentile interval of a statistic of resampled shots; zeros where it has none."""
     known = figures[np.isfinite(figures)]
-    low, high = np.quantile(known, [0.025, 0.975]) if len(known) else (0.0, 0.0)
+    low, high = (
+        np.quantile(known, [(1 - confidence) / 2, (1 + confidence) / 2])
+        if len(known)
+        else (0.0, 0.0)
+    )
     return round(float(low), 6), round(float(high), 6)

@@ -26,7 +26,7 @@ class Landings:
     places: Floats
     times: Floats
 
-    def apart(self, others: "Landings") -> tuple[Floats, Floats]:
+    def distances(self, others: "Landings") -> tuple[Floats, Floats]:
         """Return (B,) m and (B,) s, how far landings are from others."""
         return np.linalg.norm(self.places - others.places, axis=1), np.abs(
             self.times - others.times

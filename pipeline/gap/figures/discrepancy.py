@@ -25,7 +25,7 @@ def parting_figure(located: Located) -> Figure:
     left, right = figure.subplots(1, 2)
     times = np.concatenate([[0.0], 1000 * located.horizons])
     bands = [
-        np.concatenate([[0.0], 1000 * located.parting * located.shares[one]]) for one in PHASES
+        np.concatenate([[0.0], 1000 * located.discrepancy * located.shares[one]]) for one in PHASES
     ]
     names = [f"{PLACES[one]}, {percent(located.where[one])}" for one in PHASES]
     left.stackplot(times, bands, colors=PHASE_COLOURS.values(), labels=names, lw=0)

@@ -3,9 +3,10 @@
 import numpy as np
 
 from models.ball.simulator import Simulator
-from models.gap.fit.measurement import Moments, seen
+from models.gap.fit.measurement import Schedule, predict_measurements
 from models.gap.fit.shots import Shots
 from models.gap.hypotheses import hypotheses
+from models.gap.settings import GapSettings
 
 NOMINAL = Simulator.from_dict(
     {
@@ -19,6 +20,7 @@ WITHOUT_MAGNUS = Simulator.from_dict(
     {name: values for name, values in NOMINAL.to_dict().items() if name != "magnus"}
 )
 RATE = 200.0
+SETTINGS = GapSettings()
 
 
 def launches(count, random):
@@ -48,12 +50,14 @@ def measured(
     times = np.tile(np.arange(0.0, seconds, 1 / RATE), (count, 1))
     places = np.tile(np.arange(times.shape[1]), (count, 1))
     kicks = np.tile(random.standard_normal((count, 3)) * scatter, 2)
-    view = seen(simulator, Moments(times, places, places), np.hstack([states, kicks]))
+    prediction = predict_measurements(
+        simulator, Schedule(times, places, places), np.hstack([states, kicks])
+    )
     second = simulator.fly(states, times).contacts.time[:, 1]
     kept = [np.flatnonzero(~(t > end - 0.02)) for t, end in zip(times, second, strict=True)]
-    positions = view.positions + noise * random.standard_normal(view.positions.shape)
-    size = np.linalg.norm(view.labels, axis=-1, keepdims=True)
-    spins = view.labels + label * size * random.standard_normal(view.labels.shape)
+    positions = prediction.positions + noise * random.standard_normal(prediction.positions.shape)
+    size = np.linalg.norm(prediction.labels, axis=-1, keepdims=True)
+    spins = prediction.labels + label * size * random.standard_normal(prediction.labels.shape)
     rows = [k[: {"rows": None, "one": 1, None: 0}[labels]] for k in kept]
     return Shots.from_arrays(
         [t[k] + 7.0 for t, k in zip(times, kept, strict=True)],

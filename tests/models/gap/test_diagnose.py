@@ -8,9 +8,9 @@ import pytest
 from models.gap.amend.simulator import amended
 from models.gap.diagnose import diagnose, held_out
 from models.gap.fit.noise import Noise
-from models.gap.fit.refit import fitted
+from models.gap.fit.refit import fit_nuisance
 from models.gap.verify.prediction_error import errors
-from tests.models.gap.hidden import NOMINAL, WITHOUT_MAGNUS, measured
+from tests.models.gap.hidden import NOMINAL, SETTINGS, WITHOUT_MAGNUS, measured
 
 SIDE = NOMINAL.amended("side_force", cy=0.02)
 
@@ -44,8 +44,8 @@ def test_a_missing_effect_is_named_with_its_size(side):
 
 def test_amending_what_was_named_brings_predictions_to_the_truth(side):
     fresh, noise = measured(SIDE, count=30, seed=9), Noise(scatter=(0.01, 0.02, 0.005))
-    about = fitted(fresh, SIDE, noise)
-    found = errors(about, SIDE, amended(NOMINAL, side), noise, (150.0, 150.0))
+    about = fit_nuisance(fresh, SIDE, noise, settings=SETTINGS.fit)
+    found = errors(about, SIDE, amended(NOMINAL, side), noise, (150.0, 150.0), settings=SETTINGS)
     assert np.nanmean(found.after) == pytest.approx(np.nanmean(found.before), rel=0.03)
 
 

@@ -7,7 +7,13 @@ import pytest
 
 from models.ball import sensor
 from models.ball.state import BALL_RADIUS
-from models.gap.fit.measurement import KINK, Moments, by_hypotheses, by_unknowns, seen
+from models.gap.fit.measurement import (
+    KINK,
+    Schedule,
+    hypothesis_derivatives,
+    nuisance_derivatives,
+    predict_measurements,
+)
 from models.gap.fit.trajectory import SLOW_SLIP
 from models.gap.hypotheses import Hypothesis, hypotheses
 from tests.models.gap.hidden import NOMINAL, launches, measured
@@ -15,7 +21,7 @@ from tests.models.gap.hidden import NOMINAL, launches, measured
 COUNT = 6
 TIMES = np.arange(0.0, 0.6, 0.01)
 PLACES = np.tile(np.arange(len(TIMES)), (COUNT, 1))
-MOMENTS = Moments(np.tile(TIMES, (COUNT, 1)), PLACES, PLACES)
+MOMENTS = Schedule(np.tile(TIMES, (COUNT, 1)), PLACES, PLACES)
 STATES = launches(COUNT, np.random.default_rng(3))
 UNKNOWNS = np.hstack([STATES, np.zeros((COUNT, 3))])
 DISTORTED = (
@@ -32,19 +38,19 @@ def fourth_order(function, h):
     return (8 * (function(h) - function(-h)) - (function(2 * h) - function(-2 * h))) / (12 * h)
 
 
-def smooth(view):
+def is_smooth(prediction):
     """Samples far enough from bounces that neither difference crosses one."""
-    return view.smooth(MOMENTS.times, 30 * KINK)
+    return prediction.is_smooth(MOMENTS.times, 30 * KINK)
 
 
 @pytest.mark.parametrize("late", [0.0, 0.003])
 def test_balls_are_looked_at_when_they_are_sampled_and_when_they_are_labelled(late):
     shots = measured(count=3, seconds=0.3)
     shots = replace(shots, label_times=shots.label_times + late)
-    moments = Moments.of(shots)
+    schedule = Schedule.of(shots)
     samples, labels = (
-        np.take_along_axis(moments.times, places, axis=1) + shots.times[:, :1]
-        for places in (moments.samples, moments.labels)
+        np.take_along_axis(schedule.times, places, axis=1) + shots.times[:, :1]
+        for places in (schedule.samples, schedule.labels)
     )
     assert samples == pytest.approx(shots.times, abs=1e-12)
     assert labels[shots.labelled] == pytest.approx(shots.label_times[shots.labelled], abs=1e-12)
@@ -52,15 +58,18 @@ def test_balls_are_looked_at_when_they_are_sampled_and_when_they_are_labelled(la
 
 def test_a_sensor_without_noise_is_that_of_the_simulator():
     positions, spins = sensor.measured(DISTORTED, STATES, TIMES, np.random.default_rng(0))
-    view = seen(DISTORTED, MOMENTS, UNKNOWNS)
-    assert view.positions == pytest.approx(positions, abs=1e-9)
-    assert view.labels == pytest.approx(spins, abs=1e-7)
+    prediction = predict_measurements(DISTORTED, MOMENTS, UNKNOWNS)
+    assert prediction.positions == pytest.approx(positions, abs=1e-9)
+    assert prediction.labels == pytest.approx(spins, abs=1e-7)
 
 
 def test_a_kick_changes_the_rebound_and_conserves_angular_momentum_about_the_contact_point():
-    kicked = UNKNOWNS.copy()
-    kicked[:, 9:] = (0.02, 0.03, -0.01)
-    change = seen(NOMINAL, MOMENTS, kicked).labels - seen(NOMINAL, MOMENTS, UNKNOWNS).labels
+    apply_kicks = UNKNOWNS.copy()
+    apply_kicks[:, 9:] = (0.02, 0.03, -0.01)
+    change = (
+        predict_measurements(NOMINAL, MOMENTS, apply_kicks).labels
+        - predict_measurements(NOMINAL, MOMENTS, UNKNOWNS).labels
+    )
     contacts = NOMINAL.fly(STATES, TIMES).contacts
     vx, vy, vz, wx, wy = contacts.before[:, 0, 3:8].T
     slip = np.stack([vx - BALL_RADIUS * wy, vy + BALL_RADIUS * wx], axis=1)
@@ -75,13 +84,16 @@ def test_a_kick_changes_the_rebound_and_conserves_angular_momentum_about_the_con
 
 
 def test_derivatives_by_unknowns_agree_with_fourth_order_differences():
-    view = seen(NOMINAL, MOMENTS, UNKNOWNS)
-    slopes = by_unknowns(NOMINAL, MOMENTS, UNKNOWNS, view).positions
-    where = smooth(view)
+    prediction = predict_measurements(NOMINAL, MOMENTS, UNKNOWNS)
+    slopes = nuisance_derivatives(NOMINAL, MOMENTS, UNKNOWNS, prediction).positions
+    where = is_smooth(prediction)
     for column in range(UNKNOWNS.shape[1]):
         shift = np.eye(UNKNOWNS.shape[1])[column]
         exact = fourth_order(
-            lambda h, shift=shift: seen(NOMINAL, MOMENTS, UNKNOWNS + h * shift).positions, 2e-4
+            lambda h, shift=shift: (
+                predict_measurements(NOMINAL, MOMENTS, UNKNOWNS + h * shift).positions
+            ),
+            2e-4,
         )
         error = np.abs(slopes[..., column] - exact)[where].max()
         assert error < 2e-4 * np.abs(exact).max()
@@ -91,12 +103,12 @@ def test_derivatives_by_unknowns_agree_with_fourth_order_differences():
     "hypothesis", hypotheses(NOMINAL), ids=lambda h: f"{h.effect}.{h.parameter}"
 )
 def test_derivatives_by_hypotheses_agree_with_other_differences(hypothesis):
-    view = seen(NOMINAL, MOMENTS, UNKNOWNS)
-    slopes = by_hypotheses(NOMINAL, MOMENTS, UNKNOWNS, view, (hypothesis,))
+    prediction = predict_measurements(NOMINAL, MOMENTS, UNKNOWNS)
+    slopes = hypothesis_derivatives(NOMINAL, MOMENTS, UNKNOWNS, prediction, (hypothesis,))
     value, h = hypothesis.value(NOMINAL), 3 * hypothesis.step
 
     def at(shift):
-        return seen(hypothesis.at(NOMINAL, value + shift), MOMENTS, UNKNOWNS)
+        return predict_measurements(hypothesis.at(NOMINAL, value + shift), MOMENTS, UNKNOWNS)
 
     if value == hypothesis.declaration.bounds[0]:  # one side only, third order
         weights = {0: -11 / 6, 1: 3, 2: -3 / 2, 3: 1 / 3}
@@ -105,7 +117,7 @@ def test_derivatives_by_hypotheses_agree_with_other_differences(hypothesis):
     views = {n: at(n * h) for n in weights}
     places = sum(w * views[n].positions for n, w in weights.items()) / h
     labels = sum(w * views[n].labels for n, w in weights.items()) / h
-    where = smooth(view)
+    where = is_smooth(prediction)
     assert slopes.positions[..., 0][where] == pytest.approx(
         places[where], abs=3e-4 * np.abs(places).max() + 1e-7
     )
@@ -116,10 +128,10 @@ def test_derivatives_by_hypotheses_agree_with_other_differences(hypothesis):
 
 def test_a_law_that_is_clipped_at_its_bound_has_its_whole_slope():
     still = NOMINAL.amended("drag", cd=0.0)
-    here = seen(still, MOMENTS, UNKNOWNS)
+    here = predict_measurements(still, MOMENTS, UNKNOWNS)
     drag = (Hypothesis("drag", "cd"),)
-    slope = by_hypotheses(still, MOMENTS, UNKNOWNS, here, drag).positions[..., 0]
-    ahead = seen(NOMINAL.amended("drag", cd=1e-4), MOMENTS, UNKNOWNS).positions
-    where = smooth(here)
+    slope = hypothesis_derivatives(still, MOMENTS, UNKNOWNS, here, drag).positions[..., 0]
+    ahead = predict_measurements(NOMINAL.amended("drag", cd=1e-4), MOMENTS, UNKNOWNS).positions
+    where = is_smooth(here)
     expected = (ahead - here.positions)[where] / 1e-4
     assert slope[where] == pytest.approx(expected, abs=2e-3 * np.abs(expected).max())

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag
 
-from models.gap.fit.linearize import ballistic_unknowns, linearise
-from models.gap.fit.noise import ANY_SPIN, Noise, grams, inlier_probability, white_gram
+from models.gap.fit.linearize import ballistic_nuisance, linearise
+from models.gap.fit.noise import ANY_SPIN, Noise, gram_matrices, inlier_probability, white_gram
 from models.gap.hypotheses import Hypothesis
-from tests.models.gap.hidden import NOMINAL, launches, measured
+from tests.models.gap.hidden import NOMINAL, SETTINGS, launches, measured
 
 NOISE = Noise(0.003, 0.002, 0.04, 0.05, 0.03, (0.01, 0.02, 0.03), timing=0.0)
 COLUMNS = (Hypothesis("drag", "cd"), Hypothesis("spin_gain", "s"))
 SHOTS = measured(count=3, seconds=0.3)
-UNKNOWNS = ballistic_unknowns(launches(3, np.random.default_rng(0)), 1)
+UNKNOWNS = ballistic_nuisance(launches(3, np.random.default_rng(0)), 1)
 LINEAR = linearise(SHOTS, NOMINAL, UNKNOWNS, COLUMNS)
 WEIGHTS = np.where(np.arange(SHOTS.times.shape[1]) % 7 == 3, 0.2, 1.0) * SHOTS.valid
 
@@ -34,13 +34,13 @@ def test_stamps_that_err_are_errors_along_the_velocity():
         used = LINEAR.sampled[shot]
         velocities = LINEAR.velocities[shot, used]
         speeds = np.linalg.norm(velocities, axis=1)
-        grown = np.hypot(1.0, noise.timing * speeds / noise.white)
+        gains_with_one_more = np.hypot(1.0, noise.timing * speeds / noise.white)
         turns = velocities[..., None] * velocities[:, None] / speeds[:, None, None] ** 2
-        stretch = block_diag(*(np.eye(3) + (grown - 1)[:, None, None] * turns))
+        stretch = block_diag(*(np.eye(3) + (gains_with_one_more - 1)[:, None, None] * turns))
         t = SHOTS.times[shot, used]
         slow = noise.slow**2 * np.exp(-np.abs(t[:, None] - t) / noise.slow_time)
-        steady = np.kron(slow + noise.white**2 * np.eye(len(t)), np.eye(3))
-        dense = stretch @ steady @ stretch
+        timing_scale = np.kron(slow + noise.white**2 * np.eye(len(t)), np.eye(3))
+        dense = stretch @ timing_scale @ stretch
         columns = LINEAR.positions[shot, used].reshape(3 * len(t), -1)
         expected = columns.T @ np.linalg.solve(dense, columns)
         assert products[shot] == pytest.approx(expected, rel=1e-8, abs=1e-8)
@@ -61,14 +61,14 @@ def test_whitened_rows_have_the_products_of_the_dense_covariance():
 def test_labels_have_the_products_of_their_dense_covariance(labels):
     shots = measured(count=3, seconds=0.3, labels=labels)
     linear = linearise(shots, NOMINAL, UNKNOWNS, COLUMNS)
-    parts = grams(linear, NOISE, WEIGHTS, np.ones(3))
+    parts = gram_matrices(linear, NOISE, WEIGHTS, np.ones(3))
     for shot in range(3):
         used = linear.labelled[shot]
         dense = NOISE.label**2 * np.eye(used.sum()) + NOISE.label_common**2
         rows = linear.labels[shot, used]
         expected = sum(rows[:, a].T @ np.linalg.solve(dense, rows[:, a]) for a in range(3))
         found = (parts.total(NOISE) - parts.positions)[shot]
-        own = np.arange(linear.own)
+        own = np.arange(linear.nuisance_count)
         found[own, own] -= parts.precision(NOISE)[shot]
         assert found == pytest.approx(expected, rel=1e-6, abs=1e-6 * np.abs(expected).max())
         assert parts.label_determinants(NOISE)[shot] == pytest.approx(
@@ -78,10 +78,10 @@ def test_labels_have_the_products_of_their_dense_covariance(labels):
 
 def test_kicks_are_pulled_to_zero_and_unlabelled_spins_are_not():
     bare = measured(count=3, seconds=0.3, labels=None)
-    unknowns = UNKNOWNS.copy()
-    unknowns[:, 9:] = 0.05
-    linear = linearise(bare, NOMINAL, unknowns, ())
-    parts = grams(linear, NOISE, WEIGHTS, np.ones(3))
+    nuisance = UNKNOWNS.copy()
+    nuisance[:, 9:] = 0.05
+    linear = linearise(bare, NOMINAL, nuisance, ())
+    parts = gram_matrices(linear, NOISE, WEIGHTS, np.ones(3))
     prior = (parts.total(NOISE) - parts.positions)[0]
     assert np.diag(prior)[6:9] == pytest.approx(ANY_SPIN**-2)
     assert prior[9:12, -1] == pytest.approx(-0.05 * np.array(NOISE.scatter) ** -2.0)
@@ -91,7 +91,7 @@ def test_kicks_are_pulled_to_zero_and_unlabelled_spins_are_not():
 def test_outliers_are_told_from_noise():
     residuals = np.array([[[0.0, 0.0, 0.0], [0.006, 0.006, 0.0], [0.03, 0.0, 0.0]]])
     noise = Noise(white=0.003, slow=0.0)
-    inside, edge, outside = inlier_probability(residuals, noise)[0]
+    inside, edge, outside = inlier_probability(residuals, noise, settings=SETTINGS.fit)[0]
     assert inside > 0.999
     assert edge > 0.99
     assert outside < 0.01

@@ -8,15 +8,15 @@ import pytest
 from models.gap.fit.linearize import linearise
 from models.gap.fit.noise import Noise
 from models.gap.fit.shot_fit import fit_shots
-from models.gap.fit.variance_components import components
+from models.gap.fit.variance_components import estimate_noise
 from models.gap.hypotheses import hypotheses
-from tests.models.gap.hidden import NOMINAL, measured
+from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 
 def found(shots, simulator=NOMINAL):
-    fit = fit_shots(shots, simulator)
-    linear = linearise(shots, simulator, fit.unknowns, hypotheses(simulator))
-    return components(linear, fit.noise, fit.weights)
+    fit = fit_shots(shots, simulator, settings=SETTINGS.fit)
+    linear = linearise(shots, simulator, fit.nuisance, hypotheses(simulator))
+    return estimate_noise(linear, fit.noise, fit.weights, settings=SETTINGS.fit)
 
 
 def test_noise_and_scatter_are_found():
@@ -41,9 +41,11 @@ def test_rounded_time_stamps_are_told_from_white_noise():
 
 def test_a_guess_by_which_all_samples_are_outliers_is_put_right():
     shots = measured(count=20)
-    fit = fit_shots(shots, NOMINAL)
-    linear = linearise(shots, NOMINAL, fit.unknowns, hypotheses(NOMINAL))
-    known = components(linear, Noise(white=1e-5, slow=1e-5), np.zeros_like(fit.weights))
+    fit = fit_shots(shots, NOMINAL, settings=SETTINGS.fit)
+    linear = linearise(shots, NOMINAL, fit.nuisance, hypotheses(NOMINAL))
+    known = estimate_noise(
+        linear, Noise(white=1e-5, slow=1e-5), np.zeros_like(fit.weights), settings=SETTINGS.fit
+    )
     assert known.noise.white == pytest.approx(0.003, rel=0.1)
     assert known.weights[linear.sampled].mean() > 0.9
 
@@ -59,6 +61,6 @@ def test_a_shot_unlike_the_others_is_not_trusted():
     shots = measured(count=30)
     wobble = 0.007 * np.sin(2 * np.pi * shots.times[4] / 0.2)
     shots.positions[4] += wobble[:, None]
-    trust = found(shots).trust
-    assert trust[4] < 0.1
-    assert np.sum(trust < 1.0) <= 3
+    shot_weights = found(shots).shot_weights
+    assert shot_weights[4] < 0.1
+    assert np.sum(shot_weights < 1.0) <= 3

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from models.gap.fit.noise import Noise
-from models.gap.fit.refit import fitted
+from models.gap.fit.refit import fit_nuisance
 from models.gap.locate.attribution import locate
 from models.gap.locate.trends import TIME
 from models.gap.verify.prediction_error import errors
-from tests.models.gap.hidden import NOMINAL, measured
+from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.01, 0.02, 0.005))
 EXACT = Noise(white=1e-4, slow=1e-5, label=0.01, label_common=1e-3, scatter=(1e-3, 1e-3, 1e-3))
@@ -16,7 +16,7 @@ EXACT = Noise(white=1e-4, slow=1e-5, label=0.01, label_common=1e-3, scatter=(1e-
 
 def located(hall, withheld=(), count=30, seed=1001):
     shots = measured(hall, count=count, seed=seed)
-    return locate(fitted(shots, NOMINAL, NOISE), NOMINAL, withheld)
+    return locate(fit_nuisance(shots, NOMINAL, NOISE, SETTINGS.fit), NOMINAL, SETTINGS, withheld)
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def test_the_share_points_to_the_phase_that_is_wrong(phase, effect, values):
 def test_nothing_parts_where_nothing_is_wrong():
     found = located(NOMINAL)
     assert found.where == {"flight": 0.0, "table": 0.0, "sensor": 0.0}
-    assert not found.parting.any()
+    assert not found.discrepancy.any()
     assert min(one.p_value for one in (found.time, *found.growth)) > 0.01
 
 
@@ -63,11 +63,14 @@ def test_a_wrong_table_counts_from_the_bounce_on():
 def test_the_parting_is_what_predictions_of_exact_shots_err_by():
     hall = NOMINAL.amended("drag", cd=0.45)
     shots = measured(hall, count=16, noise=1e-5, label=1e-3, scatter=(0.0, 0.0, 0.0))
-    about = fitted(shots, hall, EXACT)
-    found, predicted = locate(about, NOMINAL), errors(about, NOMINAL, hall, EXACT, (150.0, 150.0))
+    about = fit_nuisance(shots, hall, EXACT, settings=SETTINGS.fit)
+    found, predicted = (
+        locate(about, NOMINAL, settings=SETTINGS),
+        errors(about, NOMINAL, hall, EXACT, (150.0, 150.0), settings=SETTINGS),
+    )
     sizes = np.sqrt(np.nanmean(predicted.before, axis=0))
-    partings = np.interp(predicted.horizons, found.horizons, found.parting)
-    np.testing.assert_allclose(partings, sizes, rtol=0.1)
+    discrepancies = np.interp(predicted.horizons, found.horizons, found.discrepancy)
+    np.testing.assert_allclose(discrepancies, sizes, rtol=0.1)
 
 
 def test_a_cross_wind_shows_in_the_direction_of_play(windy):
@@ -90,5 +93,7 @@ def test_too_strong_a_drag_grows_with_speed_and_time():
 
 def test_spins_without_a_label_are_no_axis():
     shots = measured(count=20, labels=None)
-    found = locate(fitted(shots, NOMINAL, NOISE), NOMINAL)
+    found = locate(
+        fit_nuisance(shots, NOMINAL, NOISE, settings=SETTINGS.fit), NOMINAL, settings=SETTINGS
+    )
     assert not {one.axis for one in found.growth} & {"spin at launch", "spin axis"}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from models.ball.state import SPIN, VELOCITY
-from models.gap.fit.measurement import Moments, seen
-from models.gap.locate.propagation import forced, struck
+from models.gap.fit.measurement import Schedule, predict_measurements
+from models.gap.locate.propagation import after_forcing, after_jump
 from models.gap.locate.sensitivity import arcs
 from tests.models.gap.hidden import NOMINAL, launches
 
@@ -13,10 +13,10 @@ TIMES = np.arange(0.0, 0.7, 0.005)
 COUNT = 5
 STATES = launches(COUNT, np.random.default_rng(1))
 PLACES = np.tile(np.arange(len(TIMES)), (COUNT, 1))
-MOMENTS = Moments(np.tile(TIMES, (COUNT, 1)), PLACES, PLACES)
+MOMENTS = Schedule(np.tile(TIMES, (COUNT, 1)), PLACES, PLACES)
 ARCS = arcs(NOMINAL, STATES, MOMENTS.times)
 PATH = NOMINAL.fly(STATES, TIMES)
-AWAY = seen(NOMINAL, MOMENTS, STATES).smooth(MOMENTS.times, 0.006)
+AWAY = predict_measurements(NOMINAL, MOMENTS, STATES).is_smooth(MOMENTS.times, 0.006)
 
 
 def test_a_loss_of_spin_shows_in_the_spins_through_bounces():
@@ -25,7 +25,7 @@ def test_a_loss_of_spin_shows_in_the_spins_through_bounces():
     forcing = np.zeros((*PATH.states.shape, 1))
     speed = np.linalg.norm(PATH.states[..., VELOCITY], axis=-1, keepdims=True)
     forcing[..., SPIN, 0] = -speed * PATH.states[..., SPIN]
-    change = forced(ARCS, forcing)[..., SPIN, 0]
+    change = after_forcing(ARCS, forcing)[..., SPIN, 0]
     largest = np.abs(exact[..., SPIN]).max()
     assert change[AWAY] == pytest.approx(exact[AWAY][:, SPIN], abs=0.02 * largest)
 
@@ -33,7 +33,7 @@ def test_a_loss_of_spin_shows_in_the_spins_through_bounces():
 def test_a_jump_at_a_bounce_is_that_of_a_ball_that_leaves_it_otherwise():
     jump = np.array([0.0, 0.0, 0.0, 1.0, -0.5, 0.0, 0.0, 20.0, 0.0])
     jumps = np.tile(jump, (COUNT, 1))[..., None]
-    change = struck(ARCS, 0, jumps, len(TIMES))[..., 0]
+    change = after_jump(ARCS, 0, jumps, len(TIMES))[..., 0]
     h, after = 1e-4, PATH.contacts.after[:, 0]
     since = TIMES - PATH.contacts.time[:, :1]
     flights = [
@@ -44,4 +44,4 @@ def test_a_jump_at_a_bounce_is_that_of_a_ball_that_leaves_it_otherwise():
 
 
 def test_a_bounce_that_is_not_there_strikes_nobody():
-    assert not struck(ARCS, len(ARCS), np.ones((COUNT, 9, 2)), len(TIMES)).any()
+    assert not after_jump(ARCS, len(ARCS), np.ones((COUNT, 9, 2)), len(TIMES)).any()

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from models.ball.state import BALL_RADIUS
-from models.gap.fit.linearize import ballistic_unknowns, linearise
+from models.gap.fit.linearize import ballistic_nuisance, linearise
 from models.gap.hypotheses import Hypothesis
-from models.gap.locate.term_library import basis, joined
+from models.gap.locate.term_library import terms_about, with_terms
 from models.gap.locate.terms import TYPICAL_FALL, TYPICAL_SPEED
 from tests.models.gap.hidden import NOMINAL, launches, measured
 
@@ -28,8 +28,8 @@ COLUMNS = (
     Hypothesis("spin_dependent_drag", "c"),
 )
 STATES = launches(8, np.random.default_rng(0))
-LINEAR = linearise(measured(count=8), NOMINAL, ballistic_unknowns(STATES, 2), COLUMNS)
-BASIS = basis(LINEAR)
+LINEAR = linearise(measured(count=8), NOMINAL, ballistic_nuisance(STATES, 2), COLUMNS)
+BASIS = terms_about(LINEAR)
 DRAG, LIFT = 0.2793, 0.01489  # of C_D |u| u in 1/m, and of C_M w x u
 
 
@@ -49,25 +49,25 @@ def term(name):
 )
 def test_terms_do_what_effects_do(column, terms, factor):
     found = factor * sum(BASIS.positions[..., term(name)] for name in terms)
-    effect = LINEAR.positions[..., LINEAR.own + column]
+    effect = LINEAR.positions[..., LINEAR.nuisance_count + column]
     assert np.abs(effect).max() > 0.0
     # At a bounce the law of the ball before it counts.
     assert found == pytest.approx(effect, abs=0.03 * np.abs(effect).max())
 
 
 def test_a_kick_upwards_does_what_restitution_does_to_the_height():
-    effect = LINEAR.positions[..., 2, LINEAR.own + 3]
+    effect = LINEAR.positions[..., 2, LINEAR.nuisance_count + 3]
     found = -TYPICAL_FALL * BASIS.positions[..., 2, term("n v_n")]
     assert found == pytest.approx(effect, abs=0.03 * np.abs(effect).max())
 
 
 def test_the_gain_of_labels_is_a_term():
-    effect = LINEAR.labels[..., LINEAR.own + 5]
+    effect = LINEAR.labels[..., LINEAR.nuisance_count + 5]
     assert BASIS.labels[..., term("w")] == pytest.approx(effect, abs=1e-6)
 
 
 def test_labels_follow_a_loss_of_spin():
-    effect = LINEAR.labels[..., LINEAR.own + 6]
+    effect = LINEAR.labels[..., LINEAR.nuisance_count + 6]
     found = TYPICAL_SPEED * BASIS.labels[..., term("-w (|u|/8)^1")]
     assert found == pytest.approx(effect, abs=0.03 * np.abs(effect).max())
 
@@ -78,24 +78,24 @@ def test_effects_lie_in_the_span_of_terms():
         return np.concatenate([a.reshape(-1, a.shape[-1]) for a in (places / 0.003, labels / 0.05)])
 
     terms = rows(BASIS.positions, BASIS.labels)
-    effects = rows(LINEAR.positions, LINEAR.labels)[:, LINEAR.own : -1]
+    effects = rows(LINEAR.positions, LINEAR.labels)[:, LINEAR.nuisance_count : -1]
     scale = np.linalg.norm(terms, axis=0) + 1e-12
     left = effects - terms / scale @ np.linalg.lstsq(terms / scale, effects, rcond=1e-6)[0]
     assert np.all((left**2).sum(axis=0) < 0.02 * (effects**2).sum(axis=0))
 
 
 def test_terms_stand_before_the_residual():
-    with_terms = joined(LINEAR)
+    extended = with_terms(LINEAR)
     count = len(BASIS.terms)
-    assert with_terms.columns == (*COLUMNS, *BASIS.terms)
-    assert np.array_equal(with_terms.positions[..., -1], LINEAR.positions[..., -1])
-    assert np.array_equal(with_terms.positions[..., -1 - count : -1], BASIS.positions)
+    assert extended.columns == (*COLUMNS, *BASIS.terms)
+    assert np.array_equal(extended.positions[..., -1], LINEAR.positions[..., -1])
+    assert np.array_equal(extended.positions[..., -1 - count : -1], BASIS.positions)
 
 
 def test_shots_without_labels_or_bounces_have_a_basis():
     shots = measured(count=3, labels=None, seconds=0.15)
-    linear = linearise(shots, NOMINAL, ballistic_unknowns(STATES[:3], 0), COLUMNS)
-    found = basis(linear)
+    linear = linearise(shots, NOMINAL, ballistic_nuisance(STATES[:3], 0), COLUMNS)
+    found = terms_about(linear)
     assert [one.parameter for one in found.terms] == [one.parameter for one in BASIS.terms]
     assert found.labels.shape[1] == 0
     assert not found.positions[..., term("n v_n")].any()

@@ -3,31 +3,34 @@
 import numpy as np
 import pytest
 
-from models.gap.inference.set_scores import Scales
+from models.gap.inference.set_scores import SetScores
 from models.gap.name.gap_share import shares
+from tests.models.gap.hidden import SETTINGS
 
 
-def scales(scores, likeness=0.0):
+def set_scores(scores, correlation=0.0):
     """Causes of the same information, all equally alike."""
     count = len(scores)
-    information = np.full((count, count), likeness) + (1 - likeness) * np.eye(count)
+    information = np.full((count, count), correlation) + (1 - correlation) * np.eye(count)
     bounds, refitted = np.tile([-1e3, 1e3], (count, 1)), np.zeros(count, dtype=bool)
-    return Scales(information, np.array(scores), np.zeros(count), bounds, refitted)
+    return SetScores(
+        information, np.array(scores), np.zeros(count), bounds, refitted, settings=SETTINGS
+    )
 
 
 def test_causes_apart_have_what_each_gains_alone():
-    found = shares(scales([1.0, 2.0, 3.0]), (0, 1, 2))
+    found = shares(set_scores([1.0, 2.0, 3.0]), (0, 1, 2))
     assert found == pytest.approx({0: 1.0, 1: 4.0, 2: 9.0})
 
 
 def test_causes_alike_share_what_either_explains():
-    found = shares(scales([3.0, 3.0], likeness=0.5), (0, 1))
+    found = shares(set_scores([3.0, 3.0], correlation=0.5), (0, 1))
     assert found[0] == pytest.approx(found[1])
     assert sum(found.values()) == pytest.approx(2 * 3.0**2 / 1.5)
 
 
 def test_many_causes_have_all_of_the_gain():
-    some = scales(np.linspace(1.0, 5.0, 14), likeness=0.3)
+    some = set_scores(np.linspace(1.0, 5.0, 14), correlation=0.3)
     causes = tuple(range(14))
     found = shares(some, causes)
     assert sum(found.values()) == pytest.approx(some.gains(np.array([causes]))[0][0])
@@ -35,4 +38,4 @@ def test_many_causes_have_all_of_the_gain():
 
 
 def test_no_cause_has_no_share():
-    assert shares(scales([1.0]), ()) == {}
+    assert shares(set_scores([1.0]), ()) == {}

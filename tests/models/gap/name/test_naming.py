@@ -11,12 +11,12 @@ from models.ball.simulators import shipped
 from models.gap.diagnose import diagnose
 from models.gap.fit.refit import refit
 from models.gap.name import naming
-from models.gap.name.label_signs import signs
+from models.gap.name.label_signs import find_flipped_labels
 from models.gap.name.naming import Question, name
-from models.gap.name.selection import Explainer, Explanation, from_nominal
+from models.gap.name.selection import Explainer, Explanation, evidence_about
 from models.gap.verdict import label_of
 from models.gap.verify.limitations import WANDERING
-from tests.models.gap.hidden import NOMINAL, measured
+from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 SIX = {
     "drag": {"cd": 0.42},
@@ -40,7 +40,7 @@ def test_six_causes_at_ten_times_their_size_are_all_named(monkeypatch):
     hall = NOMINAL
     for effect, values in SIX.items():
         hall = hall.amended(effect, **values)
-    found = name(measured(hall, count=40, seed=1005), Question(NOMINAL, 0.003))
+    found = name(measured(hall, count=40, seed=1005), Question(NOMINAL, SETTINGS))
     columns = found.explainer.evidence.columns
     causes = [columns[k] for k in found.explanation.causes]
     assert sorted(map(label_of, causes)) == [
@@ -64,17 +64,21 @@ def test_a_clock_that_runs_slow_is_neither_gravity_nor_backward_labels(labels):
     """Gravity and a spin sensor's gain do the work of such a clock; labels seem to contradict."""
     slow = NOMINAL.amended("clock_rate", d=-0.18)
     shots = measured(slow, count=24, seed=1, labels=labels)
-    assert signs(shots, refit(shots, NOMINAL, ())).significant
-    found = name(shots, Question(NOMINAL, 0.003))
-    assert not found.signs.backwards
+    assert find_flipped_labels(
+        shots, refit(shots, NOMINAL, (), settings=SETTINGS.fit), settings=SETTINGS
+    ).significant
+    found = name(shots, Question(NOMINAL, SETTINGS))
+    assert not found.signs.flipped
     assert [one.effect for one in found.found.free] == ["clock_rate"]
     assert found.simulator.to_dict()["clock_rate"]["d"] == pytest.approx(-0.18, abs=0.001)
 
 
 def test_values_that_make_no_sense_promise_nothing():
     """More lift than in the simulator would be a saturation below nothing."""
-    found = refit(measured(NOMINAL.amended("magnus", cm=0.15), count=20), NOMINAL, ())
-    explainer = Explainer(from_nominal(found, NOMINAL), NOMINAL, 0.003)
+    found = refit(
+        measured(NOMINAL.amended("magnus", cm=0.15), count=20), NOMINAL, (), settings=SETTINGS.fit
+    )
+    explainer = Explainer(evidence_about(found, NOMINAL, settings=SETTINGS), NOMINAL)
     places = {label_of(one): k for k, one in enumerate(explainer.evidence.columns)}
     lift, saturation = (places[one] for one in ("magnus", "lift_saturation"))
     assert explainer.gain((saturation,)) == -np.inf
@@ -88,8 +92,8 @@ def test_backward_labels_are_told_beside_a_cause():
     shots = measured(NOMINAL.amended("gravity", g=10.6), count=24, seed=2)
     turn = np.ones((24, 1, 1))
     turn[[2, 5, 11, 17]] = -1.0
-    found = name(replace(shots, labels=shots.labels * turn), Question(NOMINAL, 0.003))
-    assert found.signs.backwards == {2, 5, 11, 17}
+    found = name(replace(shots, labels=shots.labels * turn), Question(NOMINAL, SETTINGS))
+    assert found.signs.flipped == {2, 5, 11, 17}
     assert [one.effect for one in found.found.free] == ["gravity"]
 
 

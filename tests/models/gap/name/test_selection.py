@@ -8,7 +8,8 @@ import pytest
 from models.ball.simulator import Simulator
 from models.gap.hypotheses import Hypothesis
 from models.gap.inference.score_test import Evidence
-from models.gap.name.selection import Explainer, explained
+from models.gap.name.selection import Explainer, best_explanation
+from tests.models.gap.hidden import SETTINGS
 
 NOMINAL = Simulator.from_dict({"gravity": {"g": 9.81}, "drag": {"cd": 0.5}})
 COLUMNS = (
@@ -32,8 +33,8 @@ def explainer(effect, seed=0, shots=60, of_drag=0.0):
     measured = rows @ np.asarray(effect, dtype=float) + random.standard_normal((shots, 10))
     scores = np.einsum("bri,br->bi", rows, measured)
     listed = np.array([one.listed(NOMINAL) for one in COLUMNS])
-    evidence = Evidence(COLUMNS, listed, scores, np.swapaxes(rows, 1, 2) @ rows)
-    return Explainer(evidence, NOMINAL, LEVEL)
+    evidence = Evidence(COLUMNS, listed, scores, np.swapaxes(rows, 1, 2) @ rows, settings=SETTINGS)
+    return Explainer(evidence, NOMINAL)
 
 
 def effect(**values):
@@ -41,75 +42,75 @@ def effect(**values):
 
 
 def test_nothing_needs_no_cause():
-    assert all(explained(explainer(effect(), seed)).causes == () for seed in range(20))
+    assert all(best_explanation(explainer(effect(), seed)).causes == () for seed in range(20))
 
 
 def test_two_causes_are_found_with_their_sizes():
     weighing = explainer(effect(y=0.4, cd=-0.3))
-    found = explained(weighing)
+    found = best_explanation(weighing)
     assert found.causes == (CD, Y)
     assert max(found.p_values.values()) < LEVEL
-    _, estimates = weighing.scales.gains(np.array([found.causes]))
+    _, estimates = weighing.set_scores.gains(np.array([found.causes]))
     assert estimates[0] == pytest.approx([-0.3, 0.4], abs=0.15)
 
 
 def test_one_cause_goes_before_two_that_explain_as_much():
-    assert explained(explainer(effect(x=0.5))).causes == (X,)
-    assert explained(explainer(effect(y=0.5, z=0.5))).causes == (X,)
-    assert explained(explainer(effect(y=0.5))).causes == (Y,)
+    assert best_explanation(explainer(effect(x=0.5))).causes == (X,)
+    assert best_explanation(explainer(effect(y=0.5, z=0.5))).causes == (X,)
+    assert best_explanation(explainer(effect(y=0.5))).causes == (Y,)
 
 
 def test_a_number_of_the_simulator_goes_before_a_missing_effect_that_it_could_absorb():
     weighing = explainer(effect(b=0.5))
-    assert explained(weighing).causes == (G,)
+    assert best_explanation(weighing).causes == (G,)
     assert weighing.absorbed == (B,)
 
 
 def test_a_missing_effect_goes_before_two_numbers_that_together_could_absorb_it():
     weighing = explainer(effect(b=0.2), of_drag=-1.0)
-    assert explained(weighing).causes == (B,)
-    assert weighing.rivals(B, (B,)) == (B, G, CD)
+    assert best_explanation(weighing).causes == (B,)
+    assert weighing.alternatives(B, (B,)) == (B, G, CD)
 
 
 def test_two_numbers_go_before_a_missing_effect_that_does_not_explain_both():
     weighing = explainer(effect(g=0.4, cd=0.3), of_drag=-1.0)
-    assert explained(weighing).causes == (G, CD)
-    assert explained(explainer(effect(cd=-0.3), of_drag=-1.0)).causes == (CD,)
+    assert best_explanation(weighing).causes == (G, CD)
+    assert best_explanation(explainer(effect(cd=-0.3), of_drag=-1.0)).causes == (CD,)
 
 
 def test_rivals_are_those_that_explain_as_much_in_its_place():
     weighing = explainer(effect(g=0.5, z=1.0))
-    assert explained(weighing).causes == (G, Z)
-    assert weighing.rivals(G, (G, Z)) == (G, B)
-    assert weighing.rivals(Z, (G, Z)) == (Z,)
+    assert best_explanation(weighing).causes == (G, Z)
+    assert weighing.alternatives(G, (G, Z)) == (G, B)
+    assert weighing.alternatives(Z, (G, Z)) == (Z,)
 
 
 def test_values_that_cannot_be_explain_nothing():
     weighing = explainer(effect(cd=-0.9))
-    assert weighing.scales.gains(np.array([[CD]]))[0][0] == -np.inf
-    assert weighing.scales.gains(np.array([[Y]]))[0][0] > -np.inf
+    assert weighing.set_scores.gains(np.array([[CD]]))[0][0] == -np.inf
+    assert weighing.set_scores.gains(np.array([[Y]]))[0][0] > -np.inf
 
 
 def test_causes_that_look_much_alike_stand_where_shots_were_refitted_with_them():
     weighing = explainer(effect(x=6.0, y=-6.5, z=-5.0))
-    assert explained(weighing).causes == (X, Y)
-    assert explained(replace(weighing, refitted=(X, Y, Z))).causes == (X, Y, Z)
+    assert best_explanation(weighing).causes == (X, Y)
+    assert best_explanation(replace(weighing, refitted=(X, Y, Z))).causes == (X, Y, Z)
 
 
 def test_a_known_cause_that_the_shots_see_nothing_of_is_not_significant():
     blind = explainer(effect(y=0.4))
     blind.evidence.scores[:, Z] = 0.0
     blind.evidence.information[:, Z] = blind.evidence.information[:, :, Z] = 0.0
-    found = explained(blind, always=(Z,))
+    found = best_explanation(blind, required=(Z,))
     assert found.causes == (Y, Z)
     assert found.p_values[Z] == 1.0
-    assert blind.evidence.tested([Z], [Y]).estimate == 0.0
+    assert blind.evidence.score_test([Z], [Y]).estimate == 0.0
 
 
 def test_what_rests_on_one_shot_is_no_cause():
     weighing = explainer(effect())
     weighing.evidence.scores[7, Y] += 120.0
-    assert explained(weighing).causes == ()
+    assert best_explanation(weighing).causes == ()
 
 
 def random_world(causes, columns=40, shots=60, seed=0):
@@ -123,22 +124,24 @@ def random_world(causes, columns=40, shots=60, seed=0):
     measured = rows @ values + random.standard_normal((shots, 10))
     names = tuple(Hypothesis("wind", "xyz"[k % 3]) for k in range(columns))
     listed = np.zeros(columns, dtype=bool)
-    evidence = Evidence(names, listed, np.einsum("bri,br->bi", rows, measured), information)
-    return Explainer(evidence, NOMINAL, LEVEL)
+    evidence = Evidence(
+        names, listed, np.einsum("bri,br->bi", rows, measured), information, settings=SETTINGS
+    )
+    return Explainer(evidence, NOMINAL)
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_twenty_causes_are_all_found_and_no_other(seed):
     causes = tuple(range(1, 40, 2))
     weighing = random_world(causes, seed=seed)
-    assert explained(weighing, most=25).causes == causes
+    assert best_explanation(weighing, most=25).causes == causes
 
 
 def test_sets_grow_by_what_they_gain_with_one_more():
-    scales = random_world((1, 2, 3)).scales
+    set_scores = random_world((1, 2, 3)).set_scores
     sets, further = np.array([[1, 5], [2, 7]]), [0, 3, 7]
-    gains = scales.grown(sets, further)
+    gains = set_scores.gains_with_one_more(sets, further)
     assert gains[1, 2] == -np.inf  # a member already
     for row, column in ((0, 0), (0, 1), (0, 2), (1, 0), (1, 1)):
-        whole, _ = scales.gains(np.array([[*sets[row], further[column]]]))
+        whole, _ = set_scores.gains(np.array([[*sets[row], further[column]]]))
         assert gains[row, column] == pytest.approx(whole[0], rel=1e-8)

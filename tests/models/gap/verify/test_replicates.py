@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.gap.fit.measurement import Moments, seen
+from models.gap.fit.measurement import Schedule, predict_measurements
 from models.gap.fit.noise import Noise
-from models.gap.verify.replicates import rehearsed
-from tests.models.gap.hidden import NOMINAL, launches, measured
+from models.gap.verify.replicates import simulate_replicate
+from tests.models.gap.hidden import NOMINAL, SETTINGS, launches, measured
 
 NOISE = Noise(white=0.003, slow=0.004, slow_time=0.02, label=0.1, label_common=0.05, timing=0.0)
 EVEN = replace(NOISE, scatter=(0.0, 0.0, 0.0))
@@ -18,10 +18,12 @@ STATES = launches(200, np.random.default_rng(0))  # those of the shots measured
 def errors(noise, count=200):
     """Rehearsed shots, their errors in position, and those of labels as shares of the spin."""
     shots = measured(count=count)
-    again = rehearsed(shots, NOMINAL, STATES[:count], noise, np.random.default_rng(1))
-    view = seen(NOMINAL, Moments.of(shots), STATES[:count])
-    sizes = np.linalg.norm(view.labels, axis=2, keepdims=True)
-    return again, again.positions - view.positions, (again.labels - view.labels) / sizes
+    again = simulate_replicate(
+        shots, NOMINAL, STATES[:count], noise, SETTINGS.fit.max_kicks, np.random.default_rng(1)
+    )
+    prediction = predict_measurements(NOMINAL, Schedule.of(shots), STATES[:count])
+    sizes = np.linalg.norm(prediction.labels, axis=2, keepdims=True)
+    return again, again.positions - prediction.positions, (again.labels - prediction.labels) / sizes
 
 
 def test_without_noise_balls_are_where_the_simulator_says():

@@ -1,0 +1,73 @@
+"""Elimination of nuisance parameters by projection: Schur complements of information matrices.
+
+With the columns ``[G F r]`` of a shot in the metric of its noise, eliminating the block of G leaves
+
+    A = F'MF (information),   u = F'Mr (score),   q = r'Mr,    M = 1 - G (G'G)^-1 G',
+
+and the restricted log likelihood of all shots (REML, Patterson and Thompson 1971), the values of
+the hypotheses integrated out as well, is
+``-1/2 [log|R| + log|P| + sum log|G'G| + log|A| + q - u'A^-1 u]`` with R the noise and P the priors.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.ball.types import Floats
+
+RANK_TOLERANCE = 1e-5  # of the correlation matrix of information; below, nothing is identifiable
+
+
+@dataclass(frozen=True)
+class ReducedSystem:
+    """B shots whose nuisance parameters are eliminated; K hypotheses remain.
+
+    Attributes:
+        information: (B, K, K).
+        scores: (B, K).
+        misfit: (B,) squared error in units of the noise.
+        determinants: (B,) log determinants of the eliminated blocks.
+    """
+
+    information: Floats
+    scores: Floats
+    misfit: Floats
+    determinants: Floats
+
+
+def eliminate_nuisance(gram_matrices: Floats, count: int) -> ReducedSystem:
+    """Eliminate the first ``count`` columns of (B, C, C) Gram matrices; the residual is last."""
+    inner, mixed = gram_matrices[:, :count, :count], gram_matrices[:, :count, count:]
+    left = gram_matrices[:, count:, count:] - np.swapaxes(mixed, 1, 2) @ np.linalg.solve(
+        inner, mixed
+    )
+    determinants = np.linalg.slogdet(inner)[1]
+    return ReducedSystem(left[:, :-1, :-1], left[:, :-1, -1], left[:, -1, -1], determinants)
+
+
+def nuisance_solution(gram_matrices: Floats, count: int, values: Floats) -> Floats:
+    """Return (B, count) best changes of the nuisance parameters, given (K,) hypotheses' changes."""
+    right = gram_matrices[:, :count, -1] - gram_matrices[:, :count, count:-1] @ values
+    best = np.linalg.solve(gram_matrices[:, :count, :count], right[..., None])[..., 0]
+    return np.asarray(best, dtype=np.float64)
+
+
+def identifiable_directions(
+    information: Floats, scale: Floats | None = None, tolerance: float = RANK_TOLERANCE
+) -> Floats:
+    """Return (K, D) directions in which data of this (K, K) information identify values.
+
+    They are orthonormal in its metric, so along them scores have unit variance.
+
+    Args:
+        information: symmetric.
+        scale: (K,) units of the columns; by their own information where left out.
+        tolerance: least eigenvalue in these units.
+    """
+    if scale is None:
+        scale = np.sqrt(np.maximum(np.diag(information), 0.0))
+        scale = np.where(scale > 0.0, scale, np.inf)
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
+    kept = values > tolerance
+    directions: Floats = vectors[:, kept] / scale[:, None] / np.sqrt(values[kept])
+    return directions
