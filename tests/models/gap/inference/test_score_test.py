@@ -54,7 +54,7 @@ def test_gravity_without_air_has_its_closed_form():
     test = evidence.score_test([0], [])
     error = SIGMA / np.sqrt(len(shots) * bend @ bend)
     assert test.standard_error[0] == pytest.approx(error, rel=1e-4)
-    assert evidence.detectable(0, []) == pytest.approx(5.8 * error, rel=1e-4)
+    assert evidence.minimum_detectable_effect(0, []) == pytest.approx(5.8 * error, rel=1e-4)
 
 
 def test_the_start_of_a_fit_does_not_matter():
