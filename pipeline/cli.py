@@ -142,15 +142,18 @@ def ui(
     port: Annotated[int, typer.Option(min=1, max=65535, help="on this machine only")] = 5000,
 ) -> None:
     """Serve the MLflow pages of this repository's runs, until interrupted."""
+    from pipeline.tracking.lineage import runs_page
     from pipeline.tracking.recording import store_uri
 
     require("mlflow")
     root = clone()
     _check_free(port)
+    typer.echo(f"Runs: {runs_page(root, f'http://127.0.0.1:{port}')} (Ctrl+C ends the server)")
+    sys.stdout.flush()  # MLflow takes the place of this process
     os.environ.update(LEAN)
     command = ["mlflow", "server", "--host", "127.0.0.1", "--port", str(port), "--workers", "1"]
     store = ["--backend-store-uri", store_uri(root)]
-    # MLflow takes the place of this process, so that what stops it stops the server.
+    # So what stops this process stops the server.
     os.execv(sys.executable, [sys.executable, "-m", *command, *store])
 
 

@@ -7,7 +7,7 @@ import pytest
 
 pytest_plugins = [
     "tests.browser",
-    "tests.pipeline.experiments",
+    "tests.pipeline.example_experiments",
     "tests.reliability",
     "tests.services",
 ]

@@ -1,4 +1,4 @@
-"""Tables of what the suite `faults` has tried: reports/reliability, docs/reliability.md."""
+"""Results of the suite `faults`: reports/reliability, docs/reliability.md."""
 
 from collections import defaultdict
 from collections.abc import Iterable
@@ -9,14 +9,15 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from pipeline.io.artifacts import write_csv
+from pipeline.io.artifacts import write_csv, write_json
+from pipeline.runtime.provenance import git_commit
 
 ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "reports" / "reliability"
 
 
 class Tables:
-    """Tables that grow row by row; each stands whole after every row.
+    """Tables that grow row by row, each written whole after every row.
 
     Args:
         folder: where they are written; None leaves nothing.
@@ -32,6 +33,7 @@ class Tables:
         if self.folder is not None:
             table = pd.DataFrame([asdict(row) for row in self.rows[name]])
             write_csv(self.folder / f"{name}.csv", table)
+            write_json(self.folder / "run.json", {"commit": git_commit(ROOT)})
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,8 @@
 """From a file under reports/ or artifacts/ back to the run that wrote it."""
 
 import os
+import sqlite3
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -8,7 +10,7 @@ from typing import Any
 from pipeline.experiments.stage_outputs import stage_outputs
 from pipeline.io.report_manifest import read_contents
 from pipeline.runtime.errors import InputError
-from pipeline.tracking.recording import store_uri, without_secrets
+from pipeline.tracking.recording import EXPERIMENT, store_uri, without_secrets
 
 EXPERIMENT_TAG = "dvc.experiment"
 
@@ -61,10 +63,26 @@ def origin_of(root: Path, path: Path) -> Origin:
         tags["rallygap.fingerprint"],
         info.run_id,
         info.status,
-        f"{served.rstrip('/')}/#/experiments/{info.experiment_id}/runs/{info.run_id}",
+        f"{experiment_page(served, info.experiment_id)}/{info.run_id}",
         tags.get("mlflow.source.git.commit"),
         tags.get(EXPERIMENT_TAG),
     )
+
+
+def experiment_page(server: str, experiment: str) -> str:
+    """The address of the list of runs of an MLflow experiment."""
+    return f"{server.rstrip('/')}/#/experiments/{experiment}/runs"
+
+
+def runs_page(root: Path, server: str) -> str:
+    """The address of the list of a repository's runs, or of the first page where there are none."""
+    query = "SELECT experiment_id FROM experiments WHERE name = ?"
+    try:
+        with closing(sqlite3.connect(f"file:{root / 'mlflow.db'}?mode=ro", uri=True)) as store:
+            row = store.execute(query, (EXPERIMENT,)).fetchone()
+    except sqlite3.Error:
+        row = None
+    return experiment_page(server, row[0]) if row else server
 
 
 def report_of(root: Path, path: Path) -> tuple[str, Path]:

@@ -34,9 +34,8 @@ from pipeline.runtime.paths import repository_root
 from pipeline.tracking.changed_params import Change, flat, shortened
 from pipeline.tracking.headlines import headline_metrics
 from pipeline.tracking.logged_data import data_set, metric_points
-from pipeline.tracking.recording import ParentRun, Results, RunStart, store_uri
+from pipeline.tracking.recording import EXPERIMENT, ParentRun, Results, RunStart, store_uri
 
-EXPERIMENT = "rallygap"
 STAGE_OF_PREDICTORS = "train_predictor"
 KEY_TAG, PROCESS_TAG = "rallygap.reproduction", "rallygap.process"
 PARAMS_A_BATCH = 100

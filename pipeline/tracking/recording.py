@@ -24,6 +24,7 @@ from pipeline.tracking.changed_params import Change, changed_params
 
 Value = TypeVar("Value")
 
+EXPERIMENT = "rallygap"  # of MLflow, with all runs
 LONGEST_REASON = 300  # characters of what MLflow says when it fails
 
 

@@ -1,18 +1,23 @@
 """A repository with a committed run and an experiment to compare it with."""
 
 import pytest
+import yaml
 
-from tests.clone import cloned, commit, rallygap, run
+from pipeline.experiments.profiles import merged
+from pipeline.params import read_yaml
+from tests.clone import cloned, commit, run
 
 TARGET, CHANGED = "score_segmentation", "segment.outlier_cost"
 
 
 @pytest.fixture(scope="session")
 def experiments(tmp_path_factory):
-    """A clone after a small run up to the target, committed, and the experiment `strict`."""
+    """A clone with small parameters, run up to the target as `base` and `strict`; `base` stays."""
     folder = cloned(tmp_path_factory.mktemp("comparing") / "rallygap")
-    flags = rallygap(folder, "profile", "smoke").split()
-    run(folder, "dvc", "exp", "run", *flags, TARGET)
+    small = merged(read_yaml(folder / "params.yaml"), read_yaml(folder / "profiles/smoke.yaml"))
+    (folder / "params.yaml").write_text(yaml.safe_dump(small, sort_keys=False))
+    commit(folder, "small")
+    run(folder, "dvc", "exp", "run", "--name", "base", TARGET)
     commit(folder, "run")
     command = ["dvc", "exp", "run", "--temp", "--name", "strict", "-S"]
     changed = f"../params.yaml:{CHANGED}=4.0"  # DVC knows params.yaml only where it is

@@ -1,6 +1,6 @@
-"""What two runs look like beside each other in MLflow: the pictures of docs/compare.md.
+"""What two runs look like next to each other in MLflow: the pictures of docs/compare.md.
 
-``make pictures`` takes them anew.
+``make pictures`` writes them.
 """
 
 import json
@@ -15,7 +15,8 @@ from urllib.parse import quote
 import pytest
 from selenium.webdriver.support.wait import WebDriverWait
 
-from tests.pipeline.example_experiments import CHANGED
+from pipeline.tracking.lineage import runs_page
+from tests.pipeline.example_experiments import CHANGED, TARGET
 from tests.pipeline.runs import runs
 from tests.services import PATIENCE, await_answer, free_port
 
@@ -51,12 +52,23 @@ def server(experiments):
         yield address
 
 
-@pytest.fixture(scope="module")
-def changed(experiments):
-    """The runs of the stage that was changed: of the commit, and of the experiment `strict`."""
-    query = f"run_name = '{CHANGED.split('.')[0]}' AND attributes.status = 'FINISHED'"
-    found = runs(experiments, query, order_by=["start_time ASC"], max_results=2)
+def infos(repository, name):
+    """The two runs that a query finds, the older one first."""
+    query = f"{name} AND attributes.status = 'FINISHED'"
+    found = runs(repository, query, order_by=["start_time ASC"], max_results=2)
     return [one.info for one in found]
+
+
+@pytest.fixture(scope="module")
+def parents(experiments):
+    """The runs of the experiments `base` and `strict`."""
+    return infos(experiments, "tags.`mlflow.source.name` = 'dvc'")
+
+
+@pytest.fixture(scope="module")
+def stages(experiments):
+    """The runs of the stage that was changed, of both experiments."""
+    return infos(experiments, f"run_name = '{CHANGED.split('.')[0]}'")
 
 
 @pytest.fixture
@@ -82,22 +94,38 @@ def photographed(window, path):
     assert window.save_screenshot(str(path))
 
 
-def test_all_runs_are_listed_under_their_reproduction(window, server, changed, pictures):
-    url = f"{server}/#/experiments/{changed[0].experiment_id}/runs"
+def test_the_address_that_is_printed_lists_the_experiments(
+    window, server, experiments, parents, pictures
+):
+    url = runs_page(experiments, server)
+    assert url.endswith(f"/experiments/{parents[0].experiment_id}/runs")
     shown(window, url, "strict")
     photographed(window, pictures / "mlflow_runs.png")
 
 
-def test_two_runs_stand_beside_each_other(window, server, changed, pictures):
-    chosen = quote(json.dumps([one.run_id for one in changed]))
-    experiments = quote(json.dumps([changed[0].experiment_id]))
-    url = f"{server}/#/compare-runs?runs={chosen}&experiments={experiments}"
+def compared(window, server, chosen):
+    """Open the comparison of two runs, unfold it, and return its text."""
+    ids = quote(json.dumps([one.run_id for one in chosen]))
+    experiments = quote(json.dumps([chosen[0].experiment_id]))
+    url = f"{server}/#/compare-runs?runs={ids}&experiments={experiments}"
     shown(window, url, "Comparing 2 Runs")
+    for heading in window.find_elements("xpath", FOLDED):
+        heading.click()
+    return window.find_element("tag name", "body").text
+
+
+def test_two_experiments_show_what_changed_and_what_it_did(window, server, parents, pictures):
+    text = compared(window, server, parents)
+    photographed(window, pictures / "mlflow_compare.png")
+    assert f"{CHANGED} 4.0" in " ".join(text.split())
+    for metric in ("ingest/arena/recordings", "segment/arena/episodes", f"{TARGET}/table/all/"):
+        assert metric in text
+
+
+def test_two_runs_of_a_stage_show_what_differs(window, server, stages):
+    compared(window, server, stages)
     for name in ("Parameters", "Metrics"):
         toggle = window.find_element("css selector", f"[aria-label='{name} - Show diff only']")
         window.execute_script("arguments[0].click()", toggle)
-    for heading in window.find_elements("xpath", FOLDED):
-        heading.click()
     text = window.find_element("tag name", "body").text
     assert f"{CHANGED} 16.0 4.0" in text and "segment.longest_gap" not in text
-    photographed(window, pictures / "mlflow_compare.png")
