@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from pipeline.documentation import deviations
 from pipeline.documentation.command_page import command_page
 from pipeline.documentation.effects_page import catalogue_page
 from pipeline.documentation.physics_tables import constants_table, quantities_table
@@ -27,6 +28,7 @@ PAGES: dict[str, Writer] = {
 BLOCKS: dict[str, Writer] = {
     "constants": lambda root: constants_table(),
     "quantities": lambda root: quantities_table(),
+    **deviations.BLOCKS,
 }
 
 _START = "<!-- generated:"
