@@ -1,24 +1,21 @@
-"""The ball simulator beside its peers: same physics, same shots, same run (`make bench`).
+"""Speed and error of the ball simulator, compared with numpy and scipy (`make bench`).
 
-Peers: a roll-out vectorised over shots in numpy (the same Runge-Kutta step, contacts located
-on the step) and scipy's DOP853 with events at 1e-12, which is also the yardstick for
-everybody's error.
+The peers simulate the same physics and the same shots: a simulation vectorised over shots in numpy
+(the same Runge-Kutta step, contacts located inside a step), and scipy's DOP853 with events at a
+tolerance of 1e-12, from which the errors of both are measured.
 """
 
-import time
-import timeit
 from collections.abc import Callable
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 
+from benchmarks.comparison import faster, rate, report
 from models.ball.simulator import Simulator
 from models.ball.state import BALL_RADIUS, DRAG_FACTOR, MAGNUS_FACTOR
+from pipeline.evaluation.costs import one_core
 from tests.models.ball.reference import Physics
 
-SHOT = 0.8  # s
-TIMES = np.arange(1, 161) * 0.005
+TIMES = np.arange(1, 161) * 0.005  # 0.8 s at 200 Hz
 G, CD, CM, RESTITUTION, FRICTION = 9.81, 0.55, 0.069, 0.93, 0.25
 SIMULATOR = Simulator.from_dict(
     {
@@ -31,7 +28,7 @@ SIMULATOR = Simulator.from_dict(
 
 
 def shots(count: int) -> np.ndarray:
-    """Rally balls that bounce on the table, from slow lobs to 20 m/s."""
+    """Return (N, 9) initial states of shots that bounce on the table, at 3 to 20 m/s."""
     generator = np.random.default_rng(3)
     ball = np.empty((count, 9))
     ball[:, :3] = generator.uniform([-0.3, 0.9, 0.15], [0.3, 1.3, 0.4], (count, 3))
@@ -42,7 +39,11 @@ def shots(count: int) -> np.ndarray:
     return ball
 
 
+SINGLE = shots(1)[0]
+
+
 def derivative(s: np.ndarray) -> np.ndarray:
+    """Return the (9, N) time derivative of states: gravity, drag and Magnus force."""
     _, _, _, vx, vy, vz, wx, wy, wz = s
     drag = DRAG_FACTOR * CD * np.sqrt(vx * vx + vy * vy + vz * vz)
     lift = MAGNUS_FACTOR * CM
@@ -63,6 +64,7 @@ def runge_kutta(s: np.ndarray, h: np.ndarray) -> np.ndarray:
 
 
 def bounce(s: np.ndarray) -> np.ndarray:
+    """Return (9, N) states after a table contact with restitution and friction."""
     _, _, _, vx, vy, vz, wx, wy, _ = s
     slip = np.stack([vx - BALL_RADIUS * wy, vy + BALL_RADIUS * wx])
     grip = FRICTION * (1 + RESTITUTION) * np.abs(vz) / np.hypot(*slip)
@@ -74,8 +76,8 @@ def bounce(s: np.ndarray) -> np.ndarray:
     return after
 
 
-def located(s: np.ndarray, h: np.ndarray) -> np.ndarray:
-    """Time of the touch inside a step: Newton with the vertical velocity, kept by bisection."""
+def contact_times(s: np.ndarray, h: np.ndarray) -> np.ndarray:
+    """Return the times of contacts inside a step, by Newton steps within a bisection."""
     low, high, moment = np.zeros_like(h), h.copy(), h.copy()
     for _ in range(8):
         there = runge_kutta(s, moment)
@@ -89,13 +91,13 @@ def located(s: np.ndarray, h: np.ndarray) -> np.ndarray:
 
 
 def with_numpy(balls: np.ndarray) -> np.ndarray:
-    """Structure of arrays: a row a component, the fastest layout for numpy."""
+    """Return (N, T, 9) states, simulated with one array per component."""
     states, state = np.empty((len(TIMES), 9, len(balls))), np.ascontiguousarray(balls.T)
     for k in range(len(TIMES)):
         h = np.full(len(balls), 0.005)
         ahead = runge_kutta(state, h)
         while (hit := np.flatnonzero((ahead[2] < BALL_RADIUS) & (ahead[5] < 0))).size:
-            moment = located(state[:, hit], h[hit])
+            moment = contact_times(state[:, hit], h[hit])
             state = state.copy()
             state[:, hit] = bounce(runge_kutta(state[:, hit], moment))
             h[hit] -= moment
@@ -113,46 +115,45 @@ def with_scipy(balls: np.ndarray) -> np.ndarray:
     return np.stack([physics.fly(ball, TIMES)[0] for ball in balls])
 
 
-def rate(roll: Callable[[np.ndarray], np.ndarray], count: int, repeats: int) -> float:
-    """Best shots a second over the repeats, in batches of at most a thousand."""
-    balls = shots(count)
-    roll(balls[:2])
-    best = np.inf
-    for _ in range(repeats):
-        start = time.perf_counter()
-        for batch in np.array_split(balls, max(1, count // 1000)):
-            roll(batch)
-        best = min(best, time.perf_counter() - start)
-    return count / best
+def simulated(method: Callable[[np.ndarray], np.ndarray], count: int) -> Callable[[], int]:
+    """Return work that simulates some shots with a method."""
+    initial = shots(count)
+    return lambda: len(method(initial))
 
 
-def error(roll: Callable[[np.ndarray], np.ndarray], balls: np.ndarray, true: np.ndarray) -> float:
-    """Greatest distance (m) from the yardstick while the ball is over the table."""
+def single_shot() -> int:
+    """Simulate one shot of 0.3 s."""
+    SIMULATOR.fly(SINGLE, TIMES[:60])
+    return 1
+
+
+def error(states: np.ndarray, true: np.ndarray) -> float:
+    """Return the largest position error (m) while the ball is above the table."""
     over = np.logical_and.accumulate(
         (np.abs(true[..., 1]) < 1.32) & (np.abs(true[..., 0]) < 0.71), axis=1
     )
-    distance = np.linalg.norm(roll(balls)[..., :3] - true[..., :3], axis=-1)
+    distance = np.linalg.norm(states[..., :3] - true[..., :3], axis=-1)
     return float(distance[over].max())
 
 
 def main() -> None:
-    """Print shots a second, the ratio to rallygap and the error of each."""
-    balls = shots(40)
-    true = with_scipy(balls)
-    rows = [
-        ("rallygap, one core", rate(with_rallygap, 20_000, 5), error(with_rallygap, balls, true)),
-        ("numpy, vectorised", rate(with_numpy, 2_000, 3), error(with_numpy, balls, true)),
-        ("scipy DOP853, 1e-12", rate(with_scipy, 20, 1), 0.0),
-    ]
-    table = Table("roll-out", "shots/s", "rallygap is", "greatest error over the table (m)")
-    for name, speed, distance in rows:
-        ratio = f"{rows[0][1] / speed:,.1f} x"
-        table.add_row(name, f"{speed:,.0f}", ratio, f"{distance:.1e}" if distance else "yardstick")
-    console = Console()
-    console.print(f"{SHOT} s a shot at 200 Hz, table contacts located, nominal model")
-    console.print(table)
-    each = min(timeit.repeat(lambda: SIMULATOR.fly(balls[0], TIMES[:60]), number=100, repeat=20))
-    console.print(f"one shot of 0.3 s, called alone: {each * 1e4:.0f} µs")
+    """Measure shots per second and errors."""
+    initial = shots(40)
+    true = with_scipy(initial)
+    with one_core():
+        ours = rate(simulated(with_rallygap, 1000))
+        peers = {
+            "numpy, vectorised": rate(simulated(with_numpy, 1000)),
+            "scipy DOP853, tolerance 1e-12": rate(simulated(with_scipy, 5)),
+        }
+        calls = rate(single_shot)
+    report(
+        "ball_simulator",
+        [faster("shots of 0.8 s at 200 Hz per second", ours, *peer) for peer in peers.items()],
+        largest_error_m=error(with_rallygap(initial), true),
+        largest_error_of_numpy_m=error(with_numpy(initial), true),
+        one_shot_of_300_ms_us=1e6 / calls,
+    )
 
 
 if __name__ == "__main__":

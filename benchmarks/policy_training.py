@@ -1,21 +1,18 @@
-"""Learning to return balls beside Stable-Baselines3 as it comes (`make bench`).
+"""Speed of policy training, compared with Stable-Baselines3's defaults (`make bench`).
 
-As it comes: `SAC("MlpPolicy", environment)`, every hyperparameter untouched, one environment. Ours
-are those of params.yaml. Task, balls, machine and core are the same. Seconds are the core's own, so
-that other programs on the machine count as little as they can.
+Defaults: `SAC("MlpPolicy", environment)` with one environment. rallygap: the settings of
+params.yaml. Task, shots and machine are the same.
 """
 
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 from stable_baselines3 import SAC
 from stable_baselines3.common.logger import Logger
 
+from benchmarks.comparison import ROOT, faster, rate, report
 from models.policy.batch_simulation import ACTIONS
 from models.policy.environment import ReturnEnv, ReturnVecEnv
 from models.policy.learning import LEARNER, REPLAY, learn_leg, spare_weights
@@ -24,39 +21,26 @@ from pipeline.evaluation.costs import one_core
 from pipeline.io.simulators import load_simulator
 from pipeline.params import load_params
 
-PARAMS = load_params(Path(__file__).parents[1] / "params.yaml")
+PARAMS = load_params(ROOT / "params.yaml")
 GROUP = PARAMS.train_policy.groups["sim2sim"]
 LEARNING, SEED = GROUP.learning, PARAMS.seed
 TASK = Task(
     load_simulator(GROUP.simulators[0]), GROUP.horizons_ms[0], GROUP.goals, GROUP.observation
 )
-MEASURED = 1.0  # s, at least, of every measurement
-REPEATS = 3  # of which the best counts
+PEER = "SB3 defaults"
 
 
 def single_environment() -> ReturnEnv:
     return ReturnEnv(TASK.simulator, TASK.practice, TASK.observation)
 
 
-def learner_as_it_comes() -> SAC:
+def default_learner() -> SAC:
+    """Return Stable-Baselines3's learner with its defaults."""
     return SAC("MlpPolicy", single_environment(), seed=SEED, device="cpu")
 
 
-def rate(work: Callable[[], int]) -> float:
-    """Best of the repeats: how much work a second of the core does, after a warm-up."""
-    work()
-    return max(_rate(work) for _ in range(REPEATS))
-
-
-def _rate(work: Callable[[], int]) -> float:
-    start, done = time.process_time(), 0
-    while (passed := time.process_time() - start) < MEASURED:
-        done += work()
-    return done / passed
-
-
 def tick_of_many(arms: int) -> Callable[[], int]:
-    """One random action of every arm; new balls included."""
+    """Return a random action of every arm in one batched simulation, with resets."""
     environment = ReturnVecEnv(TASK.simulator, TASK.practice, TASK.observation, arms, SEED)
     environment.reset()
     random = np.random.default_rng(SEED)
@@ -69,7 +53,7 @@ def tick_of_many(arms: int) -> Callable[[], int]:
 
 
 def tick_of_one() -> Callable[[], int]:
-    """One random action in the environment that Stable-Baselines3 gets as it comes."""
+    """Return a random action in a single environment, with resets."""
     environment = single_environment()
     environment.reset(seed=SEED)
     random = np.random.default_rng(SEED)
@@ -84,7 +68,7 @@ def tick_of_one() -> Callable[[], int]:
 
 
 def steps_of(learner: SAC) -> Callable[[], int]:
-    """Gradient steps on what the learner has seen so far."""
+    """Return gradient steps of a learner on its replay buffer."""
     learner.set_logger(Logger(None, []))
 
     def steps() -> int:
@@ -95,7 +79,7 @@ def steps_of(learner: SAC) -> Callable[[], int]:
 
 
 def our_learner() -> SAC:
-    """A learner after a leg just long enough to have taken its first gradient steps."""
+    """Return a learner after a leg just long enough for its first gradient steps."""
     short = {"legs": 1, "warm_up": 1000, "ticks": 1000 + 2 * LEARNING.arms}
     with tempfile.TemporaryDirectory() as folder:
         left = Path(folder)
@@ -106,22 +90,19 @@ def our_learner() -> SAC:
     return learner
 
 
-def their_learner() -> SAC:
-    return learner_as_it_comes().learn(1000)
-
-
 def main() -> None:
-    """Print control ticks and gradient steps a second, and the ratio."""
+    """Measure control ticks and gradient steps per second."""
     with one_core():
         ticks = {arms: rate(tick_of_many(arms)) for arms in (32, 64)}
-        one = rate(tick_of_one())
-        steps, plain = rate(steps_of(our_learner())), rate(steps_of(their_learner()))
-    table = Table("on one core", "rallygap", "SB3 as it comes", "rallygap is")
-    for arms, speed in ticks.items():
-        name = f"control ticks/s, {arms} arms to 1"
-        table.add_row(name, f"{speed:,.0f}", f"{one:,.0f}", f"{speed / one:.1f} x")
-    table.add_row("gradient steps/s", f"{steps:,.0f}", f"{plain:,.0f}", f"{steps / plain:.1f} x")
-    Console().print(table)
+        single = rate(tick_of_one())
+        steps = rate(steps_of(our_learner()))
+        peer_steps = rate(steps_of(default_learner().learn(1000)))
+    comparisons = [
+        faster(f"control ticks per second, {arms} arms", speed, f"{PEER}, one arm", single)
+        for arms, speed in ticks.items()
+    ]
+    gradient = faster("gradient steps per second", steps, PEER, peer_steps)
+    report("policy_training", [*comparisons, gradient])
 
 
 if __name__ == "__main__":
