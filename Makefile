@@ -61,7 +61,7 @@ audit: .venv/ready ## check the pinned packages for known vulnerabilities; needs
 pictures: .venv/ready ## take the screenshots of MLflow for docs/compare.md; needs Chromium
 	@pytest -m slow tests/pipeline/test_comparing_pages.py --pictures docs/images
 
-bench: .venv/ready ## half an hour: the ball simulator and the learning beside their peers, and what predictors cost
+bench: .venv/ready ## half an hour: compare speed with other programs; write reports/costs
 	@python -m benchmarks.ball_simulator
 	@python -m benchmarks.policy_training
 	@test ! -d artifacts/train_predictor || rallygap costs

@@ -1,1 +1,1 @@
-"""Benchmarks: each compares with a peer in one run and prints a ratio."""
+"""Benchmarks: measured comparisons with other programs, and costs of our own."""

@@ -1,8 +1,7 @@
-"""What 16-bit numbers cost a predictor in accuracy (`python -m benchmarks.precision`).
+"""Error of a predictor trained in 16-bit precision (`python -m benchmarks.precision`; minutes).
 
-Trains the laptop's transformer in both precisions with three seeds, for fewer passes than a full
-training, and forecasts the test windows. Wants the balls of `dvc repro segment`; writes
-``reports/costs/precision.csv``. Minutes on a processor, which gains nothing by 16 bits.
+Trains the transformer in both precisions with three seeds, for fewer epochs than a full training,
+and forecasts the test windows. Needs `dvc repro segment`; writes ``reports/costs/precision.csv``.
 """
 
 import tempfile
@@ -11,27 +10,27 @@ from pathlib import Path
 import pandas as pd
 from rich.console import Console
 
+from benchmarks.comparison import ROOT
 from pipeline.io.artifacts import write_csv
 from pipeline.params import Params, load_params
 from pipeline.sweeps.predictor import compare_predictors
 from pipeline.sweeps.settings import PredictorSweep, load_sweep
 
-ROOT = Path(__file__).parents[1]
 MEASURED = ROOT / "reports" / "costs" / "precision.csv"
-PASSES = 8
+EPOCHS = 8
 PRECISIONS = ("32-true", "bf16-mixed")
 
 
 def compared() -> list[Params]:
-    """Return params.yaml in both precisions, with short trainings."""
+    """Return params.yaml with short trainings in both precisions."""
     params = load_params(ROOT / "params.yaml")
-    school = params.train_predictor
+    settings = params.train_predictor
     trainings = [
-        school.training.model_copy(update={"precision": precision, "epochs": PASSES})
+        settings.training.model_copy(update={"precision": precision, "epochs": EPOCHS})
         for precision in PRECISIONS
     ]
     return [
-        params.model_copy(update={"train_predictor": school.model_copy(update={"training": one})})
+        params.model_copy(update={"train_predictor": settings.model_copy(update={"training": one})})
         for one in trainings
     ]
 

@@ -1,8 +1,8 @@
-"""How long `make reproduce` takes on a clean clone, and whether it leaves the committed bytes.
+"""Duration of `make reproduce` on a clean clone, and the committed files that it changes.
 
-`python -m benchmarks.reproduce` clones the last commit, sets up an environment of its own there
-and runs everything, stage by stage. Writes ``reports/costs/reproduce.csv`` and ``reproduce.json``.
-Half an hour; give the machine nothing else to do meanwhile.
+`python -m benchmarks.reproduce` clones the last commit, makes an environment there and runs all
+stages. Writes ``reports/costs/reproduce.csv`` and ``reproduce.json``. Half an hour; run nothing
+else meanwhile.
 """
 
 import os
@@ -16,10 +16,10 @@ from pathlib import Path
 import pandas as pd
 from rich.console import Console
 
+from benchmarks.comparison import ROOT
 from pipeline.evaluation.costs import machine
 from pipeline.io.artifacts import write_csv, write_json
 
-ROOT = Path(__file__).parents[1]
 MEASURED = ROOT / "reports" / "costs" / "reproduce.csv"
 SET_UP = "set-up"
 RUNNING = re.compile(r"Running stage '(\w+)'")
@@ -33,30 +33,29 @@ def cloned(folder: Path) -> Path:
 
 
 def reproduced(clone: Path) -> pd.DataFrame:
-    """Run `make reproduce`; return what every part of it took (s), the set-up first.
+    """Run `make reproduce`; return the seconds of the set-up and of every stage.
 
     Raises:
         CalledProcessError: it failed.
     """
-    begun = {SET_UP: time.monotonic()}
-    # Environments of this process are not those of a fresh machine.
-    own = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    starts = {SET_UP: time.monotonic()}
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     with subprocess.Popen(
-        ["make", "reproduce"], cwd=clone, env=own, stdout=subprocess.PIPE, text=True
+        ["make", "reproduce"], cwd=clone, env=environment, stdout=subprocess.PIPE, text=True
     ) as process:
         assert process.stdout is not None
         for line in process.stdout:
             if found := RUNNING.search(line):
-                begun[found[1]] = time.monotonic()
+                starts[found[1]] = time.monotonic()
     if process.returncode:
         raise subprocess.CalledProcessError(process.returncode, "make reproduce")
-    moments = [*begun.values(), time.monotonic()]
+    moments = [*starts.values(), time.monotonic()]
     seconds = [after - before for before, after in pairwise(moments)]
-    return pd.DataFrame({"part": list(begun), "seconds": seconds})
+    return pd.DataFrame({"part": list(starts), "seconds": seconds})
 
 
 def changed(clone: Path) -> list[str]:
-    """Return the committed files that are others now."""
+    """Return the committed files that differ now."""
     status = ["git", "status", "--porcelain"]
     listed = subprocess.run(status, cwd=clone, capture_output=True, text=True, check=True)
     return listed.stdout.splitlines()

@@ -1,10 +1,8 @@
-"""What grows how, on one process and on two (`python -m benchmarks.scale`; minutes).
+"""How costs grow with the work, on one process and on two (`python -m benchmarks.scale`; minutes).
 
-Every work is done once as it is, once twice as large, and that once more on two processes. Twice as
-large is one hall with twice the balls, and one training on twice the balls; of questions and
-policies, which are independent, twice as many. Writes
-``reports/costs/scale.csv`` and ``scale.json`` and fills in docs/scale.md. Give the machine nothing
-else to do meanwhile.
+Every work is measured once, then twice as large, then that on two processes. Writes
+``reports/costs/scale.csv`` and ``scale.json``, from which `rallygap docs` writes docs/scale.md. Run
+nothing else meanwhile.
 """
 
 import os
@@ -23,8 +21,8 @@ import torch
 from joblib.externals.loky import get_reusable_executor
 from rich.console import Console
 
+from benchmarks.comparison import ROOT
 from benchmarks.policy_training import LEARNING, PARAMS, SEED, TASK
-from benchmarks.scale_page import MEASURED, SIZES, fill_page
 from models.ball.catalogue import catalogue
 from models.exam.design.questions import Question
 from models.exam.design.trial import Trial
@@ -47,20 +45,20 @@ from stages.segment import _cut
 from tests.models.predictors.schooling import balls
 from tests.pipeline.sources.made_up import ARENA
 
-ROOT = Path(__file__).parents[1]
-HALL = ARENA.model_copy(update={"game_episodes": 1500, "cannon_shots": 1500})
-SHOTS = 100  # of a question
+MEASURED = ROOT / "reports" / "costs" / "scale.csv"
+SMALL_ARENA = ARENA.model_copy(update={"game_episodes": 1500, "cannon_shots": 1500})
+SHOTS = 100  # per question of the exam
 NOT_NOMINAL = sorted(set(catalogue()) - set(TASK.simulator.effects))
 LEG = LEARNING.model_copy(update={"legs": 1, "ticks": 3200, "warm_up": 320})
-BALLS = 1000  # whose windows the predictor learns from
+EPISODES = 1000  # that the predictor learns from
 EPOCHS = 4
 
-SETTINGS = ((1, 1), (1, 2), (2, 2))  # processes, and how many times the work
+SETTINGS = ((1, 1), (1, 2), (2, 2))  # processes, multiple of the work
 
 
 @dataclass(frozen=True)
 class Work:
-    """Tasks of one kind: what they count, how many there are, and what one of them does."""
+    """Independent tasks: the unit that they count, their number, and the function of one."""
 
     name: str
     unit: str
@@ -68,8 +66,8 @@ class Work:
     do: Callable[[int], int]
 
 
-def sit_question(number: int, withheld: Sequence[str] = ()) -> int:
-    """Let our method answer a question of the exam."""
+def answer_question(number: int, withheld: Sequence[str] = ()) -> int:
+    """Answer a question of the exam with our method; return 1, the units done."""
     trial = Trial(
         f"clean/{number}", TASK.simulator, shots=SHOTS, withheld=tuple(withheld), seed=1000 + number
     )
@@ -77,78 +75,75 @@ def sit_question(number: int, withheld: Sequence[str] = ()) -> int:
     return 1
 
 
-def sit_with_half_the_effects(number: int) -> int:
-    """Let it answer with every other effect of its catalogue withheld."""
-    return sit_question(number, NOT_NOMINAL[::2])
+def answer_with_half_the_effects(number: int) -> int:
+    """Answer with every second effect of the catalogue withheld."""
+    return answer_question(number, NOT_NOMINAL[::2])
 
 
 def learn(seed: int) -> int:
-    """Take a policy through a short leg; return its control ticks."""
+    """Train a policy for a short leg; return its control ticks."""
     with tempfile.TemporaryDirectory() as folder:
         learn_leg(TASK, LEG, seed, 0, None, Path(folder))
     return LEG.ticks
 
 
 WORKS = (
-    Work(f"verdicts on {SHOTS} shots", "questions of the exam", 2, sit_question),
-    Work("verdicts with half the effects", "such questions", 2, sit_with_half_the_effects),
+    Work(f"verdicts on {SHOTS} shots", "questions of the exam", 2, answer_question),
+    Work("verdicts with half the effects", "such questions", 2, answer_with_half_the_effects),
     Work("train policies", "control ticks", 1, learn),
 )
 
 
-def use(processes: int) -> None:
-    """Have all that runs side by side run on so many processes."""
+def set_processes(processes: int) -> None:
+    """Let parallel tasks run on a number of processes."""
     os.environ["LOKY_MAX_CPU_COUNT"] = str(processes)
-    # What workers of another work import counts as a leak, for which loky ends them meanwhile.
+    # loky takes the memory of other works' imports for a leak, and would restart workers.
     get_reusable_executor().shutdown()
 
 
 def measure(work: Work, processes: int, times: int) -> dict[str, Any]:
-    """Do a work so many times over, on so many processes; return a row of the table."""
-    use(processes)
-    list(parallel([partial(work.do, 0)] * processes))  # started, imported, compiled
+    """Measure a multiple of a work on some processes; return a row of the table."""
+    set_processes(processes)
+    list(parallel([partial(work.do, 0)] * processes))  # warm-up: start, import, compile
     start = time.monotonic()
     done = sum(parallel([partial(work.do, SEED + k) for k in range(times * work.tasks)]))
     return row(work.name, work.unit, processes, done, time.monotonic() - start)
 
 
-def measure_balls(processes: int, times: int) -> dict[str, Any]:
-    """Simulate a hall with so many times the balls, write and cut them."""
-    use(processes)
-    cut_hall(1)  # started, imported, compiled
+def measure_arena(processes: int, times: int) -> dict[str, Any]:
+    """Measure ingest and segment of an arena with a multiple of the shots."""
+    set_processes(processes)
+    segment_arena(1)  # warm-up: start, import, compile
     start = time.monotonic()
-    done = cut_hall(times)
+    done = segment_arena(times)
     return row(
         "simulate, write and cut balls", "episodes", processes, done, time.monotonic() - start
     )
 
 
-def cut_hall(times: int) -> int:
-    """Return how many episodes a hall with so many times the balls has."""
+def segment_arena(times: int) -> int:
+    """Ingest and segment an arena; return the number of episodes."""
     with tempfile.TemporaryDirectory() as root:
-        return len(cut(Path(root), times).episodes)
+        return len(segmented(Path(root), times).episodes)
 
 
-def cut(root: Path, times: int = 1) -> Segmented:
-    """Do what `ingest` and `segment` do to a hall with so many times the balls."""
-    shots = {name: times * getattr(HALL, name) for name in ("game_episodes", "cannon_shots")}
-    settings = PARAMS.ingest.model_copy(update={"arena": HALL.model_copy(update=shots)})
+def segmented(root: Path, times: int = 1) -> Segmented:
+    """Run `ingest` and `segment` on an arena with a multiple of the shots."""
+    shots = {name: times * getattr(SMALL_ARENA, name) for name in ("game_episodes", "cannon_shots")}
+    settings = PARAMS.ingest.model_copy(update={"arena": SMALL_ARENA.model_copy(update=shots)})
     gathered = gather(settings, SEED, root / "artifacts" / "ingest")
     _, found, _ = _cut(StageRun("segment", root, PARAMS), gathered.manifest, {})
     return found
 
 
 def measure_training(processes: int, times: int) -> dict[str, Any]:
-    """Train the predictor of params.yaml on so many times the balls, which are made up.
-
-    Its start is not counted.
-    """
+    """Measure the training of the predictor on a multiple of the episodes, without its start."""
     settings = PARAMS.train_predictor
     (shape,) = list(settings.networks.values())[:1]
     changed = settings.training.model_copy(update={"epochs": EPOCHS, "devices": processes})
     lightning.seed_everything(SEED, verbose=False)
     training = ForecastTraining(build_network(shape), changed)
-    data = WindowData(balls(times * BALLS, 0), balls(3, 1), changed, SEED)
+    data = WindowData(balls(times * EPISODES, 0), balls(3, 1), changed, SEED)
     data.fit_normaliser(training.network)
     with tempfile.TemporaryDirectory() as folder:
         train(training, data, Path(folder))
@@ -166,27 +161,29 @@ def row(work: str, unit: str, processes: int, units: int, seconds: float) -> dic
 
 
 def sizes() -> dict[str, float]:
-    """Return what an episode takes: bytes on disk in all tables, and in memory while it teaches."""
-    use(1)
+    """Return bytes of an episode: on disk in all tables, and in memory during training."""
+    set_processes(1)
     with tempfile.TemporaryDirectory() as root:
-        cut(Path(root))
+        segmented(Path(root))
         disk = sum(path.stat().st_size for path in Path(root).rglob("*.parquet"))
         samples = read_table(Path(root) / "artifacts" / "segment" / "samples.parquet")
-    taught = [_episode(rows) for _, rows in samples.groupby("episode_id")]
-    held = [*taught, tracks(taught)]  # a training has read the ones and made the others of them
+    episodes = [_episode(rows) for _, rows in samples.groupby("episode_id")]
+    held = [*episodes, tracks(episodes)]  # a training holds both
     arrays = (part for one in held for part in vars(one).values())
     memory = sum(part.nbytes for part in arrays if isinstance(part, np.ndarray | torch.Tensor))
-    return {"disk_bytes": disk / len(taught), "memory_bytes": memory / len(taught)}
+    return {"disk_bytes": disk / len(episodes), "memory_bytes": memory / len(episodes)}
 
 
 def main() -> None:
-    """Measure, write, fill in the page, print."""
+    """Measure, write, print."""
     rows = [measure_training(*setting) for setting in SETTINGS]
-    rows += [measure_balls(*setting) for setting in SETTINGS]
+    rows += [measure_arena(*setting) for setting in SETTINGS]
     rows += [measure(work, *setting) for work in WORKS for setting in SETTINGS]
     write_csv(MEASURED, pd.DataFrame(rows), digits=4)
-    write_json(SIZES, {**machine(ROOT), **{k: float(f"{v:.4g}") for k, v in sizes().items()}})
-    fill_page()
+    write_json(
+        MEASURED.with_suffix(".json"),
+        {**machine(ROOT), **{k: float(f"{v:.4g}") for k, v in sizes().items()}},
+    )
     Console().print(MEASURED.read_text())
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from pipeline.documentation import deviations
 from pipeline.documentation.command_page import command_page
+from pipeline.documentation.cost_tables import benchmarks_table, extrapolation_table, scale_table
 from pipeline.documentation.effects_page import catalogue_page
 from pipeline.documentation.physics_tables import constants_table, quantities_table
 from pipeline.paper.page import paper_page
@@ -26,9 +27,12 @@ PAGES: dict[str, Writer] = {
 }
 
 BLOCKS: dict[str, Writer] = {
+    "benchmarks": benchmarks_table,
     "constants": lambda root: constants_table(),
     "quantities": lambda root: quantities_table(),
     **deviations.BLOCKS,
+    "scale": scale_table,
+    "scale-extrapolation": extrapolation_table,
 }
 
 _START = "<!-- generated:"

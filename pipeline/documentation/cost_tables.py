@@ -1,0 +1,84 @@
+"""Tables of docs/scale.md and of benchmarks, from the measurements in reports/costs."""
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pipeline.io.artifacts import read_json
+from pipeline.params import load_params
+
+COSTS = Path("reports") / "costs"
+SHOTS = 10_000_000  # of the extrapolation
+GIGABYTE = 1e9
+CORE_HOUR = 0.05  # EUR, an assumption
+EPOCH = "an epoch of the laptop's transformer"
+
+
+def scale_table(root: Path) -> str:
+    """Return the measured times: of the work, of twice the work, and of that on two processes."""
+    return measured_rows(pd.read_csv(root / COSTS / "scale.csv"))
+
+
+def measured_rows(measured: pd.DataFrame) -> str:
+    """Return the measured times as Markdown."""
+    lines = [
+        "| work | unit | units | s | twice the units | s | on two processes (s) | speed-up |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for work, rows in measured.groupby("work", sort=False):
+        units = rows["units"].tolist()
+        once, twice, shared = rows["seconds"].tolist()
+        cells = [f"{units[0]:,}", f"{once:.1f}", f"{units[1]:,}", f"{twice:.1f}", f"{shared:.1f}"]
+        cells.append(f"{twice / shared:.2f}")
+        lines.append(f"| {work} | {rows['unit'].iloc[0]} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def extrapolation_table(root: Path) -> str:
+    """Return what ``SHOTS`` shots would cost at the measured rates of one process."""
+    sizes = read_json(root / COSTS / "scale.json")
+    return extrapolated_rows(pd.read_csv(root / COSTS / "scale.csv"), sizes, root)
+
+
+def extrapolated_rows(measured: pd.DataFrame, sizes: dict[str, float], root: Path) -> str:
+    """Return the costs of ``SHOTS`` shots as Markdown, for the parameters of a repository."""
+    single = measured[measured["processes"] == 1].groupby("unit", sort=False)["per_second"].last()
+    params = load_params(root / "params.yaml")
+    training = params.train_predictor.training
+    windows = SHOTS * training.windows_an_episode
+    group = params.train_policy.groups["sim2sim"]
+    policies = len(group.simulators) * len(group.horizons_ms) * group.repeats
+    ticks = policies * group.learning.legs * group.learning.ticks
+    works = (
+        ("simulate, write and segment them", SHOTS, "episodes", "yes"),
+        (EPOCH, windows, "windows", "yes"),
+        (f"its {training.epochs} epochs", training.epochs * windows, "windows", "yes"),
+        ("the laptop's policies", ticks, "control ticks", "no"),
+        ("1,000 verdicts on 100 shots", 1000, "questions of the exam", "no"),
+    )
+    lines = ["| work | cost | grows with the shots |", "|---|---|---|"]
+    hours = {name: units / single[unit] / 3600 for name, units, unit, _ in works}
+    lines += [f"| {name} | {hours[name]:,.1f} core-hours | {grows} |" for name, *_, grows in works]
+    total = sum(hours.values()) - hours[EPOCH]  # which all epochs contain
+    lines.append(f"| total | {total:,.1f} core-hours | yes |")
+    lines.append(f"| at {CORE_HOUR:.2f} EUR per core-hour | {CORE_HOUR * total:,.2f} EUR | yes |")
+    disk, memory = (SHOTS * sizes[name] / GIGABYTE for name in ("disk_bytes", "memory_bytes"))
+    lines.append(f"| tables on disk | {disk:,.0f} GB | yes |")
+    lines.append(f"| memory of every training process | {memory:,.0f} GB | yes |")
+    return "\n".join(lines)
+
+
+def benchmarks_table(root: Path) -> str:
+    """Return the comparisons with peers of the last `make bench`."""
+    lines = ["| measure | rallygap | peer | its value | ratio |", "|---|---|---|---|---|"]
+    for benchmark in read_json(root / COSTS / "benchmarks.json").values():
+        lines += [_comparison_row(one) for one in benchmark["comparisons"]]
+    return "\n".join(lines)
+
+
+def _comparison_row(one: dict[str, Any]) -> str:
+    ratio = "not reached" if one["ratio"] is None else f"{one['ratio']:,.1f}"
+    bound = "more than " if one["lower_bound"] and one["ratio"] is not None else ""
+    values = f"{one['rallygap']:,.0f} | {one['peer']} | {one['peer_value']:,.0f}"
+    return f"| {one['measure']} | {values} | {bound}{ratio} |"
