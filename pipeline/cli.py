@@ -83,7 +83,7 @@ def diagnose(
     out: Annotated[Path, typer.Option(help="the folder to write to")],
     source: Annotated[str, typer.Option(help="the adapter that reads the recordings")] = "csv",
     level: Annotated[
-        float, typer.Option(min=1e-4, max=0.5, help="chance of a false name without a gap")
+        float, typer.Option(min=1e-4, max=0.5, help="probability of a false cause without a gap")
     ] = 0.003,
 ) -> None:
     """Say where recordings and a simulator disagree, why, and by how much."""
@@ -93,9 +93,9 @@ def diagnose(
     typer.echo()
     for sentence in findings.sentences:
         typer.echo(sentence)
-    for limit in findings.verdict.limits:
-        typer.echo(f"Limit: {limit}.")
-    typer.echo(f"All of it: {out / 'report.html'}")
+    for limitation in findings.verdict.limitations:
+        typer.echo(f"Limitation: {limitation}.")
+    typer.echo(f"Report: {out / 'report.html'}")
 
 
 @app.command(rich_help_panel=GAP)

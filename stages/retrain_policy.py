@@ -184,7 +184,7 @@ def _add_number_table(run: StageRun, begun: str, simulators: Mapping[str, Simula
     tables = {}
     for source, amended in simulators.items():
         path = verdict_path(run.input("close_gap", ""), source, begun)
-        causes = read_as(path, NamedCauses, "close_gap").effects
+        causes = read_as(path, NamedCauses, "close_gap").causes
         known = truth.simulator if truth is not None and source == ARENA else None
         tables[source] = number_table(load_simulator(begun), amended, causes, known)
     run.add_table(

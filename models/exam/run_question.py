@@ -16,11 +16,11 @@ from models.exam.answer import Finding, Method
 from models.exam.design.detectable_sizes import Sight
 from models.exam.design.questions import Question
 from models.exam.design.trial import HiddenCause, Recording, Trial
+from models.exam.names import name_of
 from models.exam.record import Answered, Hidden, Named, Sheet
 from models.exam.scoring.removable_gap import RemovableGap
 from models.exam.simulate.recordings import SealedTruth, held
 from models.gap.hypotheses import Hypothesis
-from models.gap.verdict import name_of
 
 Seconds = dict[str, float]  # of the processor, by method
 

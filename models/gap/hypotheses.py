@@ -1,34 +1,60 @@
-"""Hypotheses: each number of the catalogue may be the one that the simulator has wrong."""
+"""Hypotheses: each parameter of the catalogue may have another value than the simulator's.
 
+A hypothesis is identified by its effect and parameter, written ``effect.parameter`` everywhere:
+``drag.cd``, ``wind.x``, ``table_bounce.restitution``.
+"""
+
+import difflib
 from dataclasses import dataclass
 
-from models.ball.catalogue import catalogue
+from models.ball.catalogue import catalogue, parameter_columns
 from models.ball.effect import Parameter
 from models.ball.simulator import Simulator
 
-# Of a parameter's range, for differences: small, since a path has a kink where it bounces, and the
-# fewer samples lie between two bounces that are compared the better.
+# Share of a parameter's range, for finite differences. It is small because a path has a kink where
+# it bounces: the fewer samples lie between the two bounces that are compared, the better.
 STEP = 5e-6
 
+AXES = ("x", "y", "z")  # parameters of these names are components of a vector
 OTHER_SURFACES = ("net", "racket_bounce")  # shots touch nothing but the table
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """One number of one effect: its value may differ from the simulator's."""
+    """One parameter of one effect: its value may differ from the simulator's."""
 
     effect: str
     parameter: str
 
+    @classmethod
+    def from_identity(cls, identity: str) -> "Hypothesis":
+        """Return the hypothesis about a parameter of the catalogue, such as ``wind.x``.
+
+        Raises:
+            ValueError: the catalogue has no such parameter.
+        """
+        known = {f"{effect}.{parameter}" for effect, parameter in parameter_columns()}
+        if identity not in known:
+            near = difflib.get_close_matches(identity, sorted(known), n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            raise ValueError(f"the catalogue has no parameter {identity!r}{hint}")
+        return cls(*identity.split("."))
+
     @property
-    def siblings(self) -> tuple[Parameter, ...]:
-        """All parameters of the effect."""
-        return catalogue()[self.effect].parameters
+    def identity(self) -> str:
+        """``effect.parameter``."""
+        return f"{self.effect}.{self.parameter}"
+
+    @property
+    def quantity(self) -> str:
+        """The physical quantity: the components of a vector, such as the wind's, are one."""
+        return self.effect if self.parameter in AXES else self.identity
 
     @property
     def declaration(self) -> Parameter:
-        """What the catalogue says of the parameter."""
-        return next(one for one in self.siblings if one.name == self.parameter)
+        """The catalogue's entry of the parameter."""
+        parameters = catalogue()[self.effect].parameters
+        return next(one for one in parameters if one.name == self.parameter)
 
     @property
     def step(self) -> float:
@@ -37,12 +63,12 @@ class Hypothesis:
         return STEP * (high - low)
 
     def value(self, simulator: Simulator) -> float:
-        """Return the number that ``simulator`` has, neutral where it lacks the effect."""
+        """Return the value that ``simulator`` has, neutral where it lacks the effect."""
         values = simulator.effects.get(self.effect, {})
         return values.get(self.parameter, self.declaration.neutral)
 
     def listed(self, simulator: Simulator) -> bool:
-        """Whether the number is the simulator's own: a wrong value, not a missing effect."""
+        """Whether ``simulator`` lists the effect: then a wrong value, else a missing effect."""
         return self.effect in simulator.effects
 
     def at(self, simulator: Simulator, value: float) -> Simulator:
@@ -52,17 +78,17 @@ class Hypothesis:
     def nearby(self, simulator: Simulator) -> float:
         """Return another value, a small step away: upwards, unless the range ends there.
 
-        Many laws are clipped at a bound, and a step across it would see none of their slope.
+        Many laws are clipped at a bound: a step across it would miss part of their slope.
         """
         value, step = self.value(simulator), self.step
         return value + step if value + step <= self.declaration.bounds[1] else value - step
 
 
 def hypotheses(simulator: Simulator) -> tuple[Hypothesis, ...]:
-    """Return every number of the catalogue that a small change of ``simulator`` can reach.
+    """Return every parameter of the catalogue that a small change of ``simulator`` can reach.
 
-    Effects that have no neutral value, such as surfaces that are not there, cannot be reached, and
-    of surfaces that no shot touches there is nothing to find out.
+    Left out are effects without a neutral value that the simulator lacks, such as a missing
+    surface, and surfaces that no shot of the gap workflow touches.
     """
     return tuple(
         Hypothesis(effect.name, parameter.name)
@@ -71,3 +97,8 @@ def hypotheses(simulator: Simulator) -> tuple[Hypothesis, ...]:
         if effect.name in simulator.effects or not any(p.required for p in effect.parameters)
         for parameter in effect.parameters
     )
+
+
+# The share of spin labels that are read with the wrong sign: a fault of the sensor that is decided
+# shot by shot (name/label_signs.py), not by a derivative.
+LABEL_SIGNS = Hypothesis("spin_sign_flip", "share")

@@ -1,4 +1,4 @@
-"""Located: what is known of where a gap arises."""
+"""Where a gap arises: trajectory discrepancy over the horizon, by phase and by covariate."""
 
 from dataclasses import dataclass
 
@@ -8,19 +8,19 @@ from models.gap.types import PHASES, Phase
 
 @dataclass(frozen=True)
 class Growth:
-    """The parting against one axis, in K bins.
+    """The discrepancy against one covariate, in K bins.
 
     Attributes:
-        axis: its name.
-        unit: of its values, empty for kinds.
-        centres: (K,) medians of the axis in the bins, or numbers.
-        kinds: (K,) names of the bins where they are kinds.
+        axis: name of the covariate.
+        unit: of its values, empty for categories.
+        centres: (K,) medians of the covariate in the bins, or numbers of categories.
+        kinds: (K,) names of the bins where they are categories.
         means: (K, 3) m along the course, across it (to the right) and up.
         errors: (K, 3) m, half the 95 % interval of a mean.
         counts: (K,) shots.
-        share: of the partings' variance that goes with the axis; of the time since launch, share
-            of the mean square that all shots have in common.
-        p_value: chance that any axis is as telling where none tells anything.
+        share: of the discrepancies' variance that the covariate explains; of the time since launch,
+            share of the mean square that all shots have in common.
+        p_value: probability that any covariate explains as much where none has an influence.
     """
 
     axis: str
@@ -36,15 +36,15 @@ class Growth:
 
 @dataclass(frozen=True)
 class Located:
-    """How far balls part, where that arises, and against what it grows.
+    """Trajectory discrepancy over the horizon, by phase and against covariates.
 
     Attributes:
-        horizons: (H,) s after the last sample that a prediction sees.
-        parting: (H,) m, root mean square over shots, without noise and scatter.
-        shares: (H,) of each phase in its square; zero where nothing parts.
-        time: how it grows with the time since launch.
-        growth: how it grows with every other axis, the most telling first.
-        looked_at: s, the horizon at which those are looked at.
+        horizons: (H,) s after the last sample that a prediction uses.
+        discrepancy: (H,) m, root mean square over shots, without noise and scatter.
+        shares: (H,) of each phase in its square; zero where there is no discrepancy.
+        time: its growth with the time since launch.
+        growth: its growth with every covariate, the most informative first.
+        trend_horizon: s, the horizon at which ``growth`` is evaluated.
     """
 
     horizons: Floats
@@ -55,7 +55,7 @@ class Located:
     trend_horizon: float
 
     @property
-    def where(self) -> dict[Phase, float]:
-        """The phases' shares over all horizons, by how far balls part; zero where they do not."""
+    def phase_shares(self) -> dict[Phase, float]:
+        """Mean shares over all horizons, weighted by the discrepancy; zero where there is none."""
         whole = max(float(self.discrepancy.sum()), 1e-12)
         return {phase: float(self.discrepancy @ self.shares[phase]) / whole for phase in PHASES}

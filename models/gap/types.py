@@ -1,4 +1,4 @@
-"""Types of the gap workflow besides the arrays of numbers in ``models/ball/types.py``."""
+"""Types that the gap workflow shares: arrays (besides models/ball/types.py) and phases."""
 
 from typing import Literal
 
@@ -10,5 +10,6 @@ Indices = NDArray[np.int64]
 
 Places = tuple[int, ...]  # columns of a set of hypotheses, by their numbers
 
-Phase = Literal["flight", "table", "sensor"]  # of a ball's way from its launch into the data
+# Where a gap arises: in free flight, at the table, or in the measurement.
+Phase = Literal["flight", "table", "sensor"]
 PHASES: tuple[Phase, ...] = ("flight", "table", "sensor")

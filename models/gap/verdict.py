@@ -1,78 +1,113 @@
-"""The verdict: what one data set says of the gap between a simulator and measured balls."""
+"""The verdict on one data set: its types, its file ``verdict.json`` and the reader of that file.
+
+Importing this module loads no inference code. Read a file from Python with::
+
+    from models.gap.verdict import Verdict
+
+    verdict = Verdict.load("verdict.json")
+
+The file's JSON schema is ``verdict.schema.json``, beside this module; ``json_schema`` generates it.
+"""
 
 import json
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, InstanceOf
+from pydantic import BaseModel, ConfigDict, Field, InstanceOf, ValidationError
 
-from models.ball.simulator import Simulator
-from models.gap.hypotheses import Hypothesis, hypotheses
+from models.gap.hypotheses import Hypothesis
 from models.gap.location import Located
+from models.gap.types import Phase
 
-AXES = ("x", "y", "z")
-WORSE = 0.02  # of the errors before: by as much more those of causes that mislead are, surely
+VERSION = 1  # of the file (see ``Verdict.version``); grows when a field changes
+WORSE = 0.02  # share of the nominal error by which amended predictions must be worse to be rejected
 
 Answer = Literal["no_gap", "named", "ambiguous", "unknown"]
 Kind = Literal["wrong_value", "missing_effect"]
 
 
+class VerdictError(ValueError):
+    """A file that is not a verdict of this version."""
+
+
 class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, populate_by_name=True)
+    model_config = ConfigDict(frozen=True, extra="forbid")
 
 
 class Cause(_Part):
     """One cause of the gap.
 
     Attributes:
-        name: of the effect, or of the number where an effect has several, such as restitution.
-        component: the axis of an effect that has one number an axis.
+        identity: ``effect.parameter``, such as ``drag.cd`` or ``wind.x``.
         kind: whether the simulator has the effect with a wrong value, or lacks it.
-        parameter: the number, as the simulator's YAML calls it.
-        unit: of all values.
-        nominal: what the simulator says, neutral where it lacks the effect.
-        estimate: what the shots say.
-        interval: 95 % of it.
-        p_value: chance that the largest of all hypotheses looks as large without any gap.
-        gap_share: of all that is wrong.
-        possible: the names that these shots cannot tell from it, its own first.
+        unit: of nominal, estimate and interval.
+        nominal: the simulator's value, neutral where it lacks the effect.
+        estimate: value by the shots.
+        interval: 95 % confidence interval of the estimate.
+        p_value: probability that the largest of all hypotheses is as large without any gap.
+        gap_share: share of the gap, of all causes and of unexplained structure.
+        possible: identities that these shots cannot tell from the cause, its own first.
     """
 
-    name: str
-    component: str | None
+    identity: str
     kind: Kind
-    parameter: str
     unit: str
     nominal: float
     estimate: float
     interval: tuple[float, float]
     p_value: float
     gap_share: float
-    possible: tuple[str, ...] = Field(alias="class")
+    possible: tuple[str, ...]
 
     @property
-    def others(self) -> tuple[str, ...]:
-        """What else it may be."""
-        return tuple(name for name in self.possible if name != self.name)
+    def effect(self) -> str:
+        """Name of the effect."""
+        return self.identity.partition(".")[0]
+
+    @property
+    def parameter(self) -> str:
+        """Name of the parameter of the effect."""
+        return self.identity.partition(".")[2]
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """The parameter in question, with its unit and bounds.
+
+        Raises:
+            ValueError: the catalogue of this installation does not have it.
+        """
+        return Hypothesis.from_identity(self.identity)
+
+    @property
+    def alternatives(self) -> tuple[str, ...]:
+        """Identities of the other possible causes."""
+        return tuple(one for one in self.possible if one != self.identity)
+
+    @property
+    def ambiguous(self) -> bool:
+        """Whether it could be another quantity; the components of a vector are one quantity."""
+        return len({Hypothesis(*one.split(".", 1)).quantity for one in self.possible}) > 1
 
 
 class Unexplained(_Part):
-    """What no catalogued effect explains.
+    """Structure in the residuals that no effect of the catalogue explains.
 
     Attributes:
-        share: of all that is wrong.
-        p_value: chance of so much structure in what is left, were there none.
-        where: the phase that shows most of it, where it is significant.
-        lead: a sparse formula for it; a lead, not a name.
+        share: of the gap.
+        p_value: probability of as much structure without any.
+        phase: where most of it arises; None where it is not significant.
+        formula: a sparse formula for it; a candidate, not a cause.
     """
 
     share: float
     p_value: float
-    where: Literal["flight", "table", "sensor"] | None = None
-    lead: str | None = None
+    phase: Phase | None = None
+    formula: str | None = None
 
 
-class Where(_Part):
+class PhaseShares(_Part):
     """Shares of the gap that arise in flight, at the table and in the sensor."""
 
     flight: float
@@ -81,18 +116,18 @@ class Where(_Part):
 
 
 class Landing(_Part):
-    """Errors of predictions of where and when balls land, root mean square.
+    """Root mean square errors of the predicted place and time of landing.
 
     Attributes:
-        shots: that land.
-        before_mm: of places, by the simulator as it was.
+        shots: number of shots that land.
+        before_mm: of places, by the nominal simulator.
         after_mm: by the amended simulator.
         floor_mm: by a simulator without fault.
-        before_ms: of times, by the simulator as it was.
+        before_ms: of times, by the nominal simulator.
         after_ms: by the amended simulator.
         floor_ms: by a simulator without fault.
-        closer_mm: by how much places got better, 95 %, by shots drawn at random in pairs.
-        closer_ms: by how much times got better.
+        reduction_mm: 95 % interval of before less after, paired bootstrap over shots.
+        reduction_ms: the same of times.
     """
 
     shots: int
@@ -102,12 +137,12 @@ class Landing(_Part):
     before_ms: float
     after_ms: float
     floor_ms: float
-    closer_mm: tuple[float, float]
-    closer_ms: tuple[float, float]
+    reduction_mm: tuple[float, float]
+    reduction_ms: tuple[float, float]
 
     @property
     def sizes(self) -> tuple[tuple[float, float], ...]:
-        """Errors in mm and in ms: before, after and at the floor."""
+        """Errors in mm and in ms: before, after and floor."""
         return (
             (self.before_mm, self.before_ms),
             (self.after_mm, self.after_ms),
@@ -116,20 +151,20 @@ class Landing(_Part):
 
 
 class Gap(_Part):
-    """Errors of predictions on shots that naming never saw.
+    """Prediction errors on held-out shots, by the nominal and by the amended simulator.
 
     Attributes:
-        horizons_ms: after the last sample that a prediction may use.
-        before_mm: root mean square error of the simulator as it was.
+        horizons_ms: after the last sample that a prediction uses.
+        before_mm: root mean square error of the nominal simulator.
         after_mm: of the amended simulator.
-        floor_mm: of a simulator without fault, by the noise and scatter found.
-        removable_closed: share of the gap between before and floor that closed; None where there is
-            none to close.
-        interval: 95 % of it, by shots drawn at random.
-        landing: errors where and when balls land; None where too few do.
-        before_interval_mm: 95 % of each of ``before_mm``, by shots drawn at random in pairs.
-        after_interval_mm: 95 % of each of ``after_mm``, by the same shots.
-        closer_mm: 95 % of by how much errors fell, their mean over horizons, by the same shots.
+        floor_mm: of a simulator without fault, with the launches, scatter and noise found.
+        removable_closed: share of the difference between before and floor that was closed; None
+            where there is no difference.
+        removable_closed_interval: 95 % interval, bootstrap over shots.
+        landing: errors at landing; None where too few shots land.
+        before_interval_mm: 95 % interval of each of ``before_mm``, paired bootstrap over shots.
+        after_interval_mm: 95 % interval of each of ``after_mm``, by the same resamples.
+        reduction_mm: 95 % interval of before less after, mean over horizons, same resamples.
     """
 
     horizons_ms: tuple[int, ...]
@@ -137,86 +172,106 @@ class Gap(_Part):
     after_mm: tuple[float, ...]
     floor_mm: tuple[float, ...]
     removable_closed: float | None
-    interval: tuple[float, float] | None
+    removable_closed_interval: tuple[float, float] | None
     landing: Landing | None = None
     before_interval_mm: tuple[tuple[float, float], ...] = ()
     after_interval_mm: tuple[tuple[float, float], ...] = ()
-    closer_mm: tuple[float, float] | None = None
+    reduction_mm: tuple[float, float] | None = None
 
     @property
     def worse(self) -> bool:
-        """Whether the amended simulator predicts clearly worse, beyond chance.
+        """Whether amended predictions are worse by more than ``WORSE``, with 95 % confidence.
 
-        The right causes may as well, by a little, where predictions hardly depend on them.
+        With the right causes they may be a little worse where they hardly depend on the causes.
         """
         least = WORSE * float(np.mean(self.before_mm))
-        return self.closer_mm is not None and self.closer_mm[1] < -least
+        return self.reduction_mm is not None and self.reduction_mm[1] < -least
+
+
+@dataclass(frozen=True)
+class DetectionLimits:
+    """What the shots can show, known before causes are searched for.
+
+    Attributes:
+        minimum_detectable: minimum detectable effect (5.8 sigma) of every identifiable parameter,
+            by identity, in the parameter's unit.
+        not_identifiable: identities of parameters about which the shots say nothing.
+    """
+
+    minimum_detectable: dict[str, float]
+    not_identifiable: tuple[str, ...]
 
 
 class Verdict(_Part):
-    """What one data set says.
+    """The verdict on one data set.
 
     Attributes:
+        version: of the file's format.
         verdict: in one word.
-        effects: the causes, those of the largest share first.
-        unexplained: what is left.
-        where: it arises.
-        gap: on shots that naming never saw; None where there are too few.
-        detectable: smallest size of every effect that these shots would show, each in its unit.
-        blind_to: effects of which they show nothing.
-        limits: in words, what these data cannot decide, why, and what would.
-        located: how far balls part, and against what that grows; not in the file.
+        causes: of the gap, the largest share first.
+        unexplained: structure that no cause explains.
+        phases: shares of the gap by phase.
+        gap: prediction errors on held-out shots; None where these are too few.
+        minimum_detectable: see ``DetectionLimits``.
+        not_identifiable: see ``DetectionLimits``.
+        limitations: sentences: what these data cannot decide, why, and which experiment would.
+        located: discrepancy over the horizon and against covariates; not in the file, None there.
     """
 
+    version: Literal[1] = 1
     verdict: Answer
-    effects: tuple[Cause, ...]
+    causes: tuple[Cause, ...]
     unexplained: Unexplained
-    where: Where
+    phases: PhaseShares
     gap: Gap | None
-    detectable: dict[str, float]
-    blind_to: tuple[str, ...]
-    limits: tuple[str, ...] = Field(default=(), exclude=True)
+    minimum_detectable: dict[str, float]
+    not_identifiable: tuple[str, ...]
+    limitations: tuple[str, ...] = ()
     located: InstanceOf[Located] | None = Field(default=None, exclude=True)
 
     def to_json(self) -> str:
         """Return the content of ``verdict.json``."""
-        return json.dumps(self.model_dump(mode="json", by_alias=True), indent=2) + "\n"
+        return json.dumps(self.model_dump(mode="json"), indent=2) + "\n"
 
     @classmethod
     def from_json(cls, text: str) -> "Verdict":
-        """Return the verdict of a ``verdict.json``."""
-        return cls.model_validate_json(text)
+        """Return the verdict from the content of a ``verdict.json``.
+
+        Raises:
+            VerdictError: it is of another version, or not a verdict at all.
+        """
+        try:
+            content = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise VerdictError(f"is not JSON: {error}") from None
+        version = content.get("version") if isinstance(content, dict) else None
+        if version != VERSION:
+            given = "no version" if version is None else f"version {version!r}"
+            problem = f"has {given}, and version {VERSION} is read; diagnose again to write it"
+            raise VerdictError(problem)
+        try:
+            return cls.model_validate_json(text)
+        except ValidationError as error:
+            first = error.errors()[0]
+            place = ".".join(map(str, first["loc"]))
+            raise VerdictError(f"{place}: {first['msg']}") from None
+
+    @classmethod
+    def load(cls, path: Path | str) -> "Verdict":
+        """Return the verdict of a ``verdict.json``.
+
+        Raises:
+            VerdictError: the file is missing, of another version, or not a verdict; the message
+                starts with the path.
+        """
+        try:
+            return cls.from_json(Path(path).read_text(encoding="utf-8"))
+        except OSError as error:
+            raise VerdictError(f"{path}: cannot be read: {error.strerror}") from None
+        except ValueError as error:
+            raise VerdictError(f"{path}: {error}") from None
 
 
-def name_of(hypothesis: Hypothesis) -> str:
-    """Return the catalogue's name of what a number is about."""
-    if component_of(hypothesis) or len(hypothesis.siblings) == 1:
-        return hypothesis.effect
-    return hypothesis.parameter
-
-
-def component_of(hypothesis: Hypothesis) -> str | None:
-    """Return the axis that a number belongs to, if it does."""
-    several = len(hypothesis.siblings) > 1
-    return hypothesis.parameter if several and hypothesis.parameter in AXES else None
-
-
-def label_of(hypothesis: Hypothesis) -> str:
-    """Return a name that no other number has, such as ``wind.x``."""
-    component = component_of(hypothesis)
-    return f"{hypothesis.effect}.{component}" if component else name_of(hypothesis)
-
-
-def hypothesis_of(cause: Cause, simulator: Simulator) -> Hypothesis:
-    """Return the number that a cause is about.
-
-    Args:
-        cause: of a gap.
-        simulator: as it was before the cause was found.
-    """
-    wanted = cause.name, cause.component, cause.parameter
-    return next(
-        one
-        for one in hypotheses(simulator)
-        if (name_of(one), component_of(one), one.parameter) == wanted
-    )
+def json_schema() -> str:
+    """Return the JSON schema of ``verdict.json``, as committed in ``verdict.schema.json``."""
+    return json.dumps(Verdict.model_json_schema(mode="serialization"), indent=2) + "\n"

@@ -29,15 +29,15 @@ class Case:
 
     Attributes:
         source: of the shots.
-        begun: name of the simulator.
-        split: which drawing of the shots.
-        simulator: that they are compared with.
-        shots: in the order drawn, which decides which of them are kept from naming.
-        level: chance of a false name where there is no gap.
+        simulator_name: of the nominal simulator.
+        split: number of the random draw of shots.
+        simulator: the nominal one.
+        shots: in the order drawn, which decides which of them are held out.
+        level: probability of a false cause where there is no gap.
     """
 
     source: str
-    begun: str
+    simulator_name: str
     split: int
     simulator: Simulator
     shots: Shots
@@ -45,11 +45,11 @@ class Case:
 
     @property
     def name(self) -> str:
-        """What its files are called."""
-        return case_name(self.source, self.begun, self.split)
+        """Stem of its files' names."""
+        return case_name(self.source, self.simulator_name, self.split)
 
-    def diagnosed(self) -> "Diagnosed":
-        """Return what the shots say of the simulator."""
+    def diagnose(self) -> "Diagnosed":
+        """Return the case with its verdict."""
         return Diagnosed(self, diagnose(self.shots, self.simulator, self.level))
 
 
@@ -62,7 +62,7 @@ class Diagnosed:
 
     @property
     def amended(self) -> Simulator:
-        """The simulator with the causes in it."""
+        """The amended simulator."""
         return amended(self.case.simulator, self.verdict)
 
 
@@ -72,14 +72,14 @@ def cases(
     """Yield all cases; a split draws the same shots for every simulator.
 
     Args:
-        shots: of every source, by its name.
-        settings: the simulators, and how shots are drawn.
-        seed: of the drawing.
+        shots: by source.
+        settings: the simulators, and how many shots are drawn how often.
+        seed: of the random draws.
 
     Raises:
         InputError: a simulator cannot be used.
     """
-    simulators = {name: compared(one, name) for name, one in settings.simulators.items()}
+    simulators = {name: nominal_simulator(one, name) for name, one in settings.simulators.items()}
     for source, members in shots.items():
         for name, simulator in simulators.items():
             for split in range(settings.splits):
@@ -88,18 +88,17 @@ def cases(
                 yield Case(source, name, split, simulator, chosen, settings.level)
 
 
-def compared(settings: ComparedSimulatorSettings, name: str) -> Simulator:
-    """Return a simulator less the effects that are taken out of it.
+def nominal_simulator(settings: ComparedSimulatorSettings, name: str) -> Simulator:
+    """Return a simulator without the effects that the settings remove.
 
     Raises:
-        InputError: there is no such simulator, it has no such effect, or balls fall through its
-            table.
+        InputError: there is no such simulator, it has no such effect, or it has no table.
     """
     effects = load_simulator(settings.simulator).to_dict()
     field = f"close_gap.simulators.{name}"
     for effect in settings.without:
         if effect not in effects:
-            problem = f"cannot go without {effect}; it has {', '.join(effects)}"
+            problem = f"has no effect {effect} to remove; it has {', '.join(effects)}"
             raise InputError(settings.simulator, problem, field=field)
         del effects[effect]
     if BOUNCE not in effects:
@@ -108,10 +107,10 @@ def compared(settings: ComparedSimulatorSettings, name: str) -> Simulator:
 
 
 def drawn(members: Sequence[MeasuredEpisode], most: int, random: np.random.Generator) -> Shots:
-    """Return episodes as shots in a random order, at most so many.
+    """Return at most ``most`` episodes as shots, in a random order.
 
-    Recordings are called by the order in which they come: those that are kept from naming are
-    chosen by name, and are others in every drawing.
+    Recordings are renamed by their order, because held-out recordings are chosen by name and must
+    differ between draws.
     """
     order = random.permutation(len(members))[:most]
     chosen = shots_of([members[k] for k in order])
@@ -119,10 +118,10 @@ def drawn(members: Sequence[MeasuredEpisode], most: int, random: np.random.Gener
 
 
 def diagnose_all(chosen: Sequence[Case]) -> list[Diagnosed]:
-    """Return the verdicts on all cases, in their order, found side by side."""
+    """Return the verdicts on all cases, in their order, computed in parallel."""
     found: list[Diagnosed] = []
     with progress_bar("verdicts", len(chosen)) as advance:
-        for one in parallel([case.diagnosed for case in chosen]):
+        for one in parallel([case.diagnose for case in chosen]):
             found.append(one)
             advance()
     return found

@@ -1,22 +1,22 @@
-"""Diagnose a folder of recordings: read, cut, compare with a simulator, write the verdict down."""
+"""The workflow of ``rallygap diagnose``: a folder of recordings in, a folder with a verdict out."""
 
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from matplotlib.figure import Figure
-
 from models.ball.simulator import Simulator
 from models.gap.amend.simulator import amended_yaml
-from models.gap.diagnose import HELD_OUT, Sight, diagnose
-from models.gap.verdict import Verdict
-from pipeline.gap.figures.discrepancy import growth_figure, parting_figure
+from models.gap.diagnose import diagnose
+from models.gap.fit.split import HELD_OUT
+from models.gap.verdict import DetectionLimits, Verdict
+from pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
 from pipeline.gap.figures.verdict import causes_figure, error_figure
 from pipeline.gap.measured_shots import MeasuredShots, read_shots
-from pipeline.gap.summary import Findings, sight_lines
-from pipeline.gap.verdict_page import Illustration, render_gap_page
+from pipeline.gap.summary import Findings, detection_lines
+from pipeline.gap.verdict_page import render_gap_page
 from pipeline.io.artifacts import write_text
-from pipeline.io.figure_style import apply_style, save_figure
+from pipeline.io.figure_style import apply_style
+from pipeline.io.report_items import ReportFigure
 from pipeline.io.simulators import load_simulator
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import check_folder
@@ -24,38 +24,9 @@ from pipeline.runtime.progress import phase_bar
 
 TABLE = "table_bounce"
 FIGURES = "figures"
-ILLUSTRATIONS = {
-    "causes": Illustration(
-        "causes",
-        "How far from the simulator",
-        "Every cause's estimate with its 95 % interval, in the smallest size that these shots show "
-        "almost surely beside the other causes; less, in the pale band, might stay hidden.",
-    ),
-    "parting": Illustration(
-        "parting",
-        "How simulated and measured balls part",
-        "Both start alike at the twelfth sample; noise and scatter are left out. Left: the bands "
-        "are what vanishes when flight, table or measurement is replaced by the measured one; a "
-        "phase's share is its band's part of the area. Right: the mean of all shots along the "
-        "ball's course, across it (to the right) and up, with 95 % intervals.",
-    ),
-    "growth": Illustration(
-        "growth",
-        "Against what it grows",
-        "What every shot says of its own parting, no law assumed: means of bins with 95 % "
-        "intervals, against the axes that tell most. Above: the part of the shots' variance that "
-        "goes with the axis, and the chance that any axis tells as much where none does; pale "
-        "where it is above 5 %. Axes that go together, such as place and direction, tell the same.",
-    ),
-    "errors": Illustration(
-        "errors",
-        "Prediction error over the horizon",
-        "Of shots that naming never saw, each predicted from its first twelve samples: with the "
-        "simulator as it was, amended, and without any gap. Bands: 95 %, bootstrapped over shots.",
-    ),
-}
-# Phases and their usual shares of the time, by which the bar tells what is left.
-PHASES = {"reading and cutting": 15, "comparing": 75, "writing": 10}
+FIGURE_NAMES = ("causes", "discrepancy", "growth", "errors")
+# Phases of the work with their usual shares of the time, for the progress bar.
+PHASES = {"reading and segmenting": 15, "comparing": 75, "writing": 10}
 
 
 def diagnose_folder(
@@ -66,7 +37,7 @@ def diagnose_folder(
     out: Path,
     say: Callable[[str], None] = lambda line: None,
 ) -> Findings:
-    """Diagnose the recordings of a folder and write what was found.
+    """Diagnose the recordings of a folder and write the verdict.
 
     ``out`` gets verdict.json, amended.yaml, report.html and figures/*.png, all of them or none.
 
@@ -74,29 +45,29 @@ def diagnose_folder(
         data: folder with the files of the source.
         source: name of the adapter that reads them.
         simulator: name of a shipped one, or path of a YAML file.
-        level: chance of a false name where there is no gap.
+        level: probability of a false cause where there is no gap.
         out: folder to write to.
-        say: is told what the shots can show, line by line, before causes are looked for.
+        say: called with lines of text: what the shots can show, before causes are searched for.
 
     Raises:
         InputError: any of these cannot be used, or there are too few shots.
     """
     check_folder(out)
-    compared = load_simulator(simulator)
+    nominal = load_simulator(simulator)
     with phase_bar(PHASES) as bar:
-        with bar.phase("reading and cutting"):
+        with bar.phase("reading and segmenting"):
             measured = read_shots(data, source)
             _check_enough(measured, data)
-            _check_table(measured, compared, simulator)
+            _check_table(measured, nominal, simulator)
 
-        def shown(sight: Sight) -> None:
+        def show(limits: DetectionLimits) -> None:
             with bar.aside():
-                for line in sight_lines(measured, compared, sight):
+                for line in detection_lines(measured, limits):
                     say(line)
 
         with bar.phase("comparing"):
-            verdict = diagnose(measured.shots, compared, level, progress=bar.reached, sight=shown)
-        findings = Findings(measured, compared, simulator, level, verdict)
+            verdict = diagnose(measured.shots, nominal, level, progress=bar.reached, on_limits=show)
+        findings = Findings(measured, nominal, simulator, level, verdict)
         with bar.phase("writing"):
             write_findings(findings, out)
     return findings
@@ -117,17 +88,17 @@ def write_findings(findings: Findings, out: Path) -> None:
         raise InputError(out, f"cannot be written to: {error.strerror}") from None
 
 
-def figures_of(verdict: Verdict) -> dict[str, Figure]:
-    """Return the figures that a verdict has something for, by name."""
-    figures = {}
-    if verdict.effects:
-        figures["causes"] = causes_figure(verdict)
-    if verdict.located and verdict.located.discrepancy.any():
-        figures["parting"] = parting_figure(verdict.located)
-    if verdict.located and verdict.located.growth:
-        figures["growth"] = growth_figure(verdict.located)
+def figures_of(verdict: Verdict) -> list[ReportFigure]:
+    """Return the figures for which the verdict has content."""
+    figures, located = [], verdict.located
+    if verdict.causes:
+        figures.append(causes_figure(verdict))
+    if located and located.discrepancy.any():
+        figures.append(discrepancy_figure(located))
+    if located and located.growth:
+        figures.append(growth_figure(located))
     if verdict.gap:
-        figures["errors"] = error_figure(verdict.gap)
+        figures.append(error_figure(verdict.gap))
     return figures
 
 
@@ -137,18 +108,17 @@ def _write_all(findings: Findings, folder: Path) -> None:
     pictures.mkdir()
     apply_style()
     figures = figures_of(findings.verdict)
-    for name, figure in figures.items():
-        save_figure(pictures / f"{name}.png", figure)
-    shown = [ILLUSTRATIONS[name] for name in figures]
+    for one in figures:
+        one.write(pictures / f"{one.name}.png")
     write_text(folder / "verdict.json", findings.verdict.to_json())
     write_text(folder / "amended.yaml", amended)
-    write_text(folder / "report.html", render_gap_page(findings, amended, pictures, shown))
+    write_text(folder / "report.html", render_gap_page(findings, amended, pictures, figures))
 
 
 def _replace_all(folder: Path, out: Path) -> None:
-    """Move all files to where they belong; figures of an earlier verdict go, all else stays."""
+    """Move all files into ``out``; figures of an earlier verdict go, other files stay."""
     (out / FIGURES).mkdir(exist_ok=True)
-    for name in ILLUSTRATIONS:
+    for name in FIGURE_NAMES:
         (out / FIGURES / f"{name}.png").unlink(missing_ok=True)
     for path in sorted(folder.rglob("*.*")):
         path.replace(out / path.relative_to(folder))
@@ -164,8 +134,8 @@ def _check_enough(measured: MeasuredShots, data: Path) -> None:
         raise InputError(data, problem)
 
 
-def _check_table(measured: MeasuredShots, compared: Simulator, simulator: str) -> None:
-    if measured.bounces and TABLE not in compared.effects:
+def _check_table(measured: MeasuredShots, nominal: Simulator, simulator: str) -> None:
+    if measured.bounces and TABLE not in nominal.effects:
         problem = (
             f"is missing, but {measured.bounces} of the shots bounce; add such as "
             f"{TABLE}: {{restitution: 0.93, friction: 0.25}}"

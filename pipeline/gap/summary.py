@@ -1,162 +1,152 @@
-"""Findings: a verdict with what it is about, and what it says in words."""
+"""A verdict in sentences, for the terminal and the top of the page."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
-from models.gap.diagnose import Sight
-from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.verdict import Cause, Gap, Verdict, label_of
+from models.gap.hypotheses import Hypothesis
+from models.gap.verdict import Cause, DetectionLimits, Gap, Verdict
 from models.gap.verify.limitations import experiment
 from pipeline.gap.measured_shots import MeasuredShots
-from pipeline.gap.wording import PLACES, chance, label, number, percent, with_unit
+from pipeline.gap.wording import PLACES, interval_text, number, p_text, percent, with_unit
 
-TYPICAL_MS = 200  # the horizon that is spoken of, where shots are that long
-TELLING = 0.05  # chance up to which an axis is spoken of
+TYPICAL_MS = 200  # the horizon of the summary, where shots are that long
+SIGNIFICANT = 0.05  # p-value up to which a covariate is reported
 
 
 @dataclass(frozen=True)
 class Findings:
-    """What was found.
+    """A verdict with its data, simulator and settings.
 
     Attributes:
         measured: the shots.
-        simulator: that they were compared with.
-        called: how the user calls it.
-        level: chance of a false name where there is no gap.
-        verdict: on them.
+        simulator: the nominal simulator.
+        simulator_name: as the user gave it.
+        level: probability of a false cause where there is no gap.
+        verdict: on the shots.
     """
 
     measured: MeasuredShots
     simulator: Simulator
-    called: str
+    simulator_name: str
     level: float
     verdict: Verdict
 
     @property
-    def numbers(self) -> dict[str, Hypothesis]:
-        """Every number in question by its label, such as ``wind.x``."""
-        return numbers(self.simulator)
-
-    @property
     def sentences(self) -> list[str]:
-        """The verdict in a few plain sentences, the most important first."""
+        """The verdict in sentences, the most important first."""
         return [
             self._answer(),
-            *(self._cause(one) for one in self.verdict.effects),
+            *(self._cause(one) for one in self.verdict.causes),
+            *self._rejected(),
             *self._unexplained(),
-            *self._where(),
+            *self._phases(),
             *self._growth(),
             *(self._errors(self.verdict.gap) if self.verdict.gap else ()),
-            *self._refused(),
-            self._sight(),
+            self._detection(),
         ]
 
-    def title(self, name: str) -> str:
-        """Return in words what the number with a label is about."""
-        return catalogue()[self.numbers[name].effect].title
-
-    def splits(self, cause: Cause) -> str:
-        """Return the experiment that tells a cause from the others of its class, if any."""
-        return experiment(cause, self.measured.shots) if len(cause.possible) > 1 else ""
+    def separating_experiment(self, cause: Cause) -> str:
+        """Return the experiment that separates a cause from its alternatives; empty without any."""
+        return experiment(cause, self.measured.shots) if cause.alternatives else ""
 
     def _answer(self) -> str:
         shots = f"{len(self.measured.shots)} shots of {self.measured.name}"
-        causes = len(self.verdict.effects)
-        several = "one cause" if causes == 1 else f"{causes} causes"
-        doubtful = "which has" if causes == 1 else "of which some have"
+        count = len(self.verdict.causes)
+        several = "one cause" if count == 1 else f"{count} causes"
         return {
-            "no_gap": f"No gap: {shots} agree with {self.called} as far as they can tell.",
-            "named": f"Named: {shots} differ from {self.called} by {several}.",
-            "ambiguous": f"Ambiguous: {shots} differ from {self.called} by {several}, "
-            f"{doubtful} more than one possible name.",
-            "unknown": f"Unknown: {shots} differ from {self.called} by something that no effect "
-            "of the catalogue explains.",
+            "no_gap": f"No gap: {shots} agree with {self.simulator_name} within their errors.",
+            "named": f"Named: {several} for the difference between {shots} and "
+            f"{self.simulator_name}.",
+            "ambiguous": f"Ambiguous: {several} for the difference between {shots} and "
+            f"{self.simulator_name}; these shots do not single out each cause.",
+            "unknown": f"Unknown: {shots} differ from {self.simulator_name}, and the effects of "
+            "the catalogue do not explain it.",
         }[self.verdict.verdict]
 
     def _cause(self, cause: Cause) -> str:
-        low, high = (number(value) for value in cause.interval)
-        found = f"{with_unit(cause.estimate, cause.unit)} (95 %: {low} to {high})"
-        share = f"{percent(cause.gap_share)} of the gap"
-        others = ", ".join(cause.others)
-        doubt = f" It could also be {others}; to decide, {self.splits(cause)}." if others else ""
-        if cause.kind == "missing_effect":
-            return f"{self._called(cause)} is missing: {found}, {share}.{doubt}"
-        return f"{self._called(cause)} is {found} and not {number(cause.nominal)}, {share}.{doubt}"
+        found = f"{with_unit(cause.estimate, cause.unit)} (95 % {interval_text(cause.interval)})"
+        before = (
+            "missing in the simulator"
+            if cause.kind == "missing_effect"
+            else f"simulator {number(cause.nominal)}"
+        )
+        text = (
+            f"{cause.identity} ({title(cause.identity)}): estimate {found}, {before}; "
+            f"{percent(cause.gap_share)} of the gap."
+        )
+        if not cause.alternatives:
+            return text
+        others = ", ".join(cause.alternatives)
+        return f"{text} It could also be {others}; to decide, {self.separating_experiment(cause)}."
 
-    def _called(self, cause: Cause) -> str:
-        return f"{label(cause)} ({self.title(label(cause))})"
+    def _rejected(self) -> Iterator[str]:
+        if self.verdict.gap and self.verdict.gap.worse and self.verdict.causes:
+            yield (
+                "With these causes the simulator predicts held-out shots worse, so they are "
+                "rejected: amended.yaml is the unchanged simulator."
+            )
 
     def _unexplained(self) -> Iterator[str]:
-        left = self.verdict.unexplained
-        if left.where:
-            place = PLACES[left.where]
-            yield f"What has no name acts {place}, {percent(left.share)} of the gap."
-            yield f"A lead and not a name: {left.lead}."
+        unexplained = self.verdict.unexplained
+        if unexplained.phase:
+            place = PLACES[unexplained.phase]
+            yield f"Unexplained structure {place}: {percent(unexplained.share)} of the gap."
+            yield f"Candidate formula for it (not a cause): {unexplained.formula}."
 
-    def _where(self) -> Iterator[str]:
-        shares = self.verdict.where.model_dump()
-        if any(shares.values()):
-            parts = [f"{percent(share)} {PLACES[place]}" for place, share in shares.items()]
+    def _phases(self) -> Iterator[str]:
+        shares = self.verdict.phases
+        if any(shares.model_dump().values()):
+            parts = [f"{percent(getattr(shares, one))} {place}" for one, place in PLACES.items()]
             yield f"The gap arises {', '.join(parts[:2])} and {parts[2]}."
 
     def _growth(self) -> Iterator[str]:
         located = self.verdict.located
-        if located and located.growth and located.growth[0].p_value <= TELLING:
-            most = located.growth[0]
+        if located and located.growth and located.growth[0].p_value <= SIGNIFICANT:
+            first = located.growth[0]
             yield (
-                f"How far balls part differs most with the {most.axis}: {percent(most.share)} of "
-                f"its variance, {chance(most.p_value)}."
+                f"The trajectory discrepancy depends most on {first.axis}, which explains "
+                f"{percent(first.share)} of its variance ({p_text(first.p_value)})."
             )
 
     def _errors(self, gap: Gap) -> Iterator[str]:
         reached = [k for k, ms in enumerate(gap.horizons_ms) if ms <= TYPICAL_MS]
         k = max(reached, default=0)
-        before, after, floor = (
-            f"{values[k]:.1f} mm" for values in (gap.before_mm, gap.after_mm, gap.floor_mm)
-        )
-        when = f"Predictions {gap.horizons_ms[k]} ms ahead of shots that naming never saw err"
-        yield self._compared(when, before, after, floor)
+        sizes = [f"{values[k]:.1f} mm" for values in (gap.before_mm, gap.after_mm, gap.floor_mm)]
+        yield self._compared(f"Prediction error on held-out shots, {gap.horizons_ms[k]} ms", *sizes)
         if gap.landing:
-            before, after, floor = (
-                f"{place:.1f} mm and {time:.2f} ms" for place, time in gap.landing.sizes
-            )
-            yield self._compared("Where and when they land, predictions err", before, after, floor)
+            sizes = [f"{place:.1f} mm and {time:.2f} ms" for place, time in gap.landing.sizes]
+            yield self._compared("Error of the predicted landing, place and time", *sizes)
 
     def _compared(self, what: str, before: str, after: str, floor: str) -> str:
-        without = f"without any gap they would err by {floor}"
-        if not self.verdict.effects:
-            return f"{what} by {before}; {without}."
+        if not self.verdict.causes:
+            return f"{what}: {before}; a simulator without fault has {floor}."
         return (
-            f"{what} by {after} with the amended simulator, by {before} with the one as it was; "
-            f"{without}."
+            f"{what}: {before} with the nominal simulator, {after} with the amended one; a "
+            f"simulator without fault has {floor}."
         )
 
-    def _refused(self) -> Iterator[str]:
-        if self.verdict.gap and self.verdict.gap.worse:
-            yield (
-                "With these causes the simulator predicts worse than before, so they are not "
-                "believed: amended.yaml is the simulator as it was."
-            )
-
-    def _sight(self) -> str:
-        shown, blind = len(self.verdict.detectable), self.verdict.blind_to
-        sight = f"Of {shown + len(blind)} numbers in question these shots can show {shown}"
-        return f"{sight}; they are blind to {', '.join(blind)}." if blind else f"{sight}."
+    def _detection(self) -> str:
+        shown, hidden = len(self.verdict.minimum_detectable), self.verdict.not_identifiable
+        text = f"These shots identify {shown} of {shown + len(hidden)} parameters"
+        return f"{text}, but not {', '.join(hidden)}." if hidden else f"{text}."
 
 
-def numbers(simulator: Simulator) -> dict[str, Hypothesis]:
-    """Return every number in question by its label, such as ``wind.x``."""
-    return {label_of(one): one for one in hypotheses(simulator)}
+def title(identity: str) -> str:
+    """Return the catalogue's description of the effect of a parameter."""
+    return catalogue()[Hypothesis.from_identity(identity).effect].title
 
 
-def sight_lines(measured: MeasuredShots, simulator: Simulator, sight: Sight) -> Iterator[str]:
-    """Yield in words what shots can show, before anything is looked for in them."""
-    sizes, blind = sight
-    known, width = numbers(simulator), max(map(len, sizes), default=0)
-    yield f"{len(measured.shots)} shots of {measured.name} can show, from this size on:"
-    for name, size in sizes.items():
-        yield f"  {name:<{width}}  {with_unit(size, known[name].declaration.unit)}"
-    if blind:
-        yield f"They are blind to {', '.join(blind)}."
+def detection_lines(measured: MeasuredShots, limits: DetectionLimits) -> Iterator[str]:
+    """Yield the detection limits as lines of text, before causes are searched for."""
+    sizes = limits.minimum_detectable
+    width = max(map(len, sizes), default=0)
+    yield f"Minimum detectable effects (5.8 sigma) in {len(measured.shots)} shots of " + (
+        f"{measured.name}:"
+    )
+    for identity, size in sizes.items():
+        unit = Hypothesis.from_identity(identity).declaration.unit
+        yield f"  {identity:<{width}}  {with_unit(size, unit)}"
+    if limits.not_identifiable:
+        yield f"Not identifiable: {', '.join(limits.not_identifiable)}."

@@ -1,4 +1,4 @@
-"""Verdicts on many cases as tables."""
+"""Tables and metrics of many verdicts."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -9,12 +9,15 @@ import pandas as pd
 
 from models.gap.verdict import Cause, Gap
 from pipeline.gap.cases import Diagnosed
-from pipeline.gap.wording import label, number, with_unit
+from pipeline.gap.wording import interval_text, with_unit
+from pipeline.io.metrics import place, rounded
+from pipeline.io.report_items import ReportTable
+from pipeline.params import CloseGapSettings
 
 CASE = ["source", "simulator", "split"]
-CAUSE = ["cause", "parameter", "kind", "unit", "nominal"]
+CAUSE = ["cause", "kind", "unit", "nominal", "estimate", "low", "high", "p_value", "gap_share"]
 CLOSED = ["removable_closed", "closed_low", "closed_high"]
-CLOSER = ["closer_low_mm", "closer_high_mm"]
+REDUCTION = ["reduction_low_mm", "reduction_high_mm"]
 LANDING = ["landing_before_mm", "landing_after_mm", "landing_floor_mm"]
 ERRORS = [
     "horizon_ms",
@@ -22,26 +25,85 @@ ERRORS = [
     *("after_mm", "after_low", "after_high"),
     "floor_mm",
 ]
-FIRST_MS, LAST_MS = 100, 300  # horizons between which errors are told
+FIRST_MS, LAST_MS = 100, 300  # horizons of the error table
 
 
-def verdict_table(found: Sequence[Diagnosed]) -> pd.DataFrame:
-    """Return one row a case: what the verdict is, with its causes in words."""
-    return pd.DataFrame([{**_case(one), **_verdict(one)} for one in found])
+def report_tables(diagnosed: Sequence[Diagnosed], settings: CloseGapSettings) -> list[ReportTable]:
+    """Return the report's tables: verdicts, their stability, causes and errors."""
+    experiment = (
+        f"At most {settings.shots} training shots of a source, drawn at random: two in three "
+        f"for naming, the rest for verification; {settings.splits} splits."
+    )
+    return [
+        ReportTable(
+            verdict_table(diagnosed),
+            "verdicts",
+            title="Verdicts on training shots",
+            caption=f"{experiment} causes: estimates with 95 % intervals; where the shots cannot "
+            "separate a cause from others, these follow after `or`. unexplained: share of the gap. "
+            "removable_closed: share of the difference between the nominal simulator's error and "
+            "the floor that was closed on held-out shots, with its 95 % interval, bootstrap over "
+            "shots. reduction: 95 % interval of the nominal error less the amended one, mean over "
+            "horizons. landing: root mean square error of the predicted landing on the table.",
+        ),
+        ReportTable(
+            stability_table(diagnosed),
+            "stability",
+            title="Agreement of verdicts between splits",
+            caption=f"{experiment} found: number of splits with the cause; estimate: their mean, "
+            "with the lowest and the highest.",
+        ),
+        ReportTable(
+            cause_table(diagnosed),
+            "causes",
+            title="Causes of the gap",
+            caption="cause: effect.parameter; estimate with its 95 % interval (low, high); "
+            "p_value: probability that the largest of all hypotheses is as large without any gap; "
+            "gap_share: share of the gap; possible: parameters that these shots cannot separate, "
+            "the cause first.",
+        ),
+        ReportTable(
+            error_table(diagnosed),
+            "errors",
+            title="Prediction errors before and after",
+            caption="Root mean square distance to measured positions on held-out shots, each "
+            "predicted from its first twelve samples, with the nominal (before) and the amended "
+            "(after) simulator. low and high: 95 %, bootstrap over shots. floor_mm: a simulator "
+            "without fault, with the launch errors, scatter and sensor noise found.",
+        ),
+    ]
 
 
-def cause_table(found: Sequence[Diagnosed]) -> pd.DataFrame:
-    """Return one row a cause of a case, in numbers."""
-    rows = [{**_case(one), **_cause(cause)} for one in found for cause in one.verdict.effects]
-    numbers = ["estimate", "low", "high", "p_value", "gap_share", "possible"]
-    return pd.DataFrame(rows, columns=[*CASE, *CAUSE, *numbers])
+def metrics(diagnosed: Sequence[Diagnosed]) -> dict[str, Any]:
+    """Return ``{source: {simulator: {split: {verdict, removable_closed, causes}}}}``."""
+    found: dict[str, Any] = {}
+    for row in verdict_table(diagnosed).to_dict("records"):
+        content = {"verdict": row["verdict"], "unexplained": rounded(row["unexplained"])}
+        if not np.isnan(row["removable_closed"]):  # where there is a gap to close
+            content["removable_closed"] = rounded(row["removable_closed"])
+        place(found, [row[key] for key in CASE]).update(content, causes={})
+    for row in cause_table(diagnosed).to_dict("records"):
+        numbers = {name: rounded(row[name]) for name in ("estimate", "low", "high")}
+        place(found, [*(row[key] for key in CASE), "causes"])[row["cause"]] = numbers
+    return found
 
 
-def error_table(found: Sequence[Diagnosed]) -> pd.DataFrame:
-    """Return one row a case and horizon: errors on shots that naming never saw."""
+def verdict_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
+    """Return one row a case: the verdict, with its causes in text."""
+    return pd.DataFrame([{**_case(one), **_verdict(one)} for one in diagnosed])
+
+
+def cause_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
+    """Return one row a cause of a case."""
+    rows = [{**_case(one), **_cause(cause)} for one in diagnosed for cause in one.verdict.causes]
+    return pd.DataFrame(rows, columns=[*CASE, *CAUSE, "possible"])
+
+
+def error_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
+    """Return one row a case and horizon: errors on held-out shots."""
     rows = [
         {**_case(one), **row}
-        for one in found
+        for one in diagnosed
         if one.verdict.gap
         for row in _errors(one.verdict.gap)
         if FIRST_MS <= row["horizon_ms"] <= LAST_MS
@@ -49,43 +111,42 @@ def error_table(found: Sequence[Diagnosed]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=[*CASE, *ERRORS])
 
 
-def stability_table(found: Sequence[Diagnosed]) -> pd.DataFrame:
-    """Return one row a source, simulator and cause: in how many splits it was found, and how large.
+def stability_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
+    """Return one row a source, simulator and cause: in how many splits, and its estimates.
 
-    ``verdicts`` counts what the splits say in one word; a source and simulator without any cause
-    has a row of its own.
+    ``verdicts`` counts the splits' verdicts; a source and simulator without any cause has one row.
     """
-    causes = cause_table(found)
+    causes = cause_table(diagnosed)
     rows = []
-    for setting, own in verdict_table(found).groupby(CASE[:2], sort=False):
-        words = Counter(own["verdict"])
+    for setting, cases in verdict_table(diagnosed).groupby(CASE[:2], sort=False):
+        counts = Counter(cases["verdict"])
         row = {
             **dict(zip(CASE, setting, strict=False)),
-            "verdicts": ", ".join(f"{count} {word}" for word, count in words.items()),
-            "splits": len(own),
+            "verdicts": ", ".join(f"{count} {word}" for word, count in counts.items()),
+            "splits": len(cases),
         }
         members = causes[(causes[CASE[:2]] == setting).all(axis=1)]
-        rows += [{**row, **one} for one in _found_again(members)] or [row]
+        rows += [{**row, **one} for one in _over_splits(members)] or [row]
     columns = ["verdicts", "cause", "unit", "found", "splits", "estimate", "lowest", "highest"]
     return pd.DataFrame(rows, columns=[*CASE[:2], *columns])
 
 
-def _found_again(causes: pd.DataFrame) -> list[dict[str, Any]]:
+def _over_splits(causes: pd.DataFrame) -> list[dict[str, Any]]:
     return [
         {
             "cause": cause,
             "unit": unit,
-            "found": len(own),
-            "estimate": own["estimate"].mean(),
-            "lowest": own["estimate"].min(),
-            "highest": own["estimate"].max(),
+            "found": len(splits),
+            "estimate": splits["estimate"].mean(),
+            "lowest": splits["estimate"].min(),
+            "highest": splits["estimate"].max(),
         }
-        for (cause, unit), own in causes.groupby(["cause", "unit"], sort=False)
+        for (cause, unit), splits in causes.groupby(["cause", "unit"], sort=False)
     ]
 
 
 def _errors(gap: Gap) -> Iterator[dict[str, float]]:
-    for ms, before, within, after, then_within, floor in zip(
+    for ms, before, before_interval, after, after_interval, floor in zip(
         gap.horizons_ms,
         gap.before_mm,
         gap.before_interval_mm,
@@ -94,54 +155,48 @@ def _errors(gap: Gap) -> Iterator[dict[str, float]]:
         gap.floor_mm,
         strict=True,
     ):
-        values = (ms, before, *within, after, *then_within, floor)
+        values = (ms, before, *before_interval, after, *after_interval, floor)
         yield dict(zip(ERRORS, values, strict=True))
 
 
 def _case(one: Diagnosed) -> dict[str, Any]:
-    values = (one.case.source, one.case.begun, one.case.split)
+    values = (one.case.source, one.case.simulator_name, one.case.split)
     return dict(zip(CASE, values, strict=True))
 
 
 def _verdict(one: Diagnosed) -> dict[str, Any]:
     verdict, gap = one.verdict, one.verdict.gap
     closed = landing = (np.nan, np.nan, np.nan)
-    closer = (np.nan, np.nan)
-    if gap and gap.removable_closed is not None and gap.interval:
-        closed = (gap.removable_closed, *gap.interval)
-    if gap and gap.closer_mm:
-        closer = gap.closer_mm
+    reduction = (np.nan, np.nan)
+    if gap and gap.removable_closed is not None and gap.removable_closed_interval:
+        closed = (gap.removable_closed, *gap.removable_closed_interval)
+    if gap and gap.reduction_mm:
+        reduction = gap.reduction_mm
     if gap and gap.landing:
         landing = (gap.landing.before_mm, gap.landing.after_mm, gap.landing.floor_mm)
     return {
         "shots": len(one.case.shots),
         "verdict": verdict.verdict,
-        "causes": "; ".join(_words(cause) for cause in verdict.effects) or None,
+        "causes": "; ".join(_text(cause) for cause in verdict.causes) or None,
         "unexplained": verdict.unexplained.share,
         **dict(zip(CLOSED, closed, strict=True)),
-        **dict(zip(CLOSER, closer, strict=True)),
+        **dict(zip(REDUCTION, reduction, strict=True)),
         **dict(zip(LANDING, landing, strict=True)),
     }
 
 
-def _words(cause: Cause) -> str:
-    low, high = cause.interval
-    doubt = f" or {', '.join(cause.others)}" if cause.others else ""
-    found = with_unit(cause.estimate, cause.unit)
-    return f"{label(cause)}{doubt} {found} ({number(low)} to {number(high)})"
+def _text(cause: Cause) -> str:
+    others = f" or {', '.join(cause.alternatives)}" if cause.alternatives else ""
+    estimate = with_unit(cause.estimate, cause.unit)
+    return f"{cause.identity}{others} {estimate} ({interval_text(cause.interval)})"
 
 
 def _cause(cause: Cause) -> dict[str, Any]:
+    low, high = cause.interval
     return {
-        "cause": label(cause),
-        "parameter": cause.parameter,
-        "kind": cause.kind,
-        "unit": cause.unit,
-        "nominal": cause.nominal,
-        "estimate": cause.estimate,
-        "low": cause.interval[0],
-        "high": cause.interval[1],
-        "p_value": cause.p_value,
-        "gap_share": cause.gap_share,
+        "cause": cause.identity,
+        "low": low,
+        "high": high,
         "possible": ", ".join(cause.possible),
+        **{name: getattr(cause, name) for name in CAUSE if hasattr(cause, name)},
     }

@@ -1,17 +1,17 @@
-"""Wording: numbers, causes and places as people read them."""
+"""Numbers, shares, p-values and phases as text."""
 
-from models.gap.verdict import Cause
+from models.gap.types import Phase
 
-PLACES = {"flight": "in flight", "table": "at the table", "sensor": "in the measurement"}
-
-
-def label(cause: Cause) -> str:
-    """Return how a cause is called, such as ``wind.x``."""
-    return f"{cause.name}.{cause.component}" if cause.component else cause.name
+PLACES: dict[Phase, str] = {
+    "flight": "in flight",
+    "table": "at the table",
+    "sensor": "in the measurement",
+}
+SMALLEST_P = 1e-3
 
 
 def number(value: float) -> str:
-    """Return a number with the digits worth reading."""
+    """Return a number with four significant digits."""
     return f"{value:.4g}"
 
 
@@ -20,11 +20,16 @@ def with_unit(value: float, unit: str) -> str:
     return number(value) if unit == "1" else f"{number(value)} {unit}"
 
 
+def interval_text(interval: tuple[float, float]) -> str:
+    """Return both ends of an interval."""
+    return f"{number(interval[0])} to {number(interval[1])}"
+
+
 def percent(share: float) -> str:
-    """Return a share as people read it."""
+    """Return a share in percent."""
     return f"{100 * share:.0f} %"
 
 
-def chance(p_value: float) -> str:
-    """Return the chance of an axis as people write it."""
-    return "p below 0.001" if p_value < 1e-3 else f"p = {p_value:.2g}"
+def p_text(p_value: float) -> str:
+    """Return a p-value as in a sentence, such as ``p = 0.02``."""
+    return f"p < {SMALLEST_P:g}" if p_value < SMALLEST_P else f"p = {p_value:.2g}"

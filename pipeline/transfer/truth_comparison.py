@@ -1,4 +1,4 @@
-"""Amended simulators beside the ones that they were, and beside the truth where it is known."""
+"""Parameters of a simulator before and after it was amended, and their true values."""
 
 from collections.abc import Sequence
 
@@ -11,27 +11,26 @@ COLUMNS = ["effect", "parameter", "original", "amended", "low", "high", "truth"]
 
 
 class NamedCause(BaseModel):
-    """What is told here of a cause in a verdict's file.
+    """The fields of a cause in a verdict file that the table needs.
 
     Attributes:
-        name: of the effect, or of the number where an effect has several.
-        parameter: the number.
-        interval: 95 % of it.
+        identity: ``effect.parameter``.
+        interval: 95 % confidence interval of the estimate.
     """
 
-    name: str
-    parameter: str
+    identity: str
     interval: tuple[float, float]
 
 
 class NamedCauses(BaseModel):
-    """A verdict's file, as far as this table goes.
+    """The causes of a verdict file.
 
-    The stage that makes the table trains policies for minutes. It reads no more than this, so that
-    it does not depend on the code that finds causes, and a change there trains nothing anew.
+    The stage that makes the table trains policies for minutes. It does not read the file by
+    ``models.gap.verdict``, so that it does not depend on the gap workflow and is not run again
+    whenever that changes.
     """
 
-    effects: list[NamedCause]
+    causes: list[NamedCause]
 
 
 def number_table(
@@ -40,40 +39,31 @@ def number_table(
     causes: Sequence[NamedCause],
     truth: Simulator | None,
 ) -> pd.DataFrame:
-    """Return one row a number in which the simulators differ; empty where one lacks the effect.
+    """Return one row a parameter in which the simulators differ; empty where one lacks the effect.
 
     Args:
         original: before.
         amended: after.
         causes: by which it was amended, for the 95 % intervals (``low``, ``high``).
-        truth: the physics that flew the balls, where it is known.
+        truth: the physics of the balls, where it is known.
     """
     simulators = {"original": original, "amended": amended, "truth": truth}
-    known = {name: _numbers(one) for name, one in simulators.items() if one is not None}
+    known = {name: _parameters(one) for name, one in simulators.items() if one is not None}
+    intervals = {cause.identity: cause.interval for cause in causes}
     rows = []
-    for effect, parameter in dict.fromkeys(key for numbers in known.values() for key in numbers):
+    for effect, parameter in dict.fromkeys(key for values in known.values() for key in values):
         values = {name: numbers.get((effect, parameter)) for name, numbers in known.items()}
         if len(set(values.values())) > 1:
-            found = values["amended"] != values["original"]
-            low, high = _interval(causes, effect, parameter) if found else (None, None)
-            ends = {"low": low, "high": high}
+            changed = values["amended"] != values["original"]
+            interval = intervals.get(f"{effect}.{parameter}") if changed else None
+            ends = dict(zip(("low", "high"), interval or (None, None), strict=True))
             rows.append({"effect": effect, "parameter": parameter, **values, **ends})
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def _numbers(simulator: Simulator) -> dict[tuple[str, str], float]:
+def _parameters(simulator: Simulator) -> dict[tuple[str, str], float]:
     return {
         (effect, parameter): value
         for effect, values in simulator.effects.items()
         for parameter, value in values.items()
     }
-
-
-def _interval(
-    causes: Sequence[NamedCause], effect: str, parameter: str
-) -> tuple[float | None, float | None]:
-    """Return the interval of a number that was named; causes are called by either."""
-    for cause in causes:
-        if cause.parameter == parameter and cause.name in (effect, parameter):
-            return cause.interval
-    return None, None

@@ -190,8 +190,8 @@ def _read_policy(folder: Path) -> int:
 
 
 def _write_verdict(folder: Path) -> Path:
-    cause = {"name": "wind", "parameter": "x", "interval": [0.1, 0.3], "unit": "m/s"}
-    write_json(folder / "verdict.json", {"answer": "named", "effects": [cause, cause]})
+    cause = {"identity": "wind.x", "interval": [0.1, 0.3], "unit": "m/s"}
+    write_json(folder / "verdict.json", {"verdict": "named", "causes": [cause, cause]})
     return folder / "verdict.json"
 
 

@@ -3,7 +3,7 @@
 from models.ball.simulators import shipped
 from models.gap.amend.simulator import amended_yaml
 from models.gap.hypotheses import Hypothesis
-from models.gap.verdict import Cause, component_of, name_of
+from models.gap.verdict import Cause
 from pipeline.io.amended_simulators import case_name
 from pipeline.io.artifacts import write_text
 from tests.pipeline.verdicts import verdict
@@ -19,19 +19,16 @@ def causes(begun, changes):
 
 
 def _cause(hypothesis, simulator, estimate):
-    name = name_of(hypothesis)
     return Cause(
-        name=name,
-        component=component_of(hypothesis),
+        identity=hypothesis.identity,
         kind="wrong_value" if hypothesis.listed(simulator) else "missing_effect",
-        parameter=hypothesis.parameter,
         unit=hypothesis.declaration.unit,
         nominal=hypothesis.value(simulator),
         estimate=estimate,
         interval=(estimate - 0.01, estimate + 0.01),
         p_value=1e-5,
         gap_share=0.5,
-        possible=(name,),
+        possible=(hypothesis.identity,),
     )
 
 

@@ -20,5 +20,5 @@ def write_recordings(folder, causes=None, shots=60, **settings):
             labels = pd.DataFrame(recording.labels, recording.label_times, ["wx", "wy", "wz"])
             rows = rows.join(labels, on="t")
         rows.to_csv(folder / f"{number:03d}.csv", index=False)
-    (folder / "source.yaml").write_text("name: hall\nkind: cannon\n")
+    (folder / "source.yaml").write_text("name: lab\nkind: cannon\n")
     return folder

@@ -5,7 +5,7 @@ import numpy as np
 from models.ball.simulators import shipped
 from models.gap.fit.shots import Shots
 from models.gap.location import Growth, Located
-from models.gap.verdict import Cause, Gap, Landing, Unexplained, Verdict, Where
+from models.gap.verdict import Cause, Gap, Landing, PhaseShares, Unexplained, Verdict
 from pipeline.gap.measured_shots import MeasuredShots
 from pipeline.gap.summary import Findings
 
@@ -18,7 +18,7 @@ GAP = Gap(
     after_mm=(5.0, 8.0, 12.0),
     floor_mm=(4.5, 7.0, 11.0),
     removable_closed=0.9,
-    interval=(0.8, 1.0),
+    removable_closed_interval=(0.8, 1.0),
     landing=Landing(
         shots=30,
         before_mm=31.0,
@@ -27,12 +27,12 @@ GAP = Gap(
         before_ms=4.0,
         after_ms=1.9,
         floor_ms=1.5,
-        closer_mm=(11.0, 24.0),
-        closer_ms=(1.2, 3.1),
+        reduction_mm=(11.0, 24.0),
+        reduction_ms=(1.2, 3.1),
     ),
     before_interval_mm=((8.0, 10.0), (19.0, 23.5), (36.0, 45.0)),
     after_interval_mm=((4.5, 5.5), (7.0, 9.0), (10.5, 14.0)),
-    closer_mm=(12.0, 18.0),
+    reduction_mm=(12.0, 18.0),
 )
 SPEEDS = np.array([5.0, 7.0, 9.0])
 
@@ -69,30 +69,26 @@ LOCATED = Located(
     trend_horizon=0.3,
 )
 WIND = Cause(
-    name="wind",
-    component="x",
+    identity="wind.x",
     kind="missing_effect",
-    parameter="x",
     unit="m/s",
     nominal=0.0,
     estimate=0.61,
     interval=(0.59, 0.63),
     p_value=5e-5,
     gap_share=0.7,
-    possible=("wind",),
+    possible=("wind.x",),
 )
 GRAVITY = Cause(
-    name="gravity",
-    component=None,
+    identity="gravity.g",
     kind="wrong_value",
-    parameter="g",
     unit="m/s^2",
     nominal=9.81,
     estimate=10.3,
     interval=(10.2, 10.4),
     p_value=2e-4,
     gap_share=0.3,
-    possible=("gravity", "buoyancy"),
+    possible=("gravity.g", "buoyancy.b"),
 )
 
 
@@ -100,20 +96,20 @@ def verdict(answer="named", causes=(WIND,), **changes):
     """A verdict with some causes; without any nothing arises anywhere."""
     parts = {
         "unexplained": Unexplained(share=0.0, p_value=0.4),
-        "where": Where(flight=1.0 if causes else 0.0, table=0.0, sensor=0.0),
+        "phases": PhaseShares(flight=1.0 if causes else 0.0, table=0.0, sensor=0.0),
         "gap": GAP,
-        "detectable": {"wind.x": 0.04, "gravity": 0.06, "friction": 0.012},
-        "blind_to": ("buoyancy", "spin_decay"),
-        "limits": ("all shots go one way: shoot both ways",),
+        "minimum_detectable": {"wind.x": 0.04, "gravity.g": 0.06, "table_bounce.friction": 0.012},
+        "not_identifiable": ("buoyancy.b", "spin_decay.c"),
+        "limitations": ("all shots go one way: shoot both ways",),
         "located": LOCATED if causes else None,
     }
-    return Verdict(verdict=answer, effects=tuple(causes), **{**parts, **changes})
+    return Verdict(verdict=answer, causes=tuple(causes), **{**parts, **changes})
 
 
-def findings(of=None, called="sim.yaml", name="hall"):
+def findings(of=None, simulator_name="sim.yaml", name="lab"):
     """Findings with a verdict, on shots without spin labels that fly one way."""
     shots = Shots.from_arrays([TIMES] * 4, [PATH] * 4)
     measured = MeasuredShots(
         name, shots, recordings=5, refused={"not a number": 2}, episodes=6, bounces=0, noise=0.003
     )
-    return Findings(measured, shipped("literature"), called, 0.003, of or verdict())
+    return Findings(measured, shipped("literature"), simulator_name, 0.003, of or verdict())

@@ -36,7 +36,7 @@ def prepared(root, shots=4, split="train", **changes):
 
 
 def windy(shots, simulator, level):
-    """A verdict that says what it was asked: there is wind, the more the more lift there was."""
+    """A verdict on a wind that grows with the simulator's lift."""
     strength = 0.5 + simulator.effects.get("magnus", {"cm": 0.0})["cm"]
     return verdict(causes=[WIND.model_copy(update={"estimate": strength})])
 
@@ -71,7 +71,7 @@ def test_every_case_leaves_its_verdict_and_its_amended_simulator(whole):
     }
     files = {path.name for path in whole.artifact(".").iterdir()}
     assert files == {f"{name}.{kind}" for name in names for kind in ("yaml", "json")}
-    found = Verdict.from_json(whole.artifact("plain-c-1.json").read_text())
+    found = Verdict.load(whole.artifact("plain-c-1.json"))
     assert amended_by(whole.artifact(""), "plain", "c") == amended(shipped("imperfect_c"), found)
     assert "magnus" not in amended_by(whole.artifact(""), "plain", "bare").effects
 
@@ -106,7 +106,7 @@ def test_a_source_with_too_few_shots_is_left_out_with_a_warning(tmp_path, capsys
     run = prepared(tmp_path, shots=2)
     with pytest.raises(InputError, match="no source has 3 unbroken shots"):
         close(run)
-    assert "labelled has 2 unbroken shots to learn from; give 3" in capsys.readouterr().err
+    assert "labelled has 2 unbroken training shots; give at least 3" in capsys.readouterr().err
     assert not run.report(".").exists()
 
 

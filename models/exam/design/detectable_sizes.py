@@ -17,6 +17,7 @@ from models.ball.types import Floats
 from models.exam.answer import shots_of
 from models.exam.design.questions import Name
 from models.exam.design.trial import Trial
+from models.exam.names import name_of
 from models.exam.simulate.recordings import held
 from models.gap.fit.linearize import ballistic_nuisance, linearise
 from models.gap.fit.measurement import Schedule, count_bounces
@@ -26,7 +27,6 @@ from models.gap.fit.shots import Shots
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.inference.score_test import Evidence
 from models.gap.settings import GapSettings
-from models.gap.verdict import name_of
 
 SETTINGS = GapSettings()
 SIGNS: Name = ("spin_sign_flip", "share")

@@ -7,9 +7,11 @@ from models.exam.answer import Finding, Found, Method, shots_of
 from models.exam.design.trial import Recording
 from models.exam.methods.identification import identification
 from models.exam.methods.sindy import sindy, sindy_ensemble
+from models.exam.names import name_of
 from models.gap.amend.simulator import amended
 from models.gap.diagnose import diagnose
-from models.gap.verdict import Cause, hypothesis_of
+from models.gap.hypotheses import Hypothesis
+from models.gap.verdict import Cause
 
 __all__ = ["METHODS", "Finding", "Found", "Method"]
 
@@ -19,14 +21,19 @@ def rallygap(
 ) -> Finding:
     """Find causes by the gap workflow."""
     verdict = diagnose(shots_of(recordings), nominal, withheld=withheld)
-    causes = tuple(_found(cause, nominal) for cause in verdict.effects)
+    causes = tuple(_found(cause) for cause in verdict.causes)
     return Finding(verdict.verdict, causes, amended(nominal, verdict))
 
 
-def _found(cause: Cause, nominal: Simulator) -> Found:
-    effect = hypothesis_of(cause, nominal).effect
+def _found(cause: Cause) -> Found:
+    names = dict.fromkeys(name_of(Hypothesis.from_identity(one)) for one in cause.possible)
     return Found(
-        cause.name, effect, cause.parameter, cause.estimate, cause.interval, cause.possible
+        name_of(cause.hypothesis),
+        cause.effect,
+        cause.parameter,
+        cause.estimate,
+        cause.interval,
+        tuple(names),
     )
 
 

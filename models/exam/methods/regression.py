@@ -15,8 +15,8 @@ from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.exam.answer import Answer, Finding, Found
 from models.exam.design.questions import hideable
+from models.exam.names import name_of
 from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.verdict import name_of
 
 ALIKE = 0.99  # cosine of columns that count as one
 

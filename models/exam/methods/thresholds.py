@@ -6,7 +6,7 @@ import numpy as np
 
 from models.ball.types import Floats
 from models.exam.methods.regression import Places, Regression
-from models.gap.verdict import name_of
+from models.exam.names import name_of
 
 # The places of the columns that a method names with a threshold.
 Naming = Callable[[Regression, float], Places]

@@ -1,59 +1,49 @@
-"""Amend: the simulator with the causes that a verdict names, and where they come from."""
-
-from collections.abc import Iterator
+"""The amended simulator: the nominal one with the causes of a verdict, as a value and as YAML."""
 
 from models.ball.simulator import Simulator
-from models.gap.verdict import Cause, Verdict, hypothesis_of
+from models.gap.verdict import Cause, Verdict
 
 
 def amended(simulator: Simulator, verdict: Verdict) -> Simulator:
-    """Return the simulator with the estimates of all causes in it.
+    """Return the simulator with the estimates of all causes.
 
-    Of causes that the shots cannot tell apart it takes the one that explains most, since on balls
-    like these any does as well. Causes with which it predicts other shots worse are left out.
+    Of a class of causes that the shots cannot separate it has the one that explains most. Causes
+    with which held-out predictions are worse are left out.
     """
-    for cause in _taken(verdict):
-        simulator = hypothesis_of(cause, simulator).at(simulator, _within_bounds(simulator, cause))
+    for cause in _accepted(verdict):
+        hypothesis = cause.hypothesis
+        low, high = hypothesis.declaration.bounds
+        simulator = hypothesis.at(simulator, min(max(cause.estimate, low), high))
     return simulator
 
 
 def amended_yaml(simulator: Simulator, verdict: Verdict, data: str) -> str:
-    """Return the amended simulator's YAML; every change says where it comes from.
+    """Return the amended simulator as YAML, with the origin of every change in a comment.
 
     Args:
-        simulator: as it was.
+        simulator: the nominal one.
         verdict: on it.
         data: name of the data set.
     """
-    result = amended(simulator, verdict)
-    notes: dict[str, list[str]] = {}
-    for cause in _taken(verdict):
-        effect = hypothesis_of(cause, simulator).effect
-        notes.setdefault(effect, []).append(provenance(cause, verdict, data))
-    return "\n".join(_lines(result, notes)) + "\n"
+    lines = []
+    for effect, values in amended(simulator, verdict).to_dict().items():
+        changes = (one for one in _accepted(verdict) if one.effect == effect)
+        lines += [f"# {_origin(cause, verdict, data)}" for cause in changes]
+        parameters = ", ".join(f"{name}: {value!r}" for name, value in values.items())
+        lines.append(f"{effect}: {{{parameters}}}")
+    return "\n".join(lines) + "\n"
 
 
-def provenance(cause: Cause, verdict: Verdict, data: str) -> str:
-    """Return in words where an amendment comes from."""
-    was = f"was {cause.nominal:g}" if cause.kind == "wrong_value" else "was missing"
+def _origin(cause: Cause, verdict: Verdict, data: str) -> str:
+    before = f"{cause.nominal:g} before" if cause.kind == "wrong_value" else "missing before"
     low, high = cause.interval
-    doubt = f"; could be {', '.join(cause.others)}" if cause.others else ""
+    unit = "" if cause.unit == "1" else f" {cause.unit}"
+    others = f"; could also be {', '.join(cause.alternatives)}" if cause.alternatives else ""
     return (
-        f"{cause.parameter}: {was}; {data} says {cause.estimate:.5g} {cause.unit} "
-        f"(95 % {low:.5g} to {high:.5g}); verdict {verdict.verdict}{doubt}"
+        f"{cause.identity}: {before}; estimated {cause.estimate:.5g}{unit} from {data} "
+        f"(95 % {low:.5g} to {high:.5g}); verdict {verdict.verdict}{others}"
     )
 
 
-def _taken(verdict: Verdict) -> tuple[Cause, ...]:
-    return () if verdict.gap and verdict.gap.worse else verdict.effects
-
-
-def _lines(simulator: Simulator, notes: dict[str, list[str]]) -> Iterator[str]:
-    for effect, values in simulator.to_dict().items():
-        yield from (f"# {note}" for note in notes.get(effect, []))
-        yield f"{effect}: {{{', '.join(f'{name}: {value!r}' for name, value in values.items())}}}"
-
-
-def _within_bounds(simulator: Simulator, cause: Cause) -> float:
-    low, high = hypothesis_of(cause, simulator).declaration.bounds
-    return min(max(cause.estimate, low), high)
+def _accepted(verdict: Verdict) -> tuple[Cause, ...]:
+    return () if verdict.gap and verdict.gap.worse else verdict.causes

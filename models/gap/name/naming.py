@@ -24,7 +24,7 @@ from models.ball.simulator import Simulator
 from models.ball.state import SPIN
 from models.gap.fit.refit import RefitResult, likelihood_gain, refit
 from models.gap.fit.shots import Shots, spread_evenly
-from models.gap.hypotheses import Hypothesis, hypotheses
+from models.gap.hypotheses import LABEL_SIGNS, Hypothesis, hypotheses
 from models.gap.inference.score_test import Evidence
 from models.gap.name.label_signs import LabelSigns, find_flipped_labels, no_flipped_labels
 from models.gap.name.missing_lift import lift_test
@@ -42,7 +42,6 @@ Followed = tuple[RefitResult, Explainer, Explanation, bool]
 # From what weighs explanations about a refit, and places of known causes, to another explanation.
 Proposal = Callable[[Explainer, Places], Explanation]
 
-SIGNS = "spin_sign_flip"
 LIFT = Hypothesis("magnus", "cm")
 
 
@@ -106,7 +105,7 @@ def name(
     base = refit(shots, question.simulator, (), question.settings.fit)
     on_start(evidence_about(base, question.simulator, question.settings, question.withheld))
     about = _with_lift(shots, question) or base
-    if SIGNS in question.withheld:
+    if LABEL_SIGNS.effect in question.withheld:
         return _explained(shots, question, about, base, no_flipped_labels(shots, question.settings))
     doubtful = find_flipped_labels(shots, about, question.settings)
     if doubtful.significant:

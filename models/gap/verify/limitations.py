@@ -1,4 +1,4 @@
-"""Limits: what data cannot decide, why, and which experiment would."""
+"""Limitations: what the data cannot decide, why, and which experiment would decide it."""
 
 from collections.abc import Iterator, Sequence
 
@@ -6,78 +6,95 @@ import numpy as np
 
 from models.ball.catalogue import catalogue
 from models.gap.fit.shots import Shots
-from models.gap.verdict import Cause, Gap
+from models.gap.verdict import Cause, DetectionLimits, Gap, Verdict
 
 FEW = 20  # shots
-TABLE = {"restitution", "friction"}
-ONE_WAY = 0.9  # of the shots in the same direction
-WANDERING = (
-    "other causes are found whenever those found before are put into the simulator: these shots "
-    "tell that it is wrong, not by what; record more shots, other ones, and their spins"
+BOUNCE = {"table_bounce.restitution", "table_bounce.friction"}
+ONE_WAY = 0.9  # share of the shots in the same direction
+UNSETTLED = (
+    "the causes do not converge: with those found in the simulator, others are found. The shots "
+    "show that the simulator is wrong, but not why. Record more shots at other speeds and spins, "
+    "and measure spins"
 )
 
 
-def limits(shots: Shots, causes: Sequence[Cause], blind_to: Sequence[str]) -> tuple[str, ...]:
-    """Return in words what shots cannot decide, and what would split the classes of causes."""
-    blind = set(blind_to) >= TABLE
-    table = ["no bounces: nothing of the table can be judged; let balls bounce"] if blind else []
+def limitations(
+    shots: Shots, causes: Sequence[Cause], limits: DetectionLimits, settled: bool
+) -> tuple[str, ...]:
+    """Return what the shots cannot decide and what would, one sentence each.
+
+    Args:
+        shots: all of them.
+        causes: that were found.
+        limits: what the shots can show.
+        settled: whether the same causes are found again with them in the simulator.
+    """
+    no_bounce = set(limits.not_identifiable) >= BOUNCE
     return (
         *_of_shots(shots),
-        *table,
-        *(_split(one, shots) for one in causes if len(one.possible) > 1),
-        *(_at_the_end(one) for one in causes if one.estimate in one.interval),
+        *(["no bounces: the table cannot be judged; let balls bounce"] if no_bounce else []),
+        *(_to_separate(one, shots) for one in causes if one.alternatives),
+        *(_at_bound(one) for one in causes if one.estimate in one.interval),
+        *(() if settled else (UNSETTLED,)),
     )
 
 
-def misled(gap: Gap) -> str:
-    """Return in words that causes explain the shots they were found on, and no others."""
-    before, after = (np.mean(sizes) for sizes in (gap.before_mm, gap.after_mm))
-    return (
-        f"with the causes in it the simulator errs by {after:.1f} mm and not {before:.1f} mm on "
-        "shots that naming never saw: they stand for something else, and it stays as it was; "
-        "record more shots, other ones, and their spins"
-    )
-
-
-def _of_shots(shots: Shots) -> Iterator[str]:
-    if len(shots) < FEW:
-        yield f"{len(shots)} shots: small effects stay hidden; record {FEW} or more"
-    if not shots.labelled.any():
-        yield "no spin labels: spin sensors cannot be judged, and lift only by its curves"
-    if _one_way(shots):
-        yield "all shots go one way: wind, tilts and drag look alike; shoot both ways"
-
-
-def _split(cause: Cause, shots: Shots) -> str:
-    return f"{' or '.join(cause.possible)}: to tell them apart, {experiment(cause, shots)}"
-
-
-def _at_the_end(cause: Cause) -> str:
-    """Return in words that an estimate is at its bound: only there do intervals end at it."""
-    size = f"{cause.estimate:.4g}" + (f" {cause.unit}" if cause.unit != "1" else "")
-    return f"{cause.name}: {size} is the end of what makes sense; something else may be behind it"
+def rejected_if_worse(verdict: Verdict) -> Verdict:
+    """Return the verdict; ``unknown`` where the causes make held-out predictions worse."""
+    gap = verdict.gap
+    if not (gap and gap.worse and verdict.causes):
+        return verdict
+    stated = (*verdict.limitations, _rejection(gap))
+    return verdict.model_copy(update={"verdict": "unknown", "limitations": stated})
 
 
 def experiment(cause: Cause, shots: Shots) -> str:
-    """Return what to do so that the members of a cause's class part."""
-    phases = {_acts(name) for name in cause.possible}
+    """Return the experiment that separates the possible causes of a class."""
+    phases = {catalogue()[identity.partition(".")[0]].acts for identity in cause.possible}
     if "sensor" in phases:
         return "film a scale, a clock or a ball of known spin with the same cameras"
     if _one_way(shots):
-        return "shoot both ways"
+        return "shoot in both directions"
     if not shots.labelled.any():
         return "measure the spin"
     if (shots.labelled.sum(axis=1) <= 1).all():
         return "measure the spin after the bounce, too"
     if phases == {"contact"}:
         return "let balls bounce at a wider range of falls, slips and spins"
-    if "gravity" in cause.possible:
-        return "weigh the ball, and drop a still one"
+    if "gravity.g" in cause.possible:
+        return "weigh the ball, and drop one without spin"
     return "shoot at a wider range of speeds and spins"
 
 
-def _acts(name: str) -> str:
-    return catalogue()[name].acts if name in catalogue() else "contact"
+def _of_shots(shots: Shots) -> Iterator[str]:
+    if len(shots) < FEW:
+        yield f"{len(shots)} shots: small effects are not detected; record {FEW} or more"
+    if not shots.labelled.any():
+        yield "no spin labels: spin sensors cannot be judged, and lift only by curved paths"
+    if _one_way(shots):
+        yield "all shots go in one direction: wind, tilts and drag look alike; shoot in both"
+
+
+def _to_separate(cause: Cause, shots: Shots) -> str:
+    return f"{' or '.join(cause.possible)}: to separate them, {experiment(cause, shots)}"
+
+
+def _at_bound(cause: Cause) -> str:
+    """Return that an estimate is at its bound, which is where an interval ends at it."""
+    size = f"{cause.estimate:.4g}" + (f" {cause.unit}" if cause.unit != "1" else "")
+    return (
+        f"{cause.identity}: {size} is the bound of physically plausible values; the cause may be "
+        "another one"
+    )
+
+
+def _rejection(gap: Gap) -> str:
+    before, after = (np.mean(sizes) for sizes in (gap.before_mm, gap.after_mm))
+    return (
+        f"the amended simulator's error on held-out shots is {after:.1f} mm, and "
+        f"{before:.1f} mm without the causes: they are rejected, and the simulator is not amended. "
+        "Record more shots at other speeds and spins, and measure spins"
+    )
 
 
 def _one_way(shots: Shots) -> bool:

@@ -112,11 +112,11 @@ def gap(found: Errors, settings: GapSettings, seed: int = 0) -> Gap | None:
         after_mm=after,
         floor_mm=floor,
         removable_closed=share if np.isfinite(share) else None,
-        interval=interval(_closed(drawn), level) if np.isfinite(share) else None,
+        removable_closed_interval=interval(_closed(drawn), level) if np.isfinite(share) else None,
         landing=_landing(found, settings, seed),
         before_interval_mm=tuple(interval(row, level) for row in 1e3 * drawn[:, 0].T),
         after_interval_mm=tuple(interval(row, level) for row in 1e3 * drawn[:, 1].T),
-        closer_mm=interval(1e3 * _closer(drawn), level),
+        reduction_mm=interval(1e3 * _closer(drawn), level),
     )
 
 
@@ -136,8 +136,8 @@ def _landing(found: Errors, settings: GapSettings, seed: int) -> Landing | None:
             for name, row in zip(("before", "after", "floor"), sizes, strict=True)
             for unit, value in zip(("mm", "ms"), _thousandths(row), strict=True)
         },
-        closer_mm=interval(1e3 * _closer(drawn[..., :1]), settings.confidence),
-        closer_ms=interval(1e3 * _closer(drawn[..., 1:]), settings.confidence),
+        reduction_mm=interval(1e3 * _closer(drawn[..., :1]), settings.confidence),
+        reduction_ms=interval(1e3 * _closer(drawn[..., 1:]), settings.confidence),
     )
 
 

@@ -1,4 +1,4 @@
-"""Where a gap arises, in pictures: the parting over the horizon, and against what it grows."""
+"""Figures of where a gap arises: the trajectory discrepancy by horizon, phase and covariate."""
 
 from collections.abc import Sequence
 
@@ -7,78 +7,98 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.gap.location import Growth, Located
-from models.gap.types import PHASES
-from pipeline.gap.summary import TELLING
-from pipeline.gap.wording import PLACES, chance, percent
+from models.gap.types import PHASES, Phase
+from pipeline.gap.summary import SIGNIFICANT
+from pipeline.gap.wording import PLACES, p_text, percent
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
+from pipeline.io.report_items import ReportFigure
 
-PHASE_COLOURS = {"flight": "#0f7fc4", "table": "#009988", "sensor": "#8a6fd1"}
-WAYS = {"along": "#d55e00", "across": "#0f7fc4", "up": "#009988"}
+PHASE_COLOURS: dict[Phase, str] = {"flight": "#0f7fc4", "table": "#009988", "sensor": "#8a6fd1"}
+DIRECTIONS = {"along": "#d55e00", "across": "#0f7fc4", "up": "#009988"}
 MOST_AXES = 4
 ROW_HEIGHT = 1.45  # inch
 HEADROOM = 0.75  # inch, for titles and the axis' names
 
 
-def parting_figure(located: Located) -> Figure:
-    """Draw how far balls part over the horizon, by phases, and which way they go."""
+def discrepancy_figure(located: Located) -> ReportFigure:
+    """Draw the discrepancy over the horizon by phase, and its mean in three directions."""
     figure = Figure(figsize=(FIGURE_WIDTH, 3.4))
     left, right = figure.subplots(1, 2)
     times = np.concatenate([[0.0], 1000 * located.horizons])
     bands = [
         np.concatenate([[0.0], 1000 * located.discrepancy * located.shares[one]]) for one in PHASES
     ]
-    names = [f"{PLACES[one]}, {percent(located.where[one])}" for one in PHASES]
+    names = [f"{PLACES[one]}, {percent(located.phase_shares[one])}" for one in PHASES]
     left.stackplot(times, bands, colors=PHASE_COLOURS.values(), labels=names, lw=0)
     left.plot(times, np.sum(bands, axis=0), color=INK, lw=1.2)
-    left.set_ylabel("root mean square parting (mm)")
-    left.set_title("How far, and where it arises")
+    left.set_ylabel("root mean square discrepancy (mm)")
+    left.set_title("Size, by phase")
     _draw_time(right, located.time)
-    right.set_ylabel("mean parting (mm)")
-    right.set_title("Which way, on the mean of all shots")
+    right.set_ylabel("mean discrepancy (mm)")
+    right.set_title("Mean of all shots, by direction")
     for axes in (left, right):
         axes.set_xlim(0, times[-1])
-        axes.set_xlabel("time after the twelfth sample (ms)")
+        axes.set_xlabel("prediction horizon (ms)")
     left.set_ylim(0, max(1.15 * float(np.sum(bands, axis=0).max()), 1.0))
     _legend_in_order(left)
     right.legend(loc="upper left", ncols=3, handlelength=1.2, columnspacing=1.2)
-    return figure
+    return ReportFigure(
+        figure,
+        "discrepancy",
+        title="Discrepancy between simulated and measured trajectories",
+        caption="Simulated and measured trajectories start alike at the twelfth sample; noise and "
+        "scatter are removed. Left: a band is what vanishes when flight, table or measurement of "
+        "the simulator is replaced by the measured one; the legend has its share of the area. "
+        "Right: mean along the ball's horizontal course, across it (positive to the right) and "
+        "up, with 95 % intervals.",
+    )
 
 
-def growth_figure(located: Located) -> Figure:
-    """Draw the parting along, across and up against the most telling axes, as small multiples."""
+def growth_figure(located: Located) -> ReportFigure:
+    """Draw the discrepancy in three directions against the most informative covariates."""
     shown = located.growth[:MOST_AXES]
-    figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW_HEIGHT * len(WAYS)))
-    grid = figure.subplots(len(WAYS), len(shown), squeeze=False, sharey=True, sharex="col")
+    figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW_HEIGHT * len(DIRECTIONS)))
+    grid = figure.subplots(len(DIRECTIONS), len(shown), squeeze=False, sharey=True, sharex="col")
     for column, growth in enumerate(shown):
-        for row in range(len(WAYS)):
+        for row in range(len(DIRECTIONS)):
             _draw_growth(grid[row, column], growth, row)
-        title = f"share {percent(growth.share)}, {chance(growth.p_value)}"
+        title = f"share {percent(growth.share)}, {p_text(growth.p_value)}"
         grid[0, column].set_title(title, loc="left", fontsize=8)
         _label_axis(grid[-1, column], growth)
-    for row, way in enumerate(WAYS):
-        grid[row, 0].set_ylabel(f"{way} (mm)")
-    return figure
+    for row, direction in enumerate(DIRECTIONS):
+        grid[row, 0].set_ylabel(f"{direction} (mm)")
+    return ReportFigure(
+        figure,
+        "growth",
+        title="Discrepancy against covariates",
+        caption=f"Discrepancy {1000 * located.trend_horizon:.0f} ms ahead along the ball's "
+        "course, across it and up, estimated shot by shot without a law: bin means with 95 % "
+        "intervals, against the most informative covariates. Titles: share of the variance between "
+        "shots that the covariate explains, and the probability that any covariate explains as "
+        "much by chance (pale above 5 %). Correlated covariates, such as place and direction, "
+        "explain the same variance.",
+    )
 
 
 def _draw_time(axes: Axes, growth: Growth) -> None:
     axes.axhline(0, color=INK, lw=1)
-    for way, (name, colour) in enumerate(WAYS.items()):
-        mean, error = 1000 * growth.means[:, way], 1000 * growth.errors[:, way]
+    for direction, (name, colour) in enumerate(DIRECTIONS.items()):
+        mean, error = 1000 * growth.means[:, direction], 1000 * growth.errors[:, direction]
         axes.fill_between(growth.centres, mean - error, mean + error, color=colour, alpha=0.2, lw=0)
         axes.plot(growth.centres, mean, color=colour, label=name)
     low, high = axes.get_ylim()
     axes.set_ylim(low, high + 0.15 * (high - low))
 
 
-def _draw_growth(axes: Axes, growth: Growth, way: int) -> None:
-    telling = growth.p_value <= TELLING
-    colour = list(WAYS.values())[way] if telling else MUTED
+def _draw_growth(axes: Axes, growth: Growth, direction: int) -> None:
+    significant = growth.p_value <= SIGNIFICANT
+    colour = list(DIRECTIONS.values())[direction] if significant else MUTED
     places = _places(growth)
     axes.axhline(0, color=INK, lw=1)
     axes.errorbar(
         places,
-        1000 * growth.means[:, way],
-        1000 * growth.errors[:, way],
+        1000 * growth.means[:, direction],
+        1000 * growth.errors[:, direction],
         fmt="o" if growth.kinds else "o-",
         color=colour,
         ms=4,

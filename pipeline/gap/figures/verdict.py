@@ -1,4 +1,4 @@
-"""A verdict in pictures: the causes, and how far the gap closes."""
+"""Figures of one verdict: its causes, and prediction errors before and after."""
 
 from typing import Any
 
@@ -7,8 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.gap.verdict import Cause, Gap, Verdict
-from pipeline.gap.wording import label, number, with_unit
+from pipeline.gap.wording import number, with_unit
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
+from pipeline.io.report_items import ReportFigure
 
 KIND_COLOURS = {"wrong_value": "#0f7fc4", "missing_effect": "#d55e00"}
 KIND_NAMES = {"wrong_value": "wrong value", "missing_effect": "missing effect"}
@@ -18,20 +19,20 @@ LINES = {
     "floor": (MUTED, "--", ""),
 }
 LINE_NAMES = {
-    "before": "the simulator as it was",
-    "after": "amended",
-    "floor": "without any gap",
+    "before": "nominal simulator",
+    "after": "amended simulator",
+    "floor": "simulator without fault",
 }
-HIDDEN = "#e9edf0"  # what the shots might not show
+HIDDEN = "#e9edf0"  # departures below the minimum detectable effect
+BELOW_MINIMUM = "below the minimum detectable effect"
 BAND = 0.15  # opacity of intervals
 ROW_HEIGHT = 0.55  # inch
 HEADROOM = 1.1  # inch, for the axis and the legend
-DETECTABLE = 5.8 / 1.96  # half-widths of a 95 % interval that are found almost surely
 _OFFSET: dict[str, Any] = {"textcoords": "offset points"}
 
 
-def causes_figure(verdict: Verdict) -> Figure:
-    """Draw how far every cause lies from the simulator, in sizes that shots show almost surely.
+def causes_figure(verdict: Verdict) -> ReportFigure:
+    """Draw the departure of every cause from the nominal simulator.
 
     Args:
         verdict: with at least one cause.
@@ -39,28 +40,34 @@ def causes_figure(verdict: Verdict) -> Figure:
     Raises:
         ValueError: it has no cause.
     """
-    if not verdict.effects:
+    if not verdict.causes:
         raise ValueError("a verdict without causes has nothing to draw")
-    rows = len(verdict.effects)
+    rows = len(verdict.causes)
     figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW_HEIGHT * rows))
     axes = figure.subplots()
-    axes.axvspan(-1, 1, color=HIDDEN, lw=0, label="might stay hidden")
-    axes.axvline(0, color=INK, lw=1)
-    for row, cause in enumerate(verdict.effects):
-        _draw_cause(axes, row, cause)
-    axes.set_yticks(range(rows), [label(one) for one in verdict.effects])
+    shade_undetectable(axes)
+    for row, cause in enumerate(verdict.causes):
+        _draw_cause(axes, row, cause, verdict)
+    axes.set_yticks(range(rows), [one.identity for one in verdict.causes])
     axes.set_ylim(rows - 0.5, -0.5)
     axes.margins(x=0.3)
     axes.grid(axis="y", visible=False)
-    axes.set_xlabel("departure from the simulator, in smallest detectable sizes")
+    axes.set_xlabel("estimate − simulator, in minimum detectable effects (5.8 σ)")
     handles, names = axes.get_legend_handles_labels()
     unique = dict(zip(names, handles, strict=True))
     figure.legend(unique.values(), unique.keys(), loc="outside upper left", ncols=3)
-    return figure
+    return ReportFigure(
+        figure,
+        "causes",
+        title="Departure of the causes from the simulator",
+        caption="Estimate and 95 % interval of every cause, less the simulator's value, in "
+        "minimum detectable effects (5.8 standard errors with the simulator's own parameters "
+        "free). Effects in the pale band may not be detected.",
+    )
 
 
-def error_figure(gap: Gap) -> Figure:
-    """Draw the error over the horizon: as it was, amended, and with no gap left."""
+def error_figure(gap: Gap) -> ReportFigure:
+    """Draw the prediction error over the horizon: before, after and the floor."""
     figure = Figure(figsize=(FIGURE_WIDTH, 3.6))
     axes = figure.subplots()
     draw_errors(axes, gap)
@@ -68,11 +75,18 @@ def error_figure(gap: Gap) -> Figure:
     axes.set_xlabel("prediction horizon (ms)")
     axes.set_ylabel("position error (mm)")
     figure.legend(loc="outside upper left", ncols=3)
-    return figure
+    return ReportFigure(
+        figure,
+        "errors",
+        title="Prediction error over the horizon",
+        caption="Root mean square error on held-out shots, each predicted from its first twelve "
+        "samples, with the nominal simulator, the amended one and one without fault. Bands: 95 %, "
+        "bootstrap over shots.",
+    )
 
 
 def draw_errors(axes: Axes, gap: Gap) -> None:
-    """Draw errors over the horizon, with 95 % bands of those that shots measure."""
+    """Draw errors over the horizon, with 95 % bands of the measured ones."""
     for name, (colour, line, marker) in LINES.items():
         values = getattr(gap, f"{name}_mm")
         axes.plot(
@@ -83,17 +97,31 @@ def draw_errors(axes: Axes, gap: Gap) -> None:
         axes.fill_between(gap.horizons_ms, low, high, color=LINES[name][0], alpha=BAND, lw=0)
 
 
-def draw_departure(axes: Axes, row: float, cause: Cause, line: float, mark: float) -> float:
-    """Draw how far a cause lies from the simulator's value, with its interval; return its high end.
+def shade_undetectable(axes: Axes) -> None:
+    """Shade departures below the minimum detectable effect, and mark the nominal value."""
+    axes.axvspan(-1, 1, color=HIDDEN, lw=0, label=BELOW_MINIMUM)
+    axes.axvline(0, color=INK, lw=1)
+
+
+def draw_departure(
+    axes: Axes, row: float, cause: Cause, verdict: Verdict, *, line: float, mark: float
+) -> float | None:
+    """Draw the departure of a cause with its interval; return the interval's upper end.
+
+    A cause that is not identifiable with the simulator's own parameters free has no minimum
+    detectable effect; nothing is drawn, and None returned.
 
     Args:
-        axes: whose x counts detectable sizes.
+        axes: whose x is in minimum detectable effects.
         row: on y.
         cause: of the gap.
-        line: width of the interval's, points.
-        mark: size of the estimate's, points.
+        verdict: of the cause.
+        line: width of the interval's line, points.
+        mark: size of the estimate's mark, points.
     """
-    size = DETECTABLE * (cause.interval[1] - cause.interval[0]) / 2
+    size = verdict.minimum_detectable.get(cause.identity)
+    if size is None:
+        return None
     low, middle, high = (
         (value - cause.nominal) / size
         for value in (cause.interval[0], cause.estimate, cause.interval[1])
@@ -104,7 +132,9 @@ def draw_departure(axes: Axes, row: float, cause: Cause, line: float, mark: floa
     return high
 
 
-def _draw_cause(axes: Axes, row: int, cause: Cause) -> None:
-    high = draw_departure(axes, row, cause, line=3, mark=7)
+def _draw_cause(axes: Axes, row: int, cause: Cause, verdict: Verdict) -> None:
+    high = draw_departure(axes, row, cause, verdict, line=3, mark=7)
     text = f"{with_unit(cause.estimate, cause.unit)}, simulator {number(cause.nominal)}"
+    if high is None:
+        text, high = f"{text}; no minimum detectable effect", 0.0
     axes.annotate(text, (high, row), (8, 0), va="center", fontsize=8, color=MUTED, **_OFFSET)

@@ -29,7 +29,7 @@ def checked(shots, simulator=NOMINAL):
     """The verdict, if its numbers are finite and its estimates and shares can be."""
     verdict = diagnose(shots, simulator)
     assert not re.search("NaN|Infinity", verdict.to_json())
-    for one in verdict.effects:
+    for one in verdict.causes:
         assert one.interval[0] <= one.estimate <= one.interval[1]
         assert 0.0 <= one.gap_share <= 1.0 + 1e-9
     assert 0.0 <= verdict.unexplained.share <= 1.0
@@ -51,7 +51,7 @@ def test_few_samples(shots, count):
 
 
 def test_all_shots_equal(shots):
-    assert checked(shots[np.zeros(6, dtype=int)]).effects == ()
+    assert checked(shots[np.zeros(6, dtype=int)]).causes == ()
 
 
 def test_no_noise_at_all():
@@ -60,7 +60,7 @@ def test_no_noise_at_all():
 
 
 def test_noise_larger_than_the_table():
-    assert checked(measured(count=6, seconds=0.4, noise=2.0)).effects == ()
+    assert checked(measured(count=6, seconds=0.4, noise=2.0)).causes == ()
 
 
 def test_a_ball_that_does_not_move(shots):

@@ -1,106 +1,143 @@
-"""Verdict: names, the file's content, and the amended simulator."""
+"""Verdict: identities, the file with its schema and reader, and the amended simulator."""
 
 import json
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 import yaml
 
 from models.ball.simulator import Simulator
 from models.ball.simulators import shipped
+from models.gap import verdict as verdict_module
 from models.gap.amend.simulator import amended, amended_yaml
-from models.gap.diagnose import judged
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.verdict import (
     Cause,
     Gap,
+    PhaseShares,
     Unexplained,
     Verdict,
-    Where,
-    component_of,
-    label_of,
-    name_of,
+    VerdictError,
+    json_schema,
 )
+from models.gap.verify.limitations import rejected_if_worse
 from tests.models.gap.hidden import NOMINAL
 
 
-def cause(name, parameter, estimate, component=None, kind="missing_effect", nominal=0.0):
+def cause(identity, estimate, kind="missing_effect", nominal=0.0, possible=("drag.cd",)):
     return Cause(
-        name=name,
-        component=component,
+        identity=identity,
         kind=kind,
-        parameter=parameter,
         unit="1",
         nominal=nominal,
         estimate=estimate,
         interval=(estimate - 0.01, estimate + 0.01),
         p_value=1e-4,
         gap_share=0.5,
-        **{"class": (name, "drag")},
+        possible=(identity, *possible),
     )
 
 
-WIND = cause("wind", "y", 0.3, component="y")
-RESTITUTION = cause("restitution", "restitution", 0.9, kind="wrong_value", nominal=0.92)
+WIND = cause("wind.y", 0.3)
+RESTITUTION = cause("table_bounce.restitution", 0.9, kind="wrong_value", nominal=0.92)
 VERDICT = Verdict(
     verdict="ambiguous",
-    effects=(WIND, RESTITUTION),
+    causes=(WIND, RESTITUTION),
     unexplained=Unexplained(share=0.0, p_value=0.4),
-    where=Where(flight=0.5, table=0.5, sensor=0.0),
+    phases=PhaseShares(flight=0.5, table=0.5, sensor=0.0),
     gap=Gap(
         horizons_ms=(100,),
         before_mm=(9.0,),
         after_mm=(5.0,),
         floor_mm=(4.5,),
         removable_closed=0.9,
-        interval=(0.8, 1.0),
+        removable_closed_interval=(0.8, 1.0),
     ),
-    detectable={"drag": 0.01},
-    blind_to=("time_offset",),
-    limits=("few shots",),
+    minimum_detectable={"drag.cd": 0.01},
+    not_identifiable=("time_offset.tau",),
+    limitations=("few shots",),
 )
+
+
+def test_an_identity_is_effect_and_parameter():
+    for one in hypotheses(shipped("imperfect_c")):
+        assert Hypothesis.from_identity(one.identity) == one
+    assert (WIND.effect, WIND.parameter) == ("wind", "y")
+
+
+@pytest.mark.parametrize("identity", ["drag.cf", "drag", "wind.x.y", ""])
+def test_an_identity_that_is_not_in_the_catalogue_is_refused(identity):
+    hint = r"; did you mean drag\.cd\?" if identity == "drag.cf" else ""
+    with pytest.raises(ValueError, match=f"no parameter '{identity}'{hint}"):
+        Hypothesis.from_identity(identity)
 
 
 @pytest.mark.parametrize(
-    ("effect", "parameter", "name", "component", "label"),
+    ("identity", "others", "ambiguous"),
     [
-        ("wind", "y", "wind", "y", "wind.y"),
-        ("drag", "cd", "drag", None, "drag"),
-        ("position_scale", "s", "position_scale", None, "position_scale"),
-        ("table_bounce", "friction", "friction", None, "friction"),
+        ("wind.x", (), False),
+        ("wind.x", ("wind.y",), False),
+        ("wind.x", ("wind.y", "drag.cd"), True),
+        ("table_bounce.restitution", ("table_bounce.friction",), True),
     ],
 )
-def test_numbers_are_called_as_people_call_them(effect, parameter, name, component, label):
-    one = Hypothesis(effect, parameter)
-    assert (name_of(one), component_of(one), label_of(one)) == (name, component, label)
+def test_components_of_one_vector_are_one_quantity(identity, others, ambiguous):
+    one = cause(identity, 0.3, possible=others)
+    assert (one.ambiguous, one.alternatives) == (ambiguous, others)
 
 
-@pytest.mark.parametrize("simulator", ["literature", "imperfect_c"])
-def test_no_two_numbers_have_one_name(simulator):
-    labels = [label_of(one) for one in hypotheses(shipped(simulator))]
-    assert len(labels) == len(set(labels))
+def test_the_file_comes_back(tmp_path):
+    path = tmp_path / "verdict.json"
+    path.write_text(VERDICT.to_json())
+    assert Verdict.load(path) == VERDICT
 
 
-def test_what_is_found_of_the_table_is_changed_at_the_table_alone():
-    before = shipped("literature")  # its racket has a restitution, too
-    after = amended(before, VERDICT.model_copy(update={"effects": (RESTITUTION,)}))
-    table = {**before.effects["table_bounce"], "restitution": 0.9}
-    assert after.to_dict() == {**before.to_dict(), "table_bounce": table}
+def test_the_committed_schema_is_the_generated_one():
+    path = Path(verdict_module.__file__).with_name("verdict.schema.json")
+    assert path.read_text() == json_schema(), "write json_schema() into verdict.schema.json"
 
 
-def test_the_file_has_the_promised_keys_and_comes_back():
-    content = json.loads(VERDICT.to_json())
-    assert list(content) == [
-        "verdict", "effects", "unexplained", "where", "gap", "detectable", "blind_to",
-    ]  # fmt: skip
-    assert list(content["effects"][0]) == [
-        "name", "component", "kind", "parameter", "unit", "nominal", "estimate", "interval",
-        "p_value", "gap_share", "class",
-    ]  # fmt: skip
-    assert list(content["gap"]) == [
-        "horizons_ms", "before_mm", "after_mm", "floor_mm", "removable_closed", "interval",
-        "landing", "before_interval_mm", "after_interval_mm", "closer_mm",
-    ]  # fmt: skip
-    assert Verdict.from_json(VERDICT.to_json()).effects == VERDICT.effects
+def changed(**fields):
+    return json.dumps({**json.loads(VERDICT.to_json()), **fields})
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("", "is not JSON"),
+        ("[" * 100_000, "is not JSON"),
+        ("[]", "has no version"),
+        (changed(version=None), "has no version"),
+        (changed(version=2), "has version 2, and version 1 is read"),
+        (changed(causes=[{}]), r"causes\.0\.identity: Field required"),
+        (changed(effects=[]), "effects: Extra inputs"),
+        ("\udcff", "codec can't decode"),
+    ],
+)
+def test_a_file_that_is_no_verdict_is_named_with_its_fault(tmp_path, text, problem):
+    path = tmp_path / "verdict.json"
+    path.write_bytes(text.encode("utf-8", "surrogateescape"))
+    with pytest.raises(VerdictError, match=rf"verdict\.json: .*{problem}"):
+        Verdict.load(path)
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(VerdictError, match=r"verdict\.json: cannot be read: No such file"):
+        Verdict.load(tmp_path / "verdict.json")
+
+
+def test_reading_a_verdict_imports_no_inference():
+    code = (
+        "import sys; from models.gap.verdict import Verdict; "
+        "print([m for m in sys.modules if m.startswith(('scipy', 'numba', 'models.gap.'))])"
+    )
+    root = Path(verdict_module.__file__).parents[2]
+    shown = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, check=True)
+    assert set(json.loads(shown.stdout.decode().replace("'", '"'))) == {
+        f"models.gap.{name}" for name in ("hypotheses", "location", "types", "verdict")
+    }
 
 
 def test_the_amended_simulator_has_the_estimates():
@@ -110,32 +147,33 @@ def test_the_amended_simulator_has_the_estimates():
     assert simulator.effects["drag"] == NOMINAL.effects["drag"]
 
 
-def test_an_amended_file_is_a_simulator_and_says_where_its_changes_come_from():
+def test_an_amended_file_is_a_simulator_and_has_the_origin_of_its_changes():
     text = amended_yaml(NOMINAL, VERDICT, "my_data")
     assert Simulator.from_dict(yaml.safe_load(text)) == amended(NOMINAL, VERDICT)
     lines = text.splitlines()
     note = lines[lines.index("wind: {x: 0.0, y: 0.3, z: 0.0}") - 1]
-    for part in ("was missing", "my_data", "0.3", "0.29", "ambiguous", "could be drag"):
+    for part in ("wind.y: missing before", "my_data", "0.3", "0.29", "ambiguous", "drag.cd"):
         assert part in note
-    assert "was 0.92" in text
+    assert "table_bounce.restitution: 0.92 before" in text
 
 
-def test_estimates_stay_within_what_makes_sense():
-    far = VERDICT.model_copy(update={"effects": (cause("spin_decay", "c", -0.1),)})
+def test_estimates_stay_within_their_bounds():
+    far = VERDICT.model_copy(update={"causes": (cause("spin_decay.c", -0.1),)})
     assert amended(NOMINAL, far).effects["spin_decay"]["c"] == 0.0
 
 
-def test_causes_with_which_other_shots_are_predicted_worse_are_no_names():
-    worse = VERDICT.gap.model_copy(update={"after_mm": (11.0,), "closer_mm": (-3.0, -1.0)})
-    verdict = judged(VERDICT, worse)
+def test_causes_that_make_held_out_predictions_worse_are_rejected():
+    worse = VERDICT.gap.model_copy(update={"after_mm": (11.0,), "reduction_mm": (-3.0, -1.0)})
+    verdict = rejected_if_worse(VERDICT.model_copy(update={"gap": worse}))
     assert verdict.verdict == "unknown"
-    assert verdict.effects == VERDICT.effects
-    assert "11.0 mm and not 9.0 mm" in verdict.limits[-1]
+    assert verdict.causes == VERDICT.causes
+    assert "11.0 mm, and 9.0 mm without" in verdict.limitations[-1]
     assert amended(NOMINAL, verdict) == NOMINAL
     assert Simulator.from_dict(yaml.safe_load(amended_yaml(NOMINAL, verdict, "my_data"))) == NOMINAL
 
 
-@pytest.mark.parametrize("closer", [(-1.0, 3.0), (1.0, 3.0), None])
-def test_other_shots_leave_names_that_do_not_mislead(closer):
-    fair = VERDICT.gap.model_copy(update={"closer_mm": closer})
-    assert judged(VERDICT, fair) == VERDICT.model_copy(update={"gap": fair})
+@pytest.mark.parametrize("reduction", [(-1.0, 3.0), (1.0, 3.0), None])
+def test_other_causes_are_kept(reduction):
+    fair = VERDICT.gap.model_copy(update={"reduction_mm": reduction})
+    verdict = VERDICT.model_copy(update={"gap": fair})
+    assert rejected_if_worse(verdict) == verdict

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.gap.diagnose import held_out
+from models.gap.fit.split import held_out
 from models.predictors.windows import Episode
-from pipeline.gap.cases import cases, compared, drawn
+from pipeline.gap.cases import cases, drawn, nominal_simulator
 from pipeline.io.episodes import MeasuredEpisode
 from pipeline.params import CloseGapSettings, ComparedSimulatorSettings
 from pipeline.runtime.errors import InputError
@@ -30,9 +30,9 @@ def episodes(recordings=12, each=1):
     for number in range(recordings * each):
         places = np.full((20, 3), float(number))
         whole = Episode(TIMES, places, places, places, TIMES < 0, 0 * TIMES, np.empty(0))
-        recording = f"hall/{number // each:02d}"
+        recording = f"lab/{number // each:02d}"
         name = f"{recording}/{number % each}"
-        found.append(MeasuredEpisode(name, recording, "hall", "train", True, whole))
+        found.append(MeasuredEpisode(name, recording, "lab", "train", True, whole))
     return found
 
 
@@ -41,10 +41,10 @@ def kept_from_naming(case):
 
 
 def test_every_source_meets_every_simulator_in_every_split():
-    found = list(cases({"hall": episodes(), "other": episodes(4)}, settings(), seed=0))
+    found = list(cases({"lab": episodes(), "other": episodes(4)}, settings(), seed=0))
     names = [
         f"{source}-{name}-{k}"
-        for source in ("hall", "other")
+        for source in ("lab", "other")
         for name in ("c", "bare")
         for k in (0, 1)
     ]
@@ -54,7 +54,7 @@ def test_every_source_meets_every_simulator_in_every_split():
 
 
 def test_a_split_has_the_same_shots_for_all_simulators_and_others_than_the_next():
-    first, second, again, _ = cases({"hall": episodes()}, settings(shots=12), seed=0)
+    first, second, again, _ = cases({"lab": episodes()}, settings(shots=12), seed=0)
     assert kept_from_naming(first) == kept_from_naming(again) != kept_from_naming(second)
     assert first.shots.names.tolist() == again.shots.names.tolist()
 
@@ -71,8 +71,8 @@ def test_shots_of_a_recording_stay_together():
 
 def test_effects_can_be_taken_out_of_a_simulator():
     whole, less = (
-        compared(simulator(), "c").effects,
-        compared(simulator(without=["magnus"]), "c").effects,
+        nominal_simulator(simulator(), "c").effects,
+        nominal_simulator(simulator(without=["magnus"]), "c").effects,
     )
     assert set(whole) - set(less) == {"magnus"}
     assert less == {name: values for name, values in whole.items() if name != "magnus"}
@@ -84,11 +84,11 @@ def test_effects_can_be_taken_out_of_a_simulator():
         (simulator("imperfect_d"), "imperfect_d.*did you mean imperfect_"),
         (
             simulator(without=["wind"]),
-            r"close_gap\.simulators\.mine: cannot go without wind; it has gravity",
+            r"close_gap\.simulators\.mine: has no effect wind to remove; it has gravity",
         ),
         (simulator(without=["table_bounce"]), r"close_gap\.simulators\.mine: needs table_bounce"),
     ],
 )
 def test_a_simulator_that_cannot_be_used_is_named(one, said):
     with pytest.raises(InputError, match=said):
-        compared(one, "mine")
+        nominal_simulator(one, "mine")

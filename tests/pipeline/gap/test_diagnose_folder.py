@@ -17,8 +17,8 @@ from tests.pipeline.verdicts import findings, verdict
 
 ROOT = Path(__file__).parents[3]
 WIND = {"wind": {"x": 0.6}}
-FILES = ["amended.yaml", "figures/causes.png", "figures/errors.png", "figures/growth.png"]
-FILES += ["figures/parting.png", "report.html", "verdict.json"]
+FILES = ["amended.yaml", "figures/causes.png", "figures/discrepancy.png"]
+FILES += ["figures/errors.png", "figures/growth.png", "report.html", "verdict.json"]
 
 
 def files(folder):
@@ -35,21 +35,21 @@ def rallygap(*words, cwd):
 def windy(tmp_path_factory):
     """The terminal after recordings with a hidden wind were diagnosed into ``out``."""
     folder = tmp_path_factory.mktemp("windy")
-    write_recordings(folder / "hall", WIND, shots=36)
-    shown = rallygap("diagnose", "hall", "--simulator", NOMINAL, "--out", "out", cwd=folder)
+    write_recordings(folder / "lab", WIND, shots=36)
+    shown = rallygap("diagnose", "lab", "--simulator", NOMINAL, "--out", "out", cwd=folder)
     return shown, folder / "out"
 
 
 def test_a_hidden_effect_is_named_on_the_terminal_and_in_the_file(windy):
     shown, out = windy
     assert (shown.returncode, shown.stderr) == (0, "")
-    sight, found = shown.stdout.split("\n\n")
-    assert sight.startswith("36 shots of hall can show, from this size on:")
-    assert "\n  wind.x " in sight
-    assert found.startswith("Named: 36 shots of hall differ from literature by one cause.")
+    limits, found = shown.stdout.split("\n\n")
+    assert limits.startswith("Minimum detectable effects (5.8 sigma) in 36 shots of lab:")
+    assert "\n  wind.x " in limits
+    assert found.startswith("Named: one cause for the difference between 36 shots of lab and")
     content = json.loads((out / "verdict.json").read_text())
-    assert [(one["name"], one["component"]) for one in content["effects"]] == [("wind", "x")]
-    assert content["effects"][0]["estimate"] == pytest.approx(0.6, rel=0.1)
+    assert [one["identity"] for one in content["causes"]] == ["wind.x"]
+    assert content["causes"][0]["estimate"] == pytest.approx(0.6, rel=0.1)
 
 
 def test_every_file_is_there_and_the_amended_simulator_is_one(windy):
@@ -61,7 +61,7 @@ def test_every_file_is_there_and_the_amended_simulator_is_one(windy):
 
 
 def test_clean_recordings_have_no_gap(tmp_path):
-    folder = write_recordings(tmp_path / "hall", shots=36)
+    folder = write_recordings(tmp_path / "lab", shots=36)
     found = diagnose_folder(folder, "csv", NOMINAL, 0.003, tmp_path / "out")
     assert found.verdict.verdict == "no_gap"
     assert files(tmp_path / "out") == [
@@ -98,7 +98,7 @@ def test_what_fails_halfway_leaves_the_earlier_verdict(tmp_path, monkeypatch):
 
 
 def test_a_file_that_is_no_recording_is_refused_in_one_line(tmp_path):
-    folder = write_recordings(tmp_path / "hall", shots=3)
+    folder = write_recordings(tmp_path / "lab", shots=3)
     (folder / "001.csv").write_text("time,x,y,z\n0,0,1,0.3\n")
     refused = rallygap("diagnose", folder, "--simulator", NOMINAL, "--out", "out", cwd=tmp_path)
     assert refused.returncode == 2
@@ -108,14 +108,14 @@ def test_a_file_that_is_no_recording_is_refused_in_one_line(tmp_path):
 
 
 def test_too_few_shots_are_refused_before_anything_is_written(tmp_path):
-    folder = write_recordings(tmp_path / "hall", shots=2)
-    with pytest.raises(InputError, match=r"hall: 2 of its 2 episodes are .* at least 3"):
+    folder = write_recordings(tmp_path / "lab", shots=2)
+    with pytest.raises(InputError, match=r"lab: 2 of its 2 episodes are .* at least 3"):
         diagnose_folder(folder, "csv", NOMINAL, 0.003, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
 def test_a_simulator_without_a_table_is_refused_where_balls_bounce(tmp_path):
-    folder = write_recordings(tmp_path / "hall", shots=6)
+    folder = write_recordings(tmp_path / "lab", shots=6)
     (tmp_path / "air.yaml").write_text("gravity: {g: 9.81}\n")
     with pytest.raises(InputError, match=r"air.yaml, table_bounce: is missing, but \d of the"):
         diagnose_folder(folder, "csv", str(tmp_path / "air.yaml"), 0.003, tmp_path / "out")

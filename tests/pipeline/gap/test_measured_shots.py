@@ -11,28 +11,28 @@ from tests.pipeline.recorded import write_recordings
 
 
 def test_every_recorded_shot_is_found_with_its_labels(tmp_path):
-    found = read_shots(write_recordings(tmp_path / "hall", shots=12), "csv")
-    assert (found.name, found.recordings, len(found.shots)) == ("hall", 12, 12)
-    assert found.shots.groups[0] == "hall/000"
+    found = read_shots(write_recordings(tmp_path / "lab", shots=12), "csv")
+    assert (found.name, found.recordings, len(found.shots)) == ("lab", 12, 12)
+    assert found.shots.groups[0] == "lab/000"
     assert found.shots.labelled.sum(axis=1).min() > 10
     assert found.bounces > 0
 
 
 def test_labels_may_be_left_out(tmp_path):
-    folder = write_recordings(tmp_path / "hall", shots=6, spin_labels="none")
+    folder = write_recordings(tmp_path / "lab", shots=6, spin_labels="none")
     assert not read_shots(folder, "csv").shots.labelled.any()
 
 
 @pytest.mark.parametrize("noise", [0.003, 0.01])
 def test_noisy_recordings_are_cut_by_their_noise(tmp_path, noise):
     cameras = replace(CAMERAS, position_noise=noise)
-    found = read_shots(write_recordings(tmp_path / "hall", shots=12, cameras=cameras), "csv")
+    found = read_shots(write_recordings(tmp_path / "lab", shots=12, cameras=cameras), "csv")
     assert found.noise == pytest.approx(noise, rel=0.15)
     assert len(found.shots) == 12
 
 
 def test_refused_rows_are_counted(tmp_path):
-    folder = write_recordings(tmp_path / "hall", shots=6)
+    folder = write_recordings(tmp_path / "lab", shots=6)
     with (folder / "000.csv").open("a") as file:
         file.write("0.0,0,1,0.3,,,\n")
     assert read_shots(folder, "csv").refused == {"time backwards": 1}
@@ -52,5 +52,5 @@ def test_launches_without_a_path_are_refused(tmp_path):
 
 
 def test_a_missing_folder_is_named(tmp_path):
-    with pytest.raises(InputError, match=r"hall: is not a folder.* files of csv"):
-        read_shots(tmp_path / "hall", "csv")
+    with pytest.raises(InputError, match=r"lab: is not a folder.* files of csv"):
+        read_shots(tmp_path / "lab", "csv")

@@ -1,7 +1,7 @@
-"""Findings in words: what a reader learns first."""
+"""The verdict in sentences has the numbers that a reader needs first."""
 
-from models.gap.verdict import Unexplained
-from pipeline.gap.summary import sight_lines
+from models.gap.verdict import DetectionLimits, Unexplained
+from pipeline.gap.summary import detection_lines
 from tests.pipeline.verdicts import GAP, GRAVITY, WIND, findings, verdict
 
 
@@ -9,66 +9,56 @@ def text(*arguments, **changes):
     return " ".join(findings(verdict(*arguments, **changes)).sentences)
 
 
-def test_agreement_is_said_with_how_far_it_reaches():
+def test_no_gap_comes_with_errors_and_detection_limits():
     said = text("no_gap", ())
-    assert said.startswith("No gap: 4 shots of hall agree with sim.yaml as far as they can tell.")
-    assert "err by 21.0 mm; without any gap they would err by 7.0 mm" in said
-    assert "Of 5 numbers in question these shots can show 3; they are blind to buoyancy" in said
+    assert said.startswith("No gap: 4 shots of lab agree with sim.yaml")
+    assert "200 ms: 21.0 mm; a simulator without fault has 7.0 mm" in said
+    assert "identify 3 of 5 parameters, but not buoyancy.b, spin_decay.c" in said
     assert "arises" not in said
 
 
-def test_a_missing_effect_is_said_with_size_interval_and_share():
-    said = text()
-    assert "differ from sim.yaml by one cause." in said
-    assert "wind.x (" in said
-    assert "is missing: 0.61 m/s (95 %: 0.59 to 0.63), 70 % of the gap." in said
-    assert "by 8.0 mm with the amended simulator, by 21.0 mm with the one as it was" in said
-
-
-def test_a_wrong_value_is_said_with_what_else_it_could_be_and_what_would_decide():
+def test_a_cause_comes_with_estimate_interval_share_and_alternatives():
     said = text("ambiguous", (WIND, GRAVITY))
-    assert "by 2 causes" in said
-    assert "is 10.3 m/s^2 (95 %: 10.2 to 10.4) and not 9.81, 30 % of the gap." in said
-    assert "It could also be buoyancy; to decide, shoot both ways." in said
+    assert "2 causes" in said
+    assert "estimate 0.61 m/s (95 % 0.59 to 0.63), missing in the simulator; 70 % of" in said
+    assert "10.3 m/s^2 (95 % 10.2 to 10.4), simulator 9.81; 30 % of the gap" in said
+    assert "It could also be buoyancy.b; to decide, shoot in both directions." in said
+    assert "21.0 mm with the nominal simulator, 8.0 mm with the amended one" in said
+    assert "31.0 mm and 4.00 ms with the nominal simulator, 14.0 mm and 1.90 ms with" in said
 
 
-def test_what_has_no_name_is_said_with_its_place_and_a_lead():
-    left = Unexplained(share=0.6, p_value=1e-4, where="table", lead="+0.1 [slip]")
-    said = text("unknown", (), unexplained=left)
-    assert "no effect of the catalogue explains" in said
-    assert "acts at the table, 60 % of the gap. A lead and not a name: +0.1 [slip]." in said
+def test_unexplained_structure_comes_with_its_phase_and_a_formula():
+    rest = Unexplained(share=0.6, p_value=1e-4, phase="table", formula="+0.1 [slip]")
+    said = text("unknown", (), unexplained=rest)
+    assert "Unexplained structure at the table: 60 % of the gap." in said
+    assert "+0.1 [slip]" in said
 
 
-def test_causes_that_predict_worse_are_said_to_be_refused():
-    worse = GAP.model_copy(update={"closer_mm": (-9.0, -2.0)})
-    refused = "amended.yaml is the simulator as it was"
-    assert refused in text("unknown", gap=worse)
-    assert refused not in text("named")
+def test_causes_that_predict_worse_are_rejected():
+    worse = GAP.model_copy(update={"reduction_mm": (-9.0, -2.0)})
+    rejected = "amended.yaml is the unchanged simulator"
+    assert rejected in text("unknown", gap=worse)
+    assert rejected not in text("named")
 
 
-def test_where_it_arises_and_what_it_differs_with_is_said():
+def test_phases_and_the_first_covariate_are_reported():
     said = text()
     assert "The gap arises 100 % in flight, 0 % at the table and 0 % in the measurement." in said
-    assert "differs most with the speed at launch: 40 % of its variance, p below 0.001." in said
+    assert "on speed at launch, which explains 40 % of its variance (p < 0.001)." in said
 
 
-def test_landings_are_said_in_place_and_time():
-    said = text()
-    assert "land, predictions err by 14.0 mm and 1.90 ms with the amended simulator" in said
-    assert "by 31.0 mm and 4.00 ms with the one as it was" in said
-
-
-def test_what_shots_can_show_is_said_before_anything_is_looked_for():
+def test_detection_limits_are_listed_with_units():
     found = findings()
-    sight = found.verdict.detectable, found.verdict.blind_to
-    assert list(sight_lines(found.measured, found.simulator, sight)) == [
-        "4 shots of hall can show, from this size on:",
-        "  wind.x    0.04 m/s",
-        "  gravity   0.06 m/s^2",
-        "  friction  0.012",
-        "They are blind to buoyancy, spin_decay.",
+    verdict = found.verdict
+    limits = DetectionLimits(verdict.minimum_detectable, verdict.not_identifiable)
+    assert list(detection_lines(found.measured, limits)) == [
+        "Minimum detectable effects (5.8 sigma) in 4 shots of lab:",
+        "  wind.x                 0.04 m/s",
+        "  gravity.g              0.06 m/s^2",
+        "  table_bounce.friction  0.012",
+        "Not identifiable: buoyancy.b, spin_decay.c.",
     ]
 
 
-def test_shots_too_short_to_predict_are_no_obstacle():
-    assert "Predictions" not in text(gap=None)
+def test_a_verdict_without_prediction_errors_has_sentences():
+    assert "Prediction error" not in text(gap=None)

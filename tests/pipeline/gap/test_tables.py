@@ -10,9 +10,9 @@ from pipeline.gap.tables import cause_table, error_table, stability_table, verdi
 from tests.pipeline.verdicts import GRAVITY, PATH, TIMES, WIND, verdict
 
 
-def diagnosed(found, split=0, begun="mine"):
+def diagnosed(found, split=0, simulator_name="mine"):
     shots = Shots.from_arrays([TIMES] * 4, [PATH] * 4)
-    return Diagnosed(Case("hall", begun, split, shipped("literature"), shots, 0.003), found)
+    return Diagnosed(Case("lab", simulator_name, split, shipped("literature"), shots, 0.003), found)
 
 
 def three():
@@ -22,20 +22,20 @@ def three():
     return [diagnosed(one, split) for split, one in enumerate(found)]
 
 
-def test_a_case_has_a_row_with_its_causes_in_words():
+def test_a_case_has_a_row_with_its_causes_as_text():
     rows = verdict_table(three())
     assert rows["verdict"].tolist() == ["named", "ambiguous", "no_gap"]
     assert rows["causes"][0] == "wind.x 0.61 m/s (0.59 to 0.63)"
-    assert "gravity or buoyancy 10.3 m/s^2 (10.2 to 10.4)" in rows["causes"][1]
+    assert "gravity.g or buoyancy.b 10.3 m/s^2 (10.2 to 10.4)" in rows["causes"][1]
     assert rows["removable_closed"][0] == 0.9
-    assert rows.loc[0, ["closer_low_mm", "closer_high_mm"]].tolist() == [12.0, 18.0]
+    assert rows.loc[0, ["reduction_low_mm", "reduction_high_mm"]].tolist() == [12.0, 18.0]
     assert rows["shots"].tolist() == [4, 4, 4]
     assert rows.loc[2, ["causes", "removable_closed", "closed_low"]].isna().all()
 
 
 def test_a_cause_has_a_row_with_its_numbers():
     rows = cause_table(three()).set_index(["split", "cause"])
-    assert rows.loc[(1, "gravity"), "possible"] == "gravity, buoyancy"
+    assert rows.loc[(1, "gravity.g"), "possible"] == "gravity.g, buoyancy.b"
     assert rows.loc[(0, "wind.x"), ["nominal", "estimate", "low", "high"]].tolist() == [
         0.0,
         0.61,
@@ -45,7 +45,7 @@ def test_a_cause_has_a_row_with_its_numbers():
     assert len(rows) == 3
 
 
-def test_errors_are_told_from_100_to_300_ms():
+def test_errors_are_listed_from_100_to_300_ms():
     rows = error_table(three())
     assert rows.groupby("split")["horizon_ms"].apply(list).tolist() == [[100, 200, 300]] * 2
     last = rows.iloc[-1]
@@ -54,9 +54,9 @@ def test_errors_are_told_from_100_to_300_ms():
     assert ends.tolist() == [36.0, 45.0, 10.5, 14.0]
 
 
-def test_stability_tells_how_often_a_cause_comes_again():
+def test_stability_counts_the_splits_with_a_cause():
     rows = stability_table(three()).set_index("cause")
-    assert rows["found"].to_dict() == {"wind.x": 2, "gravity": 1}
+    assert rows["found"].to_dict() == {"wind.x": 2, "gravity.g": 1}
     assert (rows["splits"] == 3).all()
     assert (rows["verdicts"] == "1 named, 1 ambiguous, 1 no_gap").all()
     wind = rows.loc["wind.x"]
@@ -64,7 +64,7 @@ def test_stability_tells_how_often_a_cause_comes_again():
 
 
 def test_a_simulator_without_a_cause_has_a_row():
-    none = diagnosed(verdict("no_gap", ()), begun="other")
+    none = diagnosed(verdict("no_gap", ()), simulator_name="other")
     rows = stability_table([*three(), none]).set_index("simulator")
     assert pd.isna(rows.loc["other", "cause"])
     assert rows.loc["other", "verdicts"] == "1 no_gap"

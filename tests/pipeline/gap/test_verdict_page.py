@@ -1,10 +1,11 @@
 """The page of a verdict: complete, escaped, offline."""
 
+import html
 import re
 
 import pytest
 
-from pipeline.gap.diagnose_folder import ILLUSTRATIONS, figures_of
+from pipeline.gap.diagnose_folder import figures_of
 from pipeline.gap.verdict_page import render_gap_page
 from pipeline.runtime.errors import InputError
 from tests.pipeline.verdicts import GRAVITY, WIND, findings, verdict
@@ -20,10 +21,9 @@ def rendered(tmp_path):
 
     def render(found, amended="gravity: {g: 9.81}\n"):
         figures = figures_of(found.verdict)
-        for name, figure in figures.items():
-            figure.savefig(tmp_path / f"{name}.png")
-        shown = [ILLUSTRATIONS[name] for name in figures]
-        return render_gap_page(found, amended, tmp_path, shown)
+        for one in figures:
+            one.figure.savefig(tmp_path / f"{one.name}.png")
+        return render_gap_page(found, amended, tmp_path, figures)
 
     return render
 
@@ -32,9 +32,9 @@ def sections(page):
     return [tag["id"] for tag in Tags(page).named("section")]
 
 
-def test_the_verdict_stands_first_in_words(rendered):
+def test_the_sentences_come_first(rendered):
     found = findings(BOTH)
-    page = rendered(found)
+    page = html.unescape(rendered(found))
     assert "<h1>Verdict: ambiguous</h1>" in page
     places = [page.index(sentence) for sentence in (*found.sentences, "<main>")]
     assert places == sorted(places)
@@ -42,13 +42,13 @@ def test_the_verdict_stands_first_in_words(rendered):
 
 def test_causes_have_a_row_with_class_and_experiment(rendered):
     page = rendered(findings(BOTH))
-    cells = ["gravity", "wrong value", "9.81", "10.3 m/s^2", "10.2 to 10.4", "0.0002"]
-    cells += ["30 %", "gravity, buoyancy", "shoot both ways"]
-    row = next(row for row in page.split("<tr>") if row.startswith("<td>gravity</td>"))
+    cells = ["gravity.g", "wrong value", "9.81", "10.3 m/s^2", "10.2 to 10.4", "0.0002"]
+    cells += ["30 %", "gravity.g, buoyancy.b", "shoot in both directions"]
+    row = next(row for row in page.split("<tr>") if row.startswith("<td>gravity.g</td>"))
     assert re.findall(r"<td[^>]*>([^<]*)</td>", row) == cells
 
 
-def test_where_it_arises_has_figures_and_all_axes(rendered):
+def test_where_it_arises_has_figures_and_all_covariates(rendered):
     page = rendered(findings(BOTH))
     section = page[page.index('<section id="where"') : page.index('<section id="errors"')]
     assert section.count("<img ") == 2
@@ -59,29 +59,29 @@ def test_where_it_arises_has_figures_and_all_axes(rendered):
 def test_errors_are_listed_over_the_horizon_and_at_landing(rendered):
     page = rendered(findings(BOTH))
     rows = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in page.split("<tr>")]
-    assert ["200 ms ahead", "21.0 mm", "8.0 mm", "7.0 mm"] in rows
-    assert ["where they land", "31.0 mm", "14.0 mm", "12.0 mm"] in rows
-    assert ["when they land", "4.00 ms", "1.90 ms", "1.50 ms"] in rows
-    assert "nearer to the place by 11.0 to 24.0 mm and to the time by 1.20 to 3.10 ms" in page
+    assert ["position, 200 ms ahead", "21.0 mm", "8.0 mm", "7.0 mm"] in rows
+    assert ["place of landing", "31.0 mm", "14.0 mm", "12.0 mm"] in rows
+    assert ["time of landing", "4.00 ms", "1.90 ms", "1.50 ms"] in rows
+    assert "reduced by 11.0 to 24.0 mm and 1.20 to 3.10 ms" in page
 
 
-def test_what_data_cannot_show_and_what_it_rests_on_is_listed(rendered):
+def test_detection_limits_limitations_data_and_settings_are_listed(rendered):
     page = rendered(findings())
     assert re.search(r"<td>wind.x</td><td>[^<]+</td><td class=\"number\">0.04</td>", page)
     assert "<li>all shots go one way: shoot both ways</li>" in page
-    assert "<dt>rows and labels refused</dt><dd>2 not a number</dd>" in page
+    assert "<dt>rows and labels rejected</dt><dd>2 not a number</dd>" in page
     assert "<pre>gravity: {g: 9.81}" in page
 
 
 def test_sections_without_content_are_left_out(rendered):
-    every = ["causes", "where", "errors", "sight", "amended", "grounds"]
+    every = ["causes", "where", "errors", "detection", "amended", "data"]
     assert sections(rendered(findings(BOTH))) == every
     assert sections(rendered(findings(verdict("no_gap", (), gap=None)))) == every[3:]
 
 
 def test_names_from_the_data_cannot_become_markup(rendered):
     tags = [tag for tag, _ in Tags(rendered(findings())).found]
-    hostile = rendered(findings(called=HOSTILE, name=HOSTILE), amended=HOSTILE)
+    hostile = rendered(findings(simulator_name=HOSTILE, name=HOSTILE), amended=HOSTILE)
     assert [tag for tag, _ in Tags(hostile).found] == tags
 
 
@@ -95,7 +95,7 @@ def test_links_lead_to_sections_and_nothing_outside(rendered):
 
 def test_a_missing_figure_is_named(tmp_path):
     with pytest.raises(InputError, match=r"causes\.png"):
-        render_gap_page(findings(), "", tmp_path, [ILLUSTRATIONS["causes"]])
+        render_gap_page(findings(), "", tmp_path, figures_of(verdict()))
 
 
 @pytest.mark.browser

@@ -14,7 +14,7 @@ AMENDED = amended(ORIGINAL, FOUND)
 
 
 def table(truth):
-    causes = NamedCauses.model_validate_json(FOUND.to_json()).effects
+    causes = NamedCauses.model_validate_json(FOUND.to_json()).causes
     rows = number_table(ORIGINAL, AMENDED, causes, truth)
     return rows.set_index(["effect", "parameter"])
 
@@ -32,7 +32,7 @@ def test_numbers_that_were_found_or_missed_stand_beside_the_truth():
 
 def test_a_number_of_the_table_says_nothing_of_the_racket():
     found = verdict(causes=causes("imperfect_c", {"table_bounce": {"restitution": 0.95}}))
-    named = NamedCauses.model_validate_json(found.to_json()).effects
+    named = NamedCauses.model_validate_json(found.to_json()).causes
     truth = ORIGINAL.amended("racket_bounce", restitution=0.8)
     rows = number_table(ORIGINAL, amended(ORIGINAL, found), named, truth)
     ends = rows.set_index(["effect", "parameter"])[["low", "high"]]

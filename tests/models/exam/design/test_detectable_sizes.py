@@ -11,6 +11,7 @@ from models.exam.design.trial import CAMERAS
 from models.exam.simulate.recordings import held
 from models.gap.fit.refit import refit
 from models.gap.hypotheses import Hypothesis
+from models.gap.inference.score_test import Evidence
 from tests.models.exam.halls import NOMINAL, trial
 
 WIND, GRAVITY, BUOYANCY = ("wind", "x"), ("gravity", "g"), ("buoyancy", "b")
@@ -28,7 +29,8 @@ def usual():
 
 def test_they_are_what_the_workflow_finds_with_noise_and_scatter_estimated(usual):
     recordings, _ = held(trial(shots=30, seed=1001))
-    found = refit(shots_of(recordings), NOMINAL, ()).evidence
+    fit = refit(shots_of(recordings), NOMINAL, ())
+    found = Evidence.of(fit.linear, fit.components)
 
     for name in (WIND, GRAVITY, ("drag", "cd"), ("spin_decay", "c"), ("table_height", "h")):
         k = found.columns.index(Hypothesis(*name))

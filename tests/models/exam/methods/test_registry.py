@@ -29,12 +29,12 @@ def test_the_workflows_finding_is_its_verdict():
     recordings, _ = held(hall)
     found = METHODS["rallygap"](recordings, NOMINAL, ("wind",))
     verdict = diagnose(shots_of(recordings), NOMINAL, withheld=("wind",))
-    cause, said = found.causes[0], verdict.effects[0]
+    cause, said = found.causes[0], verdict.causes[0]
     assert (cause.name, cause.effect, cause.parameter) == (
         "restitution",
         "table_bounce",
         "restitution",
     )
-    assert (found.answer, cause.possible) == (verdict.verdict, said.possible)
+    assert (found.answer, cause.possible) == (verdict.verdict, ("restitution",))
     assert (cause.estimate, cause.interval) == (said.estimate, said.interval)
     assert found.amended == amended(NOMINAL, verdict)

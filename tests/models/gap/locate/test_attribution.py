@@ -35,21 +35,22 @@ def windy():
     ],
 )
 def test_the_share_points_to_the_phase_that_is_wrong(phase, effect, values):
-    where = located(NOMINAL.amended(effect, **values)).where
+    where = located(NOMINAL.amended(effect, **values)).phase_shares
     assert where[phase] > 0.9
     assert sum(where.values()) == pytest.approx(1.0)
 
 
 def test_nothing_parts_where_nothing_is_wrong():
     found = located(NOMINAL)
-    assert found.where == {"flight": 0.0, "table": 0.0, "sensor": 0.0}
+    assert found.phase_shares == {"flight": 0.0, "table": 0.0, "sensor": 0.0}
     assert not found.discrepancy.any()
     assert min(one.p_value for one in (found.time, *found.growth)) > 0.01
 
 
 @pytest.mark.slow
 def test_a_phase_is_found_without_the_effect_in_the_catalogue():
-    assert located(NOMINAL.amended("side_force", cy=0.02), ("side_force",)).where["flight"] > 0.9
+    found = located(NOMINAL.amended("side_force", cy=0.02), ("side_force",))
+    assert found.phase_shares["flight"] > 0.9
 
 
 def test_a_wrong_table_counts_from_the_bounce_on():

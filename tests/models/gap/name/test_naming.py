@@ -14,8 +14,7 @@ from models.gap.name import naming
 from models.gap.name.label_signs import find_flipped_labels
 from models.gap.name.naming import Question, name
 from models.gap.name.selection import Explainer, Explanation, evidence_about
-from models.gap.verdict import label_of
-from models.gap.verify.limitations import WANDERING
+from models.gap.verify.limitations import UNSETTLED
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 SIX = {
@@ -43,8 +42,9 @@ def test_six_causes_at_ten_times_their_size_are_all_named(monkeypatch):
     found = name(measured(hall, count=40, seed=1005), Question(NOMINAL, SETTINGS))
     columns = found.explainer.evidence.columns
     causes = [columns[k] for k in found.explanation.causes]
-    assert sorted(map(label_of, causes)) == [
-        "drag", "side_force", "spin_dependent_drag", "table_height", "table_tilt.y", "wind.x",
+    assert sorted(one.identity for one in causes) == [
+        "drag.cd", "side_force.cy", "spin_dependent_drag.c",
+        "table_height.h", "table_tilt.y", "wind.x",
     ]  # fmt: skip
     for one in causes:
         assert one.value(found.simulator) == pytest.approx(one.value(hall), rel=0.15)
@@ -55,8 +55,8 @@ def test_causes_that_do_not_stay_are_ambiguous(monkeypatch):
     hall = NOMINAL.amended("side_force", cy=0.03)
     verdict = diagnose(measured(hall, count=18, seed=1006), NOMINAL)
     assert verdict.verdict == "ambiguous"
-    assert [one.possible for one in verdict.effects] == [("side_force",)]
-    assert verdict.limits[-1] == WANDERING
+    assert [one.possible for one in verdict.causes] == [("side_force.cy",)]
+    assert verdict.limitations[-1] == UNSETTLED
 
 
 @pytest.mark.parametrize("labels", ["rows", "one"])
@@ -79,8 +79,8 @@ def test_values_that_make_no_sense_promise_nothing():
         measured(NOMINAL.amended("magnus", cm=0.15), count=20), NOMINAL, (), settings=SETTINGS.fit
     )
     explainer = Explainer(evidence_about(found, NOMINAL, settings=SETTINGS), NOMINAL)
-    places = {label_of(one): k for k, one in enumerate(explainer.evidence.columns)}
-    lift, saturation = (places[one] for one in ("magnus", "lift_saturation"))
+    places = {one.identity: k for k, one in enumerate(explainer.evidence.columns)}
+    lift, saturation = (places[one] for one in ("magnus.cm", "lift_saturation.kappa"))
     assert explainer.gain((saturation,)) == -np.inf
     hopeless, right = (Explanation((k,), {k: 0.0}) for k in (saturation, lift))
     trial = naming._as_promised(explainer, right, found)
@@ -103,7 +103,7 @@ def test_the_causes_of_a_hall_are_named_and_no_others():
     nominal = ball_and_table(shipped("imperfect_c"))
     verdict = diagnose(measured(hall, count=90, seed=1001), nominal)
     listed = nominal.to_dict()
-    wrong = [one for one in verdict.effects if one.name not in (*hall.effects, *listed)]
-    assert not [one.name for one in wrong if one.name not in ("restitution", "friction")]
-    assert len(verdict.effects) >= 9
+    wrong = [one for one in verdict.causes if one.effect not in (*hall.effects, *listed)]
+    assert not wrong
+    assert len(verdict.causes) >= 9
     assert verdict.gap.removable_closed == pytest.approx(1.0, abs=0.15)

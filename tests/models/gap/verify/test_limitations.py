@@ -2,7 +2,8 @@
 
 import pytest
 
-from models.gap.verify.limitations import experiment, limits
+from models.gap.verdict import DetectionLimits
+from models.gap.verify.limitations import experiment, limitations
 from tests.models.gap.hidden import measured
 from tests.models.gap.test_verdict import WIND
 
@@ -11,40 +12,51 @@ def like(*names):
     return WIND.model_copy(update={"possible": names})
 
 
+def limits(*not_identifiable):
+    return DetectionLimits({}, not_identifiable)
+
+
 def one_way(shots):
     return shots[shots.positions[:, -1, 1] > shots.positions[:, 0, 1]]
 
 
 def test_good_data_have_no_limits():
-    assert limits(measured(count=24), [], ["time_offset"]) == ()
+    assert limitations(measured(count=24), [], limits("time_offset.tau"), True) == ()
 
 
 def test_what_is_missing_is_named():
-    said = limits(one_way(measured(count=24, labels=None)), [], ["restitution", "friction"])
+    shots = one_way(measured(count=24, labels=None))
+    no_table = limits("table_bounce.restitution", "table_bounce.friction")
+    said = limitations(shots, [], no_table, True)
     assert [
         any(part in one for one in said)
-        for part in ("12 shots", "no spin", "both ways", "no bounces")
+        for part in ("12 shots", "no spin", "shoot in both", "no bounces")
     ] == [True] * 4
 
 
 def test_estimates_at_their_bounds_are_doubted():
-    inside = like("wind")
+    inside = like("wind.y")
     at_bound = inside.model_copy(update={"estimate": 3.0, "interval": (2.1, 3.0), "unit": "m/s"})
-    said = limits(measured(count=24), [inside, at_bound], [])
+    said = limitations(measured(count=24), [inside, at_bound], limits(), True)
     assert len(said) == 1
-    assert said[0].startswith("wind: 3 m/s is the end")
+    assert said[0].startswith("wind.y: 3 m/s is the bound")
 
 
 @pytest.mark.parametrize(
     ("names", "labels", "way", "wanted"),
     [
-        (("gravity", "clock_rate"), "rows", 2, "same cameras"),
-        (("wind", "frame_tilt"), "rows", 1, "both ways"),
-        (("magnus", "lift_saturation"), None, 2, "measure the spin"),
-        (("magnus", "spin_decay"), "one", 2, "after the bounce"),
-        (("gravity", "buoyancy"), "rows", 2, "weigh the ball"),
-        (("restitution", "speed_dependent_restitution"), "rows", 2, "wider range of falls"),
-        (("drag", "linear_drag"), "rows", 2, "range of speeds"),
+        (("gravity.g", "clock_rate.d"), "rows", 2, "same cameras"),
+        (("wind.x", "frame_tilt.x"), "rows", 1, "both directions"),
+        (("magnus.cm", "lift_saturation.kappa"), None, 2, "measure the spin"),
+        (("magnus.cm", "spin_decay.c"), "one", 2, "after the bounce"),
+        (("gravity.g", "buoyancy.b"), "rows", 2, "weigh the ball"),
+        (
+            ("table_bounce.restitution", "table_tilt.x"),
+            "rows",
+            2,
+            "wider range of falls",
+        ),
+        (("drag.cd", "linear_drag.k1"), "rows", 2, "range of speeds"),
     ],
 )
 def test_every_class_has_an_experiment(names, labels, way, wanted):

@@ -37,8 +37,8 @@ def test_a_perfect_simulator_reaches_the_floor():
     landing = found.landing
     assert landing.after_mm == pytest.approx(landing.floor_mm, rel=0.15)
     assert landing.after_ms == pytest.approx(landing.floor_ms, rel=0.15)
-    assert landing.closer_mm[0] > 0.0
-    assert landing.closer_ms[0] > 0.0
+    assert landing.reduction_mm[0] > 0.0
+    assert landing.reduction_ms[0] > 0.0
 
 
 def test_the_floor_holds_where_lift_saturates_and_nobody_measured_spins():
@@ -65,7 +65,7 @@ def test_no_change_closes_nothing():
     )
     assert found.before_mm == found.after_mm
     assert found.removable_closed == 0.0
-    assert found.landing.closer_mm == found.landing.closer_ms == (0.0, 0.0)
+    assert found.landing.reduction_mm == found.landing.reduction_ms == (0.0, 0.0)
 
 
 def test_twice_the_lift_by_half_the_spin_predicts_as_well_where_nobody_measured_spins():
@@ -94,7 +94,7 @@ def test_the_share_is_a_ratio_of_sums():
 def test_landings_are_compared_shot_by_shot():
     landing = gap(made_up(0.005, 0.003, 0.001), settings=SETTINGS).landing
     assert landing.sizes == ((5.0, 5.0), (3.0, 3.0), (1.0, 1.0))
-    assert landing.closer_mm == landing.closer_ms == pytest.approx((2.0, 2.0))
+    assert landing.reduction_mm == landing.reduction_ms == pytest.approx((2.0, 2.0))
     assert landing.shots == 4
 
 
@@ -129,7 +129,7 @@ def test_intervals_tell_what_shots_drawn_anew_would_err():
     for low, high in told.before_interval_mm:
         assert 5.0 <= low < told.before_mm[0] < high <= 5.0 * np.sqrt(1.5)
     assert told.after_interval_mm == ((3.0, 3.0), (3.0, 3.0))
-    assert told.closer_mm[0] >= 2.0
+    assert told.reduction_mm[0] >= 2.0
 
 
 @pytest.mark.parametrize(("after", "worse"), [(0.006, True), (0.00505, False), (0.003, False)])

@@ -4,13 +4,18 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
-from pipeline.gap.figures.discrepancy import PHASE_COLOURS, WAYS, growth_figure, parting_figure
+from pipeline.gap.figures.discrepancy import (
+    DIRECTIONS,
+    PHASE_COLOURS,
+    discrepancy_figure,
+    growth_figure,
+)
 from pipeline.io.figure_style import MUTED
 from tests.pipeline.verdicts import LOCATED
 
 
-def test_bands_of_the_phases_add_up_to_the_parting():
-    axes = parting_figure(LOCATED).axes[0]
+def test_bands_of_the_phases_add_up_to_the_discrepancy():
+    axes = discrepancy_figure(LOCATED).figure.axes[0]
     tops = {
         to_hex(band.get_facecolor()[0]): band.get_paths()[0].vertices[:, 1].max()
         for band in axes.collections
@@ -20,36 +25,36 @@ def test_bands_of_the_phases_add_up_to_the_parting():
 
 
 def test_the_legend_says_every_phase_with_its_share():
-    texts = parting_figure(LOCATED).axes[0].get_legend().get_texts()
+    texts = discrepancy_figure(LOCATED).figure.axes[0].get_legend().get_texts()
     assert [text.get_text() for text in texts] == [
         "in the measurement, 15 %", "at the table, 30 %", "in flight, 55 %",
     ]  # fmt: skip
 
 
-def test_means_over_time_are_drawn_each_way():
-    lines = parting_figure(LOCATED).axes[1].lines[1:]
-    assert [line.get_label() for line in lines] == list(WAYS)
+def test_means_over_time_are_drawn_in_each_direction():
+    lines = discrepancy_figure(LOCATED).figure.axes[1].lines[1:]
+    assert [line.get_label() for line in lines] == list(DIRECTIONS)
     np.testing.assert_allclose(lines[2].get_xydata(), [[100, 0], [200, 3], [300, 6]])
 
 
-def test_growth_has_a_column_an_axis_and_a_row_a_way():
-    figure = growth_figure(LOCATED)
+def test_growth_has_a_column_a_covariate_and_a_row_a_direction():
+    figure = growth_figure(LOCATED).figure
     grid = np.array(figure.axes).reshape(3, 2)
     assert [axes.get_xlabel() for axes in grid[-1]] == [
         "speed at launch (m/s)",
         "direction of play",
     ]
     assert [axes.get_ylabel() for axes in grid[:, 0]] == ["along (mm)", "across (mm)", "up (mm)"]
-    for way in range(3):
-        points = grid[way, 0].lines[1].get_xydata()
-        np.testing.assert_allclose(points, [[5, 0], [7, way + 1], [9, 2 * (way + 1)]])
+    for row in range(3):
+        points = grid[row, 0].lines[1].get_xydata()
+        np.testing.assert_allclose(points, [[5, 0], [7, row + 1], [9, 2 * (row + 1)]])
     names = [label.get_text() for label in grid[-1, 1].get_xticklabels()]
     assert names == ["towards\n−y", "towards\n+y"]
 
 
-def test_axes_that_tell_nothing_are_pale_and_say_their_chance():
-    grid = np.array(growth_figure(LOCATED).axes).reshape(3, 2)
+def test_covariates_that_are_not_significant_are_pale():
+    grid = np.array(growth_figure(LOCATED).figure.axes).reshape(3, 2)
     assert [axes.get_title(loc="left") for axes in grid[0]] == [
-        "share 40 %, p below 0.001", "share 40 %, p = 0.3",
+        "share 40 %, p < 0.001", "share 40 %, p = 0.3",
     ]  # fmt: skip
     assert [axes.lines[1].get_color() == MUTED for axes in grid[0]] == [False, True]

@@ -17,9 +17,9 @@ def style():
     apply_style()
 
 
-def diagnosed(found, begun, split):
+def diagnosed(found, simulator_name, split):
     shots = Shots.from_arrays([TIMES] * 4, [PATH] * 4)
-    return Diagnosed(Case("hall", begun, split, shipped("literature"), shots, 0.003), found)
+    return Diagnosed(Case("lab", simulator_name, split, shipped("literature"), shots, 0.003), found)
 
 
 def found():
@@ -32,7 +32,7 @@ def found():
 
 
 def test_errors_have_a_panel_a_simulator_and_a_line_a_split():
-    figure = closing_figure(found())
+    figure = closing_figure(found()).figure
     first, other = figure.axes
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["first one", "other"]
     assert len(first.lines) == 2 * len(LINES) and not other.lines
@@ -42,12 +42,12 @@ def test_errors_have_a_panel_a_simulator_and_a_line_a_split():
     assert shown == list(LINE_NAMES.values())
 
 
-def test_causes_are_drawn_in_detectable_sizes_beside_their_names():
-    figure = stability_figure(found())
+def test_causes_are_drawn_in_minimum_detectable_effects():
+    figure = stability_figure(found()).figure
     first, other = figure.axes
-    assert [text.get_text() for text in first.get_yticklabels()] == ["wind.x", "gravity"]
+    assert [text.get_text() for text in first.get_yticklabels()] == ["wind.x", "gravity.g"]
     marks = [line for line in first.lines if line.get_marker() == "o"]
-    size = 5.8 / 1.96 * (WIND.interval[1] - WIND.interval[0]) / 2
+    size = verdict().minimum_detectable["wind.x"]
     places = [(mark.get_xdata()[0], mark.get_ydata()[0]) for mark in marks]
     np.testing.assert_allclose(
         [places[0], places[2]], [(0.61 / size, -0.125), (0.61 / size, 0.125)]

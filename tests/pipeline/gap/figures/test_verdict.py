@@ -3,24 +3,39 @@
 import numpy as np
 import pytest
 
-from pipeline.gap.figures.verdict import KIND_COLOURS, causes_figure, error_figure
+from pipeline.gap.figures.verdict import causes_figure, error_figure
 from tests.pipeline.verdicts import GAP, GRAVITY, WIND, verdict
 
 
-def test_causes_stand_at_their_departure_in_detectable_sizes():
-    axes = causes_figure(verdict("ambiguous", (WIND, GRAVITY))).axes[0]
-    assert [label.get_text() for label in axes.get_yticklabels()] == ["wind.x", "gravity"]
-    drawn = {
-        line.get_color(): line.get_xdata() for line in axes.lines if len(line.get_xdata()) == 1
-    }
-    assert drawn[KIND_COLOURS["missing_effect"]] == pytest.approx([0.61 / (2.959 * 0.02)], rel=1e-3)
-    assert drawn[KIND_COLOURS["wrong_value"]] == pytest.approx([0.49 / (2.959 * 0.1)], rel=1e-3)
+def departures(found):
+    """The (interval, estimate) drawn for every cause."""
+    lines = [line.get_xdata().tolist() for line in causes_figure(found).figure.axes[0].lines[1:]]
+    return list(zip(lines[::2], [x for (x,) in lines[1::2]], strict=True))
 
 
-def test_intervals_of_causes_are_drawn():
-    axes = causes_figure(verdict()).axes[0]
-    intervals = [line.get_xdata() for line in axes.lines if line.get_linewidth() == 3]
-    np.testing.assert_allclose(intervals, [[0.59 / 0.0592, 0.63 / 0.0592]], rtol=1e-3)
+def test_causes_are_drawn_in_minimum_detectable_effects_of_the_verdict():
+    found = verdict("ambiguous", (WIND, GRAVITY))
+    axes = causes_figure(found).figure.axes[0]
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["wind.x", "gravity.g"]
+    for (interval, estimate), cause in zip(departures(found), (WIND, GRAVITY), strict=True):
+        size = found.minimum_detectable[cause.identity]
+        ends = np.array([*cause.interval, cause.estimate])
+        expected = (ends - cause.nominal) / size
+        np.testing.assert_allclose([*interval, estimate], expected)
+
+
+def test_a_cause_at_its_bound_is_drawn_at_its_bound():
+    at_bound = WIND.model_copy(update={"estimate": 3.0, "interval": (2.9, 3.0)})
+    size = verdict().minimum_detectable["wind.x"]
+    ((interval, estimate),) = departures(verdict(causes=(at_bound,)))
+    assert [*interval, estimate] == pytest.approx([2.9 / size, 3.0 / size, 3.0 / size])
+
+
+def test_a_cause_without_a_minimum_detectable_effect_has_its_estimate_as_text():
+    found = verdict(minimum_detectable={})
+    assert departures(found) == []
+    (text,) = causes_figure(found).figure.axes[0].texts
+    assert text.get_text().startswith("0.61 m/s, simulator 0; no minimum detectable effect")
 
 
 def test_without_causes_there_is_nothing_to_draw():
@@ -29,7 +44,7 @@ def test_without_causes_there_is_nothing_to_draw():
 
 
 def test_errors_are_drawn_over_the_horizon():
-    axes = error_figure(GAP).axes[0]
+    axes = error_figure(GAP).figure.axes[0]
     for line, values in zip(axes.lines, (GAP.before_mm, GAP.after_mm, GAP.floor_mm), strict=True):
         np.testing.assert_array_equal(line.get_xydata(), np.column_stack([GAP.horizons_ms, values]))
     within = (GAP.before_interval_mm, GAP.after_interval_mm)

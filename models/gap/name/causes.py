@@ -1,0 +1,135 @@
+"""The causes of a verdict: estimates, intervals, classes and shares of what naming found."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from models.ball.simulator import Simulator
+from models.gap.fit.shot_fit import refit_shots
+from models.gap.hypotheses import LABEL_SIGNS, Hypothesis
+from models.gap.name.gap_share import shares
+from models.gap.name.intervals import within
+from models.gap.name.naming import Named
+from models.gap.name.unexplained import UnexplainedStructure
+from models.gap.verdict import Answer, Cause, Unexplained
+
+
+@dataclass(frozen=True)
+class GapShares:
+    """Shares of the gap, which sum to one where there is a gap.
+
+    Attributes:
+        causes: share of each cause, by its place among the hypotheses.
+        label_signs: of spin labels with the wrong sign.
+        unexplained: of structure that no cause explains.
+    """
+
+    causes: dict[int, float]
+    label_signs: float
+    unexplained: float
+
+    @classmethod
+    def of(cls, named: Named, structure: UnexplainedStructure | None) -> "GapShares":
+        """Return the shares in the gain of twice the log likelihood.
+
+        Args:
+            named: the causes.
+            structure: that they leave, where it is significant.
+        """
+        gains = shares(named.explainer.set_scores, named.explanation.causes)
+        signs, unexplained = _gain_of_signs(named), structure.gain if structure else 0.0
+        whole = max(sum(gains.values()) + signs, 1e-12) + unexplained
+        parts = {k: gain / whole for k, gain in gains.items()}
+        return cls(parts, signs / whole, unexplained / whole)
+
+
+def causes(named: Named, gap_shares: GapShares) -> tuple[Cause, ...]:
+    """Return the causes, the largest share first."""
+    found = [_cause(named, k, share) for k, share in gap_shares.causes.items()]
+    if named.signs.significant:
+        found.append(_label_signs(named, gap_shares.label_signs))
+    return tuple(sorted(found, key=lambda one: -one.gap_share))
+
+
+def unexplained(
+    structure: UnexplainedStructure, significant: bool, gap_shares: GapShares
+) -> Unexplained:
+    """Return the part of a verdict about structure that no cause explains."""
+    return Unexplained(
+        share=gap_shares.unexplained,
+        p_value=structure.p_value,
+        phase=structure.where if significant else None,
+        formula=structure.candidate_formula if significant else None,
+    )
+
+
+def answer(found: tuple[Cause, ...], significant: bool, settled: bool) -> Answer:
+    """Return the verdict in one word.
+
+    Args:
+        found: the causes.
+        significant: whether there is structure that they do not explain.
+        settled: whether the same causes are found again with them in the simulator.
+    """
+    if significant:
+        return "unknown"
+    if not found:
+        return "no_gap"
+    return "named" if settled and not any(one.ambiguous for one in found) else "ambiguous"
+
+
+def _cause(named: Named, k: int, share: float) -> Cause:
+    explainer, places = named.explainer, named.explanation.causes
+    evidence, hypothesis = explainer.evidence, explainer.evidence.columns[k]
+    test = evidence.score_test([k], [one for one in places if one != k])
+    value = hypothesis.value(explainer.nominal) + float(test.estimate[0])
+    estimate, interval = within(
+        value, float(test.margin[0]), hypothesis.declaration.bounds, evidence.settings
+    )
+    return _described(
+        hypothesis,
+        explainer.nominal,
+        estimate=estimate,
+        interval=interval,
+        p_value=named.explanation.p_values[k],
+        gap_share=share,
+        possible=tuple(evidence.columns[one].identity for one in explainer.alternatives(k, places)),
+    )
+
+
+def _label_signs(named: Named, share: float) -> Cause:
+    return _described(
+        LABEL_SIGNS,
+        named.explainer.nominal,
+        estimate=named.signs.share,
+        interval=named.signs.interval,
+        p_value=0.0,
+        gap_share=share,
+        possible=(LABEL_SIGNS.identity,),
+    )
+
+
+def _described(hypothesis: Hypothesis, nominal: Simulator, **numbers: object) -> Cause:
+    content = {
+        "identity": hypothesis.identity,
+        "kind": "wrong_value" if hypothesis.listed(nominal) else "missing_effect",
+        "unit": hypothesis.declaration.unit,
+        "nominal": hypothesis.value(nominal),
+        **numbers,
+    }
+    return Cause.model_validate(content)
+
+
+def _gain_of_signs(named: Named) -> float:
+    """Return the gain of twice the log likelihood when the wrong label signs are corrected."""
+    if not named.signs.significant:
+        return 0.0
+    fit, settings = named.fit, named.signs.settings.fit
+    rows = np.array(sorted(named.signs.flipped))
+    corrected, nuisance = fit.linear.shots[rows], fit.linear.nuisance[rows]
+    as_read = replace(corrected, labels=-corrected.labels)
+    costs = [
+        refit_shots(shots, fit.simulator, nuisance, fit.noise_estimate.noise, settings).cost.sum()
+        for shots in (as_read, corrected)
+    ]
+    return max(float(costs[0] - costs[1]), 0.0)
