@@ -1,4 +1,4 @@
-"""Write the report, as a page and as a PDF, from what the stages before it report."""
+"""Write the report as a page and as a PDF, from the reports of all other stages."""
 
 from pipeline.evaluation.example_shots import read_shots
 from pipeline.io.artifacts import replacing, write_text

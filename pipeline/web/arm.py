@@ -1,4 +1,4 @@
-"""The arm as lines: where its links and its racket are, for views that Bullet does not draw."""
+"""Positions of the arm's links and racket, for the 3-D views of the report page."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,24 +20,24 @@ def arm_lines(joints: ArrayLike) -> tuple[Floats, Floats]:
         (T, 4, 3) m: shoulder, elbow, wrist and the racket's centre; (T, 3) the racket's normal.
     """
     values = np.asarray(joints, dtype=np.float64)
-    turned = np.broadcast_to(np.eye(3), (len(values), 3, 3))
+    rotation = np.broadcast_to(np.eye(3), (len(values), 3, 3))
     point = np.broadcast_to(np.array(BASE), (len(values), 3))
-    met = []
+    corners = []
     for joint, value in zip(JOINTS, values.T, strict=True):
         axis = "xyz".index(joint.axis)
-        point = point + turned @ np.array(joint.origin)
-        turned = turned @ _about(0, np.full(len(values), joint.pitch))
+        point = point + rotation @ np.array(joint.origin)
+        rotation = rotation @ _about(0, np.full(len(values), joint.pitch))
         if joint.kind == "prismatic":
-            point = point + turned[:, :, axis] * value[:, None]
+            point = point + rotation[:, :, axis] * value[:, None]
         else:
-            turned = turned @ _about(axis, value)
+            rotation = rotation @ _about(axis, value)
         if joint.name in DRAWN:
-            met.append(point)
-    return np.stack([*met, point + turned @ np.array(BLADE)], axis=1), turned[:, :, 1]
+            corners.append(point)
+    return np.stack([*corners, point + rotation @ np.array(BLADE)], axis=1), rotation[:, :, 1]
 
 
 def _about(axis: int, angles: Floats) -> Floats:
-    """Return (T, 3, 3) turns about an axis."""
+    """Return (T, 3, 3) rotation matrices about an axis."""
     first, second = (axis + 1) % 3, (axis + 2) % 3
     turns = np.zeros((len(angles), 3, 3))
     turns[:, axis, axis] = 1.0

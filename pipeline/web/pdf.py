@@ -1,4 +1,4 @@
-"""The report as a PDF: the same figures and tables, page by page; the same bytes every time."""
+"""The report as a PDF: figures and tables of a run; equal reports give equal bytes."""
 
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
@@ -15,19 +15,24 @@ from pipeline.paper.comparison import CONTEXT, exhibits, groups
 from pipeline.paper.run_reports import Reports
 
 A4 = (8.27, 11.69)  # inch
-LEFT, TOP, BOTTOM = 0.08, 0.94, 0.06  # shares of the page
+LEFT, TOP, BOTTOM = 0.08, 0.94, 0.06  # margins as shares of the page
 BODY, SMALLEST = 7.5, 3.8  # points
-LETTER = 0.602  # width of a letter of DejaVu Sans Mono, of its size
-LEADING = 1.35  # height of a line, of its size
+LETTER = 0.602  # width of a letter of DejaVu Sans Mono, in font sizes
+LEADING = 1.35  # height of a line, in font sizes
 WIDEST = 46  # letters in a cell before it is wrapped
-ALWAYS = datetime(2000, 1, 1, tzinfo=UTC)  # a date that no run changes
-METADATA = {"Title": "rallygap report", "Creator": None, "Producer": None, "CreationDate": ALWAYS}
+FIXED_DATE = datetime(2000, 1, 1, tzinfo=UTC)  # a date that no run changes
+METADATA = {
+    "Title": "rallygap report",
+    "Creator": None,
+    "Producer": None,
+    "CreationDate": FIXED_DATE,
+}
 
 Row = Sequence[str]
 
 
 def write_pdf(path: Path, run: Reports, contents: Sequence[Contents]) -> None:
-    """Write the figures and tables of a run, and the paper's numbers beside ours.
+    """Write the figures and tables of a run, and the comparison with the paper.
 
     Args:
         path: of the PDF.
@@ -47,7 +52,7 @@ def _figures(run: Reports, contents: Sequence[Contents]) -> Iterator[Figure]:
     yield from _paper(run, contents)
     for stage in contents:
         for item in stage.items:
-            made = f"Stage {stage.stage}, run {stage.fingerprint}. File: {stage.stage}/{item.file}"
+            made = f"Stage {stage.stage}, run {stage.fingerprint}, file {stage.stage}/{item.file}."
             path = run.folder / stage.stage / item.file
             yield from (
                 _table(item, path, made) if item.kind == "table" else _picture(item, path, made)
@@ -55,7 +60,7 @@ def _figures(run: Reports, contents: Sequence[Contents]) -> Iterator[Figure]:
 
 
 def _paper(run: Reports, contents: Sequence[Contents]) -> Iterator[Figure]:
-    """Yield the pages of the paper's figures, tables and numbers."""
+    """Yield the pages of the comparison with the paper."""
     runs = ", ".join(f"{stage.stage} {stage.fingerprint}" for stage in contents)
     about = (
         "Bridging the sim2real gap in the table tennis robot with a transformer-based ball states "
@@ -76,7 +81,7 @@ def _paper(run: Reports, contents: Sequence[Contents]) -> Iterator[Figure]:
 
 
 def _picture(item: Item, path: Path, made: str) -> Iterator[Figure]:
-    """Yield the page of a figure, of an animation that of its first picture."""
+    """Yield the page of a figure, or of the first frame of an animation."""
     pixels = read_picture(path).convert("RGB")
     figure, top = _page(item.title, f"{item.caption} {made}")
     width = 1 - 2 * LEFT
@@ -95,7 +100,7 @@ def _table(item: Item, path: Path, made: str) -> Iterator[Figure]:
 
 
 def _listed(title: str, about: str, names: Row, rows: Sequence[Row]) -> Iterator[Figure]:
-    """Yield as many pages as a table needs, each with its head."""
+    """Yield the pages of a table, each with its header."""
     wrapped = [[wrap(cell, WIDEST) or [""] for cell in row] for row in [names, *rows]]
     widths = [
         max(len(line) for row in wrapped for line in row[column]) for column in range(len(names))
@@ -126,7 +131,7 @@ def _lines(row: Sequence[Sequence[str]], widths: Sequence[int]) -> Iterator[str]
 
 
 def _page(title: str, about: str) -> tuple[Figure, float]:
-    """Return a page with its heading, and where it goes on, as a share of its height."""
+    """Return a page with its heading, and the top of its content as a share of its height."""
     figure = Figure(figsize=A4)
     figure.set_layout_engine("none")
     text = "\n".join(wrap(about, 115))

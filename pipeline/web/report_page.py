@@ -1,4 +1,4 @@
-"""The report page: everything the stages report, in one HTML file that works offline."""
+"""The report page: figures and tables of all stages in one HTML file that works offline."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -24,14 +24,14 @@ SHOTS_STAGE, RETURNS_STAGE = "evaluate_predictor", "sim2real"  # whose runs the 
 def render_page(
     run: Reports, contents: Sequence[Contents], shots: Sequence[Shot], returns: Sequence[Return]
 ) -> str:
-    """Render the report page; the same files give the same text.
+    """Render the report page; equal files give equal text.
 
     Args:
         run: the reports, and the parameters that they were made with.
         contents: what the stages report, in the order to show; among them those whose runs the
             3-D views show.
-        shots: the shots of a 3-D view; without any, the page has no such view.
-        returns: the returns of another.
+        shots: the shots of the first 3-D view; without any, the page has no such view.
+        returns: the returns of the second.
 
     Raises:
         InputError: if a figure or table that the contents name is missing or broken.

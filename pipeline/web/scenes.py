@@ -1,7 +1,7 @@
-"""Scenes: what the page's 3-D views show, shots and returns alike, as their script takes it.
+"""Scenes of the report page's 3-D views, in the form that their script reads.
 
-A scene has a ball that moves, dots that were measured, forecasts that hold from when they were made
-until the next, and perhaps an arm. Times are s, positions m in the table frame.
+A scene has a moving ball, measured positions, forecasts that are each valid until the next one, and
+perhaps an arm. Times are s, positions m in the table frame.
 """
 
 from collections.abc import Sequence
@@ -16,21 +16,21 @@ from pipeline.io.figure_style import predictor_colour
 from pipeline.transfer.example_returns import Return
 from pipeline.web.arm import arm_lines
 
-KNOWN_AS = {"physics": "physics_c"}  # whose colour it has
+COLOUR_OF = {"physics": "physics_c"}  # predictor with the same colour
 
 
 def shot_scenes(shots: Sequence[Shot]) -> dict[str, Any]:
-    """Return measured shots and what predictors made of their start.
+    """Return measured shots with the forecasts from their start.
 
-    A forecast is judged where it says that the ball is now.
+    The error of a forecast is its distance from the ball at the same time.
     """
     return _view([_shot_scene(one) for one in shots])
 
 
 def return_scenes(returns: Sequence[Return]) -> dict[str, Any]:
-    """Return balls that policies played.
+    """Return shots that policies played.
 
-    A forecast is judged where it sees the ball at the policy's horizon, until the racket meets it.
+    The error of a forecast is taken at the policy's horizon, until the racket contact.
     """
     return _view([_return_scene(one) for one in returns])
 
@@ -39,7 +39,7 @@ def _view(scenes: list[dict[str, Any]]) -> dict[str, Any]:
     names = sorted({name for scene in scenes for name in scene["forecasts"]})
     return {
         "scenes": scenes,
-        "colours": {name: predictor_colour(KNOWN_AS.get(name, name)) for name in names},
+        "colours": {name: predictor_colour(COLOUR_OF.get(name, name)) for name in names},
         "table": {
             "half_width": state.TABLE_HALF_WIDTH,
             "half_length": state.TABLE_HALF_LENGTH,

@@ -58,7 +58,7 @@ def test_every_item_names_the_run_that_made_it(root):
 
     for stage in ("ingest", "segment", "evaluate_predictor", "sim2real"):
         assert f"<code>python -m stages.{stage}</code>" in page
-    assert page.count("Made by <code>python") == 6  # four items and the 3-D views
+    assert page.count("Produced by <code>python") == 6  # four items and the 3-D views
     assert page.count("run\n<code>3fa9c1d20b77</code>") == 6
 
 
