@@ -31,7 +31,7 @@ from models.exam.run_question import sit
 from models.policy.learning import learn_leg
 from models.predictors.learned import build_network
 from models.predictors.training import ForecastTraining, WindowData
-from models.predictors.window_dataset import tracks
+from models.predictors.window_dataset import build_tracks
 from models.segmentation.tables import Segmented
 from pipeline.evaluation.costs import machine
 from pipeline.exam.records import OURS
@@ -168,7 +168,7 @@ def sizes() -> dict[str, float]:
         disk = sum(path.stat().st_size for path in Path(root).rglob("*.parquet"))
         samples = read_table(Path(root) / "artifacts" / "segment" / "samples.parquet")
     episodes = [_episode(rows) for _, rows in samples.groupby("episode_id")]
-    held = [*episodes, tracks(episodes)]  # a training holds both
+    held = [*episodes, build_tracks(episodes)]  # a training holds both
     arrays = (part for one in held for part in vars(one).values())
     memory = sum(part.nbytes for part in arrays if isinstance(part, np.ndarray | torch.Tensor))
     return {"disk_bytes": disk / len(episodes), "memory_bytes": memory / len(episodes)}

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from models.ball.simulator import Simulator
-from pipeline.evaluation.contenders import ARENA, read_learned
+from pipeline.evaluation.predictors import ARENA, read_learned
 from pipeline.io.amended_simulators import amended_by, verdict_path
 from pipeline.io.artifacts import read_as, read_table, write_table
 from pipeline.io.ground_truth import read_truth

@@ -5,7 +5,7 @@ from typing import Any
 import pandas as pd
 
 from models.predictors.physics import PhysicsPredictor
-from pipeline.evaluation.contenders import Contender, read_learned
+from pipeline.evaluation.predictors import NamedPredictor, read_learned
 from pipeline.io.amended_simulators import amended_by
 from pipeline.io.artifacts import write_json, write_table
 from pipeline.io.metrics import place, rounded
@@ -59,7 +59,7 @@ def sim2real(run: StageRun) -> None:
 
 
 def _replays(
-    run: StageRun, one: ReplaySet, policies: Policies, learned: list[Contender]
+    run: StageRun, one: ReplaySet, policies: Policies, learned: list[NamedPredictor]
 ) -> list[ReplayTrial]:
     """Return the trials of a set: with physics, and with all who know more."""
     simulator = run.params.sim2real.simulator

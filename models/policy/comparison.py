@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from models.policy.forecasts import exact
 from models.policy.incoming_balls import Incoming, tick_times
 from models.policy.settings import HorizonsMs
-from models.predictors.errors import spread
+from models.predictors.errors import error_statistics
 
 Booleans = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -51,7 +51,7 @@ def intervals(trials: Floats, resamples: int, seed: int) -> list[Interval]:
     policies, count, quantities = trials.shape
     balls = np.tile(np.arange(count), policies)
     generator = np.random.default_rng(seed)
-    found = spread(trials.reshape(-1, quantities), balls, resamples, generator)
+    found = error_statistics(trials.reshape(-1, quantities), balls, resamples, generator)
     ends = np.stack([found.mean, found.low, found.high], axis=1).tolist()
     return [Interval(*three) for three in ends]
 

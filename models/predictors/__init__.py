@@ -1,1 +1,1 @@
-"""Predictors: the last 12 ball states in, the next 60 out."""
+"""Predictors: from the last 12 measured ball states to the next 60."""

@@ -1,4 +1,4 @@
-"""Forecast errors: the norm of predicted minus measured state, over the horizon."""
+"""Forecast errors over the horizon: the norm of forecast minus measured state, and statistics."""
 
 import warnings
 from dataclasses import dataclass
@@ -19,13 +19,13 @@ HORIZONS_MS = [round(1000 * time) for time in FUTURE_TIMES[EVALUATED]]
 
 
 @dataclass(frozen=True)
-class Spread:
+class ErrorStatistics:
     """Statistics of an error at each of H horizons.
 
     Attributes:
-        mean: (H,) NaN where no window counts.
+        mean: (H,) NaN where no window has a measurement.
         std: (H,) over the windows.
-        count: (H,) windows that count.
+        count: (H,) windows with a measurement.
         low: (H,) lower end of the mean's 95 % interval, bootstrapped over recordings.
         high: (H,) its upper end.
     """
@@ -37,25 +37,25 @@ class Spread:
     high: Floats
 
 
-def errors(forecast: Forecast, windows: Windows, quantity: str) -> Floats:
+def error_norms(forecast: Forecast, windows: Windows, quantity: str) -> Floats:
     """Return (B, H) error norms at the evaluated horizons; NaN where nothing was measured."""
-    part = QUANTITIES[quantity]
-    difference = forecast.states[..., part] - windows.future[..., part]
+    columns = QUANTITIES[quantity]
+    difference = forecast.states[..., columns] - windows.future[..., columns]
     norm = _SCALE[quantity] * np.linalg.norm(difference, axis=-1)
-    measured = windows.measured[..., part].all(axis=-1)
+    measured = windows.measured[..., columns].all(axis=-1)
     return np.where(measured, norm, np.nan)[:, EVALUATED]
 
 
-def spread(
+def error_statistics(
     error: Floats, recordings: np.ndarray, resamples: int, generator: np.random.Generator
-) -> Spread:
-    """Return mean, spread and interval of (B, H) errors, NaN ones left out.
+) -> ErrorStatistics:
+    """Return the statistics of (B, H) errors, NaN left out.
 
     Args:
         error: (B, H).
         recordings: (B,) the recording of each window; recordings, not windows, are resampled,
             because the windows of one recording are not independent.
-        resamples: number of bootstrap resamples; without any the interval is the mean.
+        resamples: of the bootstrap; without any, the interval is the mean.
         generator: draws the resamples.
     """
     counted = np.isfinite(error)
@@ -66,7 +66,7 @@ def spread(
         std = np.sqrt(np.where(counted, (value - mean) ** 2, 0.0).sum(axis=0) / count)
         means = _resampled_means(value, counted, recordings, resamples, generator)
     low, high = _interval(means) if resamples else (mean, mean)
-    return Spread(mean, std, count, low, high)
+    return ErrorStatistics(mean, std, count, low, high)
 
 
 def _interval(means: Floats) -> tuple[Floats, Floats]:
@@ -90,7 +90,7 @@ def _resampled_means(
     counts = np.zeros_like(sums)
     np.add.at(sums, member, value)
     np.add.at(counts, member, counted)
-    even = np.full(len(names), 1 / len(names))
-    weights = generator.multinomial(len(names), even, size=resamples)
+    uniform = np.full(len(names), 1 / len(names))
+    weights = generator.multinomial(len(names), uniform, size=resamples)
     means: Floats = (weights @ sums) / (weights @ counts)
     return means

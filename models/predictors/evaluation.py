@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from models.predictors.errors import HORIZONS_MS, QUANTITIES, errors, spread
+from models.predictors.errors import HORIZONS_MS, QUANTITIES, error_norms, error_statistics
 from models.predictors.protocol import Bools, Floats, Forecast
 from models.predictors.windows import Windows
 
@@ -19,13 +19,12 @@ INTERVAL = ["mean", "ci_low", "ci_high", "n"]
 class ForecastErrors:
     """The errors of every predictor on the same windows.
 
-    Every interval is bootstrapped from the same seed: predictors meet the same resamples, and one
-    more predictor changes nothing for the others.
+    Every interval is bootstrapped from the same seed, so all predictors have the same resamples.
 
     Attributes:
         errors: predictor to quantity to (B, H) errors, NaN where nothing was measured.
         recordings: (B,) the recording of each window.
-        bounced: (B,) whether the ball met the table within the forecast.
+        bounced: (B,) whether the ball bounced on the table within the forecast.
         resamples: of the recordings, for the 95 % intervals.
         seed: of the resamples.
     """
@@ -46,7 +45,7 @@ class ForecastErrors:
             for quantity, error in quantities.items()
             for kind, chosen in kinds.items()
         }
-        return stacked(frames, ["predictor", "quantity", "bounce"])
+        return concat_tables(frames, ["predictor", "quantity", "bounce"])
 
     def by_group(self, groups: np.ndarray) -> pd.DataFrame:
         """Return the position error at the last horizon, one row a group and predictor.
@@ -61,18 +60,17 @@ class ForecastErrors:
             for group in dict.fromkeys(groups)
             for predictor, quantities in self.errors.items()
         }
-        rows = stacked(frames, ["group", "predictor"])
+        rows = concat_tables(frames, ["group", "predictor"])
         last: pd.DataFrame = rows[rows["horizon_ms"] == HORIZONS_MS[-1]]
         return last[["group", "predictor", *INTERVAL]]
 
     def differences(self, predictors: list[str]) -> pd.DataFrame:
-        """Return how much larger the errors of some predictors are than those of each other one.
+        """Return the paired differences between the errors of ``predictors`` and of all others.
 
-        The difference is taken window by window, so that hard windows are hard for both. Two of
-        ``predictors`` are compared once.
+        Differences are taken window by window. Two of ``predictors`` are compared once.
 
         Args:
-            predictors: those whose error the other's is taken from.
+            predictors: the minuends.
 
         Returns:
             One row a pair, quantity and horizon: ``mean`` of the difference with its interval, and
@@ -89,7 +87,7 @@ class ForecastErrors:
             for name, other in pairs
             for quantity in QUANTITIES
         }
-        rows = stacked(frames, ["predictor", "other", "quantity"])
+        rows = concat_tables(frames, ["predictor", "other", "quantity"])
         return rows[rows["horizon_ms"].isin(SHOWN_HORIZONS_MS)].drop(columns="std")
 
     def _difference(self, name: str, other: str, quantity: str) -> pd.DataFrame:
@@ -98,9 +96,9 @@ class ForecastErrors:
         return rows.assign(lower_share=(rows["mean"] < 0).mean())
 
     def _spread(self, error: Floats, chosen: Bools) -> pd.DataFrame:
-        """Return one row a horizon at which anything was measured, of the chosen windows."""
+        """Return one row a horizon with any measurement, over the chosen windows."""
         generator = np.random.default_rng(self.seed)
-        result = spread(error, self.recordings[chosen], self.resamples, generator)
+        result = error_statistics(error, self.recordings[chosen], self.resamples, generator)
         columns = {
             "horizon_ms": HORIZONS_MS,
             "mean": result.mean,
@@ -112,20 +110,22 @@ class ForecastErrors:
         return pd.DataFrame(columns)[result.count > 0]
 
 
-def errors_of(forecasts: dict[str, Forecast], windows: Windows) -> dict[str, dict[str, Floats]]:
+def forecast_errors(
+    forecasts: dict[str, Forecast], windows: Windows
+) -> dict[str, dict[str, Floats]]:
     """Return predictor to quantity to (B, H) errors of forecasts of the same windows."""
     return {
-        name: {quantity: errors(forecast, windows, quantity) for quantity in QUANTITIES}
+        name: {quantity: error_norms(forecast, windows, quantity) for quantity in QUANTITIES}
         for name, forecast in forecasts.items()
     }
 
 
-def stacked(frames: Mapping[Any, pd.DataFrame], names: list[str]) -> pd.DataFrame:
-    """Return tables as one, the key of each in front of its rows.
+def concat_tables(frames: Mapping[Any, pd.DataFrame], names: list[str]) -> pd.DataFrame:
+    """Return the concatenation of tables, with their keys as the first columns.
 
     Args:
-        frames: tuple of strings to table; at least one.
-        names: of the columns that the parts of the keys become.
+        frames: key, a tuple of strings, to table; at least one.
+        names: of the keys' columns.
     """
     table: pd.DataFrame = pd.concat(frames, names=names)
     return table.reset_index(names).reset_index(drop=True)

@@ -1,14 +1,14 @@
-"""A recurrent trajectory autoencoder: what was seen, read row by row into a code, told from it.
+"""Recurrent trajectory autoencoder: gated recurrent units encode the history row by row.
 
 The GRU variant of the trajectory autoencoder of Toussaint et al. 2025, *Real time trajectory
 prediction of a ping-pong ball using a GRU-TAE*: one gated recurrent unit reads the rows, a second
-reads the first's states, and the state in which the second ends is the code. Two dense layers tell
-the trajectory from it.
+reads the first's states, and the second's last state is the code. Two dense layers decode the
+trajectory from it.
 
-Taken: the layers, the ELU between the dense ones, the mask beside the input. Changed: position and
-spin go in instead of position; position, velocity and spin come out, of the future alone, where
-theirs reads a whole trajectory with zeros for its future, and tells all of it; the units are
-torch's, whose candidates go through a hyperbolic tangent instead of an ELU.
+Same as there: the layers, the ELU between the dense ones, and the mask as an input. Different: the
+input is position and spin instead of position; the output is position, velocity and spin of the
+future alone, where theirs reads a whole trajectory with zeros for its future and outputs all of it;
+the units are torch's, whose candidates go through a hyperbolic tangent instead of an ELU.
 """
 
 from torch import Tensor, nn
@@ -16,55 +16,40 @@ from torch.nn.functional import elu
 
 from models.predictors.normaliser import OUTPUTS
 from models.predictors.protocol import FUTURE
-from models.predictors.tae import row_numbers, rows
+from models.predictors.tae import input_rows, row_size
 
 
 class RecurrentUnit(nn.Module):
     """A gated recurrent unit (Cho 2014) over rows.
 
-    Its matrices are called projections, because each is three gates one below the other: no one
-    matrix that an optimizer could turn as such.
+    Its matrices stack three gates each, so Muon must not orthogonalise them; the name
+    ``projections`` leaves them to Adam.
     """
 
     def __init__(self, inputs: int, width: int) -> None:
         super().__init__()
         self.projections = nn.GRU(inputs, width, batch_first=True)
 
-    def forward(self, read: Tensor) -> Tensor:
-        """Return what it holds after each of (B, T, inputs) rows, (B, T, width)."""
-        held: Tensor = self.projections(read)[0]
-        return held
+    def forward(self, rows: Tensor) -> Tensor:
+        """Return the state after each of (B, T, inputs) rows, (B, T, width)."""
+        states: Tensor = self.projections(rows)[0]
+        return states
 
 
 class RecurrentAutoencoder(nn.Module):
-    """The predictor's network, on normalised states.
-
-    Args:
-        recurrent: width of the first recurrent unit.
-        latent: width of the second, numbers of the code.
-        decoded: width of the dense layer.
-        uniform_motion: whether it is told how far each measurement is off the ball's uniform
-            motion.
-    """
+    """The network, on normalised states; ``GruTaeSettings`` describes its arguments."""
 
     def __init__(self, recurrent: int, latent: int, decoded: int, uniform_motion: bool) -> None:
         super().__init__()
         self.uniform_motion = uniform_motion
         self.encoder = nn.Sequential(
-            RecurrentUnit(row_numbers(uniform_motion), recurrent), RecurrentUnit(recurrent, latent)
+            RecurrentUnit(row_size(uniform_motion), recurrent), RecurrentUnit(recurrent, latent)
         )
         self.decoder = nn.Linear(latent, decoded)
         self.projection = nn.Linear(decoded, FUTURE * OUTPUTS)
 
-    def forward(self, history: Tensor, seen: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
-        """Return (B, 60, 9) normalised future states.
-
-        Args:
-            history: (B, 12, 6) normalised measurements, zero where there are none.
-            seen: (B, 12, 6) where there are.
-            residual: (B, 12, 3) how far they are off uniform motion.
-            expected: (B, 60, 6) normalised uniform motion, which it does not read.
-        """
-        held = self.encoder(rows(history, seen, residual, self.uniform_motion))
-        future: Tensor = self.projection(elu(self.decoder(held[:, -1])))
+    def forward(self, history: Tensor, mask: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
+        """Return (B, 60, 9) normalised future states; ``ForecastNetwork`` describes the inputs."""
+        states = self.encoder(input_rows(history, mask, residual, self.uniform_motion))
+        future: Tensor = self.projection(elu(self.decoder(states[:, -1])))
         return future.reshape(len(history), FUTURE, OUTPUTS)

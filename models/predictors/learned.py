@@ -1,4 +1,4 @@
-"""A learned predictor: a network between a normaliser's two halves, behind the protocol."""
+"""Learned predictors: a network with its normaliser, behind the predictor protocol."""
 
 import numpy as np
 import torch
@@ -16,38 +16,41 @@ class ForecastNetwork(nn.Module):
     """A network that maps normalised histories to normalised futures, with its normaliser.
 
     Args:
-        network: normalised measurements (B, 12, 6), where there are any (B, 12, 6), how far they
-            are off uniform motion (B, 12, 3) and where that leads (B, 60, 6) -> (B, 60, 9).
+        network: maps four normalised tensors to (B, 60, 9) future states:
+            history: (B, 12, 6) measurements, zero where there are none;
+            mask: (B, 12, 6) where there are;
+            residual: (B, 12, 3) deviations of measured positions from uniform motion;
+            expected: (B, 60, 6) positions and spins of uniform motion.
     """
 
     def __init__(self, network: nn.Module) -> None:
         super().__init__()
         self.normaliser, self.network = Normaliser(), network
 
-    def forward(self, history: Tensor, seen: Tensor) -> Tensor:
+    def forward(self, history: Tensor, mask: Tensor) -> Tensor:
         """Return (B, 60, 9) ball states.
 
         Args:
             history: (B, 12, 6) measured positions (m) and spins (rad/s), zero where not measured.
-            seen: (B, 12, 6) where they were measured.
+            mask: (B, 12, 6) where they were measured.
         """
-        motion = uniform_motion(history, seen)
-        return self.normaliser.states(self.deviation(history, seen, motion), motion)
+        motion = uniform_motion(history, mask)
+        return self.normaliser.states(self.deviation(history, mask, motion), motion)
 
-    def deviation(self, history: Tensor, seen: Tensor, motion: Tensor) -> Tensor:
+    def deviation(self, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
         """Return the (B, 60, 9) normalised deviations from ``motion``, which training fits."""
         normaliser = self.normaliser
         deviation: Tensor = self.network(
-            normaliser.normalised(history, seen, motion),
-            seen,
-            normaliser.residual(history, seen, motion),
+            normaliser.normalised(history, mask, motion),
+            mask,
+            normaliser.residual(history, mask, motion),
             normaliser.expected(motion),
         )
         return deviation
 
     @property
     def parameter_count(self) -> int:
-        """How many numbers were trained."""
+        """Number of trained parameters."""
         return sum(parameter.numel() for parameter in self.parameters())
 
 
@@ -71,8 +74,7 @@ class LearnedPredictor:
         """Forecast each ball."""
         device = self.network.normaliser.future_mean.device
         states = torch.as_tensor(history.states, dtype=torch.float32, device=device)
-        seen = torch.as_tensor(history.mask, device=device)
+        mask = torch.as_tensor(history.mask, device=device)
         with torch.inference_mode():
-            forecast = self.network(states, seen)
-        labelled = np.any(history.mask[:, :, 3:].all(axis=2), axis=1)
-        return Forecast(forecast.cpu().numpy().astype(np.float64), labelled)
+            forecast = self.network(states, mask)
+        return Forecast(forecast.cpu().numpy().astype(np.float64), history.spin_measured)

@@ -1,8 +1,8 @@
 """Muon for the layers' matrices, Adam for all else, as one optimizer.
 
-A step of Muon turns a matrix by the orthogonal part of its momentum, so that every direction learns
-at the same pace (Jordan 2024, https://kellerjordan.github.io/posts/muon). It is made for matrices
-between hidden layers; what maps to and from the outer world, biases and normalisations stay Adam's.
+A step of Muon moves a matrix along the orthogonalised momentum, so that all directions learn at the
+same rate (Jordan 2024, https://kellerjordan.github.io/posts/muon). It applies to matrices between
+hidden layers; input and output projections, biases and normalisations are trained by Adam.
 """
 
 from collections.abc import Callable
@@ -13,14 +13,14 @@ import torch
 from torch import Tensor, nn
 from torch.optim import Adam, Muon, Optimizer
 
-BETAS = (0.9, 0.98)  # of Adam's moments, as in Vaswani 2017: the default of 0.999 lags behind Muon
-SMALLEST_NORM = 1e-7  # as torch's
+BETAS = (0.9, 0.98)  # Adam's, as in Vaswani 2017; the default of 0.999 lags behind Muon
+MIN_NORM = 1e-7  # as torch's
 
 
 class StackedMuon(Muon):
-    """torch's Muon without weight decay, which turns all matrices of a size at once.
+    """torch's Muon without weight decay, with one batched update for all matrices of a size.
 
-    One by one, the many small matrices of a network for two cores take longer than its forward.
+    Updating the many small matrices one by one takes longer than the forward pass on two cores.
     """
 
     @torch.no_grad()
@@ -29,24 +29,24 @@ class StackedMuon(Muon):
         for group in self.param_groups:
             sorted_by_size = sorted(group["params"], key=_wide_size)
             for _, members in groupby(sorted_by_size, key=_wide_size):
-                self._turn(list(members), group)
+                self._update_matrices(list(members), group)
 
-    def _turn(self, members: list[Tensor], group: dict[str, Any]) -> None:
-        """Turn matrices of one size, be they tall or wide."""
-        turned = _orthogonal(
+    def _update_matrices(self, members: list[Tensor], group: dict[str, Any]) -> None:
+        """Update matrices of one size, tall or wide."""
+        directions = _orthogonal(
             torch.stack([_wide(self._velocity(one, group["momentum"])) for one in members]),
             group["ns_coefficients"],
             group["ns_steps"],
         )
-        for one, direction in zip(members, turned, strict=True):
+        for one, direction in zip(members, directions, strict=True):
             rate = group["lr"] * max(1.0, one.shape[0] / one.shape[1]) ** 0.5
             one.add_(direction if one.shape == direction.shape else direction.T, alpha=-rate)
 
     def _velocity(self, one: Tensor, momentum: float) -> Tensor:
-        """Return Nesterov's: the gradient, drawn towards what it has been of late."""
+        """Return the Nesterov momentum of a gradient."""
         state, gradient = self.state[one], one.grad
         if gradient is None:
-            raise ValueError("a matrix without a gradient cannot be turned")
+            raise ValueError("a matrix without a gradient cannot be updated")
         if not state:
             state["momentum_buffer"] = torch.zeros_like(gradient)
         average = state["momentum_buffer"].lerp_(gradient, 1 - momentum)
@@ -62,12 +62,12 @@ def _wide_size(matrix: Tensor) -> tuple[int, ...]:
 
 
 def _orthogonal(stack: Tensor, coefficients: tuple[float, float, float], steps: int) -> Tensor:
-    """Return about the orthogonal parts of (N, R, C) matrices, R <= C, by Newton and Schulz.
+    """Return the approximate orthogonal factors of (N, R, C) matrices, R <= C, by Newton-Schulz.
 
-    In 32 bits: torch's 16 are faster on a GPU alone, and most processors have to imitate them.
+    In 32 bits: torch's bfloat16 is faster on GPUs only.
     """
     a, b, c = coefficients
-    parts: Tensor = stack / stack.norm(dim=(1, 2), keepdim=True).clamp(min=SMALLEST_NORM)
+    parts: Tensor = stack / stack.norm(dim=(1, 2), keepdim=True).clamp(min=MIN_NORM)
     for _ in range(steps):
         gram = parts @ parts.mT
         change = torch.baddbmm(gram, gram, gram, beta=b, alpha=c)
@@ -79,7 +79,7 @@ class MuonAndAdam(Optimizer):
     """Two optimizers that step together.
 
     Args:
-        network: what to train. Its matrices called ``projection`` are Adam's.
+        network: to be trained; Adam trains the parameters with ``projection`` in their names.
         learning_rate: Adam's.
         matrix_learning_rate: Muon's.
     """
@@ -111,11 +111,11 @@ class MuonAndAdam(Optimizer):
         return loss
 
     def state_dict(self) -> dict[str, Any]:
-        """Return what a training that goes on needs."""
+        """Return the state to resume from."""
         return {"parts": [part.state_dict() for part in self.parts]}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Go on from there."""
+        """Restore a state."""
         for part, state in zip(self.parts, state_dict["parts"], strict=True):
             part.load_state_dict(state)
         self.param_groups = [group for part in self.parts for group in part.param_groups]

@@ -1,4 +1,4 @@
-"""What every predictor takes and gives: the last 12 measured ball states in, the next 60 out."""
+"""The predictor protocol: from the last 12 measured ball states to the next 60."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-HISTORY = 12  # measured states a predictor sees
-FUTURE = 60  # states it forecasts
+HISTORY = 12  # measured states in a predictor's input
+FUTURE = 60  # forecast states
 TICK = 0.005  # s between two of them
 
 FUTURE_TIMES = TICK * np.arange(1, FUTURE + 1)  # s after the last measured state
@@ -19,7 +19,7 @@ HISTORY_TIMES = TICK * np.arange(1 - HISTORY, 1)  # s, the last measured state a
 
 @dataclass(frozen=True)
 class History:
-    """Measured balls up to now, 5 ms apart.
+    """The measured past of B balls, 5 ms apart.
 
     Attributes:
         states: (B, 12, 6) position (m) and spin (rad/s); zero where not measured.
@@ -36,6 +36,12 @@ class History:
         if not np.isfinite(self.states).all() or self.states[~self.mask].any():
             raise ValueError("a history is finite, and zero where nothing was measured")
 
+    @property
+    def spin_measured(self) -> Bools:
+        """(B,) whether the history has a spin label."""
+        labelled: Bools = np.any(self.mask[:, :, 3:].all(axis=2), axis=1)
+        return labelled
+
     def __len__(self) -> int:
         return len(self.states)
 
@@ -45,12 +51,12 @@ class History:
 
 @dataclass(frozen=True)
 class Forecast:
-    """What a predictor expects.
+    """The forecast of B balls.
 
     Attributes:
         states: (B, 60, 9) position (m), velocity (m/s), spin (rad/s), 5 to 300 ms ahead.
-        spin_measured: (B,) whether a spin label was in the history; where not, the spin is what
-            the predictor could tell from the path, or its guess.
+        spin_measured: (B,) whether the history had a spin label; without one the forecast spin
+            is inferred from the path alone, or a prior.
     """
 
     states: Floats
@@ -58,7 +64,7 @@ class Forecast:
 
 
 class Predictor(Protocol):
-    """A predictor. The policy and the evaluation know no more of it than this."""
+    """The whole interface of a predictor, as policies and the evaluation use it."""
 
     def predict(self, history: History) -> Forecast:
         """Forecast each ball of a batch, independently of the others in the batch."""

@@ -25,10 +25,10 @@ class TransformerSettings(_Settings):
     encoder_layers: Layers
     decoder_layers: Layers
     states_a_row: Literal[1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60]
-    """Future states that one row of the decoder stands for: the paper's is 1."""
+    """Future states per decoder row, 1 in the paper; more make training faster."""
     uniform_motion: bool
-    """Whether it is told the ball's uniform motion: where that leads, which the decoder reads where
-    the future will stand (the paper's reads zeros), and how far each measurement is off it."""
+    """Whether the network reads the ball's uniform motion: as the decoder's placeholders (zeros in
+    the paper), and as the residual of each measurement from it."""
 
     @model_validator(mode="after")
     def _heads_share_the_width(self) -> "TransformerSettings":
@@ -38,7 +38,7 @@ class TransformerSettings(_Settings):
 
 
 class TaeSettings(_Settings):
-    """A trajectory autoencoder; its authors' size is 512, 128, 64, 1024, false."""
+    """A trajectory autoencoder; the original size is 512, 128, 64, 1024, false."""
 
     kind: Literal["tae"]
     hidden: Width
@@ -46,58 +46,57 @@ class TaeSettings(_Settings):
     features: Width
     """Of the second."""
     latent: Width
-    """Numbers of the code."""
+    """Size of the code."""
     decoded: Width
     """Of the layer that joins code and features."""
     uniform_motion: bool
-    """Whether it is told how far each measurement is off the ball's uniform motion."""
+    """Whether the network reads the residual of each measurement from uniform motion."""
 
 
 class GruTaeSettings(_Settings):
-    """A recurrent trajectory autoencoder; its authors' size is 64, 16, 128, false."""
+    """A recurrent trajectory autoencoder; the original size is 64, 16, 128, false."""
 
     kind: Literal["gru_tae"]
     recurrent: Width
     """Of the first recurrent unit."""
     latent: Width
-    """Of the second: numbers of the code."""
+    """Of the second, the size of the code."""
     decoded: Width
     """Of the dense layer."""
     uniform_motion: bool
-    """Whether it is told how far each measurement is off the ball's uniform motion."""
+    """Whether the network reads the residual of each measurement from uniform motion."""
 
 
 NetworkSettings = Annotated[
     TransformerSettings | TaeSettings | GruTaeSettings, Field(discriminator="kind")
 ]
-"""Of any network that learns, told apart by its kind."""
+"""Of any network, discriminated by ``kind``."""
 
 
 class TrainingSettings(_Settings):
     """How networks are trained, on the mean squared error of normalised states."""
 
     epochs: Annotated[int, Field(ge=1, le=10_000)]
-    """In one epoch every training episode gives ``windows_an_episode`` windows, drawn anew."""
+    """In each epoch, ``windows_an_episode`` new windows are drawn from every training episode."""
     windows_an_episode: Annotated[int, Field(ge=1, le=100)]
     batch: Annotated[int, Field(ge=1, le=65_536)]
-    """Windows a step."""
+    """Windows per step."""
     learning_rate: Annotated[float, Field(gt=0, le=1)]
-    """Of the first epoch."""
+    """Initial, or the cosine's maximum."""
     matrix_learning_rate: Annotated[float, Field(gt=0, le=1)] | None
-    """Of the layers' matrices under Muon, which takes fewer steps than Adam; without one (null)
-    Adam trains them like all else, as in the paper."""
+    """Of the layers' matrices with Muon; null: Adam trains them too, as in the paper."""
     decay: Annotated[float, Field(gt=0, le=1)] | None
-    """Factor of the learning rate after every epoch, as in the paper; without one (null) it rises
-    over the first steps and then falls to zero along half a cosine."""
+    """Factor of the learning rate after every epoch, as in the paper; null: a cosine schedule with
+    warm-up."""
     longest_gradient: Annotated[float, Field(gt=0)] | None
-    """Norm to which a step's gradient is cut; the paper's is not (null). A ball that hits the net
-    would throw a small batch far off."""
+    """Norm to which the gradient is clipped; null: not, as in the paper. A ball that hits the net
+    can dominate a small batch."""
     hidden_spin: Annotated[float, Field(ge=0, le=1)]
-    """Share of the windows whose spin is hidden from the network, which so learns to do without."""
+    """Share of the windows whose spin is hidden, so that the network learns to forecast without."""
     precision: Literal["32-true", "bf16-mixed"]
-    """Of the arithmetic, as Lightning names it."""
+    """As Lightning names it."""
     threads: Annotated[int, Field(ge=1, le=256)]
-    """Of the processor. A fixed number, because weights depend on it in their last bits."""
+    """Of the CPU; fixed, because the last bits of the weights depend on it."""
     devices: Annotated[int, Field(ge=1, le=64)] = 1
-    """Of one machine that share every batch: GPUs where there are some, else processes with so many
-    threads each. Weights depend on it in their last bits, too."""
+    """Devices of one machine that share every batch: GPUs, or processes without a GPU. The last
+    bits of the weights depend on it, too."""

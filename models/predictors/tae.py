@@ -1,14 +1,14 @@
-"""A trajectory autoencoder: what was seen, squeezed into a code and told beside it once more.
+"""Trajectory autoencoder: dense layers encode the history and decode the whole forecast at once.
 
 The network of Gomez-Gonzalez et al., *Real time trajectory prediction using deep conditional
-generative models* (2020, arXiv 1909.03895): an encoder maps the trajectory seen and its mask to a
-code, a decoder maps the same trajectory and mask, and the code, to all of the trajectory at once.
+generative models* (2020, arXiv 1909.03895): an encoder maps the measured trajectory and its mask to
+a code; a decoder maps the same trajectory and mask, and the code, to the whole trajectory.
 
-Taken: the layers, their sizes and activations, the mask beside the input. Changed: position and
-spin go in instead of position; position, velocity and spin come out, of the future alone; the code
-is the mean that the encoder gives and no draw around it, because all networks learn by the same
-loss, which has no term that would hold a draw's spread; the encoder never sees the future, in
-training neither.
+Same as there: the layers, their sizes and activations, and the mask as an input. Different: the
+input is position and spin instead of position; the output is position, velocity and spin of the
+future alone; the code is the encoder's mean without sampling, because all networks here are trained
+with the same loss, which has no term for a variance; the encoder never sees the future, not even in
+training.
 """
 
 import torch
@@ -19,62 +19,46 @@ from models.predictors.normaliser import INPUTS, OUTPUTS, RESIDUALS
 from models.predictors.protocol import FUTURE, HISTORY
 
 
-class Reading(nn.Module):
-    """Two dense layers over all that was seen."""
+class DenseLayers(nn.Module):
+    """Two dense layers on the whole history."""
 
     def __init__(self, inputs: int, hidden: int, features: int) -> None:
         super().__init__()
         self.projection, self.inner = nn.Linear(inputs, hidden), nn.Linear(hidden, features)
 
-    def forward(self, read: Tensor) -> Tensor:
+    def forward(self, flat: Tensor) -> Tensor:
         """Return (B, features) of (B, inputs)."""
-        return relu(self.inner(relu(self.projection(read))))
+        return relu(self.inner(relu(self.projection(flat))))
 
 
 class TrajectoryAutoencoder(nn.Module):
-    """The predictor's network, on normalised states.
-
-    Args:
-        hidden: width of the first layer, of encoder and decoder alike.
-        features: width of the second.
-        latent: numbers of the code.
-        decoded: width of the layer that joins code and features.
-        uniform_motion: whether it is told how far each measurement is off the ball's uniform
-            motion.
-    """
+    """The network, on normalised states; ``TaeSettings`` describes its arguments."""
 
     def __init__(
         self, hidden: int, features: int, latent: int, decoded: int, uniform_motion: bool
     ) -> None:
         super().__init__()
         self.uniform_motion = uniform_motion
-        inputs = HISTORY * row_numbers(uniform_motion)
-        self.encoder, self.decoder = (Reading(inputs, hidden, features) for _ in range(2))
+        inputs = HISTORY * row_size(uniform_motion)
+        self.encoder, self.decoder = (DenseLayers(inputs, hidden, features) for _ in range(2))
         self.code = nn.Linear(features, latent)
         self.joined = nn.Linear(features + latent, decoded)
         self.projection = nn.Linear(decoded, FUTURE * OUTPUTS)
 
-    def forward(self, history: Tensor, seen: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
-        """Return (B, 60, 9) normalised future states.
-
-        Args:
-            history: (B, 12, 6) normalised measurements, zero where there are none.
-            seen: (B, 12, 6) where there are.
-            residual: (B, 12, 3) how far they are off uniform motion.
-            expected: (B, 60, 6) normalised uniform motion, which it does not read.
-        """
-        read = rows(history, seen, residual, self.uniform_motion).flatten(1)
-        joined = torch.cat([self.decoder(read), self.code(self.encoder(read))], dim=1)
+    def forward(self, history: Tensor, mask: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
+        """Return (B, 60, 9) normalised future states; ``ForecastNetwork`` describes the inputs."""
+        flat = input_rows(history, mask, residual, self.uniform_motion).flatten(1)
+        joined = torch.cat([self.decoder(flat), self.code(self.encoder(flat))], dim=1)
         future: Tensor = self.projection(relu(self.joined(joined)))
         return future.reshape(len(history), FUTURE, OUTPUTS)
 
 
-def row_numbers(uniform_motion: bool) -> int:
-    """Return how many numbers a row of ``rows`` has."""
+def row_size(uniform_motion: bool) -> int:
+    """Return the number of columns of ``input_rows``."""
     return 2 * INPUTS + RESIDUALS * uniform_motion
 
 
-def rows(history: Tensor, seen: Tensor, residual: Tensor, uniform_motion: bool) -> Tensor:
-    """Return (B, 12, row_numbers) measurements beside their mask, and beside their residuals."""
-    told = [history, seen.to(history.dtype)]
-    return torch.cat([*told, residual] if uniform_motion else told, dim=2)
+def input_rows(history: Tensor, mask: Tensor, residual: Tensor, uniform_motion: bool) -> Tensor:
+    """Return (B, 12, row_size) measurements, mask and, if asked for, residuals side by side."""
+    columns = [history, mask.to(history.dtype)]
+    return torch.cat([*columns, residual] if uniform_motion else columns, dim=2)

@@ -1,4 +1,4 @@
-"""Training of learned predictors: the step, and the data, as Lightning wants them."""
+"""Training of learned predictors as Lightning modules: the training step and the data."""
 
 import math
 import time
@@ -20,27 +20,26 @@ from models.predictors.window_dataset import Indices, Tracks
 
 Batch = tuple[Tensor, Tensor, Tensor, Tensor]
 
-# Each use of randomness has a stream of its own beside the seed.
+# Each use of randomness has its own stream, next to the seed.
 _VALIDATION, _FITTING, _EPOCHS = 0, 1, 2
 WARM_UP = 0.05  # of all steps, over which the learning rate of the cosine rises
-LARGEST_FIT = 20_000  # windows whose statistics normalise; more would not change three digits
+LARGEST_FIT = 20_000  # windows for the normaliser's statistics; more change less than 0.1 %
 
 
 def cosine(share: float) -> float:
-    """Return the factor of the learning rate after a share of all steps."""
+    """Return the learning rate's factor after a share of all steps: warm-up and half a cosine."""
     return min(1.0, share / WARM_UP) * 0.5 * (1.0 + math.cos(math.pi * min(share, 1.0)))
 
 
 class ForecastTraining(lightning.LightningModule):
-    """Trains a network by the paper's recipe.
+    """Trains a network on the mean squared error of normalised, measured states.
 
-    The mean squared error over the horizon between forecast and measured states, normalised, where
-    they were measured; Adam; a learning rate that falls by a factor an epoch (section IV-A). Muon
-    may train the layers' matrices, and the rates may fall along half a cosine.
+    As in the paper (section IV-A) with Adam and a learning rate that decays by a factor per epoch;
+    optionally with Muon for the layers' matrices and a cosine schedule.
 
     Attributes:
-        curve: one record an epoch: its mean loss and that of validation.
-        seconds: that training has taken, runs that were killed included up to their last epoch.
+        curve: one record per epoch: training loss and validation loss.
+        seconds: duration of the training, killed runs included up to their last epoch.
     """
 
     def __init__(self, network: ForecastNetwork, settings: TrainingSettings) -> None:
@@ -57,7 +56,7 @@ class ForecastTraining(lightning.LightningModule):
         return loss
 
     def validation_step(self, batch: Batch) -> None:
-        """Note the loss of a batch that training never sees."""
+        """Log the loss of a validation batch."""
         loss, size = self._loss(batch)
         self.log("validation", loss, batch_size=size, sync_dist=True)
 
@@ -78,33 +77,33 @@ class ForecastTraining(lightning.LightningModule):
         return MuonAndAdam(self.network, rate, matrix_rate)
 
     def on_train_epoch_start(self) -> None:
-        """Start the clock."""
+        """Start timing the epoch."""
         self._since = time.monotonic()
 
     def on_train_epoch_end(self) -> None:
-        """Write the epoch into the curve."""
+        """Append the epoch to the curve."""
         self.seconds += time.monotonic() - self._since
         losses = {name: float(loss) for name, loss in self.trainer.callback_metrics.items()}
         self.curve.append({"epoch": self.current_epoch + 1, **losses})
 
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        """Keep curve and clock for a run that goes on from here."""
+        """Save curve and duration, to resume from."""
         checkpoint["curve"], checkpoint["seconds"] = self.curve, self.seconds
 
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        """Take up curve and clock."""
+        """Restore curve and duration."""
         self.curve, self.seconds = checkpoint["curve"], checkpoint["seconds"]
 
     def _loss(self, batch: Batch) -> tuple[Tensor, int]:
         """Return the loss of this process's share of a batch, and the windows of the whole batch.
 
-        Processes average their gradients: shares of a loss want the same denominator. As shares of
-        a sum, all weigh the same in what Lightning logs, be they of more windows or of fewer.
+        Processes average their gradients, so all shares need the same denominator: the mean number
+        of measured values per process. Their average is then the loss of the whole batch.
         """
-        history, seen, future, measured = batch
-        motion = uniform_motion(history, seen)
+        history, mask, future, measured = batch
+        motion = uniform_motion(history, mask)
         wanted = self.network.normaliser.deviation(future, motion)
-        output = self.network.deviation(history, seen, motion)
+        output = self.network.deviation(history, mask, motion)
         squares = torch.where(measured, output - wanted, 0.0).square()
         if not torch.distributed.is_initialized():
             return squares.sum() / measured.sum().clamp(min=1), len(history)
@@ -115,14 +114,14 @@ class ForecastTraining(lightning.LightningModule):
 
 
 class WindowData(lightning.LightningDataModule):
-    """Windows of tracks in memory, drawn anew every epoch from the seed and the epoch's number.
+    """Windows drawn from tracks; each epoch's draws depend on the seed and the epoch's number.
 
-    Processes that train together draw the same batches, and each takes its share of every one.
+    Processes that train together draw the same batches, and each takes its share of every batch.
 
     Args:
-        train: tracks to learn from.
-        validation: tracks to watch the loss on, one fixed window an episode.
-        settings: batch, windows an episode and share of hidden spins.
+        train: training tracks.
+        validation: validation tracks, with one fixed window per episode.
+        settings: batch size, windows per episode and share of hidden spins.
         seed: of every draw.
     """
 
@@ -136,30 +135,30 @@ class WindowData(lightning.LightningDataModule):
         """Fit the network's normaliser to training windows."""
         random = np.random.default_rng([self.seed, _FITTING])
         episodes = random.integers(0, self.train.episodes, LARGEST_FIT)
-        network.normaliser.fit(*self.train.windows(self.train.drawn(episodes, random)))
+        network.normaliser.fit(*self.train.windows(self.train.draw_anchors(episodes, random)))
 
     def setup(self, stage: str) -> None:
-        """Bring the tracks to the device that trains, once and for all epochs."""
+        """Move the tracks to the training device, once for all epochs."""
         assert self.trainer is not None
         device = self.trainer.strategy.root_device
         self.train, self.validation = self.train.to(device), self.validation.to(device)
 
     def train_dataloader(self) -> DataLoader[Batch]:
-        """Return the batches of the trainer's present epoch."""
+        """Return the batches of the trainer's current epoch."""
         epoch = self.trainer.current_epoch if self.trainer else 0
         random = np.random.default_rng([self.seed, _EPOCHS, epoch])
         every = np.repeat(np.arange(self.train.episodes), self.settings.windows_an_episode)
         return self._loader(self.train, random.permutation(every), random)
 
     def val_dataloader(self) -> DataLoader[Batch]:
-        """Return the validation batches, always the same."""
+        """Return the validation batches, the same in every epoch."""
         random = np.random.default_rng([self.seed, _VALIDATION])
         return self._loader(self.validation, np.arange(self.validation.episodes), random)
 
     def _loader(
         self, tracks: Tracks, episodes: Indices, random: np.random.Generator
     ) -> DataLoader[Batch]:
-        anchors = tracks.drawn(episodes, random)
+        anchors = tracks.draw_anchors(episodes, random)
         hidden = random.random(len(anchors)) < self.settings.hidden_spin
         share = (self.trainer.global_rank, self.trainer.world_size) if self.trainer else (0, 1)
         batches = _Batches(tracks, anchors, hidden, self.settings.batch, share)
@@ -167,7 +166,7 @@ class WindowData(lightning.LightningDataModule):
 
 
 class _Batches(Dataset[Batch]):
-    """An epoch's windows, one process's share of a batch an item."""
+    """The batches of an epoch; an item is one process's share of a batch."""
 
     def __init__(
         self,
@@ -188,10 +187,10 @@ class _Batches(Dataset[Batch]):
             raise IndexError(number)
         end = min((number + 1) * self.batch, len(self.anchors))
         part = slice(number * self.batch + self.rank, end, self.processes)
-        history, seen, future, measured = self.tracks.windows(self.anchors[part])
-        hidden = torch.from_numpy(self.hidden[part]).to(seen.device)
+        history, mask, future, measured = self.tracks.windows(self.anchors[part])
+        hidden = torch.from_numpy(self.hidden[part]).to(mask.device)
         history[hidden, :, 3:] = 0.0
-        seen[hidden, :, 3:] = False
-        # Nor is it asked for: guesses at what the path hardly tells would drown all other errors.
-        measured[~seen[:, :, 3:].any(dim=(1, 2)), :, 6:] = False
-        return history, seen, future, measured
+        mask[hidden, :, 3:] = False
+        # Nor does it count in the loss: the path hardly determines it, so its error would dominate.
+        measured[~mask[:, :, 3:].any(dim=(1, 2)), :, 6:] = False
+        return history, mask, future, measured

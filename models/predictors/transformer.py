@@ -1,14 +1,14 @@
-"""The transformer of the paper: twelve measured states in, sixty future states out, in one pass.
+"""The transformer of the paper: from twelve measured states to sixty future states in one pass.
 
 Bi et al., *Bridging the sim2real gap in the table tennis robot with a transformer-based ball states
 predictor*, section III-A. An encoder reads the history; a decoder reads the history again, followed
-by one row for every future state (of zeros in the paper), and attends to what the encoder made of
-it. Nothing is fed back, so errors do not pile up along the horizon and one pass gives all of it.
+by one placeholder row for every future state (zeros in the paper), and attends to the encoder's
+output. It is not autoregressive, so errors do not accumulate along the horizon.
 
-The paper leaves open: how the input convolution treats the ends (zeros here), the kernel of the
-blocks' convolutions (1: 12.6 million parameters in the paper's size) and what stands between the
-two (a GELU), whether the decoder's self-attention is masked (no: there is
-nothing to hide), dropout (none: one pass over every window, and data are plenty).
+The paper leaves open: the padding of the input convolution (zeros here), the kernel of the blocks'
+convolutions (1: 12.6 million parameters in the paper's size), the activation between them (GELU),
+a mask in the decoder's self-attention (none: no output is fed back) and dropout (none: every window
+is seen about once).
 """
 
 import math
@@ -29,11 +29,11 @@ class Attention(nn.Module):
         self.heads = heads
         self.query, self.key, self.value, self.merged = (nn.Linear(width, width) for _ in range(4))
 
-    def forward(self, asking: Tensor, asked: Tensor) -> Tensor:
-        """Return what (B, Q, width) ``asking`` finds in (B, K, width) ``asked``."""
-        query, key = self._split(self.query(asking)), self._split(self.key(asked))
-        found = scaled_dot_product_attention(query, key, self._split(self.value(asked)))
-        merged: Tensor = self.merged(found.transpose(1, 2).flatten(2))
+    def forward(self, queries: Tensor, memory: Tensor) -> Tensor:
+        """Return (B, Q, width): ``queries`` of that shape attend to (B, K, width) ``memory``."""
+        query, key = self._split(self.query(queries)), self._split(self.key(memory))
+        attended = scaled_dot_product_attention(query, key, self._split(self.value(memory)))
+        merged: Tensor = self.merged(attended.transpose(1, 2).flatten(2))
         return merged
 
     def _split(self, rows: Tensor) -> Tensor:
@@ -45,7 +45,7 @@ class Attention(nn.Module):
 class ConvolutionBlock(nn.Module):
     """Two convolutions along time, out to ``expanded`` channels and back.
 
-    With a kernel of one sample they are linear maps of every row, and are computed as such.
+    With a kernel of one sample they are linear maps of each row, and are computed as such.
     """
 
     def __init__(self, width: int, expanded: int) -> None:
@@ -93,7 +93,7 @@ class DecoderLayer(nn.Module):
 
 
 class Embedding(nn.Module):
-    """Projects rows of measurements to the layers' width and adds where in time they stand."""
+    """Projects rows of measurements to the layers' width and adds the positional encoding."""
 
     def __init__(self, inputs: int, length: int, width: int) -> None:
         super().__init__()
@@ -108,20 +108,7 @@ class Embedding(nn.Module):
 
 
 class Transformer(nn.Module):
-    """The predictor's network, on normalised states.
-
-    Args:
-        width: of the layers, the paper's d_model.
-        expanded: channels inside a convolution block, the paper's d_ff.
-        heads: of every attention.
-        encoder_layers: how many.
-        decoder_layers: how many.
-        states_a_row: future states that one row of the decoder stands for; the paper's is 1. More
-            of them make a shorter decoder, and training so much faster.
-        uniform_motion: whether it is told the ball's uniform motion: where that leads, which the
-            decoder reads where the future will stand (the paper's reads zeros), and how far each
-            measurement is off it.
-    """
+    """The network, on normalised states; ``TransformerSettings`` describes its arguments."""
 
     def __init__(
         self,
@@ -147,14 +134,10 @@ class Transformer(nn.Module):
         )
         self.projection = nn.Linear(width, states_a_row * OUTPUTS)
 
-    def forward(self, history: Tensor, seen: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
-        """Return (B, 60, 9) normalised future states.
+    def forward(self, history: Tensor, mask: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
+        """Return (B, 60, 9) normalised future states; ``ForecastNetwork`` describes the inputs.
 
-        Args:
-            history: (B, 12, 6) normalised measurements, zero where there are none.
-            seen: (B, 12, 6) where there are; the paper's network is not told.
-            residual: (B, 12, 3) how far they are off uniform motion.
-            expected: (B, 60, 6) normalised uniform motion.
+        As in the paper, the network does not read the mask.
         """
         placeholders = expected[:, FUTURE // self.rows - 1 :: FUTURE // self.rows]
         if self.uniform_motion:

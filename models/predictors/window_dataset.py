@@ -1,7 +1,7 @@
-"""Training windows as tensors: every episode once, on the 200 Hz grid, any window a slice of it.
+"""Training windows as tensors: each episode once on the 200 Hz grid, windows as its slices.
 
-Windows overlap almost wholly, so they are not stored: a batch of them is one indexing of the
-tracks' rows, in the memory of the device that trains. No Python runs for a single window.
+Windows overlap almost entirely, so they are not stored: a batch is gathered from the tracks by one
+indexing operation, in the memory of the training device.
 """
 
 from collections.abc import Sequence
@@ -15,13 +15,13 @@ from torch import Tensor
 
 from models.predictors.protocol import FUTURE, HISTORY, TICK
 from models.predictors.windows import (
-    FEWEST_SEEN,
-    SHORTEST_FUTURE,
+    MIN_FUTURE,
+    MIN_OBSERVED,
     Episode,
     Windows,
+    cut_windows,
     measured_at,
-    seen_at,
-    windows,
+    observed_at,
 )
 
 Indices = NDArray[np.int64]
@@ -33,19 +33,19 @@ GRID_TOLERANCE = 1e-6  # s
 
 @dataclass(frozen=True)
 class Tracks:
-    """The tracks of E episodes, one below the other.
+    """The concatenated tracks of E episodes.
 
     Attributes:
-        history: (N, 6) position (m) and spin (rad/s) as a predictor sees them, outliers too.
-        seen: (N, 6) where they were measured.
-        future: (N, 9) position, velocity (m/s) and spin as a forecast is judged by them.
+        history: (N, 6) measured position (m) and spin (rad/s), outliers included.
+        mask: (N, 6) where they were measured.
+        future: (N, 9) measured position, velocity (m/s) and spin, without outliers.
         measured: (N, 9) where they were measured.
         anchors: (A,) rows at which a window's history may end, by episode.
-        bounds: (E + 1,) where each episode's anchors begin and the last one's end.
+        bounds: (E + 1,) offsets of each episode's anchors.
     """
 
     history: Tensor
-    seen: Tensor
+    mask: Tensor
     future: Tensor
     measured: Tensor
     anchors: Indices
@@ -53,32 +53,32 @@ class Tracks:
 
     @property
     def episodes(self) -> int:
-        """How many episodes there are."""
+        """Number of episodes."""
         return len(self.bounds) - 1
 
     def to(self, device: torch.device) -> "Tracks":
         """Return the tracks with their rows in the memory of a device."""
-        rows = ("history", "seen", "future", "measured")
+        rows = ("history", "mask", "future", "measured")
         return replace(self, **{name: getattr(self, name).to(device) for name in rows})
 
     def windows(self, anchors: Indices) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-        """Return history (B, 12, 6), seen, future (B, 60, 9) and measured at ``anchors``."""
+        """Return history (B, 12, 6), mask, future (B, 60, 9) and measured at ``anchors``."""
         ends = torch.from_numpy(anchors).to(self.history.device)[:, None]
         before, after = ends + BEFORE.to(ends.device), ends + AFTER.to(ends.device)
-        return self.history[before], self.seen[before], self.future[after], self.measured[after]
+        return self.history[before], self.mask[before], self.future[after], self.measured[after]
 
-    def drawn(self, episodes: Indices, random: np.random.Generator) -> Indices:
+    def draw_anchors(self, episodes: Indices, random: np.random.Generator) -> Indices:
         """Return one anchor of each of ``episodes``, at random."""
         first, last = self.bounds[episodes], self.bounds[episodes + 1]
         return self.anchors[random.integers(first, last)]
 
 
-def tracks(episodes: Sequence[Episode]) -> Tracks:
+def build_tracks(episodes: Sequence[Episode]) -> Tracks:
     """Return the tracks of episodes; those without any window are left out.
 
-    An episode on the 200 Hz grid becomes one track. Any other is cut into its windows, one ending
-    at every measured sample, and each becomes a short track: a grid through its samples would have
-    to interpolate towards samples that a predictor has not seen yet.
+    An episode on the 200 Hz grid becomes one track. Any other is cut into windows, one ending at
+    every measured sample, and each window becomes a short track: a common grid would interpolate
+    a history towards samples that are measured after it.
 
     Raises:
         ValueError: no episode has a window.
@@ -92,7 +92,7 @@ def tracks(episodes: Sequence[Episode]) -> Tracks:
     anchors = [part.anchors + row for part, row in zip(parts, rows, strict=False)]
     return Tracks(
         torch.cat([part.history for part in parts]),
-        torch.cat([part.seen for part in parts]),
+        torch.cat([part.mask for part in parts]),
         torch.cat([part.future for part in parts]),
         torch.cat([part.measured for part in parts]),
         np.concatenate(anchors),
@@ -105,26 +105,26 @@ def _track(episode: Episode) -> Tracks:
     nearest = np.round(ticks).astype(int)
     if np.abs(ticks - nearest).max() * TICK < GRID_TOLERANCE:
         return _whole(episode, nearest)
-    return _cut(windows(episode, every=TICK))
+    return _cut(cut_windows(episode, every=TICK))
 
 
 def _whole(episode: Episode, ticks: Indices) -> Tracks:
     """Return the track of an episode whose samples lie on the grid, at ``ticks``."""
     last = int(ticks[-1])
     grid = episode.times[0] + TICK * np.arange(last + 1)
-    # Stamps that rounding moved a little would have their samples interpolated with the next ones.
+    # Exact grid times, so that rounded time stamps are not interpolated with the next sample.
     episode = replace(episode, times=grid[ticks])
-    history, seen = seen_at(episode, grid)
+    history, mask = observed_at(episode, grid)
     future, measured = measured_at(episode, grid)
-    enough = np.convolve(seen[:, :3].all(axis=1), np.ones(HISTORY, dtype=int))[: last + 1]
-    usable = (ticks >= HISTORY - 1) & (ticks <= last - round(SHORTEST_FUTURE / TICK))
-    usable &= enough[ticks] >= FEWEST_SEEN
+    enough = np.convolve(mask[:, :3].all(axis=1), np.ones(HISTORY, dtype=int))[: last + 1]
+    usable = (ticks >= HISTORY - 1) & (ticks <= last - round(MIN_FUTURE / TICK))
+    usable &= enough[ticks] >= MIN_OBSERVED
     anchors = ticks[usable]
     bounds = np.array([0, len(anchors)] if len(anchors) else [0])
-    beyond = ((0, FUTURE), (0, 0))  # nothing is measured there
+    beyond = ((0, FUTURE), (0, 0))  # unmeasured padding
     return Tracks(
         _tensor(np.pad(history, beyond)),
-        _tensor(np.pad(seen, beyond)),
+        _tensor(np.pad(mask, beyond)),
         _tensor(np.pad(future, beyond)),
         _tensor(np.pad(measured, beyond)),
         anchors,
@@ -133,12 +133,12 @@ def _whole(episode: Episode, ticks: Indices) -> Tracks:
 
 
 def _cut(cut: Windows) -> Tracks:
-    """Return the tracks of windows, one below the other, all of one episode."""
+    """Return the concatenated tracks of windows of one episode."""
     ahead, behind = ((0, 0), (0, FUTURE), (0, 0)), ((0, 0), (HISTORY, 0), (0, 0))
-    history, seen = cut.history.states, cut.history.mask
+    history, mask = cut.history.states, cut.history.mask
     return Tracks(
         _tensor(np.pad(history, ahead).reshape(-1, history.shape[2])),
-        _tensor(np.pad(seen, ahead).reshape(-1, history.shape[2])),
+        _tensor(np.pad(mask, ahead).reshape(-1, history.shape[2])),
         _tensor(np.pad(cut.future, behind).reshape(-1, cut.future.shape[2])),
         _tensor(np.pad(cut.measured, behind).reshape(-1, cut.future.shape[2])),
         HISTORY - 1 + (HISTORY + FUTURE) * np.arange(len(cut)),
@@ -147,5 +147,5 @@ def _cut(cut: Windows) -> Tracks:
 
 
 def _tensor(rows: NDArray[Any]) -> Tensor:
-    """Return rows as a tensor, numbers in single precision."""
+    """Return rows as a tensor; floats in single precision."""
     return torch.from_numpy(rows.astype(rows.dtype if rows.dtype == bool else np.float32))

@@ -1,9 +1,9 @@
-"""Windows: what a predictor sees at one instant of an episode, and what came after.
+"""Windows: the history before an instant of an episode, and the measured future after it.
 
-Recordings have their own time stamps; predictors see a 5 ms grid that ends at a measured sample.
+Recordings have their own time stamps; histories lie on a 5 ms grid that ends at a measured sample.
 Values between samples are interpolated, never snapped to the nearest sample: 2.5 ms are 20 mm.
-The history uses nothing that was measured after its last state, and outliers stay in it, for a
-robot does not know them either; the future it is judged by leaves them out.
+The history uses no sample after its last state, and keeps outliers, which a robot cannot recognise
+either; the future leaves them out.
 """
 
 from dataclasses import dataclass
@@ -20,10 +20,10 @@ from models.predictors.protocol import (
     History,
 )
 
-LONGEST_GAP = 0.0151  # s between two samples that may still be interpolated: two lost of 200 Hz
-SHORTEST_FUTURE = 0.100  # s; a window with less measured future is no use
-FEWEST_SEEN = HISTORY // 2  # measured positions; a window with fewer is no use either
-ROUNDING = 1e-9  # s between two numbers that mean the same instant
+MAX_GAP = 0.0151  # s between two samples, for interpolation: two lost frames at 200 Hz
+MIN_FUTURE = 0.100  # s of measured future in a window, at least
+MIN_OBSERVED = HISTORY // 2  # measured positions in a history, at least
+ROUNDING = 1e-9  # s; tolerance for equal times
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Episode:
         velocities: (T, 3) m/s, estimated from the positions; NaN where unknown.
         spins: (T, 3) rad/s; NaN where not labelled.
         outlier: (T,) True where the position is an outlier.
-        arc: (T,) number of the unbroken arc that a sample lies on.
+        arc: (T,) number of the arc between contacts that a sample lies on.
         bounces: (C,) s, the times of table contacts.
     """
 
@@ -71,11 +71,11 @@ class Windows:
         return len(self.anchors)
 
 
-def windows(episode: Episode, every: float) -> Windows:
+def cut_windows(episode: Episode, every: float) -> Windows:
     """Cut an episode into windows: after its first 12 ticks, then every ``every`` seconds."""
     tried = _anchors(episode, every)
-    seen = [(anchor, _history(episode, anchor)) for anchor in tried]
-    kept = [(anchor, history) for anchor, history in seen if _enough(history)]
+    candidates = [(anchor, _history(episode, anchor)) for anchor in tried]
+    kept = [(anchor, history) for anchor, history in candidates if _enough(history)]
     anchors = np.array([anchor for anchor, _ in kept])
     histories = [history for _, history in kept]
     futures = [measured_at(episode, anchor + FUTURE_TIMES) for anchor in anchors]
@@ -91,7 +91,7 @@ def windows(episode: Episode, every: float) -> Windows:
     return Windows(History(states, mask), anchors, future, measured, bounced)
 
 
-def joined(parts: list[Windows]) -> Windows:
+def concatenate_windows(parts: list[Windows]) -> Windows:
     """Return the windows of several episodes as one batch."""
     history = History(
         np.concatenate([part.history.states for part in parts]),
@@ -104,7 +104,7 @@ def joined(parts: list[Windows]) -> Windows:
 
 def _anchors(episode: Episode, every: float) -> Floats:
     first = episode.times[0] - HISTORY_TIMES[0] - TICK / 2
-    last = episode.times[-1] - SHORTEST_FUTURE
+    last = episode.times[-1] - MIN_FUTURE
     sample = np.searchsorted(episode.times, np.arange(first, last, every))
     anchors: Floats = np.unique(episode.times[sample])
     within: Floats = anchors[anchors <= last + ROUNDING]
@@ -112,21 +112,21 @@ def _anchors(episode: Episode, every: float) -> Floats:
 
 
 def _history(episode: Episode, anchor: np.float64) -> tuple[Floats, Bools]:
-    return seen_at(episode, anchor + HISTORY_TIMES, until=anchor)
+    return observed_at(episode, anchor + HISTORY_TIMES, until=anchor)
 
 
 def _enough(history: tuple[Floats, Bools]) -> bool:
     _, mask = history
-    return int(mask[:, :3].all(axis=1).sum()) >= FEWEST_SEEN
+    return int(mask[:, :3].all(axis=1).sum()) >= MIN_OBSERVED
 
 
-def seen_at(episode: Episode, times: Floats, until: float = np.inf) -> tuple[Floats, Bools]:
-    """Return (T, 6) positions and spins as a predictor sees them, outliers too, and where it does.
+def observed_at(episode: Episode, times: Floats, until: float = np.inf) -> tuple[Floats, Bools]:
+    """Return (T, 6) measured positions and spins, outliers included, and where they are known.
 
     Args:
         episode: the measured samples.
-        times: (T,) s, growing.
-        until: s; later samples are not known yet.
+        times: (T,) s, increasing.
+        until: s; later samples are ignored.
     """
     known = episode.times <= until
     values = np.hstack([episode.positions, episode.spins])[known]
@@ -159,7 +159,7 @@ def _interpolated(
     # A time on a sample needs no neighbour, which may have no label.
     on_left, on_right = np.abs(share[:, 0]) < 1e-6, np.abs(share[:, 0] - 1) < 1e-6
     value[on_left], value[on_right] = values[left[on_left]], values[right[on_right]]
-    between = (gap <= LONGEST_GAP) & (share[:, 0] > -1e-6) & (share[:, 0] < 1 + 1e-6)
+    between = (gap <= MAX_GAP) & (share[:, 0] > -1e-6) & (share[:, 0] < 1 + 1e-6)
     if arc is not None:
         between &= arc[left] == arc[right]
     mask = (between | on_left | on_right)[:, None] & np.isfinite(value)

@@ -26,7 +26,7 @@ from models.policy.outcome import with_net
 from models.policy.settings import HorizonsMs
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import FUTURE, HISTORY_TIMES, TICK, History, Predictor
-from models.predictors.windows import FEWEST_SEEN, ROUNDING, Episode, seen_at
+from models.predictors.windows import MIN_OBSERVED, ROUNDING, Episode, observed_at
 from models.replay.shots import Shot
 
 Floats = NDArray[np.float64]
@@ -164,9 +164,9 @@ def _histories(measured: Episode) -> tuple[Floats, History]:
     ticks = tick_times(FIRST_WINDOW)
     newest = np.searchsorted(measured.times, ticks + ROUNDING, side="right") - 1
     ends = measured.times[np.unique(newest)]
-    seen = [seen_at(measured, end + HISTORY_TIMES, until=end) for end in ends]
+    seen = [observed_at(measured, end + HISTORY_TIMES, until=end) for end in ends]
     states, mask = (np.array(part) for part in zip(*seen, strict=True))
-    enough = mask[..., POSITION].all(axis=2).sum(axis=1) >= FEWEST_SEEN
+    enough = mask[..., POSITION].all(axis=2).sum(axis=1) >= MIN_OBSERVED
     return ends[enough], History(states[enough], mask[enough])
 
 

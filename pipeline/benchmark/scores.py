@@ -8,12 +8,17 @@ from typing import Any
 import pandas as pd
 from rich.table import Table
 
-from models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErrors, errors_of, stacked
+from models.predictors.evaluation import (
+    SHOWN_HORIZONS_MS,
+    ForecastErrors,
+    concat_tables,
+    forecast_errors,
+)
 from models.predictors.protocol import Forecast
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import run_sets
-from pipeline.evaluation.contenders import Contender, one_thread, read_contenders
 from pipeline.evaluation.error_table import NUMBERS
+from pipeline.evaluation.predictors import NamedPredictor, one_thread, read_predictors
 from pipeline.evaluation.test_windows import MeasuredSet
 from pipeline.io.artifacts import write_json
 from pipeline.io.metrics import place, rounded
@@ -52,19 +57,19 @@ def score(root: Path, params: Params, path: Path) -> Scores:
     """
     sets = run_sets(root, params)
     theirs = read_forecasts(path, sets)
-    contenders = read_contenders(root / "artifacts", params.evaluate_predictor)
-    if path.name in {one.name for one in contenders}:
+    predictors = read_predictors(root / "artifacts", params.evaluate_predictor)
+    if path.name in {one.name for one in predictors}:
         raise InputError(path, "is called as a predictor of the run; give it another name")
     frames = {}
     for one in sets:
         if one.name in theirs:
-            forecasts = {path.name: theirs[one.name], **_ours(contenders, one)}
+            forecasts = {path.name: theirs[one.name], **_ours(predictors, one)}
             frames[(one.name,)] = _errors(forecasts, one, params)
-    return Scores(path.name, stacked(frames, ["set"]))
+    return Scores(path.name, concat_tables(frames, ["set"]))
 
 
-def _ours(contenders: Sequence[Contender], one: MeasuredSet) -> dict[str, Forecast]:
-    known = [each for each in contenders if each.forecasts(one.name)]
+def _ours(predictors: Sequence[NamedPredictor], one: MeasuredSet) -> dict[str, Forecast]:
+    known = [each for each in predictors if each.forecasts(one.name)]
     history = one.windows.history
     return {each.name: each.predictor.predict(history) for each in progress(known, one.name)}
 
@@ -72,7 +77,7 @@ def _ours(contenders: Sequence[Contender], one: MeasuredSet) -> dict[str, Foreca
 def _errors(forecasts: dict[str, Forecast], one: MeasuredSet, params: Params) -> pd.DataFrame:
     """Return the errors on a set as evaluate_predictor has them, over all windows."""
     errors = ForecastErrors(
-        errors_of(forecasts, one.windows),
+        forecast_errors(forecasts, one.windows),
         one.recordings,
         one.windows.bounced[:, -1],
         params.evaluate_predictor.bootstrap_resamples,

@@ -1,1 +1,1 @@
-"""Evaluation of predictors: who forecasts, on which windows, how far off and at what cost."""
+"""Evaluation of predictors: test windows, forecasts, errors and costs."""

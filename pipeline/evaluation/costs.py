@@ -1,7 +1,7 @@
-"""What predictors cost on this machine: time to train, time to forecast one ball on one core.
+"""Costs of predictors on this machine: training time, and latency for one ball on one core.
 
-Times are never the same twice, so no stage reports them: ``rallygap costs`` measures, and writes
-``reports/costs`` to be committed by hand.
+Times are not reproducible, so no stage reports them: ``rallygap costs`` measures them and writes
+``reports/costs``, to be committed by hand.
 """
 
 import platform
@@ -19,8 +19,8 @@ from rich.table import Table
 
 from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from models.predictors.protocol import History, Predictor
-from pipeline.evaluation.contenders import Contender, one_thread, read_contenders
 from pipeline.evaluation.error_table import read_errors
+from pipeline.evaluation.predictors import NamedPredictor, one_thread, read_predictors
 from pipeline.evaluation.test_windows import read_test_sets
 from pipeline.io.artifacts import write_csv, write_json
 from pipeline.params import load_params
@@ -44,7 +44,7 @@ HEADINGS = {
 
 
 def measure_costs(root: Path) -> pd.DataFrame:
-    """Measure every predictor that the stage evaluate_predictor evaluates on its first set.
+    """Measure every predictor on the first set of the stage evaluate_predictor.
 
     Args:
         root: of the repository, with the artefacts and reports of a finished run.
@@ -54,12 +54,12 @@ def measure_costs(root: Path) -> pd.DataFrame:
         median and 99th percentile (ms) of the time of one forecast.
 
     Raises:
-        InputError: an artefact or a report is missing or broken.
+        InputError: an artefact or a report is missing or invalid.
     """
     settings = load_params(root / "params.yaml").evaluate_predictor
     first = read_test_sets(root / "artifacts", settings.window_every_ms / 1000)[0]
-    contenders = [
-        one for one in read_contenders(root / "artifacts", settings) if one.forecasts(first.name)
+    predictors = [
+        one for one in read_predictors(root / "artifacts", settings) if one.forecasts(first.name)
     ]
     errors = _position_errors(read_errors(root), first.name)
     timings = kept_timings(root, root / "reports" / "train_predictor")
@@ -71,14 +71,14 @@ def measure_costs(root: Path) -> pd.DataFrame:
     histories = _single_histories(first.windows.history)
     with one_core():
         latencies = {
-            one.name: latency(one.predictor, histories) for one in progress(contenders, "latency")
+            one.name: latency(one.predictor, histories) for one in progress(predictors, "latency")
         }
-    rows = [_row(one, errors, training, latencies[one.name]) for one in contenders]
+    rows = [_row(one, errors, training, latencies[one.name]) for one in predictors]
     return pd.DataFrame(rows).astype({"parameters": "Int64", "training_s": "Float64"})
 
 
 def latency(predictor: Predictor, histories: list[History]) -> np.ndarray:
-    """Return how long (ms) each forecast takes, after a warm-up.
+    """Return the duration (ms) of each forecast, after a warm-up.
 
     Args:
         predictor: forecasts.
@@ -96,7 +96,7 @@ def latency(predictor: Predictor, histories: list[History]) -> np.ndarray:
 
 @contextmanager
 def one_core() -> Iterator[None]:
-    """Keep this process on one core, where the system lets it, and torch to one thread."""
+    """Pin this process to one core, where the system supports it, and torch to one thread."""
     process = psutil.Process()
     cores = process.cpu_affinity() if hasattr(process, "cpu_affinity") else None
     if cores:
@@ -110,7 +110,7 @@ def one_core() -> Iterator[None]:
 
 
 def machine(root: Path) -> dict[str, Any]:
-    """Describe what the times were measured on, and with which code."""
+    """Return the machine and commit of the measurement."""
     return {
         "cpu": _cpu_model(),
         "cores": psutil.cpu_count(logical=False) or psutil.cpu_count(),
@@ -120,7 +120,7 @@ def machine(root: Path) -> dict[str, Any]:
 
 
 def write_costs(folder: Path, costs: pd.DataFrame, measured_on: dict[str, Any]) -> None:
-    """Write costs.csv, four digits a number, and costs.json with the machine."""
+    """Write costs.csv, with four digits, and costs.json with the machine."""
     write_csv(folder / "costs.csv", costs, digits=4)
     write_json(folder / "costs.json", measured_on)
 
@@ -139,7 +139,7 @@ def costs_table(costs: pd.DataFrame) -> Table:
 
 
 def _row(
-    one: Contender, errors: pd.DataFrame, training: dict[str, float], times: np.ndarray
+    one: NamedPredictor, errors: pd.DataFrame, training: dict[str, float], times: np.ndarray
 ) -> dict[str, Any]:
     known = errors.reindex(index=[one.name], columns=list(SHOWN_HORIZONS_MS)).to_numpy()[0]
     return {
@@ -161,7 +161,7 @@ def _position_errors(errors: pd.DataFrame, source: str) -> pd.DataFrame:
 
 
 def _single_histories(history: History) -> list[History]:
-    """Return single balls, an even choice from all windows."""
+    """Return single balls, evenly spaced over all windows."""
     rows = np.linspace(0, len(history) - 1, CALLS).astype(int)
     return [history[row : row + 1] for row in rows]
 

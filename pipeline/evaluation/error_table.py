@@ -1,4 +1,4 @@
-"""The errors that evaluate_predictor reports, read by who sets costs beside them."""
+"""Reads the error table of evaluate_predictor, with its schema."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def _type(name: str) -> str:
     return "float" if name in NUMBERS else "string"
 
 
-# read_rows takes numbers without a point for whole ones, and names of digits for numbers.
+# read_rows infers types from the text: integers without a point, digits in names as numbers.
 ERRORS = pa.DataFrameSchema(
     {name: pa.Column(_type(name), coerce=name not in WHOLE) for name in [*KEYS, *NUMBERS]},
     name="forecast errors",
@@ -31,10 +31,10 @@ ERRORS = pa.DataFrameSchema(
 
 
 def read_errors(root: Path) -> pd.DataFrame:
-    """Read the report of a repository's last run.
+    """Read the error table of a repository's last run.
 
     Raises:
-        InputError: it is missing or is no such table, naming the row and column at fault.
+        InputError: it is missing or invalid; the error names row and column.
     """
     path = root / REPORT
     if not path.is_file():
@@ -48,5 +48,5 @@ def read_errors(root: Path) -> pd.DataFrame:
         ) from None
     twice = errors.duplicated(KEYS).to_numpy()
     if twice.any():
-        raise InputError(path, f"is there twice; {RUN}", row=int(twice.argmax()) + 1)
+        raise InputError(path, f"is a duplicate; {RUN}", row=int(twice.argmax()) + 1)
     return errors

@@ -1,4 +1,4 @@
-"""Shots to look at: measured samples of an episode and what each predictor made of its start."""
+"""Example shots for the 3-D view: measured samples and each predictor's forecast."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -37,8 +37,8 @@ class Shot(BaseModel):
         source: the data set the episode comes from.
         t: times of the measured samples (s, the recording's clock).
         measured: measured positions (m, table frame), one for each time.
-        anchor: the last time the predictors were shown (s).
-        forecasts: predictor name -> what it forecast from the anchor on.
+        anchor: time of the last sample in the history (s).
+        forecasts: predictor name -> its forecast after the anchor.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -65,7 +65,7 @@ def _check_path(times: Sequence[float], points: Sequence[Point], name: str) -> N
     if len(times) != len(points):
         raise ValueError(f"{name} has {len(points)} points for {len(times)} times")
     if any(later <= earlier for earlier, later in pairwise(times)):
-        raise ValueError("t must grow from sample to sample")
+        raise ValueError("t must increase")
 
 
 def write_shots(path: Path, shots: Sequence[Shot]) -> None:

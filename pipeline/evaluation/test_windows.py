@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from models.predictors.windows import Windows, joined, windows
+from models.predictors.windows import Windows, concatenate_windows, cut_windows
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
 from pipeline.runtime.console import warn
 from pipeline.runtime.errors import InputError
@@ -20,10 +20,10 @@ class MeasuredSet:
     """The test windows of one source.
 
     Attributes:
-        source: where they come from.
+        source: of the recordings.
         windows: B windows.
         recordings: (B,) the recording of each.
-        episodes: those that the windows were cut from.
+        episodes: that the windows are cut from.
     """
 
     source: SourceRecord
@@ -38,14 +38,14 @@ class MeasuredSet:
 
 
 def read_test_sets(artifacts: Path, every: float) -> list[MeasuredSet]:
-    """Cut the unbroken test episodes of every source into windows; warn of a source without any.
+    """Cut the unbroken test episodes of every source into windows; warn about sources without one.
 
     Args:
         artifacts: the folder of all stages' artefacts.
         every: s between the starts of an episode's windows.
 
     Raises:
-        InputError: an artefact is missing or broken, or no source has a window.
+        InputError: an artefact is missing or invalid, or no source has a window.
     """
     manifest = read_manifest(artifacts / "ingest" / "manifest.json")
     episodes = read_episodes(artifacts / "segment", manifest.labelled_once, splits=("test",))
@@ -64,10 +64,10 @@ def _cut(
 ) -> Iterator[MeasuredSet]:
     for name in sorted({episode.source for episode in episodes}):
         members = [one for one in episodes if one.source == name and one.unbroken]
-        parts = [windows(one.episode, every) for one in members]
+        parts = [cut_windows(one.episode, every) for one in members]
         if not any(map(len, parts)):
             warn(f"{name} has no window to evaluate: {NO_WINDOW}")
             continue
         ids = np.array([one.recording_id for one in members])
         recordings = np.repeat(ids, [len(part) for part in parts])
-        yield MeasuredSet(manifest.sources[name], joined(parts), recordings, members)
+        yield MeasuredSet(manifest.sources[name], concatenate_windows(parts), recordings, members)

@@ -1,1 +1,1 @@
-"""Predictors on files: training and storage."""
+"""Training, storage and reports of learned predictors."""

@@ -1,4 +1,4 @@
-"""Trains networks side by side, each in a process of its own, so that a killed run goes on."""
+"""Trains several networks in parallel, each in its own process; killed runs resume."""
 
 import os
 import tempfile
@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 
 from models.predictors.learned import ForecastNetwork
 from models.predictors.training import ForecastTraining, WindowData
-from pipeline.predictors.trainer import Steps, train
+from pipeline.predictors.trainer import StepReporter, train
 from pipeline.runtime.progress import progress_bars
 
 Counts = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Pupil:
-    """A network to be trained, on what, and a folder that belongs to its training alone."""
+class TrainingJob:
+    """A network to be trained, its data, and a checkpoint folder of its own."""
 
     name: str
     network: ForecastNetwork
@@ -31,15 +31,15 @@ class Pupil:
 
     @property
     def steps(self) -> int:
-        """How many steps its training takes."""
+        """Number of its optimizer steps."""
         settings = self.data.settings
         windows = self.data.train.episodes * settings.windows_an_episode
         return settings.epochs * -(-windows // settings.batch)
 
 
 @dataclass(frozen=True)
-class Graduate:
-    """A trained network, its learning curve (a record an epoch), and the seconds it took."""
+class TrainingResult:
+    """A trained network, its learning curve (one row per epoch) and the training time (s)."""
 
     name: str
     network: ForecastNetwork
@@ -47,31 +47,31 @@ class Graduate:
     seconds: float
 
 
-def train_networks(pupils: Sequence[Pupil]) -> list[Graduate]:
-    """Train every network to the end, as many at once as there are cores for their threads.
+def train_networks(jobs: Sequence[TrainingJob]) -> list[TrainingResult]:
+    """Train all networks, as many at a time as there are cores for their threads.
 
-    What comes of a network depends on its data and the seed alone: not on the number of cores, on
-    the networks beside it, nor on kills in between.
+    A result depends on the network's data and seed alone, not on the number of cores, the other
+    networks, or interruptions.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "steps"
-        done: Counts = np.memmap(path, dtype=np.int64, mode="w+", shape=(len(pupils),))
-        with progress_bars({one.name: one.steps for one in pupils}, done.tolist):
-            graduates: list[Graduate] = Parallel(_workers(pupils))(
-                delayed(_learn)(one, StepCount(path, number, os.getpid()))
-                for number, one in enumerate(pupils)
+        done: Counts = np.memmap(path, dtype=np.int64, mode="w+", shape=(len(jobs),))
+        with progress_bars({one.name: one.steps for one in jobs}, done.tolist):
+            results: list[TrainingResult] = Parallel(_workers(jobs))(
+                delayed(_train_job)(one, StepCount(path, number, os.getpid()))
+                for number, one in enumerate(jobs)
             )
-    return graduates
+    return results
 
 
 @dataclass(frozen=True)
 class StepCount:
-    """Writes down how many steps a training has done, where the progress bars look.
+    """Publishes the number of steps that a training has done, for the progress bars.
 
     Attributes:
-        path: of the counts of all trainings.
-        number: of this one.
-        master: the process that waits for its result.
+        path: of the shared counts of all jobs.
+        number: index of this job.
+        master: process id of the parent.
     """
 
     path: Path
@@ -79,27 +79,24 @@ class StepCount:
     master: int
 
     def __call__(self, steps: int) -> None:
-        """Write it down; a worker of a run that was killed ends, the next run waits for it."""
+        """Publish the count; end this process if its parent was killed."""
         if self.master not in (os.getpid(), os.getppid()):
             os._exit(1)
         done: Counts = np.memmap(self.path, dtype=np.int64, mode="r+")
         done[self.number] = steps
 
 
-def _workers(pupils: Sequence[Pupil]) -> int:
-    settings = [one.data.settings for one in pupils]
+def _workers(jobs: Sequence[TrainingJob]) -> int:
+    settings = [one.data.settings for one in jobs]
     if any(one.devices > 1 for one in settings):
-        return 1  # devices have processes of their own
+        return 1  # each device has its own process
     threads = max(one.threads for one in settings)
-    return max(1, min(int(cpu_count()) // threads, len(pupils)))
+    return max(1, min(int(cpu_count()) // threads, len(jobs)))
 
 
-def _learn(pupil: Pupil, steps_done: StepCount) -> Graduate:
-    """Take a network through its training.
-
-    A worker of a run that was killed may still be at it: wait until it has noticed.
-    """
-    training = ForecastTraining(pupil.network, pupil.data.settings)
-    with FileLock(pupil.folder / "lock"):
-        train(training, pupil.data, pupil.folder, [Steps(steps_done)])
-    return Graduate(pupil.name, pupil.network, pd.DataFrame(training.curve), training.seconds)
+def _train_job(job: TrainingJob, steps_done: StepCount) -> TrainingResult:
+    # The lock waits for a worker of a killed run that has not noticed it yet.
+    training = ForecastTraining(job.network, job.data.settings)
+    with FileLock(job.folder / "lock"):
+        train(training, job.data, job.folder, [StepReporter(steps_done)])
+    return TrainingResult(job.name, job.network, pd.DataFrame(training.curve), training.seconds)

@@ -1,4 +1,4 @@
-"""Trained predictors as files: weights (safetensors), what they belong to (JSON), a model card."""
+"""Trained predictors as files: weights (safetensors), description (JSON) and model card."""
 
 from pathlib import Path
 from typing import Any
@@ -20,14 +20,14 @@ _TEMPLATES = Path(__file__).parent / "templates"
 
 
 class Learning(BaseModel):
-    """How a predictor came by its weights.
+    """How a predictor was trained.
 
     Attributes:
         episodes: training episodes.
-        windows: training windows seen, in all epochs.
-        validation_episodes: episodes that only watched.
+        windows: training windows, over all epochs.
+        validation_episodes: for the validation loss alone.
         settings: of training.
-        seed: of every draw.
+        seed: of every random draw.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -40,14 +40,14 @@ class Learning(BaseModel):
 
 
 class TrainedPredictor(BaseModel):
-    """What a predictor's weights belong to.
+    """The description of a trained predictor.
 
     Attributes:
-        name: under which reports list it.
-        network: the settings that its network is built from.
-        parameters: how many numbers were trained.
-        sources: sets of measured balls that it was trained on.
-        starts_from: the predictor whose weights it began with, if any.
+        name: in reports.
+        network: its settings.
+        parameters: number of trained parameters.
+        sources: data sets that it was trained on.
+        starts_from: the predictor that was fine-tuned, if any.
         learning: how it was trained.
     """
 
@@ -71,10 +71,10 @@ def save_predictor(folder: Path, network: ForecastNetwork, description: TrainedP
 
 
 def read_description(folder: Path) -> TrainedPredictor:
-    """Read what a predictor's weights belong to.
+    """Read the description of a trained predictor.
 
     Raises:
-        InputError: the file is missing or broken.
+        InputError: the file is missing or invalid.
     """
     return read_as(folder / DESCRIPTION, TrainedPredictor, "train_predictor")
 
@@ -83,27 +83,27 @@ def load_network(folder: Path) -> ForecastNetwork:
     """Read a trained network.
 
     Raises:
-        InputError: a file is missing or broken, or the weights are those of another network.
+        InputError: a file is missing or invalid, or the weights do not fit the network.
     """
     described = read_description(folder).network
     weights = _read_weights(folder / WEIGHTS)
-    with torch.device("meta"):  # takes no memory: a description may ask for more than there is
+    with torch.device("meta"):  # allocates nothing, however large the described network is
         planned = build_network(described).state_dict()
     expected = {name: value.shape for name, value in planned.items()}
-    found = {name: value.shape for name, value in weights.items()}
-    if found != expected:
-        names = sorted(set(found.items()) ^ set(expected.items()))
+    actual = {name: value.shape for name, value in weights.items()}
+    if actual != expected:
+        names = sorted(set(actual.items()) ^ set(expected.items()))
         problem = f"does not fit the network of {DESCRIPTION}: see {names[0][0]}"
         raise InputError(folder / WEIGHTS, problem)
     if not all(value.isfinite().all() for value in weights.values()):
-        raise InputError(folder / WEIGHTS, "has numbers that are not finite; train it anew")
+        raise InputError(folder / WEIGHTS, "has values that are not finite; train it again")
     network = build_network(described)
     network.load_state_dict(weights)
     return network
 
 
 def load_predictor(folder: Path) -> LearnedPredictor:
-    """Read a trained predictor; see ``load_network``."""
+    """Read a trained predictor, with the errors of ``load_network``."""
     return LearnedPredictor(load_network(folder))
 
 

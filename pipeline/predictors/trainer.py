@@ -1,4 +1,4 @@
-"""Runs Lightning for a stage: on what there is, quietly, and so that it can resume."""
+"""Runs Lightning's trainer without its messages, resumable after every epoch."""
 
 import io
 import logging
@@ -30,63 +30,63 @@ def train(
     training: ForecastTraining,
     data: WindowData,
     checkpoints: Path,
-    watchers: Sequence[Callback] = (),
+    callbacks: Sequence[Callback] = (),
 ) -> None:
     """Train a network in place.
 
-    Every epoch leaves a checkpoint, from which a run that was killed goes on; the result is that
-    of an undisturbed run. After the last epoch there is nothing left to do.
+    Every epoch writes a checkpoint, from which a killed run resumes with the same result as an
+    uninterrupted one.
 
     Args:
-        training: the network and the recipe.
+        training: the network and its settings.
         data: the windows.
-        checkpoints: a folder that belongs to this training alone.
-        watchers: callbacks beside those that training needs.
+        checkpoints: a folder for this training alone.
+        callbacks: additional ones.
 
     Raises:
-        InputError: there are fewer GPUs than devices asked for.
-        SystemExit: the process was told to stop (SIGTERM).
+        InputError: fewer GPUs are available than ``devices``.
+        SystemExit: the process received SIGTERM.
     """
     torch.set_num_threads(training.settings.threads)
     last = checkpoints / "last.ckpt"
     resumed = last if last.exists() else None
-    with _quiet(), tempfile.TemporaryDirectory() as meeting:
-        trainer = _trainer(training.settings, checkpoints, watchers, Path(meeting))
+    with _quiet(), tempfile.TemporaryDirectory() as rendezvous:
+        trainer = _trainer(training.settings, checkpoints, callbacks, Path(rendezvous))
         try:
             trainer.fit(training, data, ckpt_path=resumed, weights_only=False)
         except SIGTERMException:
-            # Lightning's would end the process with status 0, as if all were done.
+            # Lightning would end the process with status 0, as if it had finished.
             raise SystemExit(128 + signal.SIGTERM) from None
-    if training.settings.devices > 1:  # of what other processes did, Lightning brings the weights
+    if training.settings.devices > 1:  # Lightning returns only the weights from other processes
         training.on_load_checkpoint(torch.load(last, weights_only=False))
 
 
 def _trainer(
-    settings: TrainingSettings, checkpoints: Path, watchers: Sequence[Callback], meeting: Path
+    settings: TrainingSettings, checkpoints: Path, callbacks: Sequence[Callback], rendezvous: Path
 ) -> lightning.Trainer:
     try:
-        return _configured(settings, checkpoints, watchers, meeting)
+        return _configured(settings, checkpoints, callbacks, rendezvous)
     except MisconfigurationException as error:
         where = "train_predictor.training.devices"
         raise InputError("params.yaml", " ".join(str(error).split()), field=where) from None
 
 
 def _configured(
-    settings: TrainingSettings, checkpoints: Path, watchers: Sequence[Callback], meeting: Path
+    settings: TrainingSettings, checkpoints: Path, callbacks: Sequence[Callback], rendezvous: Path
 ) -> lightning.Trainer:
     alone = settings.devices == 1
     return lightning.Trainer(
         devices=settings.devices,
-        strategy="auto" if alone else SideBySide(meeting / "processes", settings.threads),
-        use_distributed_sampler=False,  # the data know how to share
+        strategy="auto" if alone else LoopbackDDP(rendezvous / "processes", settings.threads),
+        use_distributed_sampler=False,  # WindowData shares batches itself
         max_epochs=settings.epochs,
         precision=settings.precision,
         gradient_clip_val=settings.longest_gradient,
         deterministic=True,
         # Batches depend on the number of the epoch.
         reload_dataloaders_every_n_epochs=1,
-        callbacks=[_saved_every_epoch(checkpoints), *watchers],
-        plugins=[WholeCheckpoints()],
+        callbacks=[_checkpoint_every_epoch(checkpoints), *callbacks],
+        plugins=[AtomicCheckpointIO()],
         default_root_dir=checkpoints,
         logger=False,
         enable_progress_bar=False,
@@ -95,45 +95,45 @@ def _configured(
     )
 
 
-class WholeCheckpoints(TorchCheckpointIO):
-    """Checkpoints that appear whole or not at all, so that a full disk leaves the one before.
+class AtomicCheckpointIO(TorchCheckpointIO):
+    """Writes checkpoints atomically, so that a full disk keeps the previous one.
 
-    Lightning's own are written elsewhere and moved, which on another disk is a copy.
+    Lightning writes to a temporary folder and moves, which across file systems is a copy.
     """
 
     def save_checkpoint(
         self, checkpoint: dict[str, Any], path: str | Path, storage_options: Any = None
     ) -> None:
-        """Write a checkpoint, by Python: torch's own writing does not say that a disk is full."""
+        """Write a checkpoint with Python, because torch does not report a full disk."""
         content = io.BytesIO()
         torch.save(checkpoint, content)
         with replacing(Path(path)) as temporary:
             temporary.write_bytes(content.getbuffer())
 
 
-class SideBySide(DDPStrategy):
+class LoopbackDDP(DDPStrategy):
     """Distributed data parallel on the devices of one machine.
 
-    Processes meet through a file and talk over loopback, so nothing listens beyond the machine.
+    The rendezvous is a file and the traffic uses loopback, so no port is open to the network.
 
     Args:
-        meeting: a file that is not there yet.
-        threads: of each process.
+        rendezvous: path of a file that does not exist yet.
+        threads: per process.
     """
 
-    def __init__(self, meeting: Path, threads: int) -> None:
+    def __init__(self, rendezvous: Path, threads: int) -> None:
         super().__init__(start_method="spawn")
-        self.meeting, self.threads = meeting, threads
+        self.rendezvous, self.threads = rendezvous, threads
 
     def setup_distributed(self) -> None:
-        """Meet the other processes; what is set here is set in each."""
-        _hush()
+        """Join the process group; this runs in every process."""
+        _silence()
         torch.set_num_threads(self.threads)
         os.environ["GLOO_SOCKET_IFNAME"] = os.environ["NCCL_SOCKET_IFNAME"] = _loopback()
         self.set_world_ranks()
         torch.distributed.init_process_group(
             self._get_process_group_backend(),
-            init_method=self.meeting.as_uri(),
+            init_method=self.rendezvous.as_uri(),
             rank=self.global_rank,
             world_size=self.world_size,
         )
@@ -141,7 +141,7 @@ class SideBySide(DDPStrategy):
 
 
 def _loopback() -> str:
-    """Return what this machine calls the interface with which it talks to itself."""
+    """Return the name of the loopback interface."""
     names = (
         name
         for name, addresses in psutil.net_if_addrs().items()
@@ -152,18 +152,18 @@ def _loopback() -> str:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Leave out Lightning's advice and advertisements."""
+    """Suppress Lightning's messages."""
     with warnings.catch_warnings():
-        _hush()
+        _silence()
         yield
 
 
-def _hush() -> None:
+def _silence() -> None:
     logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
     warnings.filterwarnings("ignore", module=r"lightning\.")
 
 
-def _saved_every_epoch(folder: Path) -> ModelCheckpoint:
+def _checkpoint_every_epoch(folder: Path) -> ModelCheckpoint:
     return ModelCheckpoint(
         dirpath=folder,
         filename="last",
@@ -172,16 +172,16 @@ def _saved_every_epoch(folder: Path) -> ModelCheckpoint:
     )
 
 
-class Steps(Callback):
-    """Tells how many steps are done, at the start and after each."""
+class StepReporter(Callback):
+    """Reports the number of finished steps, at the start and after each step."""
 
     def __init__(self, steps_done: Callable[[int], None]) -> None:
         self.steps_done = steps_done
 
     def on_train_start(self, trainer: lightning.Trainer, *_: Any) -> None:
-        """Tell where it starts from."""
+        """Report the step to start from."""
         self.steps_done(trainer.global_step)
 
     def on_train_batch_end(self, trainer: lightning.Trainer, *_: Any) -> None:
-        """Tell how far it has come."""
+        """Report a finished step."""
         self.steps_done(trainer.global_step)

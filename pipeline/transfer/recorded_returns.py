@@ -18,7 +18,7 @@ from models.policy.policy import Policy
 from models.policy.settings import ObservationKind
 from models.predictors.protocol import FUTURE_TIMES
 from models.replay.replayed_balls import Views, every_tick, predicted, views
-from pipeline.evaluation.contenders import one_thread
+from pipeline.evaluation.predictors import one_thread
 from pipeline.policies.storage import TrainedPolicy
 from pipeline.transfer.example_returns import Return, Told, Track
 from pipeline.transfer.replay_sets import ReplaySet

@@ -28,7 +28,7 @@ from models.replay.shots import (
 )
 from models.replay.true_path import true_path
 from models.segmentation.split import NOT_REPLAYED, STROKE_GROUPS
-from pipeline.evaluation.contenders import ARENA
+from pipeline.evaluation.predictors import ARENA
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
 from pipeline.io.ground_truth import read_contacts, read_truth
 from pipeline.io.schemas import EPISODES, LAUNCHES, STATE_COLUMNS, read_checked

@@ -21,7 +21,7 @@ from models.replay.after_contact import struck
 from models.replay.perturbed_forecasts import ERRORS
 from models.replay.replayed_balls import Views, every_tick, first_window, predicted, views
 from models.shot_quality.shots import landings
-from pipeline.evaluation.contenders import ARENA, ORACLE, Contender, one_thread
+from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, one_thread
 from pipeline.io.amended_simulators import AMENDED
 from pipeline.params import Sim2RealSettings
 from pipeline.policies.storage import TrainedPolicy, load_policies
@@ -143,7 +143,7 @@ def replays(
 
 
 def informed(
-    shots: ReplaySet, learned: Iterable[Contender], amended: Simulator | None
+    shots: ReplaySet, learned: Iterable[NamedPredictor], amended: Simulator | None
 ) -> list[EveryTick]:
     """Return those who know more of a set's balls than the policies' own simulator does.
 

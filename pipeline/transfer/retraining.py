@@ -7,7 +7,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
-from pipeline.evaluation.contenders import ORACLE
+from pipeline.evaluation.predictors import ORACLE
 from pipeline.policies.storage import TrainedPolicy
 from pipeline.transfer.rates import differences, rates
 from pipeline.transfer.transfer_table import PHYSICS, SETTING

@@ -1,4 +1,4 @@
-"""How far forecasts are off: mean and spread of the error over the forecast's horizon."""
+"""Mean and standard deviation of the forecast error over the horizon."""
 
 from typing import Literal
 
@@ -18,23 +18,23 @@ QUANTITIES = {
     "velocity": "velocity error (m/s)",
     "spin": "spin error (rad/s)",
 }
-# What a row of panels shows: of which windows, and which number. Means share one scale.
+# Rows of panels: title to windows and statistic. Means share one scale.
 ROWS = {
     "mean, all windows": ("all", "mean"),
     "standard deviation, all windows": ("all", "std"),
     "mean, with a bounce": ("with", "mean"),
     "mean, without a bounce": ("without", "mean"),
 }
-HEADROOM = 0.15  # share of the panel; the number of windows stands over the lines
+HEADROOM = 0.15  # share of the panel above the lines, for the number of windows
 LEGEND_COLUMNS = 3
 FINE_TUNED, AMENDED = "_fine_tuned", "amended_"  # in predictors' names
 
 
 def forecast_error_figure(frame: pd.DataFrame) -> Figure:
-    """Draw the error of every predictor on one set: quantities across, kinds of window down.
+    """Draw the error of every predictor on one set: columns are quantities, rows kinds of window.
 
     A panel shows each predictor's mean error with its bootstrap interval, or its standard
-    deviation. Quantities and kinds of window that the set has not are left out.
+    deviation. Quantities and kinds of window without data are left out.
 
     Args:
         frame: one row for each predictor, quantity and horizon of one set, with columns set,
@@ -53,26 +53,26 @@ def forecast_error_figure(frame: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(FIGURE_WIDTH, 1.4 + 1.8 * len(titles)))
     grid = figure.subplots(len(titles), len(quantities), sharex=True, squeeze=False)
     for axes_row, title in zip(grid, titles, strict=True):
-        window, number = ROWS[title]
+        window, statistic = ROWS[title]
         for axes, top, quantity in zip(axes_row, grid[0], quantities, strict=True):
-            if number == "mean" and axes is not top:
+            if statistic == "mean" and axes is not top:
                 axes.sharey(top)
             rows = frame[(frame["quantity"] == quantity) & (frame["bounce"] == window)]
-            _draw_panel(axes, rows, number, predictors)
+            _draw_panel(axes, rows, statistic, predictors)
         axes_row[0].set_title(title)
     _label_axes(grid, quantities)
     _add_legends(figure, f"{sets[0]}: forecast error", predictors)
     return figure
 
 
-def _draw_panel(axes: Axes, rows: pd.DataFrame, number: str, predictors: list[str]) -> None:
+def _draw_panel(axes: Axes, rows: pd.DataFrame, statistic: str, predictors: list[str]) -> None:
     for predictor in predictors:
         line = rows[rows["predictor"] == predictor].sort_values("horizon_ms")
         colour, dashes = line_style(predictor)
-        if number == "mean":
+        if statistic == "mean":
             low, high = line["ci_low"], line["ci_high"]
             axes.fill_between(line["horizon_ms"], low, high, color=colour, alpha=0.22, lw=0)
-        axes.plot(line["horizon_ms"], line[number], color=colour, linestyle=dashes)
+        axes.plot(line["horizon_ms"], line[statistic], color=colour, linestyle=dashes)
     counts = sorted({rows["n"].min(), rows["n"].max()}) if len(rows) else [0]
     count = "n = " + " to ".join(f"{number:,}" for number in counts)
     note = axes.text(0.04, 0.97, count, transform=axes.transAxes, va="top", color=MUTED, fontsize=8)

@@ -5,20 +5,20 @@ from matplotlib.figure import Figure
 
 from pipeline.io.figure_style import FIGURE_WIDTH, predictor_colour
 
-PANELS_A_ROW = 3
+COLUMNS = 3
 
 
 def training_figure(curves: pd.DataFrame) -> Figure:
-    """Draw the loss of training and validation over the epochs, one panel a predictor.
+    """Draw training and validation loss over the epochs, one panel per predictor.
 
     Args:
         curves: one row an epoch: predictor, epoch, training, validation.
     """
     names = list(curves["predictor"].unique())
-    across = min(len(names), PANELS_A_ROW)
-    down = -(-len(names) // across)
-    figure = Figure(figsize=(FIGURE_WIDTH, 2.8 * down))
-    axes = figure.subplots(down, across, squeeze=False, sharey=True)
+    columns = min(len(names), COLUMNS)
+    rows = -(-len(names) // columns)
+    figure = Figure(figsize=(FIGURE_WIDTH, 2.8 * rows))
+    axes = figure.subplots(rows, columns, squeeze=False, sharey=True)
     for spare in axes.flat[len(names) :]:
         spare.remove()
     for panel, name in zip(axes.flat, names, strict=False):
@@ -29,5 +29,5 @@ def training_figure(curves: pd.DataFrame) -> Figure:
         panel.set(title=name.replace("_", " "), xlabel="epoch", yscale="log")
         panel.legend()
     for panel in axes[:, 0]:
-        panel.set_ylabel("loss")
+        panel.set_ylabel("mean squared error (normalised)")
     return figure

@@ -15,7 +15,7 @@ from models.predictors.settings import (
     TransformerSettings,
 )
 from models.predictors.training import ForecastTraining, WindowData
-from models.predictors.window_dataset import tracks
+from models.predictors.window_dataset import build_tracks
 from tests.models.predictors.balls import FIRST
 from tests.models.predictors.episodes import flown, spoilt
 
@@ -54,7 +54,7 @@ def balls(count, seed):
     random = np.random.default_rng(seed)
     first = FIRST[np.arange(count) % 3] * random.uniform(0.97, 1.03, (count, 9))
     flights = (flown(one, noise=0.003, spin_noise=10.0, seed=seed) for one in first)
-    return tracks([spoilt(flight, number) for number, flight in enumerate(flights)])
+    return build_tracks([spoilt(flight, number) for number, flight in enumerate(flights)])
 
 
 def data(settings=BRIEF, seed=0):

@@ -12,7 +12,7 @@ from models.predictors.learned import LearnedPredictor
 from models.predictors.protocol import History
 from models.predictors.tae import TrajectoryAutoencoder
 from models.predictors.training import ForecastTraining, WindowData
-from models.predictors.window_dataset import tracks
+from models.predictors.window_dataset import build_tracks
 from tests.models.predictors.balls import FIRST, observed
 from tests.models.predictors.episodes import flown
 from tests.models.predictors.schooling import (
@@ -197,7 +197,7 @@ def test_the_loss_reaches_every_weight(settings):
 
 @pytest.mark.parametrize("settings", SETTINGS, ids=KINDS)
 def test_a_handful_of_windows_is_learned_by_heart(settings):
-    flights = tracks([flown(first) for first in FIRST])
+    flights = build_tracks([flown(first) for first in FIRST])
     one_each = replace(flights, anchors=flights.anchors[flights.bounds[:-1]], bounds=np.arange(4))
     plain = changed(BRIEF, epochs=6, windows_an_episode=100, batch=6, decay=0.6, hidden_spin=0.0)
     training = ForecastTraining(network(settings), plain)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.predictors.errors import HORIZONS_MS, errors, spread
+from models.predictors.errors import HORIZONS_MS, error_norms, error_statistics
 from models.predictors.protocol import Forecast, History
 from models.predictors.windows import Windows
 
@@ -27,29 +27,29 @@ def test_the_horizons_are_the_papers():
 @pytest.mark.parametrize("quantity", ["position", "velocity", "spin"])
 def test_a_perfect_forecast_has_no_error(quantity):
     windows = measured_windows()
-    assert (errors(forecast(windows), windows, quantity) == 0).all()
+    assert (error_norms(forecast(windows), windows, quantity) == 0).all()
 
 
 def test_the_error_is_the_norm_in_the_unit_of_the_quantity():
     windows = measured_windows()
     shift = np.array([0.003, 0, 0.004, 0, 3, 4, 5, 0, 12])
     for quantity, value in (("position", 5.0), ("velocity", 5.0), ("spin", 13.0)):
-        np.testing.assert_allclose(errors(forecast(windows, shift), windows, quantity), value)
+        np.testing.assert_allclose(error_norms(forecast(windows, shift), windows, quantity), value)
 
 
 def test_unmeasured_states_do_not_count():
     windows = measured_windows()
     windows.measured[1, 30, 7] = False
-    spin = errors(forecast(windows, 1.0), windows, "spin")
+    spin = error_norms(forecast(windows, 1.0), windows, "spin")
     assert np.isnan(spin[1, 30 - 19])
-    assert np.isfinite(errors(forecast(windows), windows, "position")).all()
-    result = spread(spin, np.arange(4), 10, np.random.default_rng(0))
+    assert np.isfinite(error_norms(forecast(windows), windows, "position")).all()
+    result = error_statistics(spin, np.arange(4), 10, np.random.default_rng(0))
     assert result.count[30 - 19] == 3
 
 
 def test_mean_and_spread_of_known_errors():
     error = np.repeat([[1.0], [2.0], [3.0], [6.0]], 41, axis=1)
-    result = spread(error, np.arange(4), 200, np.random.default_rng(0))
+    result = error_statistics(error, np.arange(4), 200, np.random.default_rng(0))
     np.testing.assert_allclose(result.mean, 3.0)
     np.testing.assert_allclose(result.std, np.std([1, 2, 3, 6]))
     assert (result.low < 3.0).all()
@@ -62,15 +62,15 @@ def test_the_interval_covers_the_truth_nineteen_times_in_twenty():
     for _ in range(300):
         centres = np.repeat(generator.normal(0, 1, 40), 5)  # windows of a recording move together
         error = (10 + centres + generator.normal(0, 0.3, 200))[:, None]
-        result = spread(error, np.repeat(np.arange(40), 5), 300, generator)
+        result = error_statistics(error, np.repeat(np.arange(40), 5), 300, generator)
         hits.append(result.low[0] <= 10 <= result.high[0])
     assert 0.90 < np.mean(hits) < 0.98
 
 
 def test_nothing_measured_has_no_mean():
     windows = measured_windows(measured=False)
-    result = spread(
-        errors(forecast(windows), windows, "spin"), np.arange(4), 5, np.random.default_rng(0)
+    result = error_statistics(
+        error_norms(forecast(windows), windows, "spin"), np.arange(4), 5, np.random.default_rng(0)
     )
     assert np.isnan(result.mean).all()
     assert (result.count == 0).all()
@@ -78,6 +78,6 @@ def test_nothing_measured_has_no_mean():
 
 def test_no_windows_at_all_have_no_mean():
     none = np.empty((0, 41))
-    result = spread(none, np.empty(0, dtype=str), 5, np.random.default_rng(0))
+    result = error_statistics(none, np.empty(0, dtype=str), 5, np.random.default_rng(0))
     assert np.isnan([result.mean, result.low, result.high]).all()
     assert (result.count == 0).all()

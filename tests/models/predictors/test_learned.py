@@ -18,7 +18,7 @@ class Constant(torch.nn.Module):
         self.said = said
 
     def forward(self, history, seen, residual, expected):
-        self.heard, self.seen, self.residual, self.expected = history, seen, residual, expected
+        self.heard, self.mask, self.residual, self.expected = history, seen, residual, expected
         return torch.full((len(history), 60, 9), self.said)
 
 
@@ -49,7 +49,7 @@ def test_its_network_hears_standardised_measurements_and_what_uniform_motion_exp
     measured = torch.from_numpy(history.states).float(), torch.from_numpy(history.mask)
     motion = uniform_motion(*measured)
     assert torch.equal(inner.heard, outer.normaliser.normalised(*measured, motion))
-    assert torch.equal(inner.seen, measured[1])
+    assert torch.equal(inner.mask, measured[1])
     assert torch.equal(inner.residual, outer.normaliser.residual(*measured, motion))
     assert torch.equal(inner.expected, outer.normaliser.expected(motion))
     assert not inner.heard[..., 3:].any()

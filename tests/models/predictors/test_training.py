@@ -10,7 +10,7 @@ from models.predictors.learned import ForecastNetwork, LearnedPredictor
 from models.predictors.normaliser import uniform_motion
 from models.predictors.protocol import History
 from models.predictors.training import ForecastTraining, WindowData, cosine
-from models.predictors.window_dataset import tracks
+from models.predictors.window_dataset import build_tracks
 from tests.models.predictors.balls import FIRST
 from tests.models.predictors.episodes import flown
 from tests.models.predictors.schooling import (
@@ -56,7 +56,7 @@ def joined(loader):
 
 
 def test_a_handful_of_windows_is_learned_by_heart():
-    flights = tracks([flown(first) for first in FIRST])
+    flights = build_tracks([flown(first) for first in FIRST])
     one_each = replace(flights, anchors=flights.anchors[flights.bounds[:-1]], bounds=np.arange(4))
     plain = changed(BRIEF, epochs=6, windows_an_episode=100, batch=6, decay=0.6, hidden_spin=0.0)
     training = ForecastTraining(network(changed(TINY, width=32, expanded=64)), plain)
@@ -124,7 +124,7 @@ def test_where_no_label_was_seen_spin_is_not_asked_for():
     late = flown()
     late.spins[:50] = np.nan  # so that some windows see no label, but have one in their future
     settings = changed(BRIEF, hidden_spin=0.0, windows_an_episode=100)
-    windows = WindowData(tracks([late]), tracks([late]), settings, seed=0)
+    windows = WindowData(build_tracks([late]), build_tracks([late]), settings, seed=0)
     _, seen, future, measured = joined(windows.train_dataloader())
     labelled = seen[..., 3:].any(axis=(1, 2))
     assert labelled.any() and future[~labelled, :, 6:].any()

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scipy.stats import chisquare
 
 from models.predictors.protocol import TICK
-from models.predictors.window_dataset import tracks
-from models.predictors.windows import windows
+from models.predictors.window_dataset import build_tracks
+from models.predictors.windows import cut_windows
 from tests.models.predictors.balls import FIRST
 from tests.models.predictors.episodes import GRID, flown, spoilt
 
@@ -22,7 +22,7 @@ def every_window(track):
 
 def assert_windows_are_those_of(track, *episodes):
     """Both ways of cutting give the same numbers, but for the last bits of float32."""
-    cuts = [windows(episode, every=TICK) for episode in episodes]
+    cuts = [cut_windows(episode, every=TICK) for episode in episodes]
     assert np.diff(track.bounds).tolist() == [len(cut) for cut in cuts if len(cut)]
     history, seen, future, measured = every_window(track)
     np.testing.assert_array_equal(seen, np.concatenate([cut.history.mask for cut in cuts]))
@@ -40,20 +40,20 @@ def test_windows_of_a_spoilt_episode_on_the_grid_are_those_cut_one_at_a_time(sta
     episode = spoilt(bouncing, seed, lost)
     assert len(episode.bounces) > 0 and episode.outlier.any()
     assert np.isnan(episode.spins).any() and len(episode.times) < len(GRID)
-    assert_windows_are_those_of(tracks([episode]), episode)
+    assert_windows_are_those_of(build_tracks([episode]), episode)
 
 
 @pytest.mark.parametrize("rate", [120.0, 143.0, 1000 / 5.6])
 def test_windows_of_an_episode_at_another_rate_are_those_cut_one_at_a_time(rate):
     episode = spoilt(flown(times=3.0 + np.arange(0, 0.6, 1 / rate), noise=0.003))
-    assert_windows_are_those_of(tracks([episode]), episode)
+    assert_windows_are_those_of(build_tracks([episode]), episode)
 
 
 def test_stamps_rounded_to_microseconds_are_on_the_grid():
     episode = spoilt(flown(noise=0.003), lost=0.4)
     jitter = np.random.default_rng(0).uniform(-4e-7, 4e-7, len(episode.times))
     moved = replace(episode, times=episode.times + jitter)
-    exact, rounded = tracks([episode]), tracks([moved])
+    exact, rounded = build_tracks([episode]), build_tracks([moved])
     assert len(rounded.history) == len(exact.history)  # one track, not one a window
     for one, other in zip(every_window(exact), every_window(rounded), strict=True):
         np.testing.assert_array_equal(one, other)
@@ -65,9 +65,9 @@ def test_no_window_reaches_into_another_episode(lengths):
     on_grid, off_grid = flown(), flown(times=GRID * 1.1)
     whole = [(off_grid if off else on_grid, length) for length, off in lengths]
     episodes = [first(length, episode) for episode, length in [*whole, (on_grid, 40)]]
-    joined = tracks(episodes)
+    joined = build_tracks(episodes)
     assert_windows_are_those_of(joined, *episodes)
-    assert joined.episodes == sum(len(windows(episode, TICK)) > 0 for episode in episodes)
+    assert joined.episodes == sum(len(cut_windows(episode, TICK)) > 0 for episode in episodes)
 
 
 def first(samples, episode):
@@ -76,18 +76,18 @@ def first(samples, episode):
 
 
 def test_every_anchor_of_an_episode_is_drawn_equally_often():
-    track = tracks([first(60, flown()), first(45, flown()), first(90, flown())])
+    track = build_tracks([first(60, flown()), first(45, flown()), first(90, flown())])
     for episode in range(3):
         own = track.anchors[slice(*track.bounds[episode : episode + 2])]
-        drawn = track.drawn(np.full(200 * len(own), episode), np.random.default_rng(episode))
+        drawn = track.draw_anchors(np.full(200 * len(own), episode), np.random.default_rng(episode))
         assert np.isin(drawn, own).all()
         counts = (drawn[:, None] == own).sum(axis=0)
         assert chisquare(counts).pvalue > 1e-3
 
 
 def test_the_same_seed_draws_the_same_anchors():
-    track, episodes = tracks([flown(), flown(FIRST[2])]), np.repeat([0, 1], 50)
-    draws = [track.drawn(episodes, np.random.default_rng(seed)) for seed in (0, 0, 1)]
+    track, episodes = build_tracks([flown(), flown(FIRST[2])]), np.repeat([0, 1], 50)
+    draws = [track.draw_anchors(episodes, np.random.default_rng(seed)) for seed in (0, 0, 1)]
     np.testing.assert_array_equal(draws[0], draws[1])
     assert (draws[0] != draws[2]).any()
 
@@ -95,11 +95,11 @@ def test_the_same_seed_draws_the_same_anchors():
 @pytest.mark.parametrize("episodes", [[], [first(20, flown())]])
 def test_nothing_to_learn_from_is_refused(episodes):
     with pytest.raises(ValueError, match="no episode has a window"):
-        tracks(episodes)
+        build_tracks(episodes)
 
 
 def test_windows_are_cut_in_the_memory_of_the_device():
-    track = tracks([flown()])
+    track = build_tracks([flown()])
     there = track.to(torch.device("meta")).windows(track.anchors)
     assert {part.device.type for part in there} == {"meta"}
     assert [part.shape for part in there] == [part.shape for part in track.windows(track.anchors)]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES
-from models.predictors.windows import Episode, joined, windows
+from models.predictors.windows import Episode, concatenate_windows, cut_windows
 
 
 def path(times):
@@ -30,7 +30,7 @@ GRID = 0.005 * np.arange(121)
 
 @pytest.mark.parametrize("times", [GRID, 7.0 + GRID, np.cumsum(np.full(90, 0.007))])
 def test_the_first_window_ends_with_the_twelfth_tick_and_the_rest_follow(times):
-    cut = windows(episode(times), every=0.05)
+    cut = cut_windows(episode(times), every=0.05)
     assert cut.anchors[0] - times[0] == pytest.approx(0.055, abs=0.0071)
     np.testing.assert_allclose(np.diff(cut.anchors), 0.05, atol=0.0071)
     assert cut.anchors[-1] <= times[-1] - 0.1
@@ -40,7 +40,7 @@ def test_the_first_window_ends_with_the_twelfth_tick_and_the_rest_follow(times):
 @pytest.mark.parametrize("interval", [0.005, 0.0056, 0.007])
 def test_values_between_samples_are_interpolated(interval):
     times = np.arange(0, 0.6, interval)
-    cut = windows(episode(times), every=0.05)
+    cut = cut_windows(episode(times), every=0.05)
     true, _ = path((cut.anchors[:, None] + HISTORY_TIMES).ravel())
     seen = cut.history.mask[..., :3].reshape(-1, 3)
     error = np.abs(cut.history.states[..., :3].reshape(-1, 3) - true)[seen]
@@ -50,7 +50,7 @@ def test_values_between_samples_are_interpolated(interval):
 
 def test_the_history_knows_nothing_of_the_future():
     times = np.arange(0, 0.6, 0.007)
-    whole, cut_short = episode(times), windows(episode(times), every=0.05)
+    whole, cut_short = episode(times), cut_windows(episode(times), every=0.05)
     for k, anchor in enumerate(cut_short.anchors):
         past = times <= anchor
         later = Episode(
@@ -58,12 +58,12 @@ def test_the_history_knows_nothing_of_the_future():
             whole.outlier, whole.arc, whole.bounces,
         )  # fmt: skip
         np.testing.assert_array_equal(
-            windows(later, every=0.05).history.states[k], cut_short.history.states[k]
+            cut_windows(later, every=0.05).history.states[k], cut_short.history.states[k]
         )
 
 
 def test_the_future_is_not_interpolated_across_a_bounce():
-    cut = windows(episode(GRID, bounce=0.2025), every=0.05)
+    cut = cut_windows(episode(GRID, bounce=0.2025), every=0.05)
     ahead = cut.anchors[:, None] + FUTURE_TIMES
     straddling = np.abs(ahead - 0.2025) < 0.0024
     assert not cut.measured[straddling].any()
@@ -73,16 +73,18 @@ def test_the_future_is_not_interpolated_across_a_bounce():
 def test_outliers_are_no_measure_of_a_forecast_but_stay_in_the_history():
     clean, spoilt = episode(GRID), episode(GRID, outlier=[20])
     spoilt.positions[20] += 0.5
-    cut = windows(spoilt, every=0.05)
+    cut = cut_windows(spoilt, every=0.05)
     np.testing.assert_allclose(
-        cut.future[0][cut.measured[0]], windows(clean, 0.05).future[0][cut.measured[0]], atol=1e-3
+        cut.future[0][cut.measured[0]],
+        cut_windows(clean, 0.05).future[0][cut.measured[0]],
+        atol=1e-3,
     )
     assert (np.abs(cut.history.states[..., 0]) > 0.5).any()
 
 
 def test_a_long_gap_is_left_open():
     times = np.concatenate([GRID[:30], GRID[36:]])
-    cut = windows(episode(times), every=0.05)
+    cut = cut_windows(episode(times), every=0.05)
     inside = (cut.anchors[0] + FUTURE_TIMES > 0.146) & (cut.anchors[0] + FUTURE_TIMES < 0.179)
     assert not cut.measured[0][inside].any()
     assert cut.measured[0][~inside].all()
@@ -91,7 +93,7 @@ def test_a_long_gap_is_left_open():
 def test_unlabelled_spin_is_masked_and_zero():
     plain = episode(GRID)
     plain.spins[:] = np.nan
-    cut = windows(plain, every=0.05)
+    cut = cut_windows(plain, every=0.05)
     assert not cut.history.mask[..., 3:].any()
     assert not cut.measured[..., 6:].any()
     assert not cut.future[..., 6:].any()
@@ -100,7 +102,7 @@ def test_unlabelled_spin_is_masked_and_zero():
 def test_a_label_between_samples_without_one_is_kept_where_it_was_measured():
     sparse = episode(GRID)
     sparse.spins[1::2] = np.nan
-    cut = windows(sparse, every=0.05)
+    cut = cut_windows(sparse, every=0.05)
     ticks = np.round((cut.anchors[:, None] + HISTORY_TIMES) / 0.005).astype(int)
     np.testing.assert_array_equal(cut.history.mask[..., 3:].all(axis=2), ticks % 2 == 0)
     assert (cut.history.states[..., 3][ticks % 2 == 0] == 10.0).all()
@@ -108,25 +110,25 @@ def test_a_label_between_samples_without_one_is_kept_where_it_was_measured():
 
 @pytest.mark.parametrize("count", [1, 2, 12, 30])
 def test_an_episode_too_short_for_a_window_has_none(count):
-    assert len(windows(episode(GRID[:count]), every=0.05)) == 0
+    assert len(cut_windows(episode(GRID[:count]), every=0.05)) == 0
 
 
 def test_a_window_of_which_too_little_was_seen_is_left_out():
     hidden = (GRID > 0.15) & (GRID < 0.25)
-    cut = windows(episode(GRID[~hidden]), every=0.05)
+    cut = cut_windows(episode(GRID[~hidden]), every=0.05)
     assert (cut.history.mask[..., 0].sum(axis=1) >= 6).all()
-    assert len(cut) < len(windows(episode(GRID), every=0.05))
+    assert len(cut) < len(cut_windows(episode(GRID), every=0.05))
 
 
 @pytest.mark.parametrize(("before", "enough"), [(5, True), (4, False)])
 def test_six_ticks_of_twelve_are_enough_to_see(before, enough):
     late = np.concatenate([GRID[:before], GRID[11:]])  # with the sample at the anchor, one more
-    anchors = windows(episode(late), every=0.05).anchors
+    anchors = cut_windows(episode(late), every=0.05).anchors
     assert (anchors[0] == GRID[11]) == enough
 
 
 def test_joined_windows_keep_their_order():
-    first, second = windows(episode(GRID), 0.05), windows(episode(3 + GRID), 0.05)
-    both = joined([first, second])
+    first, second = cut_windows(episode(GRID), 0.05), cut_windows(episode(3 + GRID), 0.05)
+    both = concatenate_windows([first, second])
     np.testing.assert_array_equal(both.anchors, [*first.anchors, *second.anchors])
     assert len(both.history) == len(both)

@@ -11,7 +11,7 @@ from models.policy.incoming_balls import FIRST_WINDOW, PATH_TIMES, TICK, fly_in,
 from models.policy.launches import WORKSPACE
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import FUTURE, HISTORY_TIMES, Forecast
-from models.predictors.windows import FEWEST_SEEN, seen_at, windows
+from models.predictors.windows import MIN_OBSERVED, cut_windows, observed_at
 from models.replay.replayed_balls import (
     every_tick,
     first_window,
@@ -83,7 +83,7 @@ def test_balls_are_within_reach_where_the_racket_strikes_while_they_can_be_playe
 
 def test_histories_are_those_of_the_windows_that_predictors_are_evaluated_on():
     measured = sampled(noise=0.003, spin_noise=5.0)
-    cut = windows(measured, every=TICK)
+    cut = cut_windows(measured, every=TICK)
     seen = views([shot(measured)])
     np.testing.assert_allclose(cut.anchors, TICKS[: len(cut)], atol=1e-9)
     for part in ("states", "mask"):
@@ -98,9 +98,9 @@ def test_histories_end_with_the_latest_sample_of_each_tick(rate):
     seen = views([shot(), shot(measured)])
     for k, tick in enumerate(TICKS):
         end = measured.times[measured.times <= tick + 1e-9][-1]
-        states, mask = seen_at(measured, end + HISTORY_TIMES, until=end)
+        states, mask = observed_at(measured, end + HISTORY_TIMES, until=end)
         row = seen.latest[1, k]
-        if mask[:, :3].all(axis=1).sum() >= FEWEST_SEEN:
+        if mask[:, :3].all(axis=1).sum() >= MIN_OBSERVED:
             np.testing.assert_array_equal(seen.history.states[row], states)
             np.testing.assert_array_equal(seen.history.mask[row], mask)
             assert seen.age[1, k] == pytest.approx(tick - end)

@@ -14,10 +14,10 @@ import pytest
 from rich.console import Console
 
 from models.predictors.evaluation import SHOWN_HORIZONS_MS
-from models.predictors.windows import windows
+from models.predictors.windows import cut_windows
 from pipeline.benchmark.scores import score, score_tables, write_scores
 from pipeline.benchmark.windows import export_windows, run_sets, window_table
-from pipeline.evaluation.contenders import read_contenders
+from pipeline.evaluation.predictors import read_predictors
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.stage_run import StageRun
 from stages.evaluate_predictor import evaluate_predictor
@@ -30,8 +30,8 @@ NUMBERS = ["mean", "std", "n", "ci_low", "ci_high"]
 
 
 def predictor(root, name):
-    contenders = read_contenders(root / "artifacts", params().evaluate_predictor)
-    return next(one.predictor for one in contenders if one.name == name)
+    predictors = read_predictors(root / "artifacts", params().evaluate_predictor)
+    return next(one.predictor for one in predictors if one.name == name)
 
 
 def scored(root, forecasts, folder):
@@ -126,7 +126,7 @@ def test_windows_of_a_public_set_are_exported_and_scored(tmp_path, real_data):
     sets = run_sets(tmp_path, params())
     export_windows(sets, tmp_path / "windows")
     exported = pd.read_parquet(tmp_path / "windows" / "windows.parquet")
-    flights = [one for one in sets[0].episodes if len(windows(one.episode, every=0.05))]
+    flights = [one for one in sets[0].episodes if len(cut_windows(one.episode, every=0.05))]
     assert exported["window_id"].nunique() == len(flights) > 10
     scores = scored(tmp_path, forecasts_of(Still(), exported), tmp_path)
     errors = scores.errors.query("quantity == 'position' and horizon_ms == 100")

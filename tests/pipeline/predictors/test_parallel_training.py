@@ -12,13 +12,13 @@ from filelock import FileLock
 
 from models.predictors.training import ForecastTraining
 from pipeline.predictors import parallel_training as predictor_training
-from pipeline.predictors.parallel_training import Pupil, train_networks
+from pipeline.predictors.parallel_training import TrainingJob, train_networks
 from tests.models.predictors.schooling import BRIEF, TINY, TINY_TAE, changed, schooling
 
 
-def pupil(folder, shape=TINY, settings=BRIEF):
+def job(folder, shape=TINY, settings=BRIEF):
     training, data = schooling(settings, shape=shape)
-    return Pupil(f"{shape.kind}", training.network, data, folder / shape.kind)
+    return TrainingJob(f"{shape.kind}", training.network, data, folder / shape.kind)
 
 
 @pytest.mark.parametrize(
@@ -30,15 +30,15 @@ def test_as_many_are_trained_at_once_as_cores_have_room_for(
 ):
     monkeypatch.setattr(predictor_training, "cpu_count", lambda: cores)
     settings = changed(BRIEF, threads=threads)
-    pupils = [pupil(tmp_path, shape, settings) for shape in (TINY, TINY_TAE)]
-    assert predictor_training._workers(pupils) == workers
+    jobs = [job(tmp_path, shape, settings) for shape in (TINY, TINY_TAE)]
+    assert predictor_training._workers(jobs) == workers
 
 
 def test_the_steps_of_a_training_are_known_before_it_begins(tmp_path, monkeypatch):
     monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
     told = []
     monkeypatch.setattr(predictor_training, "progress_bars", watching(told))
-    train_networks([pupil(tmp_path, TINY, changed(BRIEF, batch=7)), pupil(tmp_path, TINY_TAE)])
+    train_networks([job(tmp_path, TINY, changed(BRIEF, batch=7)), job(tmp_path, TINY_TAE)])
     assert told == [{"transformer": 12, "tae": 9}, [12, 9]]
 
 
@@ -61,7 +61,7 @@ def watching(told):
 
 def test_a_training_waits_for_who_else_is_at_it(tmp_path, monkeypatch):
     monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
-    one = pupil(tmp_path)
+    one = job(tmp_path)
     seen = []
 
     def locked(*_):
@@ -80,9 +80,9 @@ ORPHAN = """
     from pathlib import Path
     from pipeline.predictors.parallel_training import train_networks
     from tests.models.predictors.schooling import BRIEF, TINY, TINY_TAE, changed
-    from tests.pipeline.predictors.test_parallel_training import pupil
+    from tests.pipeline.predictors.test_parallel_training import job
     long = changed(BRIEF, epochs=10_000)
-    train_networks([pupil(Path(sys.argv[1]), shape, long) for shape in (TINY, TINY_TAE)])
+    train_networks([job(Path(sys.argv[1]), shape, long) for shape in (TINY, TINY_TAE)])
 """
 
 

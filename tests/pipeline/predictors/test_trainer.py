@@ -10,7 +10,7 @@ import torch
 from torch.nn.utils import parameters_to_vector
 
 from models.predictors.training import ForecastTraining
-from pipeline.predictors.trainer import Steps, train
+from pipeline.predictors.trainer import StepReporter, train
 from tests.models.predictors.schooling import BRIEF, changed, schooling
 
 
@@ -150,10 +150,10 @@ def test_the_steps_done_are_told_at_the_start_and_after_each(tmp_path):
     killed, data = schooling(kind=Killed)
     killed.killed_at = 5
     with pytest.raises(RuntimeError, match="killed"):
-        train(killed, data, tmp_path, [Steps(told.append)])
+        train(killed, data, tmp_path, [StepReporter(told.append)])
     assert told == [0, 1, 2, 3, 4, 5]
     training, data = schooling()
-    train(training, data, tmp_path, [Steps(told.append)])
+    train(training, data, tmp_path, [StepReporter(told.append)])
     assert told[6:] == [3, 4, 5, 6, 7, 8, 9]
 
 

@@ -1,4 +1,4 @@
-"""The predictors that are evaluated: physics by parameter or amended, the oracle, the trained."""
+"""The predictors that are evaluated: physics, amended physics, the oracle and trained networks."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -20,17 +20,17 @@ ORACLE, ARENA = "oracle", "arena"
 
 
 @dataclass(frozen=True)
-class Contender:
-    """A predictor with its name and what it knows.
+class NamedPredictor:
+    """A predictor with its description.
 
     Attributes:
-        name: under which reports list it.
+        name: in reports.
         predictor: forecasts.
         kind: ``physics``, ``amended``, ``oracle`` or the kind of network.
-        simulator: what flies its ball, if anything does.
-        parameters: how many numbers were trained, if any were.
-        trained_on: the sets of measured balls that it learned from last.
-        starts_from: the predictor that learned before, if any.
+        simulator: of its flight model, if any.
+        parameters: number of trained parameters, if any.
+        trained_on: data sets that it was last trained or amended on.
+        starts_from: the predictor that was fine-tuned, if any.
     """
 
     name: str
@@ -42,17 +42,17 @@ class Contender:
     starts_from: str | None = None
 
     def forecasts(self, source: str) -> bool:
-        """Return whether it is evaluated on a set: some know the physics of one alone."""
+        """Return whether it is evaluated on a set; oracle and amended physics are not on all."""
         known = {ORACLE: (ARENA,), AMENDED: self.trained_on}
         return self.kind not in known or source in known[self.kind]
 
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Let torch work on one thread.
+    """Limit torch to one thread.
 
-    Its results then do not depend on the number of cores; and threads that share so little work
-    wait for one another, beside other work up to 60 times longer than one thread takes alone.
+    Results then do not depend on the number of cores. More threads share too little work here;
+    on a busy machine they take up to 60 times longer than one.
     """
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
@@ -62,15 +62,15 @@ def one_thread() -> Iterator[None]:
         torch.set_num_threads(threads)
 
 
-def read_contenders(artifacts: Path, settings: EvaluatePredictorSettings) -> list[Contender]:
-    """Return all predictors that there are.
+def read_predictors(artifacts: Path, settings: EvaluatePredictorSettings) -> list[NamedPredictor]:
+    """Return all predictors.
 
     Args:
         artifacts: the folder of all stages' artefacts.
-        settings: name those that need no training.
+        settings: name those without training.
 
     Raises:
-        InputError: a simulator, a trained predictor or the truth is missing or broken.
+        InputError: a simulator, a trained predictor or the truth is missing or invalid.
     """
     return [
         *_physics(settings),
@@ -80,15 +80,15 @@ def read_contenders(artifacts: Path, settings: EvaluatePredictorSettings) -> lis
     ]
 
 
-def _physics(settings: EvaluatePredictorSettings) -> Iterator[Contender]:
+def _physics(settings: EvaluatePredictorSettings) -> Iterator[NamedPredictor]:
     for name, described in settings.predictors.items():
         predictor = PhysicsPredictor(load_simulator(described.simulator))
-        yield Contender(name, predictor, described.kind, simulator=described.simulator)
+        yield NamedPredictor(name, predictor, described.kind, simulator=described.simulator)
 
 
-def _amended(folder: Path) -> Iterator[Contender]:
+def _amended(folder: Path) -> Iterator[NamedPredictor]:
     for one in read_amended(folder):
-        yield Contender(
+        yield NamedPredictor(
             f"{AMENDED}_{one.begun}",
             PhysicsPredictor(one.simulator),
             AMENDED,
@@ -97,18 +97,18 @@ def _amended(folder: Path) -> Iterator[Contender]:
         )
 
 
-def _oracle(path: Path) -> Iterator[Contender]:
+def _oracle(path: Path) -> Iterator[NamedPredictor]:
     truth = read_truth(path)
     if truth is not None:
         predictor = PhysicsPredictor(truth.simulator)
-        yield Contender(ORACLE, predictor, ORACLE, simulator="the arena's truth")
+        yield NamedPredictor(ORACLE, predictor, ORACLE, simulator="the arena's truth")
 
 
-def read_learned(folder: Path, names: Sequence[str]) -> list[Contender]:
+def read_learned(folder: Path, names: Sequence[str]) -> list[NamedPredictor]:
     """Return the trained predictors of a folder that ``sim2real.learned`` names.
 
     Raises:
-        InputError: one is not there, or is broken.
+        InputError: one is missing or invalid.
     """
     trained = {one.name: one for one in read_trained(folder)}
     for name in names:
@@ -118,18 +118,18 @@ def read_learned(folder: Path, names: Sequence[str]) -> list[Contender]:
     return [trained[name] for name in names]
 
 
-def read_trained(folder: Path) -> Iterator[Contender]:
+def read_trained(folder: Path) -> Iterator[NamedPredictor]:
     """Yield all trained predictors of a folder, by name.
 
     Raises:
-        InputError: there is none, or one is broken.
+        InputError: there is none, or one is invalid.
     """
     paths = sorted(folder.glob(f"*/{DESCRIPTION}"))
     if not paths:
         raise InputError(folder, "has no trained predictor; run `dvc repro train_predictor`")
     for path in paths:
         described = read_description(path.parent)
-        yield Contender(
+        yield NamedPredictor(
             described.name,
             load_predictor(path.parent),
             described.network.kind,

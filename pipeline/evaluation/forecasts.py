@@ -1,0 +1,114 @@
+"""Forecasts of all test windows by all predictors, their errors, and forecasts to be shown."""
+
+from collections.abc import Sequence
+from functools import partial
+from itertools import zip_longest
+
+import numpy as np
+
+from models.predictors.evaluation import ForecastErrors, forecast_errors
+from models.predictors.protocol import FUTURE_TIMES, Forecast
+from models.predictors.windows import Windows, cut_windows
+from pipeline.evaluation.example_shots import MOST_SHOTS, Point, Shot
+from pipeline.evaluation.example_shots import Forecast as ShownForecast
+from pipeline.evaluation.predictors import NamedPredictor
+from pipeline.evaluation.test_windows import MeasuredSet
+from pipeline.io.episodes import MeasuredEpisode
+from pipeline.params import EvaluatePredictorSettings
+from pipeline.runtime.parallel import parallel
+from pipeline.runtime.progress import progress_bar
+
+BATCH = 256  # windows
+
+
+def forecast_windows(
+    measured: MeasuredSet, predictors: Sequence[NamedPredictor]
+) -> dict[str, Forecast]:
+    """Return each predictor's forecast of all windows of a set, computed in parallel."""
+    history = measured.windows.history
+    starts = range(0, len(history), BATCH)
+    tasks = [
+        partial(one.predictor.predict, history[start : start + BATCH])
+        for one in predictors
+        for start in starts
+    ]
+    batches = []
+    with progress_bar(f"forecasts on {measured.name}", len(tasks)) as advance:
+        for batch in parallel(tasks):
+            batches.append(batch)
+            advance()
+    return {
+        one.name: _concatenate(batches[k * len(starts) : (k + 1) * len(starts)])
+        for k, one in enumerate(predictors)
+    }
+
+
+def evaluate(
+    forecasts: dict[str, Forecast],
+    windows: Windows,
+    measured: MeasuredSet,
+    settings: EvaluatePredictorSettings,
+    seed: int,
+) -> ForecastErrors:
+    """Return the errors of forecasts.
+
+    Args:
+        forecasts: of the set's windows, by predictor.
+        windows: the set's, with the measured or the true future.
+        measured: the set.
+        settings: of the stage.
+        seed: of the bootstrap.
+    """
+    return ForecastErrors(
+        forecast_errors(forecasts, windows),
+        measured.recordings,
+        measured.windows.bounced[:, -1],
+        settings.bootstrap_resamples,
+        seed,
+    )
+
+
+def _concatenate(batches: Sequence[Forecast]) -> Forecast:
+    return Forecast(
+        np.concatenate([batch.states for batch in batches]),
+        np.concatenate([batch.spin_measured for batch in batches]),
+    )
+
+
+def draw_shots(
+    sets: Sequence[MeasuredSet], predictors: Sequence[NamedPredictor], seed: int
+) -> list[Shot]:
+    """Draw test episodes, alternating between sets, and forecast each from its first window."""
+    generator = np.random.default_rng(seed)
+    drawn = []
+    for one in sets:
+        cuts = [(episode, cut_windows(episode.episode, every=1.0)) for episode in one.episodes]
+        usable = [(episode, cut) for episode, cut in cuts if len(cut)]
+        drawn.append([usable[k] for k in generator.permutation(len(usable))])
+    turns = [shot for turn in zip_longest(*drawn) for shot in turn if shot is not None]
+    return [_shot(episode, cut, predictors) for episode, cut in turns[:MOST_SHOTS]]
+
+
+def _shot(measured: MeasuredEpisode, cut: Windows, predictors: Sequence[NamedPredictor]) -> Shot:
+    good = ~measured.episode.outlier
+    anchor = float(cut.anchors[0])
+    times = [round(anchor + time, 6) for time in FUTURE_TIMES]
+    forecasts = {
+        one.name: ShownForecast(
+            t=times, position=_points(one.predictor.predict(cut.history).states[0, :, :3])
+        )
+        for one in predictors
+        if one.forecasts(measured.source)
+    }
+    return Shot(
+        episode_id=measured.episode_id,
+        source=measured.source,
+        t=measured.episode.times[good].tolist(),
+        measured=_points(measured.episode.positions[good]),
+        anchor=anchor,
+        forecasts=forecasts,
+    )
+
+
+def _points(positions: np.ndarray) -> list[Point]:
+    return [(x, y, z) for x, y, z in np.round(positions, 5).tolist()]

@@ -1,0 +1,58 @@
+"""The measured episodes that networks are trained on, and untrained networks fitted to them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import lightning
+
+from models.predictors.learned import ForecastNetwork, build_network
+from models.predictors.settings import NetworkSettings, TrainingSettings
+from models.predictors.training import WindowData
+from models.predictors.window_dataset import build_tracks
+from pipeline.io.episodes import MeasuredEpisode, read_episodes
+from pipeline.runtime.errors import InputError
+from pipeline.sources.manifest import read_manifest
+
+SPLITS = ("train", "validation")
+
+
+class TrainingEpisodes:
+    """The unbroken training and validation episodes of all sources.
+
+    Args:
+        artifacts: the folder of all stages' artefacts.
+        seed: of every draw.
+
+    Raises:
+        InputError: an artefact is missing or invalid.
+    """
+
+    def __init__(self, artifacts: Path, seed: int) -> None:
+        self.seed, self.path = seed, artifacts / "segment" / "episodes.parquet"
+        manifest = read_manifest(artifacts / "ingest" / "manifest.json")
+        episodes = read_episodes(artifacts / "segment", manifest.labelled_once, SPLITS)
+        self.episodes: list[MeasuredEpisode] = [one for one in episodes if one.unbroken]
+
+    def window_data(self, sources: Sequence[str], settings: TrainingSettings) -> WindowData:
+        """Return the windows of some sources.
+
+        Raises:
+            InputError: a split has no window.
+        """
+        tracks = {}
+        for split in SPLITS:
+            chosen = [one for one in self.episodes if one.split == split and one.source in sources]
+            try:
+                tracks[split] = build_tracks([one.episode for one in chosen])
+            except ValueError as error:
+                problem = f"{error}: split {split} of {', '.join(sources)}"
+                raise InputError(self.path, problem) from None
+        return WindowData(tracks["train"], tracks["validation"], settings, self.seed)
+
+
+def untrained_network(settings: NetworkSettings, data: WindowData) -> ForecastNetwork:
+    """Return a network with weights drawn from the seed and its normaliser fitted to the data."""
+    lightning.seed_everything(data.seed, verbose=False)
+    network = build_network(settings)
+    data.fit_normaliser(network)
+    return network
