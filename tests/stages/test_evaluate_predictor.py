@@ -47,15 +47,6 @@ def table(run, name):
     return pd.read_csv(run.report(f"{name}.csv"))
 
 
-def test_metrics_name_set_predictor_quantity_and_horizon(whole):
-    _, metrics = whole
-    assert set(metrics) == {"arena", "arena_truth", "labelled", "plain"}
-    leaf = metrics["labelled"]["physics_true"]["position"]["300"]
-    assert set(leaf) == {"mean", "std", "n"}
-    horizons = list(metrics["plain"]["physics_c"]["velocity"])
-    assert horizons == [str(ms) for ms in range(100, 301, 5)]
-
-
 def test_the_true_simulator_forecasts_best_where_the_spin_is_labelled(whole):
     _, metrics = whole
     true, wrong = (

@@ -38,7 +38,7 @@ def break_key(shot):
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (break_times, "0: .*t must grow from sample to sample"),
+        (break_times, "0: .*t must increase"),
         (break_length, "0.forecasts.physics_c: .*position has 59 points for 60 times"),
         (break_number, "0.measured.5.2: .*valid number"),
         (break_anchor, "0: .*anchor must lie within the measured times"),

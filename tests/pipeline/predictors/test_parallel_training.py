@@ -21,19 +21,6 @@ def job(folder, shape=TINY, settings=BRIEF):
     return TrainingJob(f"{shape.kind}", training.network, data, folder / shape.kind)
 
 
-@pytest.mark.parametrize(
-    ("cores", "threads", "workers"),
-    [(1, 1, 1), (2, 1, 2), (8, 1, 2), (8, 4, 2), (8, 8, 1), (2, 4, 1)],
-)
-def test_as_many_are_trained_at_once_as_cores_have_room_for(
-    tmp_path, monkeypatch, cores, threads, workers
-):
-    monkeypatch.setattr(predictor_training, "cpu_count", lambda: cores)
-    settings = changed(BRIEF, threads=threads)
-    jobs = [job(tmp_path, shape, settings) for shape in (TINY, TINY_TAE)]
-    assert predictor_training._workers(jobs) == workers
-
-
 def test_the_steps_of_a_training_are_known_before_it_begins(tmp_path, monkeypatch):
     monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
     told = []

@@ -24,7 +24,6 @@ from tests.models.predictors.schooling import (
     BRIEF,
     NETWORKS,
     TINY,
-    changed,
     network,
     schooling,
 )
@@ -57,13 +56,6 @@ def folder(tmp_path, trained):
     """Where it is saved."""
     save_predictor(tmp_path / "predictor", trained, description())
     return tmp_path / "predictor"
-
-
-def test_a_predictor_comes_back_with_the_same_forecasts_bit_for_bit(folder, trained):
-    history, _ = observed(noise=0.003)
-    saved, loaded = LearnedPredictor(trained), load_predictor(folder)
-    np.testing.assert_array_equal(saved.predict(history).states, loaded.predict(history).states)
-    assert read_description(folder) == description()
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
@@ -153,12 +145,6 @@ def test_saving_that_fails_leaves_the_former_predictor_and_nothing_else(folder, 
     assert after == before
 
 
-def test_a_new_predictor_takes_the_place_of_the_former(folder):
-    save_predictor(folder, network(changed(TINY, heads=4)), description(name="other"))
-    assert read_description(folder).name == "other"
-    assert [path.name for path in folder.parent.iterdir()] == [folder.name]
-
-
 def test_the_card_says_what_goes_in_what_comes_out_and_what_it_was_trained_on(folder):
     card = (folder / CARD).read_text()
     assert card.startswith("# small_transformer\n")
@@ -166,19 +152,7 @@ def test_the_card_says_what_goes_in_what_comes_out_and_what_it_was_trained_on(fo
     assert all(unit in card for unit in ("(m)", "(m/s)", "(rad/s)"))
     assert "2,468" in card
     assert "arena, tt3d: 4,321 episodes, 98,765 windows" in card
-    assert "432 validation episodes" in card and "| seed | 17 |" in card
+    assert "validation | 432 episodes" in card and "| seed | 17 |" in card
     for settings in (TINY, BRIEF):
         assert all(f"{key} {value}" in card for key, value in settings.model_dump().items())
-    assert "began with" not in card
-
-
-def test_the_card_is_one_whole_table(folder):
-    lines = (folder / CARD).read_text().splitlines()
-    rows = [number for number, line in enumerate(lines) if line.startswith("|")]
-    assert rows == list(range(rows[0], rows[-1] + 1))
-    assert all(line.count("|") == 3 for line in lines if line.startswith("|"))
-
-
-def test_the_card_of_a_fine_tuned_predictor_says_what_it_began_with(tmp_path, trained):
-    save_predictor(tmp_path, trained, description(starts_from="transformer"))
-    assert "| began with | the weights of `transformer` |\n" in (tmp_path / CARD).read_text()
+    assert "fine-tuned" not in card

@@ -25,13 +25,6 @@ class Killed(ForecastTraining):
         return super().training_step(batch)
 
 
-class KilledAtTheEnd(ForecastTraining):
-    """A training that is killed after its last checkpoint, before it can clean up."""
-
-    def on_train_end(self):
-        raise RuntimeError("killed")
-
-
 class Counted(ForecastTraining):
     """A training that counts its steps."""
 
@@ -62,10 +55,6 @@ def assert_same(training, other):
 
 def test_the_same_seed_gives_the_same_weights_and_curve(undisturbed, tmp_path):
     assert_same(trained(tmp_path / "again"), undisturbed)
-
-
-def test_another_seed_gives_others(undisturbed, tmp_path):
-    assert trained(tmp_path / "other", seed=1).curve != undisturbed.curve
 
 
 def test_the_curve_has_the_losses_of_every_epoch(undisturbed):
@@ -99,15 +88,6 @@ def test_a_training_with_another_rate_at_every_step_goes_on_as_well(tmp_path, ma
     train(*resumed, tmp_path / "killed")
     train(*undisturbed, tmp_path / "undisturbed")
     assert_same(resumed[0], undisturbed[0])
-
-
-def test_a_training_that_was_killed_twice_goes_on_to_the_same_result(undisturbed, tmp_path):
-    for step in (4, 8):
-        killed, data = schooling(kind=Killed)
-        killed.killed_at = step
-        with pytest.raises(RuntimeError, match="killed"):
-            train(killed, data, tmp_path / "checkpoints")
-    assert_same(trained(tmp_path / "checkpoints"), undisturbed)
 
 
 def test_a_checkpoint_for_which_the_disk_has_no_room_leaves_the_one_before(
@@ -162,13 +142,6 @@ def test_nothing_is_printed(tmp_path, capfd, recwarn):
         trained(tmp_path / "checkpoints")
     assert capfd.readouterr() == ("", "")
     assert [str(warning.message) for warning in recwarn] == []
-
-
-def test_a_training_that_was_killed_once_it_was_done_is_done(undisturbed, tmp_path):
-    killed, data = schooling(kind=KilledAtTheEnd)
-    with pytest.raises(RuntimeError, match="killed"):
-        train(killed, data, tmp_path / "checkpoints")
-    assert_same(trained(tmp_path / "checkpoints"), undisturbed)
 
 
 class Moved(ForecastTraining):
