@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from models.predictors.errors import spread
+from models.predictors.errors import error_statistics
 from models.predictors.protocol import Floats
 
 SEEDS = 3
@@ -44,7 +44,7 @@ class Comparison:
         """
         difference = self.found - self.params
         flat = difference.reshape(-1, len(self.measures))
-        found = spread(flat, self.groups.ravel(), RESAMPLES, np.random.default_rng(seed))
+        found = error_statistics(flat, self.groups.ravel(), RESAMPLES, np.random.default_rng(seed))
         by_seed = np.nanmean(difference, axis=1)
         sign = -1 if self.smaller_is_better else 1
         columns = {

@@ -9,13 +9,13 @@ import lightning
 import numpy as np
 from lightning.pytorch.callbacks import Callback
 
-from models.predictors.errors import HORIZONS_MS, errors
+from models.predictors.errors import HORIZONS_MS, error_norms
 from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from models.predictors.learned import LearnedPredictor, build_network
 from models.predictors.protocol import Floats
 from models.predictors.training import ForecastTraining, WindowData
-from models.predictors.window_dataset import Tracks, tracks
-from pipeline.evaluation.contenders import one_thread
+from models.predictors.window_dataset import Tracks, build_tracks
+from pipeline.evaluation.predictors import one_thread
 from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
 from pipeline.io.episodes import read_episodes
 from pipeline.params import Params
@@ -87,7 +87,9 @@ def _splits(artifacts: Path, sources: Sequence[str]) -> list[Tracks]:
     episodes = read_episodes(artifacts / "segment", manifest.labelled_once, splits)
     usable = [one for one in episodes if one.unbroken and one.source in sources]
     try:
-        return [tracks([one.episode for one in usable if one.split == split]) for split in splits]
+        return [
+            build_tracks([one.episode for one in usable if one.split == split]) for split in splits
+        ]
     except ValueError as error:
         path = artifacts / "segment" / "episodes.parquet"
         raise InputError(path, f"{error}: {', '.join(sources)}") from None
@@ -134,7 +136,7 @@ def _test_errors(
 
 def _errors(predictor: LearnedPredictor, test: MeasuredSet) -> Floats:
     forecast = predictor.predict(test.windows.history)
-    error = {quantity: errors(forecast, test.windows, quantity) for quantity in UNITS}
+    error = {quantity: error_norms(forecast, test.windows, quantity) for quantity in UNITS}
     shown = [HORIZONS_MS.index(horizon) for horizon in SHOWN_HORIZONS_MS]
     position = np.ma.masked_invalid(error["position"]).mean(axis=1).filled(np.nan)
     return np.column_stack([position, *(one[:, shown] for one in error.values())])

@@ -54,7 +54,5 @@ def test_what_is_no_number_is_named(root, column, value):
 def test_a_row_that_is_there_twice_is_refused(root):
     report = pd.read_csv(root / REPORT)
     pd.concat([report, report.iloc[:1]]).to_csv(root / REPORT, index=False)
-    with pytest.raises(
-        InputError, match=rf"forecast_error\.csv, row {len(report) + 1}.*duplicate"
-    ):
+    with pytest.raises(InputError, match=rf"forecast_error\.csv, row {len(report) + 1}.*duplicate"):
         read_errors(root)
