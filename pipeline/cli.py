@@ -246,6 +246,17 @@ def costs() -> None:
     typer.echo(f"All of it: {folder}")
 
 
+@app.command(rich_help_panel=MAINTENANCE)
+def stale() -> None:
+    """List the kept results whose code has changed since, with the packages that differ."""
+    from pipeline.experiments.stale import kept_results
+
+    for one in kept_results(clone()):
+        if one.is_stale:
+            changed = ", ".join(one.changed) or "this clone does not have the commit"
+            typer.echo(f"{one.folder}: {one.commit[:7]} ({one.date or 'unknown'}): {changed}")
+
+
 @app.command("compare-commits", rich_help_panel=MAINTENANCE)
 def compare_commits(
     base: Annotated[str, typer.Argument(help="a commit, such as main")],

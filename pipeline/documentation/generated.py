@@ -8,13 +8,16 @@ them again changes nothing.
 
 import re
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 from pipeline.documentation import deviations
 from pipeline.documentation.command_page import command_page
 from pipeline.documentation.cost_tables import benchmarks_table, extrapolation_table, scale_table
 from pipeline.documentation.effects_page import catalogue_page
+from pipeline.documentation.kept_runs import kept_runs
 from pipeline.documentation.physics_tables import constants_table, quantities_table
+from pipeline.documentation.tables import gap, predictors, transfer
 from pipeline.paper.page import paper_page
 from pipeline.runtime.errors import InputError
 
@@ -33,6 +36,26 @@ BLOCKS: dict[str, Writer] = {
     **deviations.BLOCKS,
     "scale": scale_table,
     "scale-extrapolation": extrapolation_table,
+    "gap-arena": gap.arena_causes,
+    "gap-exam": gap.exam_rates,
+    "gap-real": gap.real_summary,
+    "gap-real-errors": gap.real_errors,
+    "gap-real-causes": gap.real_causes,
+    "gap-returns": gap.retrained_returns,
+    "gap-returns-paper": partial(gap.retrained_returns, run="paper/"),
+    "gap-returns-real": partial(gap.retrained_returns, run="real/"),
+    "errors-by-group": predictors.errors_by_group,
+    "errors-arena": partial(predictors.position_errors, arena=True),
+    "errors-arena-paper": partial(predictors.position_errors, run="paper/", arena=True),
+    "errors-real": partial(predictors.position_errors, run="real/", arena=False),
+    "costs": predictors.predictor_costs,
+    "sim2sim": transfer.sim2sim_returns,
+    "sim2sim-paper": partial(transfer.sim2sim_returns, run="paper/"),
+    "sim2real": transfer.sim2real_counts,
+    "sim2real-paper": partial(transfer.sim2real_counts, run="paper/"),
+    "sim2real-real": transfer.real_swap,
+    "longer-trainings": transfer.longer_trainings,
+    "kept-runs": kept_runs,
 }
 
 _START = "<!-- generated:"

@@ -1,0 +1,152 @@
+"""Tables of the gap workflow: the arena, the exam, measured sets, retrained policies."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pipeline.documentation.tables.markdown import (
+    NONE,
+    markdown_table,
+    number,
+    read_report,
+    with_interval,
+)
+from pipeline.io.artifacts import read_json
+
+NOT_TESTED = ("racket_bounce", "net")  # the gap workflow's shots touch neither
+BASES = {"imperfect_c": "C", "without_magnus": "C without lift", "from_literature": "literature"}
+SETS = ("spindoe", "tt3d", "isr_ball_prediction")
+HORIZONS_MS = (100, 200, 300)
+RATES = {  # what the exam counts: the number of right answers, and of questions
+    "clean sets with a false alarm": ("false_alarms", "clean_sets"),
+    "one effect at 3x, a class of its own: its name": ("own_class_right", "own_class"),
+    "one effect at 3x, others look like it: its class": ("shared_class_right", "shared_class"),
+    "two effects at 3x: both": ("pairs_right", "pairs"),
+    "withheld from the catalogue: called unknown": ("withheld_right", "withheld"),
+    "95 % intervals that hold the truth": ("intervals_right", "intervals"),
+}
+
+
+def arena_causes(root: Path) -> str:
+    """Parameters that were wrong or missing in simulator C, from ``retrain_policy``."""
+    rows = read_report(root, "retrain_policy/numbers.csv").query("source == 'arena'")
+    rows = rows[~rows["effect"].isin(NOT_TESTED)]
+    rows = rows[rows["amended"].fillna(0) != rows["truth"].fillna(0)]
+    return markdown_table(
+        ["parameter", "simulator C", "named (95 % interval)", "arena"],
+        (
+            [
+                f"`{row.effect}.{row.parameter}`",
+                number(row.original),
+                with_interval(
+                    row.amended if pd.notna(row.low) else float("nan"), row.low, row.high, ".4g"
+                ),
+                number(row.truth),
+            ]
+            for row in rows.itertuples()
+        ),
+    )
+
+
+def exam_rates(root: Path) -> str:
+    """Counts of the exam for every method, from ``hidden_effects``."""
+    results = read_json(root / "reports/hidden_effects/exam.json")
+    methods = {"rallygap": results, **results["compared"]}
+
+    def counts(right: str, asked: str) -> Iterator[str]:
+        for one in methods.values():
+            yield f"{one[right]} of {one[asked]}" if one[asked] else NONE
+
+    closed = (f"{100 * one['removable_closed']:.0f}" for one in methods.values())
+    rows = [[name, *counts(*keys)] for name, keys in RATES.items()]
+    return markdown_table(["", *methods], [*rows, ["removable gap closed (%)", *closed]])
+
+
+def retrained_returns(root: Path, run: str = "") -> str:
+    """Returns of the arena's shots by policy and predictor, from ``retrain_policy``."""
+    rows = read_report(root, f"{run}retrain_policy/returns.csv").query("set == 'arena'")
+    return markdown_table(
+        ["policy", "predictor", "horizons (ms)", "returns", "of", "difference (points)"],
+        (
+            [
+                row.policy,
+                row.predictor,
+                row.horizons_ms,
+                f"{row.returns:g}",
+                f"{row.balls}",
+                with_interval(100 * row.difference, 100 * row.ci_low, 100 * row.ci_high),
+            ]
+            for row in rows.itertuples()
+        ),
+    )
+
+
+def real_summary(root: Path) -> str:
+    """Errors on held-out shots of the measured sets, a row a set and base simulator."""
+    errors, verdicts, causes = (_real(root, name) for name in ("errors", "verdicts", "stability"))
+    rows = []
+    for (source, base), some in verdicts.groupby(["source", "simulator"], sort=False):
+        chosen = "source == @source and simulator == @base"
+        means = errors.query(chosen).groupby("horizon_ms").mean(numeric_only=True)
+        gravity = causes.query(f"{chosen} and cause.str.startswith('gravity')")["found"].sum()
+        rows.append(
+            [
+                source,
+                BASES[base],
+                *(_errors(means.loc[horizon]) for horizon in HORIZONS_MS),
+                f"{(some['closer_low_mm'] > 0).sum()} of {len(some)}",
+                f"{(some['verdict'] == 'named').sum()} of {len(some)}",
+                f"{gravity} of {len(some)}",
+            ]
+        )
+    head = ["set", "base simulator", *(f"{horizon} ms" for horizon in HORIZONS_MS)]
+    return markdown_table([*head, "error falls", "verdict `named`", "gravity among causes"], rows)
+
+
+def real_errors(root: Path) -> str:
+    """Errors on held-out shots of the measured sets, a row a verdict."""
+    errors = _real(root, "errors").set_index(["source", "simulator", "split", "horizon_ms"])
+
+    def at(row: Any, horizon: int) -> str:
+        case = (row["source"], row["simulator"], row["split"], horizon)
+        return _errors(errors.loc[case]) if case in errors.index else NONE
+
+    rows = [
+        [
+            row["source"],
+            BASES[row["simulator"]],
+            str(row["split"]),
+            row["verdict"],
+            *(at(row, horizon) for horizon in HORIZONS_MS),
+            f"{row['closer_low_mm']:.0f} to {row['closer_high_mm']:.0f}",
+            _errors(row.filter(like="landing_").rename(lambda name: name.removeprefix("landing_"))),
+        ]
+        for _, row in _real(root, "verdicts").iterrows()
+    ]
+    head = ["set", "base simulator", "split", "verdict", *(f"{one} ms" for one in HORIZONS_MS)]
+    return markdown_table([*head, "error falls by (mm)", "landing"], rows)
+
+
+def real_causes(root: Path) -> str:
+    """Causes on the measured sets that at least two of three splits name."""
+    rows = []
+    for row in _real(root, "stability").query("found >= 2").itertuples():
+        unit = "" if row.unit == "1" else f" {row.unit}"
+        values = f"{row.lowest:.3g} to {row.highest:.3g}{unit}"
+        splits = f"{row.found:.0f} of {row.splits}"
+        rows.append([row.source, BASES[row.simulator], f"`{row.cause}`", splits, values])
+    return markdown_table(["set", "base simulator", "cause", "splits", "estimates"], rows)
+
+
+def _real(root: Path, name: str) -> Any:
+    table = read_report(root, f"real/close_gap/{name}.csv")
+    return table[table["source"].isin(SETS)]
+
+
+def _errors(row: Any) -> str:
+    """Return errors before and after amending, and the floor."""
+    if pd.isna(row["before_mm"]):
+        return NONE
+    return f"{row['before_mm']:.0f} → {row['after_mm']:.0f} ({row['floor_mm']:.0f})"

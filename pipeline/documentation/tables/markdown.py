@@ -1,0 +1,60 @@
+"""Markdown tables, and values as they are written in their cells."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pipeline.runtime.errors import InputError
+
+NONE = "–"
+PREDICTORS = {
+    "physics_c": "physics, simulator C",
+    "physics_literature": "physics, literature",
+    "amended_imperfect_c": "physics, C amended",
+    "amended_without_magnus": "physics, C without lift amended",
+    "amended_from_literature": "physics, literature amended",
+    "oracle": "oracle",
+    "transformer": "transformer",
+    "transformer_fine_tuned": "transformer, fine-tuned",
+    "tae": "TAE",
+    "tae_fine_tuned": "TAE, fine-tuned",
+    "gru_tae": "GRU-TAE",
+    "gru_tae_fine_tuned": "GRU-TAE, fine-tuned",
+}
+
+
+def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table with these column heads."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+
+
+def read_report(root: Path, name: str) -> Any:
+    """Read a CSV table under ``reports/``.
+
+    It is typed ``Any`` because the stubs of pandas make a union of every cell.
+
+    Raises:
+        InputError: there is none.
+    """
+    path = root / "reports" / name
+    if not path.is_file():
+        raise InputError(path, "is missing; run the stage that writes it")
+    return pd.read_csv(path)
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Return significant digits of a number, a dash for none."""
+    return f"{value:.{digits}g}" if pd.notna(value) else NONE
+
+
+def with_interval(value: float, low: float, high: float, form: str = ".0f") -> str:
+    """Return a value with its interval in brackets, a dash for none."""
+    if pd.isna(value):
+        return NONE
+    texts = (f"{one:{form}}" for one in (value, low, high))
+    # Rounded to whole numbers, a small negative one is written as zero.
+    mean, start, end = (text.replace("-0", "0", 1) if text == "-0" else text for text in texts)
+    return f"{mean} ({start} to {end})"

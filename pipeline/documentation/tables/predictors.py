@@ -1,0 +1,61 @@
+"""Tables of forecast errors and of what predictors cost."""
+
+from pathlib import Path
+
+from pipeline.documentation.tables.markdown import (
+    NONE,
+    PREDICTORS,
+    markdown_table,
+    read_report,
+    with_interval,
+)
+
+HORIZONS_MS = (100, 200, 300)
+
+
+def position_errors(root: Path, run: str = "", *, arena: bool) -> str:
+    """Mean position errors in mm with 95 % intervals, from ``evaluate_predictor``.
+
+    Args:
+        root: of the repository.
+        run: a kept run, such as ``paper/``; the present reports where empty.
+        arena: whether the rows are those of the arena, or of the measured sets.
+    """
+    errors = read_report(root, f"{run}evaluate_predictor/forecast_error.csv")
+    errors = errors.query("against == 'measured' and quantity == 'position' and bounce == 'all'")
+    errors = errors[(errors["set"] == "arena") == arena]
+    rows = []
+    for (name, predictor), some in errors.groupby(["set", "predictor"], sort=False):
+        ordered = some.sort_values("horizon_ms").itertuples()
+        cells = [with_interval(row.mean, row.ci_low, row.ci_high) for row in ordered]
+        rows.append([name, PREDICTORS[predictor], *cells])
+    return markdown_table(["set", "predictor", *(f"{one} ms" for one in HORIZONS_MS)], rows)
+
+
+def errors_by_group(root: Path) -> str:
+    """Mean position errors in mm at 300 ms by group of recordings, from ``evaluate_predictor``."""
+    errors = read_report(root, "evaluate_predictor/forecast_error_by_group.csv")
+    errors = errors.query("set == 'arena'")
+    groups = list(dict.fromkeys(errors["group"]))
+    rows = []
+    for predictor, some in errors.groupby("predictor", sort=False):
+        of = some.set_index("group")
+        cells = [with_interval(*of.loc[one, ["mean", "ci_low", "ci_high"]]) for one in groups]
+        rows.append([PREDICTORS[str(predictor)], *cells])
+    return markdown_table(["predictor", *groups], rows)
+
+
+def predictor_costs(root: Path) -> str:
+    """Size, training time, latency and errors of predictors, from ``rallygap costs``."""
+    rows = []
+    for row in read_report(root, "costs/costs.csv").to_dict("records"):
+        size, training = (
+            f"{row[name]:,.0f}" if row[name] == row[name] else NONE
+            for name in ("parameters", "training_s")
+        )
+        times = (f"{row[f'latency_ms_{name}']:.2f}" for name in ("median", "p99"))
+        errors = (f"{row[f'position_error_mm_{horizon}ms']:.0f}" for horizon in HORIZONS_MS)
+        rows.append([PREDICTORS[row["predictor"]], size, training, *times, *errors])
+    head = ["predictor", "parameters", "training (s)", "one forecast, median (ms)"]
+    heads = (f"error at {horizon} ms (mm)" for horizon in HORIZONS_MS)
+    return markdown_table([*head, "99th percentile (ms)", *heads], rows)
