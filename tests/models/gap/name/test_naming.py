@@ -8,6 +8,7 @@ import pytest
 from models.arena.truth import draw_truth
 from models.ball.simulator import Simulator
 from models.ball.simulators import shipped
+from models.gap import diagnose as diagnosis
 from models.gap.diagnose import diagnose
 from models.gap.fit.refit import refit
 from models.gap.name import naming
@@ -34,12 +35,12 @@ def ball_and_table(simulator):
     return Simulator.from_dict({name: effects[name] for name in effects if name not in rackets})
 
 
-def test_six_causes_at_ten_times_their_size_are_all_named(monkeypatch):
-    monkeypatch.setattr(naming, "MOST_SHOTS", 30)  # so that the others look once more
+def test_six_causes_at_ten_times_their_size_are_all_named():
+    some = replace(SETTINGS, name=replace(SETTINGS.name, first_shots=30))  # then all once more
     hall = NOMINAL
     for effect, values in SIX.items():
         hall = hall.amended(effect, **values)
-    found = name(measured(hall, count=40, seed=1005), Question(NOMINAL, SETTINGS))
+    found = name(measured(hall, count=40, seed=1005), Question(NOMINAL, some))
     columns = found.explainer.evidence.columns
     causes = [columns[k] for k in found.explanation.causes]
     assert sorted(one.identity for one in causes) == [
@@ -51,7 +52,8 @@ def test_six_causes_at_ten_times_their_size_are_all_named(monkeypatch):
 
 
 def test_causes_that_do_not_stay_are_ambiguous(monkeypatch):
-    monkeypatch.setattr(naming, "MOST_ROUNDS", 0)
+    none = replace(SETTINGS, name=replace(SETTINGS.name, max_rounds=0))
+    monkeypatch.setattr(diagnosis, "GapSettings", lambda level: none)
     hall = NOMINAL.amended("side_force", cy=0.03)
     verdict = diagnose(measured(hall, count=18, seed=1006), NOMINAL)
     assert verdict.verdict == "ambiguous"
