@@ -1,4 +1,4 @@
-"""``rallygap benchmark``: test windows to take away, forecasts to bring back."""
+"""``rallygap benchmark``: exports test windows and scores forecasts of them."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""Anyone's forecasts of the test windows, read from a parquet file or refused in one line."""
+"""Forecasts of the test windows, read from a parquet file and checked row by row."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -114,7 +114,7 @@ def _checked(table: pd.DataFrame, path: Path) -> pd.DataFrame:
         return checked(table, FORECASTS)
     except InputError as error:
         raise InputError(
-            path, f"{error.problem}; mend this row", row=error.row, field=error.field
+            path, f"{error.problem}; correct this row", row=error.row, field=error.field
         ) from None
 
 

@@ -1,4 +1,4 @@
-"""The two tables of the benchmark: the windows that are given, and the forecasts that come back."""
+"""The tables of the benchmark: exported windows, and forecasts to score."""
 
 from typing import Any
 

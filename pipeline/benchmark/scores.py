@@ -1,4 +1,4 @@
-"""Scores of anyone's forecasts, beside those of our own predictors on the same windows."""
+"""Scores of any forecasts, and of the predictors of the run on the same windows."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ UNITS = {"position": "mm", "velocity": "m/s", "spin": "rad/s"}
 
 @dataclass(frozen=True)
 class Scores:
-    """Errors of forecasts against the measured state, beside those of the run's own predictors.
+    """Errors of forecasts against the measured state, and errors of the predictors of the run.
 
     Attributes:
         name: of the file of forecasts, which stands among the predictors, first.

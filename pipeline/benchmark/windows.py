@@ -1,4 +1,4 @@
-"""The test windows of the last run as others get them: what was seen, and nothing of what came."""
+"""The test windows of the last run, exported without their futures."""
 
 import hashlib
 from collections.abc import Sequence
