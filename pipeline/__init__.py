@@ -1,4 +1,4 @@
-"""What every stage shares: parameters, data contracts, sources, artefacts, tracking, figures."""
+"""The experiment pipeline: stages' parameters, files, runs, results and the command line."""
 
 from pipeline.runtime.determinism import hold_arithmetic
 

@@ -38,7 +38,7 @@ Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$", max_length
 
 MOST_ALIASES = 20  # of a YAML file; a few lines of them may repeat themselves without end
 DEEPEST = 100  # parts of YAML that one part may stand in
-LONGEST_SHOWN = 100  # characters of a value that is refused
+LONGEST_SHOWN = 100  # characters of a refused value in a message
 
 
 class Settings(BaseModel):
@@ -56,10 +56,10 @@ class PhysicsPredictorSettings(Settings):
 
 
 class FineTuningSettings(Settings):
-    """How trained predictors go on to learn from other balls; their names get a suffix."""
+    """How trained predictors are fine-tuned on other data sets; their names get a suffix."""
 
     sources: list[Name]
-    """Sets of measured balls; none leaves fine-tuning out."""
+    """Data sets; an empty list leaves fine-tuning out."""
     epochs: Annotated[int, Field(ge=1, le=10_000)]
     windows_an_episode: Annotated[int, Field(ge=1, le=100)]
     learning_rate: Annotated[float, Field(gt=0, le=1)]
@@ -68,10 +68,10 @@ class FineTuningSettings(Settings):
 
 
 class TrainPredictorSettings(Settings):
-    """Which networks learn to forecast, from which balls, and how."""
+    """Which predictors are trained, on which data sets, and how."""
 
     sources: Annotated[list[Name], Field(min_length=1)]
-    """Sets of measured balls to learn from."""
+    """Data sets to train on."""
     networks: Annotated[dict[Name, NetworkSettings], Field(min_length=1)]
     training: TrainingSettings
     """The same for every network."""
@@ -88,19 +88,19 @@ class ComparedSimulatorSettings(Settings):
 
 
 class CloseGapSettings(Settings):
-    """Which simulators the training balls of every source are compared with, and on how many."""
+    """Which simulators the training shots of every source are compared with, and on how many."""
 
     simulators: Annotated[dict[Name, ComparedSimulatorSettings], Field(min_length=1)]
     splits: Annotated[int, Field(ge=1, le=100)]
-    """How often shots are drawn anew: two in three of them for naming, the rest for verifying."""
+    """Number of random draws of shots: two in three shots for naming, the rest for verifying."""
     shots: Annotated[int, Field(ge=3, le=10_000)]
     """Drawn each time, at most."""
     level: Annotated[float, Field(ge=1e-4, le=0.5)]
-    """Chance of a false name where there is no gap."""
+    """Probability of a false name where there is no gap."""
 
 
 class EvaluatePredictorSettings(Settings):
-    """Which predictors forecast which windows, and how sure their errors are.
+    """Which predictors forecast which windows, and the intervals of their errors.
 
     Every trained predictor is evaluated, and on the arena the one that knows its truth.
     """
@@ -114,13 +114,13 @@ class EvaluatePredictorSettings(Settings):
 
 
 class PolicyGroupSettings(Settings):
-    """Policies that are trained alike: one for every simulator, triple of horizons and repeat."""
+    """Policies with the same settings: one per simulator, triple of horizons and repeat."""
 
     simulators: Annotated[list[Name], Field(min_length=1)]
     """Shipped simulators by name."""
     horizons_ms: Annotated[list[HorizonsMs], Field(min_length=1)]
     repeats: Annotated[int, Field(ge=1, le=100)]
-    """Policies that differ in nothing but the seed."""
+    """Policies that differ only in the seed."""
     observation: ObservationKind
     goals: GoalSettings
     learning: LearningSettings
@@ -140,7 +140,7 @@ class TrainPolicySettings(Settings):
 
     groups: Annotated[dict[Name, PolicyGroupSettings], Field(min_length=1)]
     trials: Annotated[int, Field(ge=10, le=100_000)]
-    """Balls that a trained policy plays in its own simulator, and has never seen."""
+    """Test trials of a trained policy in its own simulator."""
 
 
 Sim2SimProtocol = Literal["first_state", "re_anchored"]
@@ -155,10 +155,10 @@ def _each_once(names: list[str]) -> list[str]:
 
 
 class Sim2SimSettings(Settings):
-    """Which policies play balls of another simulator, and what they are told of them."""
+    """Which policies play in another simulator, and from which predictions."""
 
     ground_truth: Name
-    """The shipped simulator that flies the balls."""
+    """The shipped simulator that is the ground truth."""
     group: Name
     """The policies that play, of ``train_policy``."""
     episodes: Annotated[int, Field(ge=1, le=100_000)]
@@ -169,7 +169,7 @@ class Sim2SimSettings(Settings):
 
 
 class ToleranceSettings(Settings):
-    """How wrong forecasts are made, to see what policies tolerate."""
+    """Which errors are added to forecasts, to measure what policies tolerate."""
 
     balls: Annotated[int, Field(ge=1, le=100_000)]
     """Of the simulator that the policies were trained in, the same for all."""
@@ -178,7 +178,7 @@ class ToleranceSettings(Settings):
 
 
 class Sim2RealSettings(Settings):
-    """Which policies measured balls are replayed to, and how launches become such balls."""
+    """Which policies play measured trajectories, and how launches are made into trajectories."""
 
     group: Name
     """The policies that play, of ``train_policy``, ..."""
@@ -208,34 +208,34 @@ class ShotQualitySettings(Settings):
 
 
 class RetrainPolicySettings(Settings):
-    """In whose amended simulators policies are trained anew, to play the same balls."""
+    """In which amended simulators policies are re-trained, to play the same shots."""
 
     sources: Annotated[list[Name], Field(min_length=1)]
-    """Sets of measured balls: policies are trained for each, and play its balls."""
+    """Data sets: policies are re-trained for each, and play its shots."""
 
 
 class HiddenEffectsSettings(Settings):
-    """What the exam is about, how much of it is sat anew, and whom else it asks."""
+    """The exam: its nominal simulator, how much of it is repeated, and the compared methods."""
 
     simulator: Annotated[str, StringConstraints(min_length=1)]
     """The nominal one: a shipped one's name, or the path of a YAML file with a table."""
     trials: Annotated[int, Field(ge=1, le=1000)]
-    """Of the exam, spread over it, that every run of the stage sits anew."""
+    """Trials of the exam, spread over it, that every run of the stage repeats."""
     peers_every: Annotated[int, Field(ge=1, le=1000)]
-    """One question in so many goes to the methods compared with, too."""
+    """One question in so many is also given to the compared methods."""
 
 
 class ReportSettings(Settings):
-    """What the page shows."""
+    """How much the page shows."""
 
     shots: Annotated[int, Field(ge=0, le=20)]
     """Measured shots in the 3-D view, at most."""
     returns: Annotated[int, Field(ge=0, le=40)]
-    """Films of policies in the other 3-D view, at most."""
+    """Returns by policies in the other 3-D view, at most."""
 
 
 class Params(Settings):
-    """Everything params.yaml says."""
+    """The content of params.yaml."""
 
     seed: Annotated[int, Field(ge=0, lt=2**32)]
     ingest: IngestSettings
@@ -267,7 +267,7 @@ def parse_yaml(text: str) -> Any:
 
     Raises:
         YAMLError: it is not YAML.
-        ValueError: a value is none, or parts repeat others too often or stand too deep in others.
+        ValueError: a value is none, or parts repeat others too often or are nested too deeply.
     """
     aliases = depth = 0
     for event in YAML(typ="safe").parse(text):
@@ -369,8 +369,8 @@ def _known_keys(location: Sequence[int | str]) -> set[str]:
         fields = [model.model_fields[part] for model in models if part in model.model_fields]
         if fields:
             models = [model for field in fields for model in _models_in(field.annotation)]
-    told = [model for model in models if location[-1:] and _has_kind(model, location[-1])]
-    models = told or models
+    of_kind = [model for model in models if location[-1:] and _has_kind(model, location[-1])]
+    models = of_kind or models
     return {name for model in models for name in model.model_fields}
 
 

@@ -89,10 +89,10 @@ def _physics(settings: EvaluatePredictorSettings) -> Iterator[NamedPredictor]:
 def _amended(folder: Path) -> Iterator[NamedPredictor]:
     for one in read_amended(folder):
         yield NamedPredictor(
-            f"{AMENDED}_{one.begun}",
+            f"{AMENDED}_{one.base}",
             PhysicsPredictor(one.simulator),
             AMENDED,
-            simulator=f"{one.begun}, amended",
+            simulator=f"{one.base}, amended",
             trained_on=(one.source,),
         )
 

@@ -1,4 +1,4 @@
-"""Keep the results of a DVC experiment in the repository, with all it takes to make them again."""
+"""Keep the results of a DVC experiment in the repository, with what it takes to reproduce them."""
 
 import shlex
 import shutil
@@ -18,7 +18,7 @@ from pipeline.runtime.scratch import kept_timings
 
 PREDICTORS = "artifacts/train_predictor"
 RECORD = "run.json"
-LARGEST_FILE = 30_000_000  # bytes; larger ones git would carry about for ever
+LARGEST_FILE = 30_000_000  # bytes; larger ones would stay in git's history
 
 
 def keep_experiment(root: Path, name: str) -> None:
@@ -36,7 +36,7 @@ def keep_experiment(root: Path, name: str) -> None:
     revision, baseline = find_experiment(root, name)
     params = _params_at(root, revision)
     if Path(params.get("ingest", {}).get("folder") or "").is_absolute():
-        problem = "names a folder of this machine; run it anew with RALLYGAP_DATA in its place"
+        problem = "names a folder of this machine; run it again with RALLYGAP_DATA in its place"
         raise InputError(f"experiment {name}", problem, field="ingest.folder")
     with _complete(name), replacing_folder(root / "reports" / name) as folder:
         stages = _copy_reports(root, revision, folder)

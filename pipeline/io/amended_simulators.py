@@ -1,4 +1,4 @@
-"""Amended simulators as files: what close_gap made of a simulator by the balls of a source."""
+"""Amended simulators as files: close_gap amends a simulator for the recordings of a source."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ class Amended:
     """A simulator that was amended.
 
     Attributes:
-        source: whose balls amended it.
-        begun: name of the simulator in ``close_gap.simulators`` that it was before.
-        simulator: as it is now.
+        source: of the recordings that it was amended for.
+        base: name in ``close_gap.simulators`` of the simulator before.
+        simulator: the amended one.
     """
 
     source: str
-    begun: str
+    base: str
     simulator: Simulator
 
 
@@ -41,25 +41,25 @@ def read_amended(folder: Path) -> Iterator[Amended]:
         InputError: one is broken.
     """
     for path in sorted(folder.glob(f"{case_name('*', '*', FIRST)}.yaml")):
-        source, begun, _ = path.stem.split("-")
-        yield Amended(source, begun, load_simulator(str(path)))
+        source, base, _ = path.stem.split("-")
+        yield Amended(source, base, load_simulator(str(path)))
 
 
-def amended_by(folder: Path, source: str, begun: str) -> Simulator | None:
-    """Return what the balls of a source made of a simulator; ``None`` where they were not asked.
+def amended_by(folder: Path, source: str, base: str) -> Simulator | None:
+    """Return a simulator amended for a source; ``None`` where close_gap did not compare the two.
 
     Args:
         folder: that close_gap wrote.
-        source: of the balls.
-        begun: name of the simulator.
+        source: of the recordings.
+        base: name of the simulator.
 
     Raises:
         InputError: it is broken.
     """
-    path = folder / f"{case_name(source, begun, FIRST)}.yaml"
+    path = folder / f"{case_name(source, base, FIRST)}.yaml"
     return load_simulator(str(path)) if path.exists() else None
 
 
-def verdict_path(folder: Path, source: str, begun: str) -> Path:
-    """Return the path of the verdict by which the balls of a source amended a simulator."""
-    return folder / f"{case_name(source, begun, FIRST)}.json"
+def verdict_path(folder: Path, source: str, base: str) -> Path:
+    """Return the path of the verdict by which a simulator was amended for a source."""
+    return folder / f"{case_name(source, base, FIRST)}.json"

@@ -23,9 +23,9 @@ COMPRESSION: Literal["zstd"] = "zstd"  # of tables
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Yield a temporary file beside ``path`` that takes its place when the block succeeds.
+    """Yield a temporary file next to ``path`` that replaces it when the block succeeds.
 
-    A block that fails leaves ``path`` as it was and nothing beside it.
+    A block that fails leaves ``path`` unchanged and no other file.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
@@ -87,7 +87,7 @@ def read_as(path: Path, schema: type[Content], stage: str) -> Content:
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"])
-        problem = f"{first['msg']}; run `dvc repro -f {stage}` to write it anew"
+        problem = f"{first['msg']}; run `dvc repro -f {stage}` to write it again"
         raise InputError(path, problem, field=place) from None
 
 

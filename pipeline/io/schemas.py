@@ -163,7 +163,7 @@ def empty(contract: pa.DataFrameSchema) -> pd.DataFrame:
     return pd.DataFrame(columns=list(types)).astype(types)
 
 
-ANEW = "run the stage that writes it"
+HOW_TO_WRITE = "run the stage that writes it"
 
 _EXPLANATIONS = {
     "column_in_dataframe": "is missing",
@@ -192,10 +192,10 @@ def check_columns(path: Path, contract: pa.DataFrameSchema) -> None:
     for name in contract.columns:
         if names.count(name) != 1:
             problem = "is there twice" if name in names else "is missing"
-            raise InputError(path, f"{problem}; {ANEW}", field=name)
+            raise InputError(path, f"{problem}; {HOW_TO_WRITE}", field=name)
     for name in names if contract.strict else []:
         if name not in contract.columns:
-            raise InputError(path, f"is no column of this table; {ANEW}", field=name)
+            raise InputError(path, f"is no column of this table; {HOW_TO_WRITE}", field=name)
 
 
 def checked(

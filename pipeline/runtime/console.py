@@ -1,4 +1,4 @@
-"""What rallygap says on the terminal: one line a problem, on stderr; tables without a gap."""
+"""Messages on the terminal: one line per problem, on stderr; tables on stdout."""
 
 import sys
 from typing import TYPE_CHECKING, NoReturn
@@ -8,22 +8,22 @@ from pipeline.runtime.errors import InputError
 if TYPE_CHECKING:
     from rich.table import Table
 
-WIDEST = 10_000  # characters of a table that no terminal shows
+WIDEST = 10_000  # characters of a table outside of a terminal
 
 
 def refuse(error: InputError) -> NoReturn:
-    """Print what is wrong with the input and end the process with status 2."""
+    """Print an error in the input and end the process with status 2."""
     _print(str(error))
     sys.exit(2)
 
 
 def warn(message: str) -> None:
-    """Print what the user should know about a run that goes on."""
+    """Print a warning about a run that continues."""
     _print(f"warning: {message}")
 
 
 def show(table: "Table") -> None:
-    """Print a table on stdout, in a file or a pipe as wide as it is: nobody sees what was cut."""
+    """Print a table on stdout; in a file or a pipe without a limit of its width."""
     from rich.console import Console
 
     console = Console()

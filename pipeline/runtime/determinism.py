@@ -1,9 +1,9 @@
-"""One arithmetic on every x86-64 processor, so that the same inputs give the same bytes elsewhere.
+"""The same arithmetic on every x86-64 processor, so that the same inputs give the same bytes.
 
-numpy, OpenBLAS, MKL, oneDNN and torch look at the processor and choose instructions by it. Wider
-ones add up in another order, the last bits differ, and a training amplifies that. All are
-held to AVX2, which every such processor of the last ten years has. They read the environment when
-they are loaded, so this comes before the first of them.
+numpy, OpenBLAS, MKL, oneDNN and torch choose instructions by the processor. Wider ones add in
+another order, the last bits differ, and a training amplifies the difference. All are limited to
+AVX2, which every such processor of the last ten years has. They read the environment when they are
+loaded, so it is set before the first of them.
 """
 
 import os
@@ -19,7 +19,7 @@ ARITHMETIC = {
 
 
 def hold_arithmetic() -> None:
-    """Set what the libraries read, where nobody has; processes begun later inherit it."""
+    """Set the environment of the libraries where the user has not; child processes inherit it."""
     if platform.machine() in ("x86_64", "AMD64"):
         for name, value in ARITHMETIC.items():
             os.environ.setdefault(name, value)

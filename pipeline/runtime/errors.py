@@ -1,4 +1,4 @@
-"""The one error that a user's input may raise: where it is, what is wrong, what to do."""
+"""The error of a user's input: where it is, what is wrong, what to do."""
 
 import copyreg
 from pathlib import Path
@@ -31,7 +31,7 @@ class InputError(Exception):
         super().__init__(f"{place}: {self.problem}")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Say how to make it again in another process, where workers raise it."""
+        """Pickle it, so that a worker process can raise it."""
         return copyreg.__newobj__, (type(self), *self.args), self.__dict__  # type: ignore[attr-defined]
 
 

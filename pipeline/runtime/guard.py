@@ -1,4 +1,4 @@
-"""What surrounds every stage: one run of it at a time, an orderly end, a line for a full disk."""
+"""One run of a stage at a time, a clean end on SIGTERM, one line for a full disk."""
 
 import errno
 import signal
@@ -30,9 +30,9 @@ def guarded(stage: str) -> Iterator[None]:
 
 @contextmanager
 def _alone(stage: str) -> Iterator[None]:
-    """Wait for another run of the stage, as one whose DVC was killed.
+    """Wait for another run of the stage, such as one whose DVC process was killed.
 
-    It would remove the outputs of this one when it fails, and its checkpoints when it succeeds.
+    That one would remove outputs and checkpoints of this one when it ends.
     """
     path = Path("scratch") / f"{stage}.lock"
     path.parent.mkdir(exist_ok=True)
@@ -50,7 +50,7 @@ def _alone(stage: str) -> Iterator[None]:
 
 @contextmanager
 def _stoppable() -> Iterator[None]:
-    """Let SIGTERM unwind the block, so that nothing half-written and no worker is left."""
+    """Let SIGTERM unwind the block, so that no partial output and no worker remains."""
     before: Any = signal.signal(signal.SIGTERM, _stop)
     try:
         yield
@@ -64,10 +64,10 @@ def _stop(number: int, _: FrameType | None) -> NoReturn:
 
 @contextmanager
 def disks_named(otherwise: str) -> Iterator[None]:
-    """Turn the refusal of a disk into one line.
+    """Turn an error of the disk into one line.
 
     Args:
-        otherwise: what the line begins with where the refusal names no file.
+        otherwise: start of the line where the error names no file.
     """
     try:
         yield

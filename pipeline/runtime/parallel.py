@@ -1,8 +1,8 @@
-"""Where tasks run side by side: on the cores of this machine, or on a cluster.
+"""Parallel tasks: on the cores of this machine, or on a cluster.
 
 The environment variable ``RALLYGAP_CLUSTER`` has the address of a scheduler of dask.distributed,
-such as ``tcp://127.0.0.1:8786``; without it, joblib uses all cores. What tasks give depends neither
-on where they run nor on how many run at once: each has one thread, and results come in their order.
+such as ``tcp://127.0.0.1:8786``; without it, joblib uses all cores. Results depend neither on
+where tasks run nor on how many run at once: each has one thread, and results keep their order.
 """
 
 import hashlib
@@ -100,7 +100,7 @@ def _check_workers(client: "Client") -> None:
     ours = code_digest()
     for worker, digest in client.run(code_digest).items():
         if digest != ours:
-            problem = "runs other code; check out the same commit there and start it anew"
+            problem = "runs other code; check out the same commit there and restart it"
             raise InputError(CLUSTER, problem, field=worker)
 
 

@@ -1,7 +1,7 @@
-"""What a stage leaves beside its outputs, kept in the repository wherever the stage ran.
+"""Checkpoints and timings of a stage, kept in the repository also for temporary copies.
 
 DVC runs ``dvc exp run --temp`` and queued experiments in a temporary copy, which it removes when
-they end, well or badly.
+they end.
 """
 
 import shutil
@@ -18,18 +18,18 @@ from pipeline.io.report_manifest import read_contents
 from pipeline.runtime.paths import repository_root
 from pipeline.runtime.provenance import short
 
-COPIES = "copies"  # folder of scratch/ for what killed stages left in temporary copies
+COPIES = "copies"  # folder of scratch/ with checkpoints of temporary copies
 
 Timings = dict[str, FiniteFloat | dict[str, FiniteFloat]]
 
 
 @contextmanager
 def scratch_kept(stage: str, fingerprint: str) -> Iterator[None]:
-    """Let a stage in a temporary copy go on where a killed one in another copy stopped.
+    """Let a stage in a temporary copy continue where a killed one in another copy stopped.
 
-    Its scratch folder becomes a link into the repository. What is kept there goes when the stage
-    succeeds, and nothing else: another copy may be at the same stage with other parameters. Where
-    it is at the same stage with the same ones, this one waits until it has ended.
+    Its scratch folder becomes a link into the repository. It is removed when the stage
+    succeeds, and no other: another copy may run the same stage with other parameters. Where it
+    runs the same stage with the same parameters, this one waits for its end.
     """
     here, home = Path.cwd(), repository_root()
     if here.resolve() == home.resolve():
@@ -48,22 +48,20 @@ def scratch_kept(stage: str, fingerprint: str) -> Iterator[None]:
 
 
 def keep_timings(stage: str, fingerprint: str, timings: dict[str, Any]) -> None:
-    """Write down how long things took in a run, where there is anything to say."""
+    """Write the timings of a run, if there are any."""
     if timings:
         write_json(_timings_file(repository_root(), stage, fingerprint), timings)
 
 
 def kept_timings(root: Path, report: Path) -> Timings:
-    """How long things took when a stage left this report.
-
-    Empty where that was on another machine, or never.
+    """The timings of the run that wrote a report; empty where it ran on another machine.
 
     Args:
         root: of the repository.
         report: the stage's folder, among the present reports or those of an experiment.
 
     Returns:
-        Name to seconds, or to seconds by name, as the stage noted them.
+        Name to seconds, or to seconds by name.
 
     Raises:
         InputError: the report's contents.json or the file with the timings is broken.

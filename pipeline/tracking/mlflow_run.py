@@ -32,7 +32,7 @@ from mlflow.system_metrics.system_metrics_monitor import SystemMetricsMonitor
 
 from pipeline.runtime.paths import repository_root
 from pipeline.tracking.changed_params import Change, flat, shortened
-from pipeline.tracking.headlines import headline_metrics
+from pipeline.tracking.headlines import headline_metrics, upstream_headlines
 from pipeline.tracking.logged_data import data_set, metric_points
 from pipeline.tracking.recording import EXPERIMENT, ParentRun, Results, RunStart, store_uri
 
@@ -84,6 +84,8 @@ class OpenRun:
     def _end_parent(self, parent: ParentRun, run_id: str, status: str, results: Results) -> None:
         """Give the parent the headline metrics, and move its end to this run's."""
         headlines = headline_metrics(self.start.name, results.metrics, now())
+        if Path("dvc.yaml").exists():
+            headlines += upstream_headlines(self.start.name, now())
         self.client.log_batch(run_id, metrics=headlines)
         earlier = self.client.get_run(run_id).info.status
         failed = parent.failure_is_final and earlier in ("FAILED", "KILLED")

@@ -1,7 +1,7 @@
 """A run in MLflow around a block of work: a stage of the pipeline, or a trial of a sweep.
 
 MLflow works in the process of the stage, with short timeouts. Whatever goes wrong with it costs one
-line of warning, and the stage goes on. A stage that is killed leaves its run open; the next one
+line of warning, and the stage continues. A stage that is killed leaves its run open; the next one
 that is recorded in the same store closes it (``mlflow_run.close_abandoned``).
 """
 

@@ -14,7 +14,7 @@ def test_amended_simulators_of_the_first_split_serve_others(tmp_path):
         for source in ("hall", "arena"):
             write_amended(tmp_path, source, "imperfect_c", {"drag": {"cd": 0.5 + split}}, split)
     found = [
-        (one.source, one.begun, one.simulator.effects["drag"]) for one in read_amended(tmp_path)
+        (one.source, one.base, one.simulator.effects["drag"]) for one in read_amended(tmp_path)
     ]
     assert found == [(name, "imperfect_c", {"cd": 0.5}) for name in ("arena", "hall")]
 

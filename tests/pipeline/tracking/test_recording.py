@@ -15,12 +15,14 @@ import pytest
 from mlflow.data import from_pandas
 from mlflow.types import Schema
 
+from pipeline.io.artifacts import write_json
+from pipeline.params import read_yaml
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.provenance import Provenance
 from pipeline.tracking import mlflow_run
 from pipeline.tracking import recording as tracking
 from pipeline.tracking.changed_params import shortened
-from pipeline.tracking.headlines import HEADLINES, headline_metrics
+from pipeline.tracking.headlines import HEADLINES, headline_metrics, upstream
 from pipeline.tracking.logged_data import columns
 from pipeline.tracking.mlflow_run import MlflowClient
 from pipeline.tracking.recording import InputData, Results, recorded
@@ -136,6 +138,21 @@ def test_every_headline_is_a_metric_of_the_committed_report(stage):
     found = headline_metrics(stage, metrics, 0)
     assert 0 < len(found) <= 30
     assert len({one.key for one in found}) == len(found)
+
+
+def test_stages_that_dvc_skips_give_their_headlines_to_the_parent(store, below_dvc):
+    write_json(Path("reports/ingest/metrics.json"), {"arena": {"recordings": 7}})
+    write_json(Path("reports/sim2sim/metrics.json"), {"a": {"difference": {"mean": 1.0}}})
+    shutil.copy(ROOT / "dvc.yaml", "dvc.yaml")
+    record("segment")
+    expected = [("ingest/arena/recordings", 7.0)]
+    assert rows(store, "SELECT key, value FROM metrics") == expected
+
+
+def test_the_page_is_made_from_all_other_stages():
+    stages = read_yaml(ROOT / "dvc.yaml")["stages"]
+    assert upstream(stages, "report") == set(stages) - {"report"}
+    assert upstream(stages, "segment") == {"ingest"}
 
 
 def test_a_headline_with_a_value_an_epoch_is_the_last_one():
