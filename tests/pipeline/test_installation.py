@@ -49,7 +49,7 @@ def base_distributions():
 
 
 @pytest.fixture(scope="module")
-def base_only():
+def base_only(tmp_path_factory):
     """Run rallygap as it is in the base installation."""
     base = base_distributions()
     absent = {
@@ -60,10 +60,12 @@ def base_only():
     assert {"torch", "lightning", "mlflow", "dvc", "optuna", "stable_baselines3"} <= absent
     script = f"ABSENT = {sorted(absent)!r}\n{BASE_ONLY}"
 
-    def run(*words, cwd=ROOT):
+    home = str(tmp_path_factory.mktemp("home"))
+
+    def run(*words):
         command = [sys.executable, "-c", script, *map(str, words)]
-        environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": str(cwd)}
-        return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True)
+        environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": home}
+        return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
 
     return run
 
