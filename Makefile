@@ -36,8 +36,8 @@ reproduce: .venv/ready ## run the whole pipeline on the embedded data
 real: .venv/ready ## run the pipeline on the measured sets in DATA and keep the results in reports/real
 	@rallygap real
 
-exam: .venv/ready ## hours: sit the whole blind exam and keep its sheets; goes on where it was killed
-	@python -m pipeline.exam.run
+exam: .venv/ready ## hours: run the whole blind exam and write its records; resumes if killed
+	@python -m pipeline.exam.full_run
 	@dvc repro hidden_effects
 
 test: .venv/ready ## the quick tests, in parallel on all cores

@@ -25,16 +25,15 @@ from benchmarks.comparison import ROOT
 from benchmarks.policy_training import LEARNING, PARAMS, SEED, TASK
 from models.ball.catalogue import catalogue
 from models.exam.design.questions import Question
-from models.exam.design.trial import Trial
-from models.exam.methods.registry import METHODS
-from models.exam.run_question import sit
+from models.exam.methods.registry import METHODS, RALLYGAP
+from models.exam.runner import run_question
+from models.exam.simulate.trial import Trial
 from models.policy.learning import learn_leg
 from models.predictors.learned import build_network
 from models.predictors.training import ForecastTraining, WindowData
 from models.predictors.window_dataset import build_tracks
 from models.segmentation.tables import Segmented
 from pipeline.evaluation.costs import machine
-from pipeline.exam.records import OURS
 from pipeline.io.artifacts import read_table, write_csv, write_json
 from pipeline.io.episodes import _episode
 from pipeline.predictors.trainer import train
@@ -67,16 +66,16 @@ class Work:
 
 
 def answer_question(number: int, withheld: Sequence[str] = ()) -> int:
-    """Answer a question of the exam with our method; return 1, the units done."""
+    """Let rallygap answer a question of the exam."""
     trial = Trial(
         f"clean/{number}", TASK.simulator, shots=SHOTS, withheld=tuple(withheld), seed=1000 + number
     )
-    sit(Question("clean", trial), {OURS: METHODS[OURS]})
+    run_question(Question("clean", trial), {RALLYGAP: METHODS[RALLYGAP]})
     return 1
 
 
 def answer_with_half_the_effects(number: int) -> int:
-    """Answer with every second effect of the catalogue withheld."""
+    """Let it answer with every other effect of its catalogue withheld."""
     return answer_question(number, NOT_NOMINAL[::2])
 
 

@@ -215,14 +215,14 @@ class RetrainPolicySettings(Settings):
 
 
 class HiddenEffectsSettings(Settings):
-    """The exam: its nominal simulator, how much of it is repeated, and the compared methods."""
+    """The simulator of the exam, and which of its questions are answered again and by others."""
 
     simulator: Annotated[str, StringConstraints(min_length=1)]
     """The nominal one: a shipped one's name, or the path of a YAML file with a table."""
-    trials: Annotated[int, Field(ge=1, le=1000)]
-    """Trials of the exam, spread over it, that every run of the stage repeats."""
-    peers_every: Annotated[int, Field(ge=1, le=1000)]
-    """One question in so many is also given to the compared methods."""
+    rerun_questions: Annotated[int, Field(ge=1, le=1000)]
+    """Questions that every run of the stage answers again, evenly spaced over the exam."""
+    other_methods_every: Annotated[int, Field(ge=1, le=1000)]
+    """One question in so many is also answered by the other methods."""
 
 
 class ReportSettings(Settings):

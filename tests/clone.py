@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-SHEETS = "reports/exam/"  # of which the stage hidden_effects makes its report
+RECORDS = "reports/exam/"  # of which the stage hidden_effects makes its report
 IDENTITY = {
     f"GIT_{who}_{what}": text
     for who in ("AUTHOR", "COMMITTER")
@@ -22,7 +22,7 @@ def cloned(folder: Path) -> Path:
         cwd=ROOT, capture_output=True, text=True, check=True,
     ).stdout  # fmt: skip
     for name in listed.split("\0"):
-        result = name.startswith(("reports/", "dvc.lock")) and not name.startswith(SHEETS)
+        result = name.startswith(("reports/", "dvc.lock")) and not name.startswith(RECORDS)
         if (ROOT / name).is_file() and not result:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, folder / name)

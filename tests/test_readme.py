@@ -31,8 +31,12 @@ TRAININGS = (  # what policies are told of, the experiment that trained them, th
 
 RATES = (  # what the exam counts, and where its counts are
     ("clean sets with a false alarm", "false_alarms", "clean_sets"),
-    ("one effect at 3x, a class of its own: its name", "own_class_right", "own_class"),
-    ("one effect at 3x, others look like it: its class", "shared_class_right", "shared_class"),
+    ("one effect at 3x, a class of its own: its name", "distinguishable_right", "distinguishable"),
+    (
+        "one effect at 3x, others look like it: its class",
+        "indistinguishable_right",
+        "indistinguishable",
+    ),
     ("two effects at 3x: both", "pairs_right", "pairs"),
     ("withheld from the catalogue: called unknown", "withheld_right", "withheld"),
     ("95 % intervals that hold the truth", "intervals_right", "intervals"),

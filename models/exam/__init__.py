@@ -1,1 +1,1 @@
-"""The data of the blind exam: recordings of halls with a hidden effect, and their sealed truth."""
+"""The exam: blind questions to methods that name what a simulator lacks, and their scores."""

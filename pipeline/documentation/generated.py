@@ -18,6 +18,7 @@ from pipeline.documentation.effects_page import catalogue_page
 from pipeline.documentation.kept_runs import kept_runs
 from pipeline.documentation.physics_tables import constants_table, quantities_table
 from pipeline.documentation.tables import gap, predictors, transfer
+from pipeline.exam.page import questions_table
 from pipeline.paper.page import paper_page
 from pipeline.runtime.errors import InputError
 
@@ -32,6 +33,7 @@ PAGES: dict[str, Writer] = {
 BLOCKS: dict[str, Writer] = {
     "benchmarks": benchmarks_table,
     "constants": lambda root: constants_table(),
+    "exam-questions": questions_table,
     "quantities": lambda root: quantities_table(),
     **deviations.BLOCKS,
     "scale": scale_table,

@@ -1,1 +1,1 @@
-"""The blind exam on files: running it, its records and its tables."""
+"""The exam on files: its runs, records, tables and figures."""

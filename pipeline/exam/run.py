@@ -1,83 +1,75 @@
-"""The exam in full: ``make exam`` sits every question and keeps the sheets in the repository.
+"""Running questions of the exam, each result a file."""
 
-That takes hours, so the stage hidden_effects works on the sheets that it left, and sits a few
-questions anew. A killed exam goes on where it was, as long as nothing changes what shapes its
-sheets. How long verdicts took goes to ``reports/costs``, since times are never the same twice.
-"""
-
-import hashlib
-import json
-import shutil
-from collections.abc import Iterator, Sequence
+import warnings
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
+from zlib import crc32
 
-import pandas as pd
+from pydantic import BaseModel
 
-from pipeline.evaluation.costs import machine
-from pipeline.exam.records import SHEETS, Sat, seats, sit_all, write_sheets
-from pipeline.io.artifacts import write_csv, write_json
+from models.exam.design.questions import Question, exam
+from models.exam.interface import Method
+from models.exam.methods.registry import METHODS, RALLYGAP
+from models.exam.records import ExamRecord
+from models.exam.runner import run_question
+from pipeline.io.artifacts import read_as, write_text
 from pipeline.io.simulators import load_simulator
-from pipeline.params import Params, load_params
-from pipeline.runtime.console import refuse
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import short
+from pipeline.params import Params
+from pipeline.runtime.parallel import parallel
+from pipeline.runtime.progress import progress_bar
 
-# What decides about a sheet: the packages of ``models`` that it follows from, and the libraries.
-SHAPING = ("models/arena", "models/ball", "models/exam", "models/gap", "constraints.txt")
+Assignment = tuple[Question, Mapping[str, Method]]  # a question, and the methods that answer it
 
 
-def sit_exam(root: Path) -> None:
-    """Sit the whole exam; write its sheets, and what verdicts cost on this machine."""
-    params = load_params(root / "params.yaml")
-    scratch = root / "scratch" / "exam"
-    sat = sit_all(seats(params), scratch / short(fingerprint(root, params)))
-    write_sheets(root / SHEETS, [one.sheet for one in sat])
-    costs = root / "reports" / "costs"
-    write_csv(costs / "verdicts.csv", verdict_costs(sat), digits=3)
-    write_json(costs / "verdicts.json", machine(root))
-    shutil.rmtree(scratch, ignore_errors=True)
+class Result(BaseModel):
+    """The record of a question, and the CPU seconds that each method took."""
+
+    record: ExamRecord
+    seconds: dict[str, float]
 
 
-def verdict_costs(sat: Sequence[Sat]) -> pd.DataFrame:
-    """Return the CPU seconds of verdicts: one row a method and number of shots."""
-    rows = [
-        {"method": method, "shots": one.sheet.shots, "seconds": seconds}
-        for one in sat
-        for method, seconds in one.seconds.items()
-    ]
-    groups = pd.DataFrame(rows, columns=["method", "shots", "seconds"]).groupby(
-        ["method", "shots"], sort=True
-    )["seconds"]
-    columns = {
-        "verdicts": groups.size(),
-        "cpu_s_median": groups.median(),
-        "cpu_s_p95": groups.quantile(0.95),
-        "cpu_s_total": groups.sum(),
-    }
-    return pd.DataFrame(columns).reset_index()
-
-
-def fingerprint(root: Path, params: Params) -> str:
-    """Return a digest of all that shapes the sheets."""
-    digest = hashlib.sha256()
+def assignments(params: Params) -> list[Assignment]:
+    """Return all questions with their methods: rallygap answers all, the others one in so many."""
     settings = params.hidden_effects
-    simulator = load_simulator(settings.simulator).to_dict()
-    shaping = [params.seed, settings.peers_every, simulator]
-    digest.update(json.dumps(shaping, sort_keys=True).encode())
-    for path in _files(root):
-        digest.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
-    return digest.hexdigest()
+    questions = exam(load_simulator(settings.simulator), params.seed)
+    only_rallygap = {RALLYGAP: METHODS[RALLYGAP]}
+    return [
+        # By a hash of the name, which does not depend on the place in the exam.
+        (
+            question,
+            only_rallygap
+            if crc32(question.trial.name.encode()) % settings.other_methods_every
+            else METHODS,
+        )
+        for question in questions
+    ]
 
 
-def _files(root: Path) -> Iterator[Path]:
-    for name in SHAPING:
-        path = root / name
-        yield from [path] if path.is_file() else sorted(path.rglob("*.py"))
+def run_questions(assignments: Sequence[Assignment], folder: Path) -> list[Result]:
+    """Run questions in parallel. Each result is a file, so that a killed run resumes.
+
+    Args:
+        assignments: the questions and their methods.
+        folder: of these files, for these assignments and the code that they depend on only.
+    """
+    files = [
+        folder / f"{question.trial.name.replace('/', '.')}.json" for question, _ in assignments
+    ]
+    pending = [
+        (*assignment, file)
+        for assignment, file in zip(assignments, files, strict=True)
+        if not file.exists()
+    ]
+    with progress_bar("exam", len(files), len(files) - len(pending)) as advance:
+        for _ in parallel([partial(_run, *arguments) for arguments in pending]):
+            advance()
+    return [read_as(file, Result, "hidden_effects") for file in files]
 
 
-if __name__ == "__main__":
-    try:
-        sit_exam(repository_root())
-    except InputError as error:
-        refuse(error)
+def _run(question: Question, methods: Mapping[str, Method], file: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # numerical warnings of methods would hide the progress
+        record, seconds = run_question(question, methods)
+    result = Result(record=record, seconds=seconds)
+    write_text(file, result.model_dump_json(exclude_defaults=True))

@@ -1,4 +1,4 @@
-"""Tables of the exam, from its sheets."""
+"""Tables of the exam, from its records."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -6,139 +6,200 @@ from typing import Any
 
 import pandas as pd
 
-from models.exam.record import Answered, Sheet
-from models.exam.scoring.rates import MARKS, alone, at_3x, mark, posed, rates, solved
+from models.exam.records import AnswerRecord, ExamRecord
+from models.exam.scoring.rates import (
+    MARKS,
+    answered,
+    distinguishable,
+    mark,
+    of_base,
+    rates,
+    solved,
+)
+from pipeline.io.report_items import ReportTable
+
+SOLVED = (
+    "A question is solved if the answer names the hidden cause where the data distinguish it from "
+    "all other parameters, otherwise lists it among the possible ones, and names no other cause. "
+    "On clean sets the right answer is no_gap, with a withheld effect unknown."
+)
 
 
-def methods_of(sheets: Sequence[Sheet]) -> list[str]:
-    """Return the methods that were asked, in their order."""
-    return list(dict.fromkeys(method for one in sheets for method in one.answers))
+def methods_of(records: Sequence[ExamRecord]) -> list[str]:
+    """Return the methods that answered, in their order."""
+    return list(dict.fromkeys(method for record in records for method in record.answers))
 
 
-def rate_table(sheets: Sequence[Sheet]) -> pd.DataFrame:
+def exam_tables(records: Sequence[ExamRecord], method: str) -> list[ReportTable]:
+    """Return the tables of an exam, the detailed ones for one method."""
+    return [
+        rate_table(records),
+        effect_table(records, method),
+        group_table(records, method),
+        shortfall_table(records, method),
+        not_posed_table(records),
+    ]
+
+
+def rate_table(records: Sequence[ExamRecord]) -> ReportTable:
     """Return all rates with their counts: one row a method."""
-    return pd.DataFrame([{"method": name, **rates(sheets, name)} for name in methods_of(sheets)])
+    rows = [{"method": method, **rates(records, method)} for method in methods_of(records)]
+    return ReportTable(
+        pd.DataFrame(rows), "rates", "The exam: rates by method", "Every rate after its counts."
+    )
 
 
-def effect_table(sheets: Sequence[Sheet], method: str) -> pd.DataFrame:
-    """Return how answers at 3x were marked: one row a parameter of the catalogue.
+def effect_table(records: Sequence[ExamRecord], method: str) -> ReportTable:
+    """Return the marks at 3 detection limits: one row a parameter of the catalogue."""
+    groups: dict[str, list[ExamRecord]] = {}
+    for record in of_base(records):
+        groups.setdefault(record.parameters[0], []).append(record)
+    return ReportTable(
+        pd.DataFrame([_effect_row(name, some, method) for name, some in groups.items()]),
+        "effects",
+        title="The exam: marks by parameter",
+        caption=f"Answers of {method} at 3 detection limits, 100 shots and 3 mm noise. "
+        "distinguishable: trials in which the data distinguish the parameter from all others. "
+        "not_posed: trials in which no value within its bounds is detectable.",
+    )
 
-    ``own_class``: trials in which the data tell it from all others; ``not_posed``: in which they do
-    not show it.
-    """
-    groups: dict[str, list[Sheet]] = {}
-    for sheet in at_3x(sheets):
-        groups.setdefault(sheet.asked[0], []).append(sheet)
-    return pd.DataFrame([_effect_row(name, some, method) for name, some in groups.items()])
 
-
-def _effect_row(name: str, sheets: Sequence[Sheet], method: str) -> dict[str, Any]:
-    mine = posed(sheets, method)
-    marks = Counter(mark(one, method) for one in mine)
+def _effect_row(name: str, records: Sequence[ExamRecord], method: str) -> dict[str, Any]:
+    given = answered(records, method)
+    marks = Counter(mark(record, method) for record in given)
     return {
         "hidden": name,
-        "trials": len(mine),
-        "own_class": sum(alone(one) for one in mine),
-        "solved": sum(solved(one, method) for one in mine),
+        "trials": len(given),
+        "distinguishable": sum(distinguishable(record) for record in given),
+        "solved": sum(solved(record, method) for record in given),
         **{one: marks[one] for one in MARKS},
-        "not_posed": sum(one.not_posed is not None for one in sheets),
+        "not_posed": sum(record.not_posed is not None for record in records),
     }
 
 
-def group_table(sheets: Sequence[Sheet], method: str) -> pd.DataFrame:
-    """Return shares of solved questions: a row a group, sweeps by cell, and a column a method.
-
-    ``removable_closed`` is the share of the removable gap that ``method`` closed.
-    """
-    groups: dict[tuple[str, str], list[Sheet]] = {}
-    for sheet in sheets:
-        groups.setdefault((sheet.group, sheet.cell), []).append(sheet)
-    methods = methods_of(sheets)
+def group_table(records: Sequence[ExamRecord], method: str) -> ReportTable:
+    """Return shares of solved questions: a row a group, sweeps by cell, and a column a method."""
+    groups: dict[tuple[str, str], list[ExamRecord]] = {}
+    for record in records:
+        groups.setdefault((record.group, record.cell), []).append(record)
+    methods = methods_of(records)
     rows = [
         {
             "group": group,
             "cell": cell,
             "questions": len(some),
-            "not_posed": sum(one.not_posed is not None for one in some),
+            "not_posed": sum(record.not_posed is not None for record in some),
             **{name: _solved_share(some, name) for name in methods},
             "removable_closed": rates(some, method)["removable_closed"],
         }
         for (group, cell), some in groups.items()
     ]
-    return pd.DataFrame(rows)
+    return ReportTable(
+        pd.DataFrame(rows),
+        "groups",
+        title="The exam: solved questions by group",
+        caption=f"Share of solved questions by method. {SOLVED} removable_closed: share of the "
+        f"removable gap that {method} closes.",
+    )
 
 
-def _solved_share(sheets: Sequence[Sheet], method: str) -> float | None:
-    mine = posed(sheets, method)
-    return sum(solved(one, method) for one in mine) / len(mine) if mine else None
+def _solved_share(records: Sequence[ExamRecord], method: str) -> float | None:
+    given = answered(records, method)
+    return sum(solved(record, method) for record in given) / len(given) if given else None
 
 
-def not_posed_table(sheets: Sequence[Sheet]) -> pd.DataFrame:
-    """Return which questions could not be posed, how often and why, by what was to be hidden."""
+def not_posed_table(records: Sequence[ExamRecord]) -> ReportTable:
+    """Return which questions could not be posed, how often and why."""
     counts = Counter(
-        (one.group, one.cell, " + ".join(one.asked), one.not_posed)
-        for one in sheets
-        if one.not_posed is not None
+        (record.group, record.cell, " + ".join(record.parameters), record.not_posed)
+        for record in records
+        if record.not_posed is not None
     )
     rows = [(*key, number) for key, number in counts.items()]
-    return pd.DataFrame(rows, columns=["group", "cell", "hidden", "why", "questions"])
+    return ReportTable(
+        pd.DataFrame(rows, columns=["group", "cell", "hidden", "reason", "questions"]),
+        "not_posed",
+        title="The exam: questions that could not be posed",
+        caption="Parameters to hide, and the reason why they could not be hidden.",
+    )
 
 
-def answer_table(sheets: Sequence[Sheet], methods: Sequence[str]) -> pd.DataFrame:
-    """Return one row a question and method: what was hidden, what was answered, its mark."""
+def shortfall_table(records: Sequence[ExamRecord], method: str) -> ReportTable:
+    """Return the answers that do not solve their question."""
+    answers = answer_rows(records, [method])
+    return ReportTable(
+        answers[~answers["solved"].astype(bool)].drop(columns=["method", "solved"]),
+        "shortfalls",
+        title="The exam: questions not solved",
+        caption=f"Every question that {method} does not solve, by trial.",
+    )
+
+
+def rerun_table(rerun: Sequence[ExamRecord], different: Sequence[str]) -> ReportTable:
+    """Return the answers of questions that were run again.
+
+    Args:
+        rerun: their records.
+        different: names of those whose answers differ from the kept records.
+    """
+    table = answer_rows(rerun, methods_of(rerun))
+    return ReportTable(
+        table.assign(as_recorded=~table["trial"].isin(different)),
+        "rerun",
+        title="The exam: questions that were run again",
+        caption=f"{len(rerun)} questions, evenly spaced over the exam, with {len(table)} answers. "
+        "as_recorded: the answer is that of the records from which all rates are computed.",
+    )
+
+
+def answer_rows(records: Sequence[ExamRecord], methods: Sequence[str]) -> pd.DataFrame:
+    """Return one row a question and method: hidden causes, answer, mark."""
     columns = ["trial", "method", "hidden", "answer", "causes", "mark", "solved"]
     rows = [
-        _answer_row(sheet, method)
-        for sheet in sheets
+        _answer_row(record, method)
+        for record in records
         for method in methods
-        if method in sheet.answers
+        if method in record.answers
     ]
     return pd.DataFrame(rows, columns=columns)
 
 
-def differing(fresh: Sequence[Sheet], kept: Sequence[Sheet]) -> list[str]:
-    """Return the names of fresh sheets that the kept ones lack, or have with other answers.
-
-    An answer is another one if it is in other words or names other causes; its digits may differ
-    from machine to machine.
-    """
-    known = {one.name: one for one in kept}
-    return [one.name for one in fresh if not _agree(one, known.get(one.name))]
-
-
-def _agree(fresh: Sheet, kept: Sheet | None) -> bool:
-    if kept is None or fresh.not_posed != kept.not_posed:
-        return False
-    both = fresh.answers.keys() & kept.answers.keys()
-    return all(_said(fresh.answers[one]) == _said(kept.answers[one]) for one in both)
-
-
-def _said(given: Answered) -> tuple[str | None, set[tuple[str, str]]]:
-    return given.answer, {(cause.effect, cause.parameter) for cause in given.causes}
-
-
-def shortfall_table(sheets: Sequence[Sheet], method: str) -> pd.DataFrame:
-    """Return the rows of ``answer_table`` that are not solved."""
-    answers = answer_table(sheets, [method])
-    return answers[~answers["solved"].astype(bool)].drop(columns=["method", "solved"])
-
-
-def _answer_row(sheet: Sheet, method: str) -> dict[str, Any]:
-    given = sheet.answers[method]
-    hidden = (f"{h.effect}.{h.parameter}={h.value:.4g}" for h in sheet.hidden)
+def _answer_row(record: ExamRecord, method: str) -> dict[str, Any]:
+    answer = record.answers[method]
+    hidden = (f"{cause.identity}={cause.value:.4g}" for cause in record.hidden)
     return {
-        "trial": sheet.name,
+        "trial": record.name,
         "method": method,
         "hidden": " + ".join(hidden) or "nothing",
-        "answer": given.answer or given.error,
-        "causes": " + ".join(_causes(given)),
-        "mark": mark(sheet, method),
-        "solved": solved(sheet, method),
+        "answer": answer.conclusion or answer.error,
+        "causes": " + ".join(_causes(answer)),
+        "mark": mark(record, method),
+        "solved": solved(record, method),
     }
 
 
-def _causes(given: Answered) -> Iterator[str]:
-    for cause in given.causes:
-        others = [name for name in cause.possible if name != cause.name]
-        doubt = f" (or {', '.join(others)})" if others else ""
-        yield f"{cause.effect}.{cause.parameter}={cause.estimate:.4g}{doubt}"
+def _causes(answer: AnswerRecord) -> Iterator[str]:
+    for cause in answer.causes:
+        others = [name for name in cause.possible if name != cause.identity]
+        alternatives = f" (or {', '.join(others)})" if others else ""
+        yield f"{cause.identity}={cause.estimate:.4g}{alternatives}"
+
+
+def different_answers(rerun: Sequence[ExamRecord], kept: Sequence[ExamRecord]) -> list[str]:
+    """Return the names of records that ``kept`` lacks, or has with other answers.
+
+    Answers differ if their conclusions or named causes do; digits may differ between machines.
+    """
+    known = {record.name: record for record in kept}
+    return [record.name for record in rerun if not _same_answers(record, known.get(record.name))]
+
+
+def _same_answers(record: ExamRecord, kept: ExamRecord | None) -> bool:
+    if kept is None or record.not_posed != kept.not_posed:
+        return False
+    both = record.answers.keys() & kept.answers.keys()
+    return all(_named(record.answers[name]) == _named(kept.answers[name]) for name in both)
+
+
+def _named(answer: AnswerRecord) -> tuple[str | None, set[str]]:
+    return answer.conclusion, {cause.identity for cause in answer.causes}

@@ -16,7 +16,7 @@ from pipeline.benchmark.windows import run_sets, window_table
 from pipeline.evaluation.error_table import REPORT as FORECAST_ERRORS
 from pipeline.evaluation.error_table import read_errors
 from pipeline.evaluation.example_shots import read_shots
-from pipeline.exam.records import read_sheets, write_sheets
+from pipeline.exam.records import read_records, write_records
 from pipeline.experiments.profiles import profile_flags
 from pipeline.io.artifacts import read_as, write_json
 from pipeline.io.episodes import read_episodes
@@ -37,7 +37,7 @@ from pipeline.sweeps.settings import load_sweep
 from pipeline.tracking.lineage import report_of
 from pipeline.transfer.truth_comparison import NamedCauses
 from tests.fuzz import hostile
-from tests.models.exam.sheets import answered, hidden, named, sheet
+from tests.models.exam.example_records import answer, hidden, named, record
 from tests.models.predictors.balls import observed
 from tests.pipeline.benchmark.forecasting import Still, forecasts_of
 from tests.pipeline.measured_shots import params, source_record, write_inputs, write_trained
@@ -200,14 +200,14 @@ def _read_verdict(folder: Path) -> int:
     return 0
 
 
-def _write_sheets(folder: Path) -> Path:
-    one = sheet(hidden(), answers=answered("named", named()))
-    write_sheets(folder / "sheets.jsonl", [one, one])
-    return folder / "sheets.jsonl"
+def _write_records(folder: Path) -> Path:
+    one = record(hidden(), answers=answer("named", named()))
+    write_records(folder / "records.jsonl", [one, one])
+    return folder / "records.jsonl"
 
 
-def _read_sheets(folder: Path) -> int:
-    read_sheets(folder / "sheets.jsonl")
+def _read_records(folder: Path) -> int:
+    read_records(folder / "records.jsonl")
     return 0
 
 
@@ -385,7 +385,7 @@ READERS = [
     Reader("policy, weights", _write_policy("weights.safetensors"), _read_policy, WEIGHTS),
     Reader("policy, policy.json", _write_policy("policy.json"), _read_policy, JSON),
     Reader("verdict.json", _write_verdict, _read_verdict, JSON),
-    Reader("exam sheets", _write_sheets, _read_sheets, JSON),
+    Reader("exam records", _write_records, _read_records, JSON),
     Reader("benchmark forecasts", _write_forecasts, _read_forecasts, PARQUET),
     Reader("manifest.json", _write_manifest, _read_manifest, JSON),
     Reader("truth.json", _write_truth, _read_truth, JSON),

@@ -3,8 +3,8 @@
 import pandas as pd
 
 from models.ball.simulators import shipped
-from models.exam.design.trial import Trial
-from models.exam.simulate.recordings import held
+from models.exam.simulate.recordings import simulate_trial
+from models.exam.simulate.trial import Trial
 
 NOMINAL = "literature"
 
@@ -13,7 +13,7 @@ def write_recordings(folder, causes=None, shots=60, **settings):
     """Write the recordings of a trial, one file a shot; ``causes`` are hidden in them."""
     trial = Trial("trial", shipped(NOMINAL), causes=causes or {}, shots=shots, **settings)
     folder.mkdir(parents=True)
-    for number, recording in enumerate(held(trial)[0]):
+    for number, recording in enumerate(simulate_trial(trial)[0]):
         rows = pd.DataFrame(recording.positions, columns=list("xyz"))
         rows.insert(0, "t", recording.times)
         if len(recording.labels):

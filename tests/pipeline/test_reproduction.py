@@ -143,7 +143,7 @@ def test_tables_that_stages_read_are_logged_with_their_columns(reproduced, track
     read = [one.dataset for each in tracked.values() for one in each.inputs.dataset_inputs]
     sets = {Path(json.loads(one.source)["uri"]): one.schema for one in read}
     assert sets.pop(reproduced / "artifacts" / "train_policy") is None  # a folder has none
-    assert not sets.pop(reproduced / "reports" / "exam" / "sheets.jsonl")
+    assert not sets.pop(reproduced / "reports" / "exam" / "records.jsonl")
     assert reproduced / "artifacts" / "segment" / "samples.parquet" in sets
     for path, schema in sets.items():
         columns = [one["name"] for one in json.loads(schema)["mlflow_colspec"]]

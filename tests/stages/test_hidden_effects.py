@@ -1,4 +1,4 @@
-"""The stage reports what the kept sheets say, and whether questions sat anew agree."""
+"""The stage reports the kept records, and whether questions that are run again agree."""
 
 import json
 
@@ -7,17 +7,17 @@ import pandas as pd
 import pytest
 
 import stages.hidden_effects
-from models.exam.answer import Finding
 from models.exam.design.questions import Question
-from models.exam.design.trial import Trial
-from models.exam.record import Answered
-from models.exam.run_question import sit
-from pipeline.exam.records import SHEETS, write_sheets
+from models.exam.interface import Answer
+from models.exam.records import AnswerRecord
+from models.exam.runner import run_question
+from models.exam.simulate.trial import Trial
+from pipeline.exam.records import RECORDS, write_records
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.stage_run import StageRun
 from stages.hidden_effects import hidden_effects
-from tests.models.exam.halls import NOMINAL
-from tests.models.exam.sheets import whole_exam
+from tests.models.exam.example_records import example_exam
+from tests.models.exam.example_trials import NOMINAL
 from tests.pipeline.measured_shots import params
 
 REPORTED = {
@@ -26,54 +26,55 @@ REPORTED = {
 }  # fmt: skip
 
 
-def nothing(recordings, nominal, withheld):
-    return Finding("no_gap", (), nominal)
+def no_gap(recordings, nominal, withheld):
+    return Answer("no_gap", (), nominal)
 
 
-METHODS = {"rallygap": nothing, "sindy": nothing}
-QUESTION = Question("clean", Trial("clean/made up", NOMINAL, shots=3, seed=1004))
+METHODS = {"rallygap": no_gap, "sindy": no_gap}
+QUESTION = Question("clean", Trial("clean/example", NOMINAL, shots=3, seed=1004))
 
 
 @pytest.fixture(autouse=True)
 def _small(monkeypatch):
-    """One question, to methods that find nothing, in this process."""
-    monkeypatch.setattr(stages.hidden_effects, "seats", lambda params: [(QUESTION, METHODS)])
+    """One question, for methods that name nothing, in this process."""
+    monkeypatch.setattr(stages.hidden_effects, "assignments", lambda params: [(QUESTION, METHODS)])
     with joblib.parallel_config(backend="sequential"):
         yield
 
 
 def reported(root, *more):
-    sheet, _ = sit(QUESTION, METHODS)
-    write_sheets(root / SHEETS, [*whole_exam(every=20), *(more or [sheet])])
+    record, _ = run_question(QUESTION, METHODS)
+    write_records(root / RECORDS, [*example_exam(every=20), *(more or [record])])
     run = StageRun("hidden_effects", root, params())
     hidden_effects(run)
     return run
 
 
-def test_rates_of_our_method_stand_on_top_and_those_of_others_below(tmp_path):
+def test_rates_of_rallygap_come_first_and_those_of_others_below(tmp_path):
     run = reported(tmp_path)
     results = json.loads(run.report("exam.json").read_text())
 
     assert set(results) >= REPORTED
     assert set(results["compared"]) == {"sindy"}
     assert set(results["compared"]["sindy"]) >= REPORTED
-    assert results["questions"] == len(whole_exam(every=20)) + 1
+    assert results["questions"] == len(example_exam(every=20)) + 1
     metrics = json.loads(run.report("metrics.json").read_text())
     assert metrics["exam"]["top1_at_3x"] == results["top1_at_3x"]
-    assert metrics["sat_anew"] == {"trials": 1, "differing": 0}
+    assert metrics["rerun"] == {"questions": 1, "different": 0}
 
 
-def test_answers_that_are_no_longer_given_are_told(tmp_path, capsys):
-    sheet, _ = sit(QUESTION, METHODS)
-    other = sheet.model_copy(update={"answers": {"rallygap": Answered(answer="unknown")}})
+def test_answers_that_differ_from_the_records_are_reported(tmp_path, capsys):
+    record, _ = run_question(QUESTION, METHODS)
+    unknown = {"rallygap": AnswerRecord(conclusion="unknown")}
+    other = record.model_copy(update={"answers": unknown})
     run = reported(tmp_path, other)
 
-    assert run.metrics["sat_anew"]["differing"] == 1
-    assert not pd.read_csv(run.report("sat_anew.csv"))["as_kept"].any()
+    assert run.metrics["rerun"]["different"] == 1
+    assert not pd.read_csv(run.report("rerun.csv"))["as_recorded"].any()
     assert "run `make exam`" in capsys.readouterr().err
 
 
-def test_the_same_sheets_give_the_same_bytes_and_times_go_elsewhere(tmp_path):
+def test_the_same_records_give_the_same_bytes_and_times_go_elsewhere(tmp_path):
     first, second = (reported(tmp_path / name) for name in ("once", "again"))
     written = sorted(first.report("exam.json").parent.rglob("*.*"))
 
@@ -85,7 +86,7 @@ def test_the_same_sheets_give_the_same_bytes_and_times_go_elsewhere(tmp_path):
     assert "seconds" not in second.report("exam.json").read_text()
 
 
-def test_without_sheets_there_is_one_error_and_no_report(tmp_path):
+def test_without_records_there_is_one_error_and_no_report(tmp_path):
     with pytest.raises(InputError, match="run `make exam`"):
         hidden_effects(StageRun("hidden_effects", tmp_path, params()))
     assert not (tmp_path / "reports").exists()

@@ -1,1 +1,1 @@
-"""The design: which questions the exam asks, and what their shots can show."""
+"""The design: which parameters and questions the exam asks, and what their shots can show."""

@@ -1,12 +1,12 @@
-"""The design: which questions the exam asks, as a pure function of a seed and of counts.
+"""The questions that the exam asks, as a pure function of a seed and of counts.
 
-A question is a trial whose causes have no size yet. Sizes are multiples of what the very data set
-could show, so they come from a function that the exam is given (``Question.posed``).
+The causes of a question have no size yet. Sizes are multiples of what its data can show
+(``DetectionLimits.minimum_sizes``), and ``Question.posed`` is given them.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any
 from zlib import crc32
 
 import numpy as np
@@ -14,52 +14,21 @@ import numpy as np
 from models.arena.cameras import SlowError
 from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
-from models.exam.design.trial import CAMERAS, SpinLabels, Trial, World
+from models.exam.design.parameters import NEED_LABELS, ONLY_INCREASED, family, hideable
 from models.exam.simulate.laws import supports
+from models.exam.simulate.trial import CAMERAS, Dynamics, SpinLabels, Trial
+from models.gap.hypotheses import Hypothesis
 
-# Effects that no ball of this exam can show, and why.
-LEFT_OUT = {
-    "time_offset": "a constant delay only moves the instant from which a shot is counted",
-    "racket_bounce": "shots are recorded from after one racket to before the next",
-    "net": "every shot clears the net",
-}
-
-# Effects that may look alike; a pair is drawn from two of these families. An effect that is not
-# listed here is a family of its own.
-FAMILIES = (
-    ("gravity", "buoyancy", "added_mass", "clock_rate", "position_scale"),
-    ("drag", "linear_drag", "speed_dependent_drag", "speed_dependent_latency"),
-    ("magnus", "lift_saturation", "lift_crisis", "spin_gain", "spin_decay"),
-    ("wind", "frame_tilt", "side_force", "spin_axis_bias"),
-    ("restitution", "speed_dependent_restitution", "spin_dependent_restitution", "table_tilt"),
-    ("friction", "slip_dependent_friction", "tangential_elasticity"),
-)
-
-# Parameters of which only one side makes sense: with the other sign balls would leave the table no
-# slower than they met it, at the speeds of this exam, and restitution ends at one.
-UPWARDS = (("speed_dependent_restitution", "c"),)
-
-# Effects of the spin labels themselves.
-NEED_LABELS = ("spin_gain", "spin_axis_bias", "spin_sign_flip")
-
-MULTIPLE = 3.0  # of the detectable size, where nothing else is asked
-INDEPENDENT_EVERY = 3  # one trial in three comes from the independent world
+MULTIPLE = 3.0  # detection limits, unless a sweep says otherwise
+INDEPENDENT_EVERY = 3  # one trial in three has independent dynamics
 LABELS: tuple[SpinLabels, ...] = ("per_row", "per_shot", "none")
 FAULTY = replace(CAMERAS, outliers=0.03, dropouts=0.10, slow_error=SlowError(share=0.6, time=0.05))
-STAMP = 0.001  # s, the resolution of the time stamps of faulty cameras
-
-Asked = TypeVar("Asked")  # a question, or what belongs to one
-
-Name = tuple[str, str]  # effect and parameter
-# The least sizes of some parameters, each with the others free, that a trial of these settings can
-# show at 5.8 standard errors, withheld effects after projection on all that is not withheld;
-# infinite where it cannot.
-Detectable = Callable[[Trial, tuple[Name, ...]], Sequence[float]]
+TIME_RESOLUTION = 0.001  # s, of the time stamps of faulty cameras
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A setting of the sweeps: the asked multiple of the detectable size, shots and noise."""
+    """A setting of the sweeps: size of the cause in detection limits, shots and noise (m)."""
 
     name: str
     multiple: float = MULTIPLE
@@ -92,42 +61,43 @@ class Counts:
 
 @dataclass(frozen=True)
 class Question:
-    """A trial before its causes have a size.
+    """A trial whose causes have no size yet.
 
     Attributes:
-        group: what the question is for; the first part of the trial's name.
+        group: the purpose of the question, and the first part of the trial's name.
         trial: all but the causes.
-        asked: the (effect, parameter) to hide; none in a clean set.
-        multiple: of the detectable size.
-        cell: of the sweeps that it belongs to, empty in other groups.
+        hidden: the parameters to hide; none in a clean set.
+        multiple: size of the causes, in detection limits.
+        cell: of the sweeps; empty in other groups.
     """
 
     group: str
     trial: Trial
-    asked: tuple[Name, ...] = ()
+    hidden: tuple[Hypothesis, ...] = ()
     multiple: float = MULTIPLE
     cell: str = ""
 
-    def posed(self, detectable: Detectable) -> Trial | None:
-        """Return the trial, or None where no possible value of a parameter is that large."""
-        sizes = detectable(self.trial, self.asked) if self.asked else ()
+    def posed(self, minimum_sizes: Sequence[float]) -> Trial | None:
+        """Return the trial with its causes, or None where a size has no value within bounds.
+
+        Args:
+            minimum_sizes: minimum detectable size of each hidden parameter.
+        """
         causes: dict[str, dict[str, float]] = {}
-        for name, size in zip(self.asked, sizes, strict=True):
-            value = self._value(name, self.multiple * size)
+        for hidden, size in zip(self.hidden, minimum_sizes, strict=True):
+            value = self._value(hidden, self.multiple * size)
             if value is None:
                 return None
-            causes.setdefault(name[0], {})[name[1]] = value
+            causes.setdefault(hidden.effect, {})[hidden.parameter] = value
         return replace(self.trial, causes=causes)
 
-    def _value(self, name: Name, size: float) -> float | None:
-        """Return a value so far from the nominal one, on the side that the seed says if it can."""
-        effect, parameter = name
-        known = next(p for p in catalogue()[effect].parameters if p.name == parameter)
-        start = self.trial.nominal.effects.get(effect, {}).get(parameter, known.neutral)
-        side = 1.0 if _seed(self.trial.seed, f"{effect}.{parameter}") % 2 else -1.0
-        sides = (1.0,) if name in UPWARDS else (side, -side)
-        for value in (float(start + one * size) for one in sides):
-            if known.bounds[0] <= value <= known.bounds[1]:
+    def _value(self, hidden: Hypothesis, size: float) -> float | None:
+        """Return a value ``size`` from the nominal one; the seed decides on which side."""
+        sign = 1.0 if _seed(self.trial.seed, hidden.identity) % 2 else -1.0
+        low, high = hidden.declaration.bounds
+        for side in (1.0,) if hidden in ONLY_INCREASED else (sign, -sign):
+            value = float(hidden.value(self.trial.nominal) + side * size)
+            if low <= value <= high:
                 return value
         return None
 
@@ -139,30 +109,8 @@ def exam(nominal: Simulator, seed: int, counts: Counts | None = None) -> list[Qu
         *_sweeps(nominal, seed, counts),
         *_clean(nominal, seed, counts.clean),
         *_pairs(nominal, seed, counts.pairs),
-        *_others(nominal, seed, counts),
+        *_other_groups(nominal, seed, counts),
     ]
-
-
-def spread(questions: Sequence[Asked], count: int) -> list[Asked]:
-    """Return ``count`` questions spread evenly over an exam: a smaller one of the same kind."""
-    places = np.linspace(0, len(questions) - 1, min(count, len(questions)))
-    return [questions[int(place)] for place in places.round()]
-
-
-def hideable() -> list[Name]:
-    """Return every (effect, parameter) of the catalogue that balls can show."""
-    return [
-        (effect.name, parameter.name)
-        for effect in catalogue().values()
-        for parameter in effect.parameters
-        if effect.name not in LEFT_OUT
-    ]
-
-
-def family(name: Name) -> str:
-    """Return the first member of the family of look-alikes of an (effect, parameter)."""
-    known = name[1] if name[0] == "table_bounce" else name[0]
-    return next((members[0] for members in FAMILIES if known in members), known)
 
 
 def _seed(seed: int, name: str) -> int:
@@ -175,16 +123,16 @@ def _question(
     number: int,
     nominal: Simulator,
     seed: int,
-    asked: tuple[Name, ...] = (),
+    hidden: tuple[Hypothesis, ...] = (),
     multiple: float = MULTIPLE,
     **settings: Any,
 ) -> Question:
-    hidden = "+".join(f"{effect}.{parameter}" for effect, parameter in asked)
-    name = "/".join(part for part in (group, hidden, detail, str(number)) if part)
-    independent = number % INDEPENDENT_EVERY == 0 and all(supports(effect) for effect, _ in asked)
-    world: World = "independent" if independent else "catalogue"
-    trial = Trial(name, nominal, world=world, seed=_seed(seed, name), **settings)
-    return Question(group, trial, asked, multiple, detail)
+    parameters = "+".join(one.identity for one in hidden)
+    name = "/".join(part for part in (group, parameters, detail, str(number)) if part)
+    independent = number % INDEPENDENT_EVERY == 0 and all(supports(one.effect) for one in hidden)
+    dynamics: Dynamics = "independent" if independent else "catalogue"
+    trial = Trial(name, nominal, dynamics=dynamics, seed=_seed(seed, name), **settings)
+    return Question(group, trial, hidden, multiple, detail)
 
 
 def _sweeps(nominal: Simulator, seed: int, counts: Counts) -> Iterator[Question]:
@@ -193,11 +141,10 @@ def _sweeps(nominal: Simulator, seed: int, counts: Counts) -> Iterator[Question]
             "shots": cell.shots,
             "cameras": replace(CAMERAS, position_noise=cell.noise),
         }
-        for name in hideable():
+        for hidden in hideable():
             for number in range(counts.base if cell is BASE else counts.sweep):
-                asked, multiple = (name,), cell.multiple
                 yield _question(
-                    "sweep", cell.name, number, nominal, seed, asked, multiple, **settings
+                    "sweep", cell.name, number, nominal, seed, (hidden,), cell.multiple, **settings
                 )
 
 
@@ -213,55 +160,56 @@ def _clean(nominal: Simulator, seed: int, count: int) -> Iterator[Question]:
 def _pairs(nominal: Simulator, seed: int, count: int) -> Iterator[Question]:
     """Yield pairs of causes of different families."""
     random = np.random.default_rng(_seed(seed, "pairs"))
-    names = hideable()
+    parameters = hideable()
     for number in range(count):
-        first = names[random.integers(len(names))]
-        others = [name for name in names if family(name) != family(first)]
+        first = parameters[random.integers(len(parameters))]
+        others = [one for one in parameters if family(one) != family(first)]
         second = others[random.integers(len(others))]
         yield _question("pair", "", number, nominal, seed, (first, second))
 
 
-def _others(nominal: Simulator, seed: int, counts: Counts) -> Iterator[Question]:
+def _other_groups(nominal: Simulator, seed: int, counts: Counts) -> Iterator[Question]:
     yield from _sensor_faults(nominal, seed, counts.sensor_faults)
     yield from _nominal_off(nominal, seed, counts.nominal_off)
-    missing = [name for name in hideable() if name[0] not in nominal.effects]
-    for number, name in _drawn(missing, seed, "withheld", counts.withheld):
-        settings: dict[str, Any] = {"withheld": (name[0],)}
-        yield _question("withheld", "", number, nominal, seed, (name,), **settings)
-    no_label = [name for name in hideable() if name[0] not in NEED_LABELS]
-    for number, name in _drawn(no_label, seed, "unlabelled", counts.unlabelled):
+    missing = [one for one in hideable() if not one.listed(nominal)]
+    for number, hidden in _drawn(missing, seed, "withheld", counts.withheld):
+        settings: dict[str, Any] = {"withheld": (hidden.effect,)}
+        yield _question("withheld", "", number, nominal, seed, (hidden,), **settings)
+    need_no_label = [one for one in hideable() if one.effect not in NEED_LABELS]
+    for number, hidden in _drawn(need_no_label, seed, "unlabelled", counts.unlabelled):
         settings = {"spin_labels": "none"}
-        yield _question("unlabelled", "", number, nominal, seed, (name,), **settings)
-    for number, name in _drawn(hideable(), seed, "one_direction", counts.one_direction):
-        yield _question("one_direction", "", number, nominal, seed, (name,), directions=1)
+        yield _question("unlabelled", "", number, nominal, seed, (hidden,), **settings)
+    for number, hidden in _drawn(hideable(), seed, "one_direction", counts.one_direction):
+        yield _question("one_direction", "", number, nominal, seed, (hidden,), directions=1)
 
 
 def _sensor_faults(nominal: Simulator, seed: int, count: int) -> Iterator[Question]:
-    """Yield faults of the sensor, seen by cameras that are worse in every other way, too."""
-    faults = [name for name in hideable() if not _acts(name)]
-    settings: dict[str, Any] = {"cameras": FAULTY, "stamp": STAMP, "spin_labels": "per_shot"}
-    for number, name in _drawn(faults, seed, "sensor_fault", count):
-        yield _question("sensor_fault", "", number, nominal, seed, (name,), **settings)
+    """Yield faults of the sensor, with cameras that are worse in every other way, too."""
+    faults = [one for one in hideable() if catalogue()[one.effect].acts == "sensor"]
+    settings: dict[str, Any] = {
+        "cameras": FAULTY,
+        "time_resolution": TIME_RESOLUTION,
+        "spin_labels": "per_shot",
+    }
+    for number, hidden in _drawn(faults, seed, "sensor_fault", count):
+        yield _question("sensor_fault", "", number, nominal, seed, (hidden,), **settings)
 
 
 def _nominal_off(nominal: Simulator, seed: int, count: int) -> Iterator[Question]:
     """Yield missing effects while a parameter of the nominal simulator is off at the same time."""
-    missing = [name for name in hideable() if name[0] not in nominal.effects]
-    own = [name for name in hideable() if name[0] in nominal.effects]
+    missing = [one for one in hideable() if not one.listed(nominal)]
+    listed = [one for one in hideable() if one.listed(nominal)]
     random = np.random.default_rng(_seed(seed, "own"))
-    for number, name in _drawn(missing, seed, "nominal_off", count):
-        others = [other for other in own if family(other) != family(name)]
+    for number, hidden in _drawn(missing, seed, "nominal_off", count):
+        others = [one for one in listed if family(one) != family(hidden)]
         off = others[random.integers(len(others))]
-        yield _question("nominal_off", "", number, nominal, seed, (name, off))
+        yield _question("nominal_off", "", number, nominal, seed, (hidden, off))
 
 
-def _drawn(names: list[Name], seed: int, group: str, count: int) -> Iterator[tuple[int, Name]]:
-    """Yield every name equally often, in an order that the seed says."""
-    order = np.random.default_rng(_seed(seed, group)).permutation(len(names))
+def _drawn(
+    parameters: list[Hypothesis], seed: int, group: str, count: int
+) -> Iterator[tuple[int, Hypothesis]]:
+    """Yield every parameter equally often, in a random order."""
+    order = np.random.default_rng(_seed(seed, group)).permutation(len(parameters))
     for number in range(count):
-        yield number, names[order[number % len(names)]]
-
-
-def _acts(name: Name) -> bool:
-    """Return whether an effect acts on the ball rather than on what is measured of it."""
-    return catalogue()[name[0]].acts != "sensor"
+        yield number, parameters[order[number % len(parameters)]]

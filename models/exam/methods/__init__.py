@@ -1,1 +1,1 @@
-"""The methods that answer the exam: ours, and simpler ones to compare with."""
+"""The methods that answer the exam. They never import what knows the truth of a trial."""

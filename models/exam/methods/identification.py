@@ -1,10 +1,9 @@
-"""Plain parameter identification: the numbers with which simulated paths fit measured ones.
+"""Parameter identification: nonlinear least squares of trajectories over the whole catalogue.
 
-The structure is fixed and has the whole catalogue in it: the simulator's own numbers and those of
-every missing effect that the shots can tell apart are fitted at once by nonlinear least squares.
-(Of its own numbers alone none can be a missing effect.) Every shot's launch is fitted along and
-projected out (variable projection, Golub and Pereyra 1973). A number is named if it is more
-standard errors from nominal than a threshold.
+The simulator's own parameters and those of all missing effects that the shots can separate are
+fitted at once. Every shot's launch state is a nuisance parameter, projected out (variable
+projection, Golub and Pereyra 1973). A parameter is named if it is more standard errors from nominal
+than a threshold.
 """
 
 from collections.abc import Sequence
@@ -17,9 +16,9 @@ from scipy.optimize import least_squares
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
-from models.exam.answer import Finding, shots_of
-from models.exam.design.trial import Recording
-from models.exam.methods.regression import Places, Regression, candidates, finding
+from models.exam.interface import Answer, Recording, shots_of
+from models.exam.methods.regression import Places, Regression, answer, candidates
+from models.exam.projection import projected_out
 from models.gap.fit.linearize import linearise
 from models.gap.fit.noise import Noise, prior_precision
 from models.gap.fit.shot_fit import fit_shots, refit_shots
@@ -28,38 +27,39 @@ from models.gap.hypotheses import Hypothesis
 from models.gap.inference.score_test import regularised
 from models.gap.settings import FitSettings
 
-# By ``best_threshold`` on the sets of sindy.py. Clean sets right and hidden effects named, for 3,
-# 3.25, 3.5, 4 standard errors: 96 and 60 %, 100 and 61 %, 100 and 60 %, 100 and 55 %. With an own
-# part of 0.05 or 0.5 about 52 % are named, with the simulator's own numbers alone 18 %.
+# Chosen as the thresholds of sindy.py. Clean sets right and hidden effects named, for 3, 3.25, 3.5,
+# 4 standard errors: 96 and 60 %, 100 and 61 %, 100 and 60 %, 100 and 55 %. With a minimum own part
+# of 0.05 or 0.5 about 52 % are named, with the simulator's own parameters alone 18 %.
 STANDARD_ERRORS = 3.25
-OWN_PART = 0.3  # of a column, that must be left beside those chosen before it
+MINIMUM_OWN_PART = 0.3  # of a column's square, orthogonal to the columns chosen before it
 INTERVAL = 1.96  # standard errors
-MOST_EVALUATIONS = 5
+MAXIMUM_EVALUATIONS = 5
 
 
 def identification(
     recordings: Sequence[Recording], nominal: Simulator, withheld: tuple[str, ...]
-) -> Finding:
-    """Find the numbers that differ from nominal when all are fitted at once."""
-    paths, columns = Paths.of(shots_of(recordings), nominal), candidates(nominal, withheld)
-    whole = Regression.of(columns, paths.grams(nominal, columns))
-    free = whole.among(told_apart(whole, nominal))
-    values, errors = identified(paths, nominal, free.columns)
-    far = np.flatnonzero(np.abs(values) > STANDARD_ERRORS * errors)
-    chosen = free.among(tuple(far.tolist()))
-    values, errors = identified(paths, nominal, chosen.columns)
+) -> Answer:
+    """Name the parameters that differ from nominal when all are fitted at once."""
+    trajectories = Trajectories.of(shots_of(recordings), nominal)
+    columns = candidates(nominal, withheld)
+    whole = Regression.of(columns, trajectories.grams(nominal, columns))
+    free = whole.restricted(separable(whole, nominal))
+    values, errors = fitted_changes(trajectories, nominal, free.columns)
+    named = np.flatnonzero(np.abs(values) > STANDARD_ERRORS * errors)
+    chosen = free.restricted(tuple(named.tolist()))
+    values, errors = fitted_changes(trajectories, nominal, chosen.columns)
     intervals = values[:, None] + INTERVAL * errors[:, None] * np.array([-1.0, 1.0])
-    return finding(nominal, chosen, tuple(range(len(far))), values, intervals)
+    return answer(nominal, chosen, tuple(range(len(named))), values, intervals)
 
 
 @dataclass(frozen=True)
-class Paths:
-    """Measured paths, and launches that nearly fit them.
+class Trajectories:
+    """Measured trajectories, and launches that nearly fit them.
 
     Attributes:
-        shots: the paths.
+        shots: the measurements.
         launches: (B, 9) states at the first samples.
-        noise: with which they were fitted.
+        noise: of the fit.
     """
 
     shots: Shots
@@ -67,15 +67,15 @@ class Paths:
     noise: Noise
 
     @classmethod
-    def of(cls, shots: Shots, simulator: Simulator) -> "Paths":
-        """Fit the launches by a simulator."""
+    def of(cls, shots: Shots, simulator: Simulator) -> "Trajectories":
+        """Fit the launches with a simulator."""
         fit = fit_shots(shots, simulator, FitSettings())
         return cls(shots, fit.nuisance[:, :STATE_SIZE], fit.noise)
 
     def rows(self, simulator: Simulator, columns: tuple[Hypothesis, ...]) -> Floats:
-        """Return (B, R, K + 1) slopes by the columns, and residuals, less what launches can do.
+        """Return (B, R, K + 1) slopes by the columns and residuals, launches projected out.
 
-        They are in units of the noise; outliers count less, and samples at a bounce do not.
+        They are in units of the noise. Outliers have less weight, samples at a bounce none.
         """
         fit = refit_shots(self.shots, simulator, self.launches, self.noise, FitSettings())
         linear = linearise(self.shots, simulator, fit.nuisance, columns)
@@ -83,13 +83,9 @@ class Paths:
         parts = (linear.positions * weights[..., None, None], linear.labels / self.noise.label)
         flat = [part.reshape(*part.shape[:1], -1, part.shape[-1]) for part in parts]
         rows = np.concatenate(flat, axis=1)
-        launch, rest = rows[..., :STATE_SIZE], rows[..., STATE_SIZE:]
-        cross = np.swapaxes(launch, 1, 2)
         unlabelled = np.asarray(~self.shots.labelled.any(axis=1))
-        prior = prior_precision(unlabelled, STATE_SIZE, self.noise, FitSettings().spin_prior)
-        inner = cross @ launch + prior[:, None] * np.eye(STATE_SIZE)
-        left: Floats = rest - launch @ np.linalg.solve(inner, cross @ rest)
-        return left
+        precision = prior_precision(unlabelled, STATE_SIZE, self.noise, FitSettings().spin_prior)
+        return projected_out(rows[..., STATE_SIZE:], rows[..., :STATE_SIZE], precision)
 
     def grams(self, simulator: Simulator, columns: tuple[Hypothesis, ...]) -> Floats:
         """Return (B, K + 1, K + 1) Gram matrices of the rows."""
@@ -98,24 +94,27 @@ class Paths:
         return grams
 
 
-def told_apart(regression: Regression, nominal: Simulator) -> Places:
-    """Return places of columns that differ: the simulator's own first, then what differs most."""
+def separable(regression: Regression, nominal: Simulator) -> Places:
+    """Return places of columns with enough part of their own, by pivoted Cholesky decomposition.
+
+    The simulator's own parameters come first, then the column with the largest own part.
+    """
     scale = np.sqrt(np.diag(regression.total)[:-1])
     left = regression.total[:-1, :-1] / np.outer(scale, scale)
     own = [k for k, one in enumerate(regression.columns) if one.listed(nominal)]
     chosen: list[int] = []
     for turn in range(len(scale)):
         k = own[turn] if turn < len(own) else int(np.argmax(np.diag(left)))
-        if left[k, k] > OWN_PART:
+        if left[k, k] > MINIMUM_OWN_PART:
             chosen.append(k)
             left = left - np.outer(left[:, k], left[k]) / left[k, k]
     return tuple(chosen)
 
 
-def identified(
-    paths: Paths, nominal: Simulator, columns: tuple[Hypothesis, ...]
+def fitted_changes(
+    trajectories: Trajectories, nominal: Simulator, columns: tuple[Hypothesis, ...]
 ) -> tuple[Floats, Floats]:
-    """Return (K,) changes of the columns' values from nominal that fit best, and their errors."""
+    """Return (K,) least-squares changes of the columns from nominal, and their standard errors."""
     if not columns:
         return np.zeros(0), np.zeros(0)
     start = np.array([one.value(nominal) for one in columns])
@@ -123,7 +122,7 @@ def identified(
 
     @lru_cache(maxsize=1)  # residuals and slopes of the same values are asked for in turn
     def rows(*values: float) -> Floats:
-        return paths.rows(_with(nominal, columns, values), columns)
+        return trajectories.rows(_changed(nominal, columns, values), columns)
 
     def residuals(values: Floats) -> Floats:
         return rows(*values)[..., -1].ravel()
@@ -131,19 +130,19 @@ def identified(
     def slopes(values: Floats) -> Floats:
         return -rows(*values)[..., :-1].reshape(-1, len(columns))
 
-    found = least_squares(
-        residuals, start, slopes, (low, high), x_scale="jac", max_nfev=MOST_EVALUATIONS
+    solution = least_squares(
+        residuals, start, slopes, (low, high), x_scale="jac", max_nfev=MAXIMUM_EVALUATIONS
     )
-    at = rows(*found.x)
-    step, errors = jackknife(np.swapaxes(at, 1, 2) @ at)
-    return found.x - start + step, errors
+    final = rows(*solution.x)
+    step, errors = jackknife(np.swapaxes(final, 1, 2) @ final)
+    return solution.x - start + step, errors
 
 
 def jackknife(grams: Floats) -> tuple[Floats, Floats]:
     """Return the (K,) least-squares values of B shots, and their errors by leaving out each shot.
 
-    So they hold although the samples of a shot err together, as after a bounce that scattered. They
-    are at least those of noise that is independent in every sample.
+    They allow for correlated errors within a shot, as after a scattered bounce, and are at least
+    those of independent noise.
     """
     total, count = grams.sum(axis=0), len(grams)
     inner, others = regularised(total[:-1, :-1]), total - grams
@@ -153,7 +152,7 @@ def jackknife(grams: Floats) -> tuple[Floats, Floats]:
     return whole, np.sqrt(np.maximum(spread, np.diag(np.linalg.inv(inner))))
 
 
-def _with(
+def _changed(
     nominal: Simulator, columns: tuple[Hypothesis, ...], values: Sequence[float]
 ) -> Simulator:
     simulator = nominal

@@ -1,12 +1,12 @@
-"""The library: by how much every effect of the catalogue changes what is measured next.
+"""The library of regression terms: how every parameter of the catalogue changes measurements.
 
-Where the *measured* state is ``s``, an effect of size theta changes what is measured next, be it an
-acceleration or a state after a bounce, by
+At a *measured* state ``s``, a parameter theta changes the next measurement, an acceleration or a
+state after a bounce, by
 
     F = d next / d theta - (d next / d s) (d s / d theta).
 
-The second part is that of sensor effects: the true state is not the measured one. All comes from
-differences of exact flights between few moments, so that new effects need no code.
+The second term is that of sensor effects, for which the true state is not the measured one. All
+derivatives are finite differences of roll-outs, so new effects need no code.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ from models.gap.fit.measurement import (
 )
 from models.gap.hypotheses import Hypothesis
 
-STENCIL = 2e-3  # s between moments of which differences are taken
+STENCIL = 2e-3  # s between the times of finite differences
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,10 @@ class Library:
     """The library at M measured states.
 
     Attributes:
-        terms: (M, D, K) by how much each of K effects changes what is measured next.
-        expected: (M, D) what the simulator says of it.
-        by_spin: (M, D, 3) how that depends on the measured spin.
-        contacts: (M, C) s from now when balls meet something, NaN where they do not.
+        terms: (M, D, K) derivatives of the next measurement by K parameters.
+        expected: (M, D) next measurement by the simulator.
+        by_spin: (M, D, 3) its derivatives by the measured spin.
+        contacts: (M, C) s from now to contacts, NaN where there are fewer.
     """
 
     terms: Floats
@@ -48,40 +48,41 @@ class Library:
 def library(
     simulator: Simulator, states: Floats, ahead: float, columns: tuple[Hypothesis, ...]
 ) -> Library:
-    """Return the library at (M, 9) states, about states some time ahead or accelerations.
+    """Return the library at (M, 9) states, for later states or for accelerations.
 
     Args:
         simulator: nominal, without sensor effects.
-        states: where.
-        ahead: s to the D = 9 components of the states that are measured next; if zero these are the
-            D = 6 rates of change of velocity and spin.
-        columns: the K effects.
+        states: measured.
+        ahead: s to the next measured states (D = 9 components); zero for the rates of change of
+            velocity and spin (D = 6).
+        columns: the K parameters.
     """
-    moments = _moments(len(states), ahead)
-    view = predict_measurements(simulator, moments, states)
-    now, later = _measured(hypothesis_derivatives(simulator, moments, states, view, columns))
-    by_now, by_later = _measured(nuisance_derivatives(simulator, moments, states, view))
+    schedule = _schedule(len(states), ahead)
+    prediction = predict_measurements(simulator, schedule, states)
+    by_hypotheses = hypothesis_derivatives(simulator, schedule, states, prediction, columns)
+    now, later = _measured(by_hypotheses)
+    by_now, by_later = _measured(nuisance_derivatives(simulator, schedule, states, prediction))
     slopes = by_later @ np.linalg.inv(by_now)
-    contacts = np.where(view.smooth_until[:, None] >= 0.0, np.nan, view.contacts)
-    return Library(later - slopes @ now, _measured(view)[1], slopes[:, :, SPIN], contacts)
+    contacts = np.where(prediction.smooth_until[:, None] >= 0.0, np.nan, prediction.contacts)
+    return Library(later - slopes @ now, _measured(prediction)[1], slopes[:, :, SPIN], contacts)
 
 
 def rates(simulator: Simulator, states: Floats) -> Floats:
     """Return the (M, 6) rates of change of velocity and spin at (M, 9) states."""
-    return _measured(predict_measurements(simulator, _moments(len(states), 0.0), states))[1]
+    return _measured(predict_measurements(simulator, _schedule(len(states), 0.0), states))[1]
 
 
-def _moments(count: int, ahead: float) -> Schedule:
-    """Return moments about now, and about a later one if there is one."""
+def _schedule(count: int, ahead: float) -> Schedule:
+    """Return the times of finite differences about now, and about ``ahead`` if it is not zero."""
     now = np.array([-STENCIL, 0.0, STENCIL])
     times = np.concatenate([now, ahead + now]) if ahead else now
     places = np.tile(np.arange(len(times)), (count, 1))
     return Schedule(np.tile(times, (count, 1)), places, places)
 
 
-def _measured(view: Prediction) -> tuple[Floats, Floats]:
-    """Return (M, 9, ...) the state now, and that later or else (M, 6, ...) rates of v and w."""
-    p, w = view.positions, view.labels
+def _measured(prediction: Prediction) -> tuple[Floats, Floats]:
+    """Return (M, 9, ...) states now, and those later or (M, 6, ...) rates of velocity and spin."""
+    p, w = prediction.positions, prediction.labels
     speeds = (p[:, 2::3] - p[:, 0::3]) / (2 * STENCIL)
     states = np.concatenate([p[:, 1::3], speeds, w[:, 1::3]], axis=2)
     if states.shape[1] > 1:

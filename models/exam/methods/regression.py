@@ -1,7 +1,7 @@
-"""Regressions: what a simulator leaves of shots, on what every hypothesis would change of it.
+"""Linear regression of residuals on the catalogue's parameters, from Gram matrices of the shots.
 
-The methods that the exam compares come to one in different ways. Least squares need only the Gram
-matrix of its columns, and those of resampled or left-out shots are sums of the shots' own.
+Least squares need only the Gram matrix of the columns; those of resampled or left-out shots are
+sums of the shots' own.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,32 +13,31 @@ from scipy.cluster.hierarchy import fcluster, linkage
 
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
-from models.exam.answer import Answer, Finding, Found
-from models.exam.design.questions import hideable
-from models.exam.names import name_of
+from models.exam.design.parameters import hideable
+from models.exam.interface import Answer, NamedCause
 from models.gap.hypotheses import Hypothesis, hypotheses
+from models.gap.verdict import Answer as Conclusion
 
-ALIKE = 0.99  # cosine of columns that count as one
+MINIMUM_COSINE = 0.99  # of columns that one regressor stands for
 
 Places = tuple[int, ...]
 
 
 def candidates(nominal: Simulator, withheld: Sequence[str]) -> tuple[Hypothesis, ...]:
-    """Return what balls can show of the catalogue, the simulator's own numbers first."""
+    """Return the parameters that shots can show, the simulator's own first."""
     shown = set(hideable())
-    known = [one for one in hypotheses(nominal) if (one.effect, one.parameter) in shown]
-    asked = (one for one in known if one.effect not in withheld)
-    return tuple(sorted(asked, key=lambda one: not one.listed(nominal)))
+    known = [one for one in hypotheses(nominal) if one in shown and one.effect not in withheld]
+    return tuple(sorted(known, key=lambda one: not one.listed(nominal)))
 
 
 @dataclass(frozen=True)
 class Regression:
-    """Residuals of B shots in units of the noise, and their slopes by K hypotheses.
+    """Residuals of B shots in units of the noise, and their slopes by K parameters.
 
     Attributes:
-        columns: the hypotheses.
+        columns: the parameters.
         grams: (B, K + 1, K + 1) of each shot's slopes and, last, residuals.
-        classes: of each column, itself first and then those that it stands for.
+        classes: of each column, itself first and then the parameters that it stands for.
     """
 
     columns: tuple[Hypothesis, ...]
@@ -47,12 +46,12 @@ class Regression:
 
     @classmethod
     def of(cls, columns: tuple[Hypothesis, ...], grams: Floats) -> "Regression":
-        """Return the regression on hypotheses that the shots show, one of those that are alike."""
+        """Return the regression on parameters that the shots show, one of each parallel class."""
         total = grams.sum(axis=0)
-        groups = list(_alike(total, _shown(columns, total)))
+        groups = list(_parallel(total, _observable(columns, total)))
         members = {group[0]: tuple(columns[k] for k in group) for group in groups}
         whole = cls(columns, grams, tuple(members.get(k, ()) for k in range(len(columns))))
-        return whole.among(tuple(members))
+        return whole.restricted(tuple(members))
 
     @cached_property
     def total(self) -> Floats:
@@ -60,67 +59,71 @@ class Regression:
         total: Floats = self.grams.sum(axis=0)
         return total
 
-    def among(self, some: Places) -> "Regression":
-        """Return the regression on some of the hypotheses."""
-        places = [*some, len(self.columns)]
-        columns = tuple(self.columns[k] for k in some)
-        classes = tuple(self.classes[k] for k in some)
-        return Regression(columns, self.grams[:, places][:, :, places], classes)
+    def restricted(self, places: Places) -> "Regression":
+        """Return the regression on the columns at ``places``."""
+        kept = [*places, len(self.columns)]
+        columns = tuple(self.columns[k] for k in places)
+        classes = tuple(self.classes[k] for k in places)
+        return Regression(columns, self.grams[:, kept][:, :, kept], classes)
 
-    def estimates(self, some: Places, weights: Floats | None = None) -> Floats:
-        """Return the least-squares values of some hypotheses, shots weighted by (B,) weights."""
+    def estimates(self, places: Places, weights: Floats | None = None) -> Floats:
+        """Return the least-squares values of some columns, with (B,) weights of the shots."""
         total = self.total if weights is None else np.tensordot(weights, self.grams, 1)
-        places = list(some)
-        return np.asarray(np.linalg.lstsq(total[np.ix_(places, places)], total[places, -1])[0])
+        some = list(places)
+        return np.asarray(np.linalg.lstsq(total[np.ix_(some, some)], total[some, -1])[0])
 
 
-def _shown(columns: tuple[Hypothesis, ...], total: Floats) -> Places:
-    """Return places of hypotheses of which a possible value stands out of the noise."""
+def _observable(columns: tuple[Hypothesis, ...], total: Floats) -> Places:
+    """Return places of parameters that some value within bounds raises above the noise."""
     reach = np.array([np.ptp(one.declaration.bounds) for one in columns])
     shown = np.flatnonzero(np.sqrt(np.diag(total)[:-1]) * reach > 1.0)
     return tuple(shown.tolist())
 
 
-def _alike(total: Floats, shown: Places) -> Iterator[Places]:
-    """Yield places of hypotheses whose columns point the same way."""
-    if len(shown) < 2:
-        yield from ((k,) for k in shown)
+def _parallel(total: Floats, places: Places) -> Iterator[Places]:
+    """Yield groups of columns that are nearly parallel."""
+    if len(places) < 2:
+        yield from ((k,) for k in places)
         return
-    places = np.array(shown)
-    norms = np.sqrt(np.diag(total))[places]
-    cosines = total[np.ix_(places, places)] / np.outer(norms, norms)
-    apart = np.maximum(1.0 - np.abs(cosines)[np.triu_indices(len(places), 1)], 0.0)
-    member = fcluster(linkage(apart, "complete"), 1.0 - ALIKE, "distance")
+    some = np.array(places)
+    norms = np.sqrt(np.diag(total))[some]
+    cosines = total[np.ix_(some, some)] / np.outer(norms, norms)
+    distances = np.maximum(1.0 - np.abs(cosines)[np.triu_indices(len(some), 1)], 0.0)
+    member = fcluster(linkage(distances, "complete"), 1.0 - MINIMUM_COSINE, "distance")
     for group in dict.fromkeys(member):
-        yield tuple(places[member == group].tolist())
+        yield tuple(some[member == group].tolist())
 
 
-def finding(
+def answer(
     nominal: Simulator,
     regression: Regression,
     chosen: Places,
     changes: Floats,
     intervals: Floats | None = None,
-) -> Finding:
-    """Return what a method says that names some hypotheses, those that explain most first.
+) -> Answer:
+    """Return the answer that names some columns, those that explain most first.
 
     Args:
         nominal: simulator.
-        regression: whose columns they are.
+        regression: with the columns.
         chosen: their S places.
-        changes: (S,) by how much their values differ from nominal.
-        intervals: (S, 2) 95 % of these, where the method has them.
+        changes: (S,) of their values from nominal.
+        intervals: (S, 2) 95 % confidence intervals of the changes, if there are any.
     """
     norms = np.sqrt(np.diag(regression.total))[list(chosen)]
-    causes, amended = [], nominal
-    for one in np.argsort(-np.abs(changes) * norms, kind="stable"):
-        group = regression.classes[chosen[one]]
+    causes, amended, ambiguous = [], nominal, False
+    for place in np.argsort(-np.abs(changes) * norms, kind="stable"):
+        group = regression.classes[chosen[place]]
         value, (low, high) = group[0].value(nominal), group[0].declaration.bounds
-        estimate = min(max(value + float(changes[one]), low), high)
-        error = None if intervals is None else tuple(value + intervals[one])
-        names = tuple(dict.fromkeys(name_of(member) for member in group))
-        causes.append(Found(names[0], group[0].effect, group[0].parameter, estimate, error, names))
+        estimate = min(max(value + float(changes[place]), low), high)
+        cause = NamedCause(
+            identity=group[0].identity,
+            estimate=estimate,
+            interval=None if intervals is None else tuple(value + intervals[place]),
+            possible=tuple(member.identity for member in group),
+        )
+        causes.append(cause)
         amended = group[0].at(amended, estimate)
-    ambiguous = any(len(cause.possible) > 1 for cause in causes)
-    named: Answer = "ambiguous" if ambiguous else "named"
-    return Finding(named if causes else "no_gap", tuple(causes), amended)
+        ambiguous = ambiguous or len({member.quantity for member in group}) > 1
+    named: Conclusion = "ambiguous" if ambiguous else "named"
+    return Answer(named if causes else "no_gap", tuple(causes), amended)

@@ -1,7 +1,7 @@
-"""Arcs: measured balls from bounce to bounce, smoothed.
+"""Smoothed arcs: measured trajectories between two bounces.
 
-Each arc is fitted by the nominal simulator, and what that leaves by a parabola: it is so small that
-smoothing costs no accuracy. Spins are those of the labels where an arc has any.
+Each arc is fitted by the nominal simulator, and its small residuals by a parabola. Spins are those
+of the labels where an arc has any.
 """
 
 from dataclasses import dataclass
@@ -21,11 +21,11 @@ from models.gap.fit.shots import Shots
 from models.gap.settings import FitSettings
 from models.gap.types import Bools, Indices
 
-DEGREE = 4  # of the polynomials in which what is left of an arc is written
-SMOOTH = 2  # up to which degree it is motion rather than noise
-FEWEST = 10  # samples of an arc
-NEAR = 2e-3  # s from a bounce within which a sample may belong to either side
-INLIER = 0.5
+DEGREE = 4  # of the polynomials that describe residuals of an arc
+SMOOTH = 2  # highest degree that is taken for motion rather than noise
+MINIMUM_SAMPLES = 10  # of an arc
+NEAR_BOUNCE = 2e-3  # s; samples closer to a bounce may belong to either arc
+MINIMUM_WEIGHT = 0.5  # of a sample that is used
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,9 @@ class Arcs:
 
     Attributes:
         shots: the samples and labels of each.
-        parents: (R,) the shot that it is part of.
-        starts: (R,) s on the sensor's clock of the bounce before it, -inf if there is none.
-        ends: (R,) of the bounce after it, inf if there is none.
+        parents: (R,) the shot of each.
+        starts: (R,) s on the sensor's clock, the bounce before it, -inf if there is none.
+        ends: (R,) the bounce after it, inf if there is none.
     """
 
     shots: Shots
@@ -51,22 +51,24 @@ class Arcs:
 
 
 def airborne(simulator: Simulator) -> Simulator:
-    """Return a simulator without anything to bounce off."""
+    """Return a simulator without surfaces."""
     effects = simulator.effects.items()
     return Simulator.from_dict({e: p for e, p in effects if catalogue()[e].acts != "contact"})
 
 
-def cut(shots: Shots, simulator: Simulator) -> Arcs:
-    """Cut shots where a fit of the simulator, with bounces that scatter, has them bounce."""
+def arcs_of(shots: Shots, simulator: Simulator) -> Arcs:
+    """Cut shots at the bounces of a fit of the simulator with bounce scatter."""
     fit = fit_shots(shots, simulator, FitSettings())
-    view = predict_measurements(simulator, Schedule.of(shots), fit.nuisance)
+    prediction = predict_measurements(simulator, Schedule.of(shots), fit.nuisance)
     since = shots.times - shots.times[:, :1]
-    good = shots.valid & (fit.weights > INLIER) & ~(since > view.smooth_until[:, None])
+    usable = (
+        shots.valid & (fit.weights > MINIMUM_WEIGHT) & ~(since > prediction.smooth_until[:, None])
+    )
     pieces: list[dict[str, Any]] = []
-    for shot, contacts in enumerate(view.contacts + shots.times[:, :1]):
+    for shot, contacts in enumerate(prediction.contacts + shots.times[:, :1]):
         bounces = np.sort(contacts[np.isfinite(contacts)])
         for start, end in pairwise([-np.inf, *bounces, np.inf]):
-            pieces += _piece(shots, shot, good[shot], start, end)
+            pieces += _arc(shots, shot, usable[shot], start, end)
     samples = ("times", "positions", "labels", "label_times")
     return Arcs(
         Shots.from_arrays(**{name: [piece[name] for piece in pieces] for name in samples}),
@@ -76,11 +78,11 @@ def cut(shots: Shots, simulator: Simulator) -> Arcs:
     )
 
 
-def _piece(shots: Shots, shot: int, good: Bools, start: float, end: float) -> list[dict[str, Any]]:
+def _arc(shots: Shots, shot: int, usable: Bools, start: float, end: float) -> list[dict[str, Any]]:
     times, when = shots.times[shot], shots.label_times[shot]
-    inside = good & (times > start + NEAR) & (times < end - NEAR)
+    inside = usable & (times > start + NEAR_BOUNCE) & (times < end - NEAR_BOUNCE)
     labels = (when > start + JUMP) & (when < end - JUMP)
-    if inside.sum() < FEWEST:
+    if inside.sum() < MINIMUM_SAMPLES:
         return []
     return [
         {
@@ -96,17 +98,17 @@ def _piece(shots: Shots, shot: int, good: Bools, start: float, end: float) -> li
 
 
 @dataclass(frozen=True)
-class Smoothed:
-    """Arcs, smoothed.
+class SmoothedArcs:
+    """R arcs, smoothed.
 
     Attributes:
         arcs: as measured.
         simulator: nominal, without contacts.
         states: (R, 9) its fit at the first samples.
-        spins: (R, 3) by how much labels differ from its spins, rad/s.
+        spins: (R, 3) mean difference of labels from its spins, rad/s.
         columns: (R, N, D + 1) orthonormal polynomials at the samples, zero for outliers.
-        mixing: (R, D + 1, D + 1) that makes them from Legendre polynomials.
-        left: (R, D + 1, 3) what the fit leaves, in these polynomials.
+        mixing: (R, D + 1, D + 1) their coefficients in Legendre polynomials.
+        residuals: (R, D + 1, 3) of the fit, as coefficients of these polynomials.
     """
 
     arcs: Arcs
@@ -115,19 +117,21 @@ class Smoothed:
     spins: Floats
     columns: Floats
     mixing: Floats
-    left: Floats
+    residuals: Floats
 
     @classmethod
-    def of(cls, arcs: Arcs, simulator: Simulator) -> "Smoothed":
-        """Smooth arcs about a simulator."""
+    def of(cls, arcs: Arcs, simulator: Simulator) -> "SmoothedArcs":
+        """Smooth arcs about a fit of a simulator."""
         shots, free = arcs.shots, airborne(simulator)
         fit = fit_shots(shots, free, FitSettings())
-        view = predict_measurements(free, Schedule.of(shots), fit.nuisance)
-        usable = shots.valid & (fit.weights > INLIER)
+        prediction = predict_measurements(free, Schedule.of(shots), fit.nuisance)
+        usable = shots.valid & (fit.weights > MINIMUM_WEIGHT)
         rows = legvander(_scaled(shots, shots.times), DEGREE) * usable[..., None]
         columns, triangle = np.linalg.qr(rows)
-        residual = (shots.positions - view.positions) * usable[..., None]
-        apart = np.where(shots.labelled[..., None], shots.labels - view.labels, 0.0).sum(axis=1)
+        residual = (shots.positions - prediction.positions) * usable[..., None]
+        apart = np.where(shots.labelled[..., None], shots.labels - prediction.labels, 0.0).sum(
+            axis=1
+        )
         return cls(
             arcs,
             free,
@@ -151,7 +155,7 @@ class Smoothed:
         return times
 
     def scaled(self, times: Floats) -> Floats:
-        """Return (R, T) times on the sensor's clock on a scale from -1 to 1 along an arc."""
+        """Return (R, T) times on the sensor's clock, scaled to -1 to 1 along an arc."""
         return _scaled(self.arcs.shots, times)
 
     def fitted(self, times: Floats) -> Floats:
@@ -159,10 +163,10 @@ class Smoothed:
         return self.simulator.fly(self.states, times - self.arcs.shots.times[:, :1]).states
 
     def smooth(self, times: Floats) -> Floats:
-        """Return the (R, T, 9) smoothed states at times on the sensor's clock, not falling."""
+        """Return the (R, T, 9) smoothed states at increasing times on the sensor's clock."""
         states, scaled = self.fitted(times).copy(), self.scaled(times)
         kept = np.arange(DEGREE + 1) <= SMOOTH
-        series = self.mixing @ (self.left * kept[:, None])
+        series = self.mixing @ (self.residuals * kept[:, None])
         slopes = legder(np.eye(DEGREE + 1)).T
         states[..., POSITION] += legvander(scaled, DEGREE) @ series
         rates = legvander(scaled, DEGREE - 1) @ (slopes.T @ series)
@@ -170,11 +174,11 @@ class Smoothed:
         states[..., SPIN] += self.spins[:, None]
         return states
 
-    def beside_bounces(self, beside: float) -> tuple[Floats, Floats]:
-        """Return (R, 9) states ``beside`` s before the ends of arcs, and after their starts."""
+    def at_bounces(self, offset: float) -> tuple[Floats, Floats]:
+        """Return (R, 9) states ``offset`` s before the ends of arcs, and after their starts."""
         arcs, times = self.arcs, self.arcs.shots.times
-        ends = np.where(np.isfinite(arcs.ends), arcs.ends - beside, times[:, -1])
-        starts = np.where(np.isfinite(arcs.starts), arcs.starts + beside, times[:, 0])
+        ends = np.where(np.isfinite(arcs.ends), arcs.ends - offset, times[:, -1])
+        starts = np.where(np.isfinite(arcs.starts), arcs.starts + offset, times[:, 0])
         return self.smooth(ends[:, None])[:, 0], self.smooth(starts[:, None])[:, 0]
 
 

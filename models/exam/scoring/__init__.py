@@ -1,1 +1,1 @@
-"""From exam records to rates, the same for every method."""
+"""Scores: from exam records to marks, rates and the removable gap, the same for every method."""

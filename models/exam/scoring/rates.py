@@ -1,98 +1,102 @@
-"""Scoring: from sheets to rates, the same for every method.
+"""Marks and rates from exam records.
 
-- *Right name*: the answer is ``named``, with exactly the hidden causes and no other.
-- *Right class*: as many causes as are hidden, and each hidden one in the class of another of them.
-- *Solved*: each hidden cause that is a class of its own on its data has the right name, each other
-  one is in the class of a cause, and there is no other cause. On a clean set: ``no_gap``. Where the
-  effect was withheld: ``unknown``.
+- *Distinguishable*: no other parameter explains a hidden cause as well on its data. Components of a
+  vector, such as the wind's, count as one quantity.
+- *Right*: the answer is ``named``, with exactly the hidden causes. On a clean set: ``no_gap``. With
+  a withheld effect: ``unknown``.
+- *Ambiguous*: as many causes as are hidden, each hidden one among the possible ones of another.
+- *Solved*: each hidden cause is named if it is distinguishable, otherwise it is among the possible
+  ones of a cause, and no other cause is named. Clean sets and withheld effects: *right*.
 - *False alarm*: any answer but ``no_gap`` on a clean set. A method that fails is wrong everywhere.
-- *At 3x*: the sweeps' base, 100 shots and 3 mm.
-- *Coverage*: of all numbers at 3x or more that have the right effect and parameter, in answers with
-  the right causes and no other, the share whose 95 % interval holds the truth.
-- *Removable gap closed*: over all trials with a cause that could be named, the sum of what an
-  amended simulator takes away of the gap by the sum of the gap (removable.py). A method that fails
+- *Coverage*: of all parameters at 3 detection limits or more that are named correctly, in answers
+  without any wrong cause, the share whose 95 % interval contains the true value.
+- *Removable gap closed*: over all trials with a cause that can be named, the sum of what an amended
+  simulator takes away of the gap, by the sum of the gap (removable_gap.py). A method that fails
   takes nothing away.
 
 Rates of nothing are None.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import permutations
 from typing import Any, Literal
 
 from scipy.stats import binomtest
 
 from models.exam.design.questions import BASE, MULTIPLE
-from models.exam.record import Answered, Hidden, Named, Sheet, rounded
+from models.exam.interface import NamedCause, rounded
+from models.exam.records import AnswerRecord, ExamRecord, HiddenCause
+from models.gap.hypotheses import Hypothesis
 
 Mark = Literal["right", "ambiguous", "wrong", "missed", "failed"]
 MARKS: tuple[Mark, ...] = ("right", "ambiguous", "wrong", "missed", "failed")
 
 
-def posed(sheets: Iterable[Sheet], method: str) -> list[Sheet]:
-    """Return the sheets of questions that could be posed and that a method was asked."""
-    return [one for one in sheets if method in one.answers]
+def answered(records: Iterable[ExamRecord], method: str) -> list[ExamRecord]:
+    """Return the records of questions that a method was given."""
+    return [record for record in records if method in record.answers]
 
 
-def mark(sheet: Sheet, method: str) -> Mark:
-    """Return what a method's answer is worth; ``ambiguous`` is the right class without a name."""
-    given = sheet.answers[method]
-    if given.answer is None:
+def of_base(records: Iterable[ExamRecord]) -> list[ExamRecord]:
+    """Return the records of the sweeps' base: 3 detection limits, 100 shots, 3 mm."""
+    return [record for record in records if record.cell == BASE.name]
+
+
+def of_group(records: Iterable[ExamRecord], group: str) -> list[ExamRecord]:
+    """Return the records of a group."""
+    return [record for record in records if record.group == group]
+
+
+def distinguishable(record: ExamRecord) -> bool:
+    """Return whether the data distinguish every hidden cause from all other parameters."""
+    return not any(hidden.indistinguishable for hidden in record.hidden)
+
+
+def mark(record: ExamRecord, method: str) -> Mark:
+    """Return the mark of a method's answer."""
+    answer = record.answers[method]
+    if answer.conclusion is None:
         return "failed"
-    if _right(sheet, given):
+    if _right(record, answer):
         return "right"
-    if given.answer == "no_gap":
+    if answer.conclusion == "no_gap":
         return "missed"
-    in_question = sheet.hidden and not sheet.withheld and given.answer != "unknown"
-    return "ambiguous" if in_question and _matched(sheet, given, _in_class) else "wrong"
+    can_be_named = record.hidden and not record.withheld and answer.conclusion != "unknown"
+    return "ambiguous" if can_be_named and _match(record, answer, _is_possible) else "wrong"
 
 
-def solved(sheet: Sheet, method: str) -> bool:
-    """Return whether an answer says all that the data show, and no more."""
-    given = sheet.answers[method]
-    if sheet.withheld or not sheet.hidden:
-        return mark(sheet, method) == "right"
-    return given.answer in ("named", "ambiguous") and _matched(sheet, given, _solves)
+def solved(record: ExamRecord, method: str) -> bool:
+    """Return whether an answer says all that the data show, and nothing else."""
+    answer = record.answers[method]
+    if record.withheld or not record.hidden:
+        return mark(record, method) == "right"
+    return answer.conclusion in ("named", "ambiguous") and _match(record, answer, _solves)
 
 
-def at_3x(sheets: Iterable[Sheet]) -> list[Sheet]:
-    """Return the sheets of the sweeps' base."""
-    return [one for one in sheets if one.cell == BASE.name]
-
-
-def of_group(sheets: Iterable[Sheet], group: str) -> list[Sheet]:
-    """Return the sheets of a group."""
-    return [one for one in sheets if one.group == group]
-
-
-def alone(sheet: Sheet) -> bool:
-    """Return whether every hidden cause is a class of its own on its data."""
-    return not any(one.alike for one in sheet.hidden)
-
-
-def covered(sheets: Iterable[Sheet], method: str) -> list[bool]:
-    """Return for every rightly named number at 3x or more whether its interval holds the truth."""
-    found = []
-    for sheet in posed(sheets, method):
-        given = sheet.answers[method]
-        if sheet.multiple < MULTIPLE or sheet.withheld or not _exact(sheet, given):
+def covered(records: Iterable[ExamRecord], method: str) -> list[bool]:
+    """Return whether the interval of each correctly named parameter contains the true value."""
+    contains = []
+    for record in answered(records, method):
+        answer = record.answers[method]
+        if record.multiple < MULTIPLE or record.withheld or not _exact(record, answer):
             continue
-        truth = {(one.effect, one.parameter): one.value for one in sheet.hidden}
-        for cause in given.causes:
+        truth = {hidden.identity: hidden.value for hidden in record.hidden}
+        for cause in answer.causes:
             if cause.interval is not None:
                 low, high = cause.interval
-                found.append(low <= truth[cause.effect, cause.parameter] <= high)
-    return found
+                contains.append(low <= truth[cause.identity] <= high)
+    return contains
 
 
-def closed(sheets: Iterable[Sheet], method: str) -> tuple[int, float, float]:
-    """Return the number of trials with a gap to close, and sums of it before and after in mm."""
-    pairs = [
-        (sheet.before_mm, _after(sheet.answers[method].after_mm, sheet.before_mm))
-        for sheet in posed(sheets, method)
-        if sheet.before_mm is not None and not sheet.withheld
+def removable_gap(records: Iterable[ExamRecord], method: str) -> tuple[int, float, float]:
+    """Return the number of trials with a gap to close, and its sums before and after in mm."""
+    gaps = [
+        (record.gap_before_mm, record.answers[method].gap_after_mm)
+        for record in answered(records, method)
+        if record.gap_before_mm is not None and not record.withheld
     ]
-    return len(pairs), sum(before for before, _ in pairs), sum(after for _, after in pairs)
+    after = sum(before if after is None else after for before, after in gaps)
+    return len(gaps), sum(before for before, _ in gaps), after
 
 
 def interval(part: int, whole: int) -> tuple[float, float]:
@@ -101,25 +105,27 @@ def interval(part: int, whole: int) -> tuple[float, float]:
     return float(found.low), float(found.high)
 
 
-def rates(sheets: Sequence[Sheet], method: str) -> dict[str, Any]:
-    """Return all that is reported of a method, each rate after its counts."""
-    mine = posed(sheets, method)
-    base = at_3x(mine)
+def rates(records: Sequence[ExamRecord], method: str) -> dict[str, Any]:
+    """Return all rates of a method, each after its counts."""
+    given = answered(records, method)
+    base = of_base(given)
+    clear = [record for record in base if distinguishable(record)]
+    other = [record for record in base if not distinguishable(record)]
     return {
-        "trials": len(mine),
-        "failures": sum(mark(one, method) == "failed" for one in mine),
-        **_false_alarms(of_group(mine, "clean"), method),
-        **_solved([one for one in base if alone(one)], method, "own_class", "top1_at_3x"),
-        **_solved([one for one in base if not alone(one)], method, "shared_class", "class_at_3x"),
-        **_solved(of_group(mine, "pair"), method, "pairs", "pairs_both"),
-        **_solved(of_group(mine, "withheld"), method, "withheld", "unknown_recall"),
-        **_coverage(mine, method),
-        **_closed(mine, method),
+        "trials": len(given),
+        "failures": sum(mark(record, method) == "failed" for record in given),
+        **_false_alarms(of_group(given, "clean"), method),
+        **_solved(clear, method, "distinguishable", "top1_at_3x"),
+        **_solved(other, method, "indistinguishable", "class_at_3x"),
+        **_solved(of_group(given, "pair"), method, "pairs", "pairs_both"),
+        **_solved(of_group(given, "withheld"), method, "withheld", "unknown_recall"),
+        **_coverage(given, method),
+        **_closed(given, method),
     }
 
 
-def _false_alarms(clean: Sequence[Sheet], method: str) -> dict[str, Any]:
-    alarms = sum(mark(one, method) != "right" for one in clean)
+def _false_alarms(clean: Sequence[ExamRecord], method: str) -> dict[str, Any]:
+    alarms = sum(mark(record, method) != "right" for record in clean)
     upper = None
     if clean:
         # One-sided: with 95 % confidence the rate is no larger.
@@ -133,25 +139,24 @@ def _false_alarms(clean: Sequence[Sheet], method: str) -> dict[str, Any]:
     }
 
 
-def _solved(sheets: Sequence[Sheet], method: str, counted: str, rate: str) -> dict[str, Any]:
-    right = sum(solved(one, method) for one in sheets)
-    return {counted: len(sheets), f"{counted}_right": right, rate: _share(right, len(sheets))}
+def _solved(records: Sequence[ExamRecord], method: str, counted: str, rate: str) -> dict[str, Any]:
+    right = sum(solved(record, method) for record in records)
+    return {counted: len(records), f"{counted}_right": right, rate: _share(right, len(records))}
 
 
-def _coverage(sheets: Sequence[Sheet], method: str) -> dict[str, Any]:
-    held = covered(sheets, method)
-    share = _share(sum(held), len(held))
-    return {"intervals": len(held), "intervals_right": sum(held), "coverage": share}
+def _coverage(records: Sequence[ExamRecord], method: str) -> dict[str, Any]:
+    contains = covered(records, method)
+    share = _share(sum(contains), len(contains))
+    return {"intervals": len(contains), "intervals_right": sum(contains), "coverage": share}
 
 
-def _closed(sheets: Sequence[Sheet], method: str) -> dict[str, Any]:
-    trials, before, after = closed(sheets, method)
-    share = rounded((before - after) / before) if before else None
+def _closed(records: Sequence[ExamRecord], method: str) -> dict[str, Any]:
+    trials, before, after = removable_gap(records, method)
     return {
         "gaps": trials,
         "gap_before_mm": rounded(before),
         "gap_after_mm": rounded(after),
-        "removable_closed": share,
+        "removable_closed": rounded((before - after) / before) if before else None,
     }
 
 
@@ -159,42 +164,44 @@ def _share(part: int, whole: int) -> float | None:
     return rounded(part / whole) if whole else None
 
 
-def _after(after: float | None, before: float) -> float:
-    return before if after is None else after
+def _right(record: ExamRecord, answer: AnswerRecord) -> bool:
+    if not record.hidden:
+        return answer.conclusion == "no_gap"
+    if record.withheld:
+        return answer.conclusion == "unknown"
+    return answer.conclusion == "named" and _exact(record, answer)
 
 
-def _right(sheet: Sheet, given: Answered) -> bool:
-    if not sheet.hidden:
-        return given.answer == "no_gap"
-    if sheet.withheld:
-        return given.answer == "unknown"
-    return given.answer == "named" and _exact(sheet, given)
+def _exact(record: ExamRecord, answer: AnswerRecord) -> bool:
+    return answer.conclusion in ("named", "ambiguous") and _match(record, answer, _same)
 
 
-def _exact(sheet: Sheet, given: Answered) -> bool:
-    return given.answer in ("named", "ambiguous") and _matched(sheet, given, _same)
-
-
-def _matched(sheet: Sheet, given: Answered, fits: Any) -> bool:
-    """Return whether causes fit what is hidden, one to one."""
-    if len(given.causes) != len(sheet.hidden):
-        return False
-    return any(
-        all(fits(one, cause) for one, cause in zip(sheet.hidden, order, strict=True))
-        for order in permutations(given.causes)
+def _match(
+    record: ExamRecord, answer: AnswerRecord, fits: Callable[[HiddenCause, NamedCause], bool]
+) -> bool:
+    """Return whether the named causes fit the hidden ones, one to one."""
+    return len(answer.causes) == len(record.hidden) and any(
+        all(fits(hidden, cause) for hidden, cause in zip(record.hidden, order, strict=True))
+        for order in permutations(answer.causes)
     )
 
 
-def _same(hidden: Hidden, cause: Named) -> bool:
-    return (hidden.effect, hidden.parameter) == (cause.effect, cause.parameter)
+def _same(hidden: HiddenCause, cause: NamedCause) -> bool:
+    return hidden.identity == cause.identity
 
 
-def _in_class(hidden: Hidden, cause: Named) -> bool:
-    return hidden.name in cause.possible
+def _is_possible(hidden: HiddenCause, cause: NamedCause) -> bool:
+    return _quantity(hidden.identity) in map(_quantity, cause.possible)
 
 
-def _solves(hidden: Hidden, cause: Named) -> bool:
-    """Return whether a cause says what data show of one that is hidden."""
-    if hidden.alike:
-        return _in_class(hidden, cause)
-    return _same(hidden, cause) and set(cause.possible) == {hidden.name}
+def _solves(hidden: HiddenCause, cause: NamedCause) -> bool:
+    """Return whether a named cause says what the data show of a hidden one."""
+    if hidden.indistinguishable:
+        return _is_possible(hidden, cause)
+    return _same(hidden, cause) and set(map(_quantity, cause.possible)) == {
+        _quantity(hidden.identity)
+    }
+
+
+def _quantity(identity: str) -> str:
+    return Hypothesis(*identity.split(".", 1)).quantity

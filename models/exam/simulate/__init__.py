@@ -1,1 +1,1 @@
-"""The recordings of a question, by an independent ball with laws of its own."""
+"""Trials and their simulated recordings, by the catalogue's or by independent dynamics."""

@@ -1,35 +1,33 @@
-"""The independent ball: its own integrator of its own laws, from bounce to bounce.
+"""The independent ball: an integrator of the independent laws, event by event.
 
-Steps follow Kutta's three-eighths rule, bounces are located on the step itself. There is a table
-without edges to hit and without balls that rest on it, and no net.
+Steps use Kutta's 3/8 rule; bounces are located by Newton's method on the step length. The table has
+no edges to hit and no resting contact, and there is no net.
 """
 
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from models.ball import state as ball
 from models.ball.contact_laws import NONE, TABLE
 from models.ball.simulator import Contacts, Flight
 from models.ball.state import BALL_RADIUS, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from models.ball.types import Floats, Integers
 from models.exam.simulate import laws
 from models.exam.simulate.laws import Physics, bounce, derivative, normal_of
 from models.support.compilation import compiler
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
 compiled = compiler([Path(__file__), Path(str(laws.__file__)), Path(str(ball.__file__))])
 
 LONGEST_STEP = 0.0025  # s
-MOST_BOUNCES = 8  # a shot; further ones do not happen
+MOST_BOUNCES = 8  # of a shot; further contacts are ignored
 
 
 @dataclass(frozen=True)
 class IndependentBall:
-    """A ball in the independent world."""
+    """A ball that follows the independent laws."""
 
     physics: Physics
 

@@ -1,12 +1,11 @@
-"""Launches: strokes of all kinds whose balls clear the net and bounce well inside the table.
+"""Random launches: strokes and serves that clear the net and bounce well inside the table.
 
-They are drawn where they bounce and flown back from there, so that nearly every draw is of use.
+States are drawn at the bounce and rolled out backwards, so that most draws are accepted.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.arena.sides import turned
 from models.ball.simulator import Contacts, Simulator
@@ -20,16 +19,16 @@ from models.ball.state import (
     TABLE_HALF_WIDTH,
     VELOCITY,
 )
-
-Floats = NDArray[np.float64]
+from models.ball.types import Floats
+from models.gap.types import Bools
 
 LAUNCH_SPEED = (4.0, 15.0)  # m/s
-GROUND_SPEED = (2.5, 11.0)  # m/s along the table where it bounces
-FALL = (1.2, 4.5)  # m/s downwards there
+GROUND_SPEED = (2.5, 11.0)  # m/s along the table at the bounce
+FALL = (1.2, 4.5)  # m/s downwards at the bounce
 SERVES = 0.25  # share of the draws that bounce on the own half first, then on the other
 SERVE_GROUND_SPEED = (3.5, 7.0)  # m/s
 SERVE_FALL = (1.5, 3.5)  # m/s
-MOST_SPIN = 400.0  # rad/s
+MAXIMUM_SPIN = 400.0  # rad/s
 HEADING_SPREAD = 0.15  # rad to either side
 BEFORE = (0.22, 0.38)  # s of flight before the bounce
 AFTER = (0.22, 0.38)  # s after it
@@ -37,18 +36,18 @@ AFTER_SERVE = (0.10, 0.20)  # s after the second bounce of a serve
 LAUNCH_HEIGHT = (0.08, 1.5)  # m
 FARTHEST = 3.5  # m behind the net
 NET_CLEARANCE = 0.03  # m between ball and net
-EDGE_CLEARANCE = 0.06  # m; an edge is no place to measure a bounce
+EDGE_CLEARANCE = 0.06  # m between bounce and edge
 FLIGHT_ONLY = 0.08  # share of the shots that end before the bounce
-LOWEST = -0.2  # m, where a shot is over
+LOWEST = -0.2  # m, where a shot ends
 
-DRAWN_AT_ONCE = 400
-LOOKS = 90
-SEEN_AHEAD = 0.9  # s after the bounce
+BATCH = 400  # states drawn at once
+TIMES = 90  # of the roll-out that checks a launch
+CHECKED = 0.9  # s after the bounce
 
 
 @dataclass(frozen=True)
 class Launches:
-    """Shots to be: ``states`` (B, 9) at time zero and how long they are seen, (B,) s."""
+    """``states`` (B, 9) at time zero, and (B,) ``durations`` of the recordings in s."""
 
     states: Floats
     durations: Floats
@@ -57,11 +56,11 @@ class Launches:
 def launches(
     simulator: Simulator, shots: int, directions: int, random: np.random.Generator
 ) -> Launches:
-    """Draw launches, half of them turned to the other side where there are two directions."""
+    """Draw launches; with two directions, half of them from the other side of the table."""
     states, before = np.empty((0, STATE_SIZE)), np.empty(0)
     while len(states) < shots:
-        found, lead = _drawn(simulator, random)
-        states, before = np.concatenate([states, found]), np.concatenate([before, lead])
+        more, times = _drawn(simulator, random)
+        states, before = np.concatenate([states, more]), np.concatenate([before, times])
     states, before = states[:shots], before[:shots]
     durations = _durations(simulator, states, before, random)
     ways = -np.ones(shots)
@@ -76,8 +75,8 @@ def _drawn(simulator: Simulator, random: np.random.Generator) -> tuple[Floats, F
     serves = random.random(len(bounces)) < SERVES
     bounces[serves] = _as_serves(bounces[serves], random)
     before = random.uniform(*BEFORE, len(bounces))
-    looks = np.linspace(-before, SEEN_AHEAD, LOOKS, axis=1)
-    flight = simulator.fly(bounces, looks)
+    times = np.linspace(-before, CHECKED, TIMES, axis=1)
+    flight = simulator.fly(bounces, times)
     start, place = flight.states[:, 0], flight.states[..., POSITION]
     low = place[..., 2] < NET_HEIGHT + BALL_RADIUS + NET_CLEARANCE
     into_net = (low & (np.abs(place[..., 1]) < 0.15)).any(axis=1)
@@ -89,7 +88,7 @@ def _drawn(simulator: Simulator, random: np.random.Generator) -> tuple[Floats, F
 
 def _at_bounce(random: np.random.Generator) -> Floats:
     """Return states just before a bounce on the half at y > 0."""
-    count = DRAWN_AT_ONCE
+    count = BATCH
     states = np.empty((count, STATE_SIZE))
     states[:, 0] = random.uniform(-0.6, 0.6, count)
     states[:, 1] = random.uniform(0.15, 1.25, count)
@@ -100,12 +99,12 @@ def _at_bounce(random: np.random.Generator) -> Floats:
     states[:, 5] = -random.uniform(*FALL, count)
     axes = random.standard_normal((count, 3)) * [1.5, 1.0, 1.0]  # topspin and backspin lead
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-    states[:, SPIN] = axes * random.uniform(0.0, MOST_SPIN, (count, 1))
+    states[:, SPIN] = axes * random.uniform(0.0, MAXIMUM_SPIN, (count, 1))
     return states
 
 
 def _as_serves(states: Floats, random: np.random.Generator) -> Floats:
-    """Return states at a bounce, moved to the half at y < 0 and made slower."""
+    """Return the states of serves: moved to the half at y < 0, and slower."""
     serves = states.copy()
     serves[:, 1] -= TABLE_HALF_LENGTH
     ground = np.linalg.norm(states[:, 3:5], axis=1, keepdims=True)
@@ -117,15 +116,15 @@ def _as_serves(states: Floats, random: np.random.Generator) -> Floats:
 def _durations(
     simulator: Simulator, states: Floats, before: Floats, random: np.random.Generator
 ) -> Floats:
-    """Return how long shots are seen: mostly until well after one bounce, serves after two."""
-    looks = np.linspace(0.0, 1.5, 150)
-    flight = simulator.fly(states, looks)
+    """Return (B,) s of recording: mostly until well after one bounce, serves after two."""
+    times = np.linspace(0.0, 1.5, 150)
+    flight = simulator.fly(states, times)
     second, third = (_time(flight.contacts, k) for k in (1, 2))
     serves = flight.contacts.before[:, 0, 1] < 0
     once = np.minimum(before + random.uniform(*AFTER, len(states)), second - 0.01)
     twice = np.minimum(second + random.uniform(*AFTER_SERVE, len(states)), third - 0.01)
     durations = np.where(serves, twice, once)
-    gone = np.where(flight.states[..., 2] < LOWEST, looks, np.inf).min(axis=1)
+    gone = np.where(flight.states[..., 2] < LOWEST, times, np.inf).min(axis=1)
     early = before - random.uniform(0.01, 0.05, len(states))
     flight_only = random.random(len(states)) < FLIGHT_ONLY
     return np.where(flight_only, early, np.minimum(durations, gone))
@@ -135,13 +134,13 @@ def _time(contacts: Contacts, number: int) -> Floats:
     return np.nan_to_num(contacts.time[:, number], nan=np.inf)
 
 
-def _inside(contacts: Contacts, number: int) -> NDArray[np.bool_]:
+def _inside(contacts: Contacts, number: int) -> Bools:
     """Return which contacts lie well inside the table."""
     place = np.abs(contacts.before[:, number, :2])
     limits = np.array([TABLE_HALF_WIDTH, TABLE_HALF_LENGTH]) - EDGE_CLEARANCE
-    inside: NDArray[np.bool_] = np.all(place < limits, axis=1)
+    inside: Bools = np.all(place < limits, axis=1)
     return inside
 
 
-def _within(values: Floats, limits: tuple[float, float]) -> NDArray[np.bool_]:
+def _within(values: Floats, limits: tuple[float, float]) -> Bools:
     return np.logical_and(values >= limits[0], values <= limits[1])

@@ -1,9 +1,9 @@
-"""The independent world's laws: what the catalogue's effects may look like in a real hall.
+"""Laws of the independent dynamics: other functional forms of the catalogue's effects.
 
-Nothing here is taken from the simulator but the size of ball and table. Where an effect is a
-definition (gravity, a tilted table) there is one form of it. Where physics leaves the form open,
-this world has another one than the catalogue, written so that its size is near the catalogue's
-parameter; ``equivalent.py`` finds the size at which a best fit calls it the same.
+Only the dimensions of ball and table are shared with the simulator. An effect that is a definition
+(gravity, a tilted table) has one form. Where physics leaves the form open, the form differs from
+the catalogue's, scaled so that its constant is near the catalogue's parameter;
+``equivalent_sizes`` finds the constant to which a best fit of the catalogue's form corresponds.
 """
 
 import math
@@ -11,19 +11,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.ball import state as ball
 from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
 from models.ball.state import AIR_DENSITY, BALL_AREA, BALL_MASS, BALL_RADIUS, BALL_VOLUME
+from models.ball.types import Floats
 from models.support.compilation import compiler
-
-Floats = NDArray[np.float64]
 
 compiled = compiler([Path(__file__), Path(str(ball.__file__))])
 
-# The forms of effects that physics leaves open; every other one is as its definition says.
+# Forms that differ from the catalogue's; all other effects follow their definition.
 FORMS = {
     "speed_dependent_drag": "C_D + c f(Re), f tabulated: flat, a fall towards the crisis, flat",
     "spin_dependent_drag": "C_D + c f(S), f tabulated: slow at first, levelling off",
@@ -49,7 +47,7 @@ CONTACT_STEPS = 16  # of the normal impulse
 
 
 class Physics(NamedTuple):
-    """The constants of the independent world; each stands for one parameter of the catalogue."""
+    """Constants of the independent dynamics, one a parameter of the catalogue."""
 
     gravity_g: float
     drag_cd: float
@@ -80,28 +78,26 @@ class Physics(NamedTuple):
 
 
 def supports(effect: str) -> bool:
-    """Return whether the independent world has an effect; the sensor is the same in all worlds."""
+    """Return whether the independent dynamics have an effect; all share the sensor model."""
     known = catalogue()[effect]
     fields = {f"{effect}_{parameter.name}" for parameter in known.parameters}
     return known.acts == "sensor" or fields <= set(Physics._fields)
 
 
 def physics_of(simulator: Simulator) -> Physics:
-    """Return the constants whose sizes are a simulator's parameters.
-
-    Rackets are left out: nothing here is struck.
+    """Return constants that equal a simulator's parameters. Rackets are left out.
 
     Raises:
-        ValueError: the simulator has no table, or an effect that this world does not know.
+        ValueError: the simulator has no table, or an effect without an independent form.
     """
     if "table_bounce" not in simulator.effects:
-        raise ValueError("the independent world has a table; the simulator has no table_bounce")
+        raise ValueError("the independent dynamics have a table; the simulator has no table_bounce")
     values = {
         f"{name}_{p.name}": p.neutral for name, e in catalogue().items() for p in e.parameters
     }
     for effect, parameters in simulator.effects.items():
         if effect != "racket_bounce" and not supports(effect):
-            raise ValueError(f"the independent world does not know {effect}")
+            raise ValueError(f"the independent dynamics do not have {effect}")
         values |= {f"{effect}_{name}": value for name, value in parameters.items()}
     return Physics(**{name: values[name] for name in Physics._fields})
 
@@ -172,8 +168,8 @@ def normal_of(q: Physics) -> tuple[float, float, float]:
 def bounce(y: Floats, q: Physics) -> None:
     """Turn a state (9,) just before a contact with the table into the one just after.
 
-    Coulomb's friction acts through the contact, against the slip of that moment, until the ball
-    rolls. With constant friction that is the law of the instantaneous contact.
+    Coulomb friction acts during the contact, against the slip at each moment, until the ball rolls.
+    With constant friction this equals the instantaneous contact law.
     """
     nx, ny, nz = normal_of(q)
     fall = -(y[3] * nx + y[4] * ny + y[5] * nz)
@@ -214,8 +210,8 @@ def _friction(slip: float, q: Physics) -> float:
 def _slip_after(slip: float, push: float, q: Physics) -> float:
     """Return the slip after a contact of normal impulse ``push`` (over the mass, m/s).
 
-    A thin shell loses 5/2 mu of slip for each unit of it (midpoint rule); a negative slip is one
-    that the table gives back.
+    A thin shell loses 5/2 mu of slip for each unit of it (midpoint rule); a negative slip is
+    elastic, returned by the table.
     """
     h = push / CONTACT_STEPS
     now = slip

@@ -1,4 +1,4 @@
-"""Recordings of a trial, for the candidate, and its sealed truth, for the scoring path alone."""
+"""Recordings of a trial, for the methods, and its sealed truth, for the scoring path only."""
 
 from dataclasses import dataclass
 
@@ -7,72 +7,69 @@ from numpy.typing import ArrayLike, NDArray
 
 from models.ball.sensor import measured
 from models.ball.state import POSITION, SPIN, STATE_SIZE
-from models.exam.design.trial import Recording, Trial
+from models.ball.types import Floats
+from models.exam.interface import Recording
 from models.exam.simulate.equivalent_sizes import equivalent_physics
 from models.exam.simulate.independent_ball import IndependentBall
 from models.exam.simulate.launches import Launches, launches
-from models.exam.simulate.session import Ball, Session, played
+from models.exam.simulate.scattered_shots import BallModel, ScatteredShots, scattered_shots
+from models.exam.simulate.trial import Trial
 
-Floats = NDArray[np.float64]
-
-JITTER = 3e-4  # s to either side by which frames come early or late; their stamps know it
-MARGIN = 0.1  # s that balls are played beyond what is seen, for a sensor that looks ahead
-LAUNCHES, BOUNCES, SENSOR, FRAMES, NOISE = range(5)  # each with random numbers of its own
+JITTER = 3e-4  # s to either side of a frame's regular time; its time stamp includes it
+MARGIN = 0.1  # s simulated beyond the end of a recording, for a sensor that looks ahead
+LAUNCHES, BOUNCES, SENSOR, FRAMES, NOISE = range(5)  # streams of random numbers
 
 
 @dataclass(frozen=True)
 class SealedTruth:
-    """What is hidden in a trial's recordings.
+    """What the recordings of a trial hide.
 
     Attributes:
-        trial: its causes among it.
-        session: the balls as they were played.
-        durations: (B,) s for which each was seen.
+        trial: with its causes.
+        shots: as simulated.
+        durations: (B,) s that were recorded.
     """
 
     trial: Trial
-    session: Session
+    shots: ScatteredShots
     durations: Floats
 
     def states(self, times: ArrayLike) -> Floats:
         """Return the (B, T, 9) true states at (T,) or (B, T) true times."""
-        return self.session.fly(self.session.launches, times).states
+        return self.shots.fly(self.shots.launches, times).states
 
 
-def held(trial: Trial) -> tuple[tuple[Recording, ...], SealedTruth]:
-    """Hold a trial: return its recordings, and apart from them its sealed truth."""
+def simulate_trial(trial: Trial) -> tuple[tuple[Recording, ...], SealedTruth]:
+    """Return the recordings of a trial, and separately its sealed truth."""
     drawn = launches(trial.nominal, trial.shots, trial.directions, _random(trial, LAUNCHES))
-    followed = drawn.durations + MARGIN
-    session = played(
-        world_of(trial, drawn),
+    shots = scattered_shots(
+        ball_model(trial, drawn),
         trial.simulator,
         drawn.states,
-        followed,
+        drawn.durations + MARGIN,
         trial.scatter,
         _random(trial, BOUNCES),
     )
-    truth = SealedTruth(trial, session, drawn.durations)
-    return tuple(_recorded(truth)), truth
+    truth = SealedTruth(trial, shots, drawn.durations)
+    return tuple(_recordings(truth)), truth
 
 
-def world_of(trial: Trial, drawn: Launches) -> Ball:
-    """Return what flies a trial's balls: the simulator with the causes, or the independent ball."""
-    if trial.world == "independent":
+def ball_model(trial: Trial, drawn: Launches) -> BallModel:
+    """Return the dynamics of a trial: the simulator with the causes, or the independent ball."""
+    if trial.dynamics == "independent":
         return IndependentBall(equivalent_physics(trial, drawn))
     return trial.simulator
 
 
-def _recorded(truth: SealedTruth) -> list[Recording]:
-    trial, session = truth.trial, truth.session
+def _recordings(truth: SealedTruth) -> list[Recording]:
+    trial, shots = truth.trial, truth.shots
     frames, noise = _random(trial, FRAMES), _random(trial, NOISE)
     times, counts = _frames(truth.durations, trial.cameras.interval, frames)
-    positions, labels = measured(session, session.launches, times, _random(trial, SENSOR))
-    recordings = []
-    for shot, count in enumerate(counts):
-        rows = slice(0, count)
-        seen = _Seen(times[shot, rows], positions[shot, rows], labels[shot, rows])
-        recordings.append(seen.recorded(trial, noise))
-    return recordings
+    positions, labels = measured(shots, shots.launches, times, _random(trial, SENSOR))
+    return [
+        _recording(trial, times[shot, :count], positions[shot, :count], labels[shot, :count], noise)
+        for shot, count in enumerate(counts)
+    ]
 
 
 def _frames(
@@ -88,27 +85,21 @@ def _frames(
     return np.take_along_axis(times, last, axis=1), counts
 
 
-@dataclass(frozen=True)
-class _Seen:
-    """One shot as the sensor shows it, before noise."""
-
-    times: Floats
-    positions: Floats
-    labels: Floats
-
-    def recorded(self, trial: Trial, random: np.random.Generator) -> Recording:
-        states = np.zeros((len(self.times), STATE_SIZE))
-        states[:, POSITION], states[:, SPIN] = self.positions, self.labels
-        positions, labels, seen = trial.cameras.measure(states, random)
-        times = self.times
-        if trial.stamp > 0.0:
-            times = np.round(times / trial.stamp) * trial.stamp
-        labelled = {
-            "none": np.zeros(len(seen), dtype=bool),
-            "per_shot": np.arange(len(seen)) == 0,
-            "per_row": seen,
-        }[trial.spin_labels]
-        return Recording(times[seen], positions[seen], times[labelled], labels[labelled])
+def _recording(
+    trial: Trial, times: Floats, positions: Floats, labels: Floats, random: np.random.Generator
+) -> Recording:
+    """Return one shot with the errors of the cameras, from exact measurements."""
+    states = np.zeros((len(times), STATE_SIZE))
+    states[:, POSITION], states[:, SPIN] = positions, labels
+    positions, labels, kept = trial.cameras.measure(states, random)
+    if trial.time_resolution > 0.0:
+        times = np.round(times / trial.time_resolution) * trial.time_resolution
+    labelled = {
+        "none": np.zeros(len(kept), dtype=bool),
+        "per_shot": np.arange(len(kept)) == 0,
+        "per_row": kept,
+    }[trial.spin_labels]
+    return Recording(times[kept], positions[kept], times[labelled], labels[labelled])
 
 
 def _random(trial: Trial, stream: int) -> np.random.Generator:

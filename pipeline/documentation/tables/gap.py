@@ -21,11 +21,17 @@ SETS = ("spindoe", "tt3d", "isr_ball_prediction")
 HORIZONS_MS = (100, 200, 300)
 RATES = {  # what the exam counts: the number of right answers, and of questions
     "clean sets with a false alarm": ("false_alarms", "clean_sets"),
-    "one effect at 3x, a class of its own: its name": ("own_class_right", "own_class"),
-    "one effect at 3x, others look like it: its class": ("shared_class_right", "shared_class"),
-    "two effects at 3x: both": ("pairs_right", "pairs"),
-    "withheld from the catalogue: called unknown": ("withheld_right", "withheld"),
-    "95 % intervals that hold the truth": ("intervals_right", "intervals"),
+    "one distinguishable cause at 3 detection limits: named": (
+        "distinguishable_right",
+        "distinguishable",
+    ),
+    "one indistinguishable cause at 3 detection limits: its class named": (
+        "indistinguishable_right",
+        "indistinguishable",
+    ),
+    "two causes: both named": ("pairs_right", "pairs"),
+    "withheld effect: answer unknown": ("withheld_right", "withheld"),
+    "95 % intervals that contain the true value": ("intervals_right", "intervals"),
 }
 
 

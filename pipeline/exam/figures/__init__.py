@@ -1,1 +1,18 @@
-"""Figures of exam: drawing alone, from tables that others have computed."""
+"""Figures of the exam, from its records."""
+
+from collections.abc import Sequence
+
+from models.exam.records import ExamRecord
+from pipeline.exam.figures.methods import accuracy_figure, methods_figure
+from pipeline.exam.figures.single_method import confusion_figure, coverage_figure
+from pipeline.io.report_items import ReportFigure
+
+
+def exam_figures(records: Sequence[ExamRecord], methods: Sequence[str]) -> list[ReportFigure]:
+    """Return the figures of an exam, those of a single method for the first one."""
+    return [
+        confusion_figure(records, methods[0]),
+        accuracy_figure(records, methods),
+        coverage_figure(records, methods[0]),
+        methods_figure(records, methods),
+    ]

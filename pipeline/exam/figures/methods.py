@@ -1,4 +1,4 @@
-"""The methods of the exam side by side: their rates, and when they find the right name."""
+"""Figures that compare the methods: solved questions by setting, and all rates."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -8,9 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.exam.design.questions import BASE, SWEEPS
-from models.exam.record import Sheet
-from models.exam.scoring.rates import interval, posed, rates, solved
+from models.exam.records import ExamRecord
+from models.exam.scoring.rates import answered, interval, rates, solved
+from pipeline.exam.tables import SOLVED
 from pipeline.io.figure_style import FIGURE_WIDTH, INK
+from pipeline.io.report_items import ReportFigure
 
 COLOURS = {
     "rallygap": "#0f7fc4",
@@ -19,59 +21,59 @@ COLOURS = {
     "identification": "#009988",
 }
 OTHER_COLOUR = "#7d8791"
-# Counts of trials and of those that count, and what is written below.
+# Axis label: keys of the number of trials and of the counted ones.
 RATES = {
     "false alarms\non clean sets": ("clean_sets", "false_alarms"),
-    "right name\nat 3x": ("own_class", "own_class_right"),
-    "right class\nat 3x": ("shared_class", "shared_class_right"),
+    "right cause\nat 3 limits": ("distinguishable", "distinguishable_right"),
+    "right class\nat 3 limits": ("indistinguishable", "indistinguishable_right"),
     "both of\ntwo causes": ("pairs", "pairs_right"),
-    "alarm at\nunknown effects": ("withheld", "withheld_right"),
+    "unknown for\nwithheld effects": ("withheld", "withheld_right"),
     "coverage of\nintervals": ("intervals", "intervals_right"),
 }
 WIDTH = 0.8  # of all bars of a rate
-LOW = 8  # %, a bar that has no place for its number
+LOW = 8  # %, a bar too short for its number
 TEXT: dict[str, Any] = {"ha": "center", "va": "bottom", "fontsize": 6.5}
 CELLS = (BASE, *SWEEPS)
 Setting = Callable[[Any], float]  # of a cell
 PANELS: dict[str, Setting] = {
-    "size, in detectable sizes": lambda cell: cell.multiple,
-    "shots": lambda cell: cell.shots,
+    "size (detection limits)": lambda cell: cell.multiple,
+    "number of shots": lambda cell: cell.shots,
     "noise of a coordinate (mm)": lambda cell: 1000 * cell.noise,
 }
 
 
-def accuracy_figure(sheets: Sequence[Sheet], methods: Sequence[str]) -> Figure:
-    """Draw the share of solved questions of the sweeps, against size, shots and noise.
-
-    Args:
-        sheets: of the exam.
-        methods: to compare.
-    """
+def accuracy_figure(records: Sequence[ExamRecord], methods: Sequence[str]) -> ReportFigure:
+    """Return the share of solved questions of the sweeps, against size, shots and noise."""
     figure = Figure(figsize=(FIGURE_WIDTH, 3.2))
     grid = figure.subplots(1, len(PANELS), sharey=True)
     for axes, (label, setting) in zip(grid, PANELS.items(), strict=True):
         cells = [cell for cell in CELLS if cell is BASE or setting(cell) != setting(BASE)]
         cells.sort(key=setting)
         for method in methods:
-            _draw_line(axes, sheets, method, {cell.name: setting(cell) for cell in cells})
+            _draw_line(axes, records, method, {cell.name: setting(cell) for cell in cells})
         axes.set(xlabel=label, xscale="log", ylim=(0, 103))
         ticks = [setting(cell) for cell in cells]
         axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         axes.minorticks_off()
-    grid[0].set_ylabel("solved (%)")
+    grid[0].set_ylabel("solved questions (%)")
     _add_legend(figure, grid[0])
-    return figure
+    return ReportFigure(
+        figure,
+        "accuracy",
+        title="Solved questions by size, number of shots and noise",
+        caption=f"One setting is varied at a time. {SOLVED} Bands: 95 % intervals.",
+    )
 
 
 def _draw_line(
-    axes: Axes, sheets: Sequence[Sheet], method: str, settings: dict[str, float]
+    axes: Axes, records: Sequence[ExamRecord], method: str, settings: dict[str, float]
 ) -> None:
     shares: dict[float, tuple[float, float, float]] = {}
     for cell, setting in settings.items():
-        mine = posed([one for one in sheets if one.cell == cell], method)
-        if mine:
-            right = sum(solved(one, method) for one in mine)
-            shares[setting] = (right / len(mine), *interval(right, len(mine)))
+        given = answered([record for record in records if record.cell == cell], method)
+        if given:
+            right = sum(solved(record, method) for record in given)
+            shares[setting] = (right / len(given), *interval(right, len(given)))
     if shares:
         middle, low, high = 100 * np.array(list(shares.values())).T
         colour = COLOURS.get(method, OTHER_COLOUR)
@@ -79,26 +81,26 @@ def _draw_line(
         axes.plot(list(shares), middle, "o-", ms=3.5, color=colour, label=_title(method))
 
 
-def methods_figure(sheets: Sequence[Sheet], methods: Sequence[str]) -> Figure:
-    """Draw all rates, and the share of the removable gap that closed, a bar a method.
-
-    Args:
-        sheets: of the exam.
-        methods: to compare.
-    """
+def methods_figure(records: Sequence[ExamRecord], methods: Sequence[str]) -> ReportFigure:
+    """Return all rates and the closed share of the removable gap, one bar a method."""
     figure = Figure(figsize=(FIGURE_WIDTH, 3.4))
     axes = figure.subplots()
     width = WIDTH / max(len(methods), 1)
     for number, method in enumerate(methods):
-        found = rates(sheets, method)
-        place = number * width - (WIDTH - width) / 2
-        _draw_bars(axes, found, place, width, method)
+        shift = number * width - (WIDTH - width) / 2
+        _draw_bars(axes, rates(records, method), shift, width, method)
     names = [*RATES, "removable\ngap closed"]
     axes.set_xticks(range(len(names)), names, fontsize=7.5)
-    axes.set(ylabel="%", ylim=(0, 108))
+    axes.set(ylabel="share (%)", ylim=(0, 108))
     axes.grid(visible=False, axis="x")
     _add_legend(figure, axes)
-    return figure
+    return ReportFigure(
+        figure,
+        "methods",
+        title="All rates by method",
+        caption="The methods answer the same questions from the same recordings, the others a "
+        "sample of them. Whiskers: 95 % intervals. A dash: no such answers.",
+    )
 
 
 def _draw_bars(axes: Axes, found: dict[str, Any], shift: float, width: float, method: str) -> None:
@@ -117,7 +119,7 @@ def _draw_bars(axes: Axes, found: dict[str, Any], shift: float, width: float, me
 
 
 def _write(axes: Axes, place: float, share: float | None) -> None:
-    """Write a share into its bar, or above it where it is low."""
+    """Write a share into its bar, or above a low one."""
     if share is not None and share > LOW:
         axes.text(place, 1.5, f"{share:.0f}", color="white", **TEXT)
     else:

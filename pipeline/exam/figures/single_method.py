@@ -1,4 +1,4 @@
-"""What the exam shows of one method: what it takes for what, and whether its intervals hold."""
+"""Figures of one method: confusion matrix, and coverage of confidence intervals."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -8,33 +8,35 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.ball.types import Floats
-from models.exam.record import Answered, Sheet
-from models.exam.scoring.rates import at_3x, covered, interval, of_group, posed
+from models.exam.records import AnswerRecord, ExamRecord
+from models.exam.scoring.rates import answered, covered, interval, of_base, of_group
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
+from pipeline.io.report_items import ReportFigure
 
-OTHERS = ("no gap", "unknown", "several", "failed")  # answers that are no single name
+OTHERS = ("no gap", "unknown", "several", "failed")  # answers other than one cause
 NOTHING = "nothing"
 TARGET = (0.93, 0.97)  # of the coverage of a 95 % interval
 COLOUR = "#0f7fc4"
 
 
-def confusion_figure(sheets: Sequence[Sheet], method: str) -> Figure:
-    """Draw what was hidden against what was named: the sweeps' base, and the clean sets below.
-
-    Args:
-        sheets: of the exam.
-        method: whose answers count.
-    """
-    asked = posed([*at_3x(sheets), *of_group(sheets, "clean")], method)
-    counts = Counter((_hidden(one), _named(one.answers[method])) for one in asked)
-    numbers = sorted({one.asked[0] for one in at_3x(sheets)})
-    rows = [*numbers, NOTHING]
-    others = sorted({column for _, column in counts} - {*numbers, *OTHERS})
-    columns = [*numbers, *others, *OTHERS]
+def confusion_figure(records: Sequence[ExamRecord], method: str) -> ReportFigure:
+    """Return the confusion matrix of a method at 3 detection limits, with clean sets below."""
+    given = answered([*of_base(records), *of_group(records, "clean")], method)
+    counts = Counter((_hidden(record), _named(record.answers[method])) for record in given)
+    parameters = sorted({record.parameters[0] for record in of_base(records)})
+    rows = [*parameters, NOTHING]
+    others = sorted({column for _, column in counts} - {*parameters, *OTHERS})
+    columns = [*parameters, *others, *OTHERS]
     table = np.array([[counts[row, column] for column in columns] for row in rows], dtype=float)
     figure = Figure(figsize=(FIGURE_WIDTH, 1.2 + 0.185 * len(rows)))
     _draw_shares(figure.subplots(), table, rows, columns)
-    return figure
+    return ReportFigure(
+        figure,
+        "confusion",
+        title="Hidden and named causes",
+        caption=f"Answers of {method}: each parameter at 3 detection limits in 100 shots, and "
+        "clean sets. Where an answer lists several possible parameters, its first one is shown.",
+    )
 
 
 def _draw_shares(axes: Axes, counts: Floats, rows: list[str], columns: list[str]) -> None:
@@ -49,40 +51,31 @@ def _draw_shares(axes: Axes, counts: Floats, rows: list[str], columns: list[str]
     labels = [f"{name} ({count:.0f})" for name, count in zip(rows, total, strict=True)]
     axes.set_yticks(range(len(rows)), labels, fontsize=6.5)
     axes.set_xticks(range(len(columns)), columns, fontsize=6.5, rotation=90)
-    axes.set(ylabel="hidden (trials)", xlabel="answered, % of the trials")
+    axes.set(ylabel="hidden parameter (trials)", xlabel="answer (% of trials)")
     axes.axhline(len(rows) - 1.5, color=MUTED, lw=0.8)
     axes.axvline(len(columns) - len(OTHERS) - 0.5, color=MUTED, lw=0.8)
     axes.grid(visible=False)
 
 
-def _hidden(sheet: Sheet) -> str:
-    return sheet.asked[0] if sheet.hidden else NOTHING
+def _hidden(record: ExamRecord) -> str:
+    return record.parameters[0] if record.hidden else NOTHING
 
 
-def _named(given: Answered) -> str:
-    if given.answer in (None, "no_gap", "unknown"):
-        return {None: "failed", "no_gap": "no gap", "unknown": "unknown"}[given.answer]
-    if len(given.causes) != 1:
-        return "several"
-    return f"{given.causes[0].effect}.{given.causes[0].parameter}"
+def _named(answer: AnswerRecord) -> str:
+    if answer.conclusion in (None, "no_gap", "unknown"):
+        return {None: "failed", "no_gap": "no gap", "unknown": "unknown"}[answer.conclusion]
+    return answer.causes[0].identity if len(answer.causes) == 1 else "several"
 
 
-def coverage_figure(sheets: Sequence[Sheet], method: str) -> Figure:
-    """Draw how often 95 % intervals hold the truth, by group of questions.
-
-    Args:
-        sheets: of the exam.
-        method: whose intervals count.
-    """
-    kinds = list(dict.fromkeys((one.group, one.cell) for one in sheets))
-    held = {
-        " ".join(part for part in kind if part): covered(
-            [one for one in sheets if (one.group, one.cell) == kind], method
-        )
-        for kind in kinds
-    }
-    held = {"all": [one for some in held.values() for one in some], **held}
-    shown = {f"{name} ({len(some)})": some for name, some in held.items() if some}
+def coverage_figure(records: Sequence[ExamRecord], method: str) -> ReportFigure:
+    """Return how often 95 % intervals contain the true value, by group of questions."""
+    groups: dict[str, list[ExamRecord]] = {}
+    for record in records:
+        name = f"{record.group} {record.cell}".strip().replace("_", " ")
+        groups.setdefault(name, []).append(record)
+    contains = {name: covered(some, method) for name, some in groups.items()}
+    contains = {"all": [one for some in contains.values() for one in some], **contains}
+    shown = {f"{name} ({len(some)})": some for name, some in contains.items() if some}
     figure = Figure(figsize=(FIGURE_WIDTH, 1.2 + 0.22 * max(len(shown), 1)))
     axes = figure.subplots()
     axes.axvspan(100 * TARGET[0], 100 * TARGET[1], color="#dfe9f2", lw=0)
@@ -93,5 +86,12 @@ def coverage_figure(sheets: Sequence[Sheet], method: str) -> Figure:
         axes.plot(share, place, "o", ms=4, color=COLOUR)
     axes.set_yticks(range(len(shown)), list(shown))
     axes.invert_yaxis()
-    axes.set(xlabel="intervals that hold the truth (%)")
-    return figure
+    axes.set(xlabel="intervals that contain the true value (%)")
+    return ReportFigure(
+        figure,
+        "coverage",
+        title="Coverage of 95 % intervals",
+        caption=f"Correctly named parameters of {method} at 3 detection limits or more (number in "
+        "brackets): share whose interval contains the true value, with its 95 % interval. The "
+        f"band is {100 * TARGET[0]:.0f} to {100 * TARGET[1]:.0f} %.",
+    )

@@ -1,24 +1,85 @@
-"""The whole exam: when its sheets are stale, and what verdicts cost."""
+"""Runs of questions resume, and the whole exam leaves records and costs."""
 
 import json
 import shutil
 from pathlib import Path
 
+import joblib
+import numpy as np
 import pytest
 
-import pipeline.exam.run
-from pipeline.exam.records import SHEETS, Sat, read_sheets
-from pipeline.exam.run import fingerprint, sit_exam, verdict_costs
+import pipeline.exam.full_run
+from models.exam.design.questions import Question, exam
+from models.exam.interface import Answer
+from models.exam.methods.registry import METHODS, RALLYGAP
+from models.exam.simulate.trial import Trial
+from pipeline.exam.full_run import fingerprint, run_exam, verdict_costs
+from pipeline.exam.records import RECORDS, read_records
+from pipeline.exam.run import Result, assignments, run_questions
+from pipeline.io.simulators import load_simulator
 from pipeline.params import load_params
-from tests.models.exam.sheets import sheet, whole_exam
+from pipeline.runtime.errors import InputError
+from tests.models.exam.example_records import example_exam, record
+from tests.models.exam.example_trials import NOMINAL
 
 REPOSITORY = Path(__file__).parents[3]
+NAMES = ["clean/0", "clean/1", "clean/2"]
 
 
 def params(**changes):
     repository = load_params(REPOSITORY / "params.yaml")
     settings = repository.hidden_effects.model_copy(update=changes)
     return repository.model_copy(update={"hidden_effects": settings})
+
+
+class Counting:
+    """A method that counts its calls, and is killed after some."""
+
+    def __init__(self, killed_after=1000):
+        self.calls, self.killed_after = 0, killed_after
+
+    def __call__(self, recordings, nominal, withheld):
+        if self.calls == self.killed_after:
+            raise KeyboardInterrupt
+        self.calls += 1
+        return Answer("no_gap", (), nominal)
+
+
+def run(method, folder):
+    trials = [Trial(name, NOMINAL, shots=3, seed=1003) for name in NAMES]
+    with joblib.parallel_config(backend="sequential"):
+        return run_questions([(Question("clean", one), {"m": method}) for one in trials], folder)
+
+
+def test_rallygap_answers_every_question_and_the_others_one_in_so_many():
+    settings = params()
+    assigned = assignments(settings)
+
+    simulator = load_simulator(settings.hidden_effects.simulator)
+    assert [question for question, _ in assigned] == exam(simulator, settings.seed)
+    assert all(RALLYGAP in methods for _, methods in assigned)
+    share = np.mean([methods == METHODS for _, methods in assigned])
+    assert share == pytest.approx(1 / settings.hidden_effects.other_methods_every, rel=0.15)
+
+
+def test_a_killed_run_resumes(tmp_path):
+    with pytest.raises(KeyboardInterrupt):
+        run(Counting(killed_after=2), tmp_path)
+    again = Counting()
+    results = run(again, tmp_path)
+
+    assert again.calls == 1
+    assert [result.record.name for result in results] == NAMES
+    assert all(result.seconds["m"] >= 0.0 for result in results)
+    assert results == run(Counting(), tmp_path)
+
+
+def test_a_damaged_file_of_a_killed_run_is_named(tmp_path):
+    run(Counting(), tmp_path)
+    (tmp_path / "clean.1.json").write_text("{}")
+
+    with pytest.raises(InputError, match=r"clean\.1\.json"):
+        run(Counting(), tmp_path)
 
 
 @pytest.fixture
@@ -31,21 +92,21 @@ def root(tmp_path):
     return tmp_path
 
 
-def test_the_fingerprint_follows_what_shapes_sheets_and_nothing_else(root):
+def test_the_fingerprint_follows_what_records_depend_on_and_nothing_else(root):
     before = fingerprint(root, params())
 
-    assert fingerprint(root, params(trials=7)) == before
-    assert fingerprint(root, params(peers_every=7)) != before
+    assert fingerprint(root, params(rerun_questions=7)) == before
+    assert fingerprint(root, params(other_methods_every=7)) != before
     (root / "README.md").write_text("other words\n")
     assert fingerprint(root, params()) == before
     (root / "models/gap/a.py").write_text("a = 2\n")
     assert fingerprint(root, params()) != before
 
 
-def test_costs_are_of_cpu_seconds_by_method_and_shots():
-    few, many = sheet(shots=10), sheet(shots=100)
+def test_costs_are_cpu_seconds_by_method_and_shots():
+    few, many = record(shots=10), record(shots=100)
     seconds = [(few, 1.0), (many, 4.0), (many, 6.0)]
-    table = verdict_costs([Sat(sheet=one, seconds={"rallygap": s}) for one, s in seconds])
+    table = verdict_costs([Result(record=one, seconds={RALLYGAP: s}) for one, s in seconds])
 
     rows = table.set_index("shots")
     assert rows["verdicts"].to_dict() == {10: 1, 100: 2}
@@ -53,14 +114,14 @@ def test_costs_are_of_cpu_seconds_by_method_and_shots():
     assert rows["cpu_s_total"].to_dict() == {10: 1.0, 100: 10.0}
 
 
-def test_the_exam_leaves_its_sheets_and_what_they_cost(root, monkeypatch):
-    sheets = whole_exam(every=100)
-    sat = [Sat(sheet=one, seconds={"rallygap": 2.0}) for one in sheets]
-    monkeypatch.setattr(pipeline.exam.run, "sit_all", lambda seats, folder: sat)
-    (root / "scratch/exam/of before").mkdir(parents=True)
+def test_the_exam_leaves_records_and_costs(root, monkeypatch):
+    records = example_exam(every=100)
+    results = [Result(record=one, seconds={RALLYGAP: 2.0}) for one in records]
+    monkeypatch.setattr(pipeline.exam.full_run, "run_questions", lambda *arguments: results)
+    (root / "scratch/exam/older").mkdir(parents=True)
 
-    sit_exam(root)
+    run_exam(root)
     assert not (root / "scratch/exam").exists()
-    assert read_sheets(root / SHEETS) == sheets
-    assert "rallygap" in (root / "reports/costs/verdicts.csv").read_text()
+    assert read_records(root / RECORDS) == records
+    assert RALLYGAP in (root / "reports/costs/verdicts.csv").read_text()
     assert json.loads((root / "reports/costs/verdicts.json").read_text())["cores"] >= 1

@@ -1,10 +1,10 @@
-"""Tables of the exam say what its sheets say."""
+"""Tables of the exam contain what its records say."""
 
 import pytest
 
 from pipeline.exam.tables import (
-    answer_table,
-    differing,
+    answer_rows,
+    different_answers,
     effect_table,
     group_table,
     methods_of,
@@ -12,77 +12,80 @@ from pipeline.exam.tables import (
     rate_table,
     shortfall_table,
 )
-from tests.models.exam.sheets import METHODS, answered, hidden, named, sheet, whole_exam
+from tests.models.exam.example_records import METHODS, answer, example_exam, hidden, named, record
 
-OURS = "rallygap"
-RIGHT, MISSED = answered("named", named()), answered("no_gap")
+RALLYGAP = "rallygap"
+RIGHT, MISSED = answer("named", named()), answer("no_gap")
 
 
 @pytest.fixture(scope="module")
-def sheets():
-    return whole_exam()
+def records():
+    return example_exam()
 
 
-def test_rates_have_a_row_a_method(sheets):
-    table = rate_table(sheets).set_index("method")
+def test_rates_have_a_row_a_method(records):
+    table = rate_table(records).table.set_index("method")
 
-    assert tuple(table.index) == METHODS == tuple(methods_of(sheets))
+    assert tuple(table.index) == METHODS == tuple(methods_of(records))
     assert table.loc["rallygap", "top1_at_3x"] > table.loc["sindy", "top1_at_3x"]
 
 
-def test_effects_have_their_marks_at_3x():
-    shared = hidden(alike=("frame_tilt",))
-    given = [sheet(hidden(), answers=RIGHT), sheet(hidden(), answers=MISSED)]
-    given += [sheet(shared, answers=RIGHT), sheet(hidden(), answers=MISSED, cell="size-2x")]
-    given += [sheet(asked=("wind.x",), not_posed="blind", answers={})]
+def test_effects_have_their_marks_at_3_detection_limits():
+    similar = hidden(indistinguishable=("frame_tilt.x",))
+    given = [record(hidden(), answers=RIGHT), record(hidden(), answers=MISSED)]
+    given += [record(similar, answers=RIGHT), record(hidden(), answers=MISSED, cell="size-2x")]
+    given += [record(parameters=("wind.x",), not_posed="not shown", answers={})]
 
-    (row,) = effect_table(given, OURS).to_dict("records")
-    expected = {"hidden": "wind.x", "trials": 3, "own_class": 2, "solved": 2, "right": 2}
+    (row,) = effect_table(given, RALLYGAP).table.to_dict("records")
+    expected = {"hidden": "wind.x", "trials": 3, "distinguishable": 2, "solved": 2, "right": 2}
     assert expected.items() <= row.items()
     assert (row["missed"], row["wrong"], row["not_posed"]) == (1, 0, 1)
 
 
-def test_groups_count_what_was_asked_and_what_was_solved(sheets):
-    table = group_table(sheets, OURS)
+def test_groups_count_questions_and_solved_ones(records):
+    table = group_table(records, RALLYGAP).table
 
-    assert table["questions"].sum() == len(sheets)
-    assert table["not_posed"].sum() == sum(one.not_posed is not None for one in sheets)
+    assert table["questions"].sum() == len(records)
+    assert table["not_posed"].sum() == sum(one.not_posed is not None for one in records)
     assert (table["rallygap"] >= table["sindy"]).mean() > 0.9
     clean = table["group"] == "clean"
     assert table.loc[clean, "removable_closed"].isna().all()
     assert table.loc[table["group"] == "sweep", "removable_closed"].between(0, 1).all()
 
 
-def test_every_shortfall_is_listed_by_its_trial(sheets):
-    table = shortfall_table(sheets, OURS)
-    answers = answer_table(sheets, [OURS])
+def test_every_shortfall_is_listed_by_its_trial(records):
+    table = shortfall_table(records, RALLYGAP).table
+    answers = answer_rows(records, [RALLYGAP])
 
     assert set(table["trial"]) == set(answers.loc[~answers["solved"], "trial"])
     assert {"missed", "wrong"} >= set(table["mark"])
     assert len(table) > 0
 
 
-def test_answers_show_causes_with_what_else_they_may_be():
-    doubtful = answered("ambiguous", named(estimate=0.31234, possible=("wind", "frame_tilt")))
-    table = answer_table([sheet(hidden(), answers=doubtful), sheet(answers=MISSED)], [OURS])
+def test_answers_list_causes_with_their_alternatives():
+    possible = ("wind.x", "frame_tilt.x")
+    ambiguous = answer("ambiguous", named(estimate=0.31234, possible=possible))
+    given = [record(hidden(), answers=ambiguous), record(answers=MISSED)]
+    table = answer_rows(given, [RALLYGAP])
 
     assert table["hidden"].tolist() == ["wind.x=0.3", "nothing"]
-    assert table["causes"].tolist() == ["wind.x=0.3123 (or frame_tilt)", ""]
+    assert table["causes"].tolist() == ["wind.x=0.3123 (or frame_tilt.x)", ""]
 
 
-def test_what_could_not_be_posed_is_listed_with_the_reason(sheets):
-    table = not_posed_table(sheets)
+def test_questions_that_could_not_be_posed_have_a_reason(records):
+    table = not_posed_table(records).table
 
-    assert table["questions"].sum() == sum(one.not_posed is not None for one in sheets)
-    assert set(table["why"]) == {"not shown"}
+    assert table["questions"].sum() == sum(one.not_posed is not None for one in records)
+    assert set(table["reason"]) == {"not shown"}
 
 
-def test_answers_agree_if_they_say_the_same_in_other_digits():
-    kept = sheet(hidden(), answers=RIGHT)
-    digits = sheet(hidden(), answers=answered("named", named(estimate=0.3001)))
-    other = sheet(hidden(), answers=answered("named", named("drag", "cd")))
+def test_answers_agree_if_they_differ_in_digits_only():
+    kept = record(hidden(), answers=RIGHT)
+    digits = record(hidden(), answers=answer("named", named(estimate=0.3001)))
+    other = record(hidden(), answers=answer("named", named("drag.cd")))
 
-    assert differing([digits], [kept]) == []
-    assert differing([other], [kept]) == [kept.name]
-    assert differing([digits], []) == [kept.name]
-    assert differing([kept], [sheet(hidden(), not_posed="blind", answers={})]) == [kept.name]
+    assert different_answers([digits], [kept]) == []
+    assert different_answers([other], [kept]) == [kept.name]
+    assert different_answers([digits], []) == [kept.name]
+    not_posed = record(hidden(), not_posed="not shown", answers={})
+    assert different_answers([kept], [not_posed]) == [kept.name]

@@ -16,7 +16,7 @@ def repository(tmp_path):
     commit(tmp_path, "code")
     head = run(tmp_path, "git", "rev-parse", "HEAD").strip()
     write_json(tmp_path / "reports/paper/run.json", {"commit": head})
-    for name in ("exam/sheets.jsonl", "sweeps/policy/sweep.json", "segment/contents.json"):
+    for name in ("exam/records.jsonl", "sweeps/policy/sweep.json", "segment/contents.json"):
         write_json(tmp_path / "reports" / name, {})
     commit(tmp_path, "results")
     return tmp_path

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from models.exam.design.trial import CAMERAS
+from models.exam.simulate.trial import CAMERAS
 from pipeline.gap.measured_shots import read_shots
 from pipeline.runtime.errors import InputError
 from tests.pipeline.recorded import write_recordings

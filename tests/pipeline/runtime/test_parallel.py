@@ -14,14 +14,14 @@ import pytest
 from threadpoolctl import threadpool_info
 
 from models.exam.design.questions import Question
-from models.exam.design.trial import Trial
-from models.exam.methods.registry import METHODS
-from pipeline.exam.records import OURS, sit_all
+from models.exam.methods.registry import METHODS, RALLYGAP
+from models.exam.simulate.trial import Trial
+from pipeline.exam.run import run_questions
 from pipeline.policies.training import Pupil, train_policies, try_policies
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.parallel import CLUSTER, parallel
 from tests.cluster import ROOT, cluster
-from tests.models.exam.halls import NOMINAL
+from tests.models.exam.example_trials import NOMINAL
 from tests.models.policy.schooling import BRIEF, same
 from tests.pipeline.trained_policies import description
 from tests.services import listening
@@ -159,14 +159,15 @@ def pupils(root):
 
 
 def work(root):
-    """Train and try two policies, and sit two questions of the exam."""
+    """Train and try two policies, and answer two questions of the exam."""
     graduates = train_policies(pupils(root))
     tried = try_policies(graduates, 9)
     questions = [
         Question("clean", Trial(f"clean/{k}", NOMINAL, shots=10, seed=1000 + k)) for k in (0, 1)
     ]
-    sat = sit_all([(one, {OURS: METHODS[OURS]}) for one in questions], root / "sheets")
-    return graduates, tried, [one.sheet for one in sat]
+    assigned = [(one, {RALLYGAP: METHODS[RALLYGAP]}) for one in questions]
+    results = run_questions(assigned, root / "records")
+    return graduates, tried, [result.record for result in results]
 
 
 def assert_same(found, expected):

@@ -1,4 +1,4 @@
-"""The library: against the equations of motion, written down by hand."""
+"""The library, against the equations of motion written by hand."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from models.ball.state import DRAG_FACTOR, MAGNUS_FACTOR, SPIN, VELOCITY
 from models.exam.methods.library import library, rates
 from models.exam.methods.smoothed_arcs import airborne
 from models.gap.hypotheses import Hypothesis
-from tests.models.exam.halls import NOMINAL
+from tests.models.exam.example_trials import NOMINAL
 
 STATES = np.array([[0.1, -1.0, 0.5, 0.8, 6.0, 1.5, 150.0, -80.0, 40.0]])
 FREE = airborne(NOMINAL)

@@ -1,11 +1,11 @@
-"""Regressions: what counts as shown, what as alike, and what a finding says of it."""
+"""Regressions: observable columns, classes of parallel ones, and answers."""
 
 import numpy as np
 import pytest
 
-from models.exam.methods.regression import Regression, candidates, finding
+from models.exam.methods.regression import Regression, answer, candidates
 from models.gap.hypotheses import Hypothesis
-from tests.models.exam.halls import NOMINAL
+from tests.models.exam.example_trials import NOMINAL
 
 COLUMNS = (
     Hypothesis("gravity", "g"),
@@ -26,7 +26,7 @@ def regression(slopes=(0.03, 0.2), shots=20):
     return Regression.of(COLUMNS, np.swapaxes(rows, 1, 2) @ rows)
 
 
-def test_columns_that_are_alike_are_one_class_and_those_not_shown_none():
+def test_parallel_columns_are_one_class_and_unobservable_ones_none():
     found = regression()
     assert found.columns == (COLUMNS[0], COLUMNS[1], COLUMNS[3])
     assert found.classes[0] == (COLUMNS[0], COLUMNS[2])
@@ -36,30 +36,30 @@ def test_estimates_are_those_of_least_squares():
     assert regression().estimates((0, 2)) == pytest.approx([0.03, 0.2], abs=0.002)
 
 
-def test_a_finding_names_what_explains_most_first_and_amends_it():
-    found = finding(NOMINAL, regression(), (0, 2), np.array([0.03, 0.2]))
-    assert found.answer == "ambiguous"
-    assert [cause.name for cause in found.causes] == ["wind", "gravity"]
-    assert found.causes[1].possible == ("gravity", "buoyancy")
+def test_an_answer_names_what_explains_most_first_and_amends_it():
+    found = answer(NOMINAL, regression(), (0, 2), np.array([0.03, 0.2]))
+    assert found.conclusion == "ambiguous"
+    assert [cause.identity for cause in found.causes] == ["wind.x", "gravity.g"]
+    assert found.causes[1].possible == ("gravity.g", "buoyancy.b")
     assert found.amended.effects["wind"]["x"] == 0.2
     assert found.amended.effects["gravity"]["g"] == pytest.approx(9.84)
 
 
-def test_a_finding_uses_a_verdicts_names_and_keeps_within_bounds():
+def test_an_estimate_stays_within_bounds():
     span = np.array([[0.1, 0.3]])
-    found = finding(NOMINAL, regression(), (1,), np.array([0.2]), span)
+    found = answer(NOMINAL, regression(), (1,), np.array([0.2]), span)
     (cause,) = found.causes
-    assert (found.answer, cause.name, cause.effect) == ("named", "restitution", "table_bounce")
+    assert (found.conclusion, cause.identity) == ("named", "table_bounce.restitution")
     assert cause.estimate == 1.0
     assert cause.interval == pytest.approx((1.03, 1.23))
 
 
 def test_nothing_chosen_is_no_gap():
-    found = finding(NOMINAL, regression(), (), np.zeros(0))
-    assert (found.answer, found.causes, found.amended) == ("no_gap", (), NOMINAL)
+    found = answer(NOMINAL, regression(), (), np.zeros(0))
+    assert (found.conclusion, found.causes, found.amended) == ("no_gap", (), NOMINAL)
 
 
-def test_candidates_are_what_balls_can_show_without_what_is_withheld():
+def test_candidates_are_what_balls_can_show_without_what_is_withsimulate_trial():
     names = [one.effect for one in candidates(NOMINAL, ("wind",))]
     assert names[:3] == ["drag", "gravity", "magnus"]
     assert not {"wind", "time_offset", "net", "racket_bounce"} & set(names)

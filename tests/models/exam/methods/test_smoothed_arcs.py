@@ -1,23 +1,23 @@
-"""Arcs: against the true states of the balls."""
+"""Smoothed arcs, against the true states."""
 
 import numpy as np
 import pytest
 
-from models.exam.answer import shots_of
-from models.exam.methods.smoothed_arcs import Smoothed, cut
-from models.exam.simulate.recordings import held
-from tests.models.exam.halls import NOMINAL, ideal
+from models.exam.interface import shots_of
+from models.exam.methods.smoothed_arcs import SmoothedArcs, arcs_of
+from models.exam.simulate.recordings import simulate_trial
+from tests.models.exam.example_trials import NOMINAL, ideal
 
 
 @pytest.fixture(scope="module")
 def truth():
-    recordings, truth = held(ideal(shots=12, seed=1003, causes={"wind": {"x": 0.2}}))
-    return cut(shots_of(recordings), NOMINAL), truth
+    recordings, truth = simulate_trial(ideal(shots=12, seed=1003, causes={"wind": {"x": 0.2}}))
+    return arcs_of(shots_of(recordings), NOMINAL), truth
 
 
 def test_arcs_lie_between_bounces_and_leave_none_of_them_out(truth):
     arcs, truth = truth
-    times = truth.session.contacts.time
+    times = truth.shots.contacts.time
     seen = times < truth.durations[:, None] - 0.06
     ends = arcs.ends[np.isfinite(arcs.ends)]
     assert np.sort(ends) == pytest.approx(np.sort(times[seen]), abs=2e-3)
@@ -27,7 +27,7 @@ def test_arcs_lie_between_bounces_and_leave_none_of_them_out(truth):
 
 def test_smoothed_states_are_the_true_ones_although_the_simulator_is_wrong(truth):
     arcs, truth = truth
-    smoothed = Smoothed.of(arcs, NOMINAL)
+    smoothed = SmoothedArcs.of(arcs, NOMINAL)
     scale = np.linspace(-1.0, 1.0, 5)
     for arc, shot in enumerate(arcs.parents):
         times = smoothed.times(scale)

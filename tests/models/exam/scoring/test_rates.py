@@ -1,123 +1,120 @@
-"""Scoring: what an answer is worth, and the rates that follow."""
+"""Marks of answers, and the rates that follow."""
 
 import pytest
 
-from models.exam.scoring.rates import closed, covered, interval, mark, rates, solved
-from tests.models.exam.sheets import answered, hidden, named, sheet
+from models.exam.scoring.rates import covered, interval, mark, rates, removable_gap, solved
+from tests.models.exam.example_records import answer, hidden, named, record
 
-WIND, DRAG = hidden("wind", "x"), hidden("drag", "cd")
-GRAVITY = hidden("gravity", "g", alike=("buoyancy",))
-FAMILY = ("gravity", "buoyancy")
-OURS = "rallygap"
-
-
-@pytest.mark.parametrize(
-    ("answer", "expected", "is_solved"),
-    [
-        (answered("named", named("wind", "x")), "right", True),
-        (answered("named", named("wind", "y")), "ambiguous", False),
-        (answered("named", named("drag", "cd")), "wrong", False),
-        (answered("named", named("wind", "x"), named("drag", "cd")), "wrong", False),
-        (answered("ambiguous", named(possible=("wind", "frame_tilt"))), "ambiguous", False),
-        (answered("unknown", named("wind", "x")), "wrong", False),
-        (answered("no_gap"), "missed", False),
-        (answered(None), "failed", False),
-    ],
-)
-def test_one_cause_that_is_a_class_of_its_own(answer, expected, is_solved):
-    given = sheet(WIND, answers=answer)
-
-    assert (mark(given, OURS), solved(given, OURS)) == (expected, is_solved)
+WIND, DRAG = hidden("wind.x"), hidden("drag.cd")
+GRAVITY = hidden("gravity.g", indistinguishable=("buoyancy.b",))
+CLASS = ("gravity.g", "buoyancy.b")
+RALLYGAP = "rallygap"
 
 
 @pytest.mark.parametrize(
-    ("answer", "expected", "is_solved"),
+    ("given", "expected", "is_solved"),
     [
-        (answered("named", named("gravity", "g")), "right", True),
-        (answered("ambiguous", named("gravity", "g", possible=FAMILY)), "ambiguous", True),
-        (answered("ambiguous", named("buoyancy", "b", possible=FAMILY[::-1])), "ambiguous", True),
-        (answered("named", named("buoyancy", "b")), "wrong", False),
+        (answer("named", named("wind.x")), "right", True),
+        (answer("named", named("wind.y")), "ambiguous", False),
+        (answer("named", named("drag.cd")), "wrong", False),
+        (answer("named", named("wind.x"), named("drag.cd")), "wrong", False),
+        (answer("ambiguous", named(possible=("wind.x", "frame_tilt.x"))), "ambiguous", False),
+        (answer("named", named(possible=("wind.x", "wind.z"))), "right", True),
+        (answer("unknown", named("wind.x")), "wrong", False),
+        (answer("no_gap"), "missed", False),
+        (answer(None), "failed", False),
     ],
 )
-def test_one_cause_that_shares_its_class(answer, expected, is_solved):
-    given = sheet(GRAVITY, answers=answer)
+def test_a_distinguishable_cause(given, expected, is_solved):
+    asked = record(WIND, answers=given)
+    assert (mark(asked, RALLYGAP), solved(asked, RALLYGAP)) == (expected, is_solved)
 
-    assert (mark(given, OURS), solved(given, OURS)) == (expected, is_solved)
+
+@pytest.mark.parametrize(
+    ("given", "expected", "is_solved"),
+    [
+        (answer("named", named("gravity.g")), "right", True),
+        (answer("ambiguous", named("gravity.g", possible=CLASS)), "ambiguous", True),
+        (answer("ambiguous", named("buoyancy.b", possible=CLASS[::-1])), "ambiguous", True),
+        (answer("named", named("buoyancy.b")), "wrong", False),
+    ],
+)
+def test_an_indistinguishable_cause(given, expected, is_solved):
+    asked = record(GRAVITY, answers=given)
+    assert (mark(asked, RALLYGAP), solved(asked, RALLYGAP)) == (expected, is_solved)
 
 
 def test_two_causes_are_solved_together_in_any_order():
-    both = [named("drag", "cd"), named("buoyancy", "b", possible=FAMILY)]
+    both = [named("drag.cd"), named("buoyancy.b", possible=CLASS)]
 
-    assert solved(sheet(GRAVITY, DRAG, answers=answered("ambiguous", *both)), OURS)
-    assert not solved(sheet(GRAVITY, DRAG, answers=answered("ambiguous", both[1])), OURS)
-    assert not solved(sheet(GRAVITY, WIND, answers=answered("ambiguous", *both)), OURS)
+    assert solved(record(GRAVITY, DRAG, answers=answer("ambiguous", *both)), RALLYGAP)
+    assert not solved(record(GRAVITY, DRAG, answers=answer("ambiguous", both[1])), RALLYGAP)
+    assert not solved(record(GRAVITY, WIND, answers=answer("ambiguous", *both)), RALLYGAP)
 
 
 @pytest.mark.parametrize(
-    ("answer", "expected"),
+    ("conclusion", "expected"),
     [("no_gap", "right"), ("unknown", "wrong"), ("named", "wrong"), (None, "failed")],
 )
-def test_on_a_clean_set_every_answer_but_no_gap_is_a_false_alarm(answer, expected):
-    clean = sheet(group="clean", cell="", answers=answered(answer))
-    found = rates([clean], OURS)
+def test_on_a_clean_set_every_answer_but_no_gap_is_a_false_alarm(conclusion, expected):
+    clean = record(group="clean", cell="", answers=answer(conclusion))
 
-    assert mark(clean, OURS) == expected
-    assert found["false_alarms"] == (answer != "no_gap")
+    assert mark(clean, RALLYGAP) == expected
+    assert rates([clean], RALLYGAP)["false_alarms"] == (conclusion != "no_gap")
 
 
-def test_where_an_effect_was_withheld_only_unknown_is_right():
-    def withheld(answer):
-        settings = {"group": "withheld", "withheld": ("wind",), "answers": answered(*answer)}
-        return sheet(WIND, **settings)
+def test_with_a_withheld_effect_only_unknown_is_right():
+    answers = [answer("unknown"), answer("no_gap"), answer("named", named("wind.x"))]
+    settings = {"group": "withheld", "withheld": ("wind",)}
+    records = [record(WIND, answers=given, **settings) for given in answers]
 
-    sheets = [withheld(one) for one in (("unknown",), ("no_gap",), ("named", named("wind", "x")))]
-    assert [solved(one, OURS) for one in sheets] == [True, False, False]
-    assert rates(sheets, OURS)["unknown_recall"] == pytest.approx(1 / 3, abs=1e-6)
+    assert [solved(one, RALLYGAP) for one in records] == [True, False, False]
+    assert rates(records, RALLYGAP)["unknown_recall"] == pytest.approx(1 / 3, abs=1e-6)
 
 
 def test_false_alarms_have_a_clopper_pearson_bound():
     """None in n trials bounds a rate by 1 - 0.05^(1/n)."""
-    found = rates([sheet(group="clean", answers=answered("no_gap"))] * 500, OURS)
+    found = rates([record(group="clean", answers=answer("no_gap"))] * 500, RALLYGAP)
 
     assert found["false_alarm_rate"] == 0.0
     assert found["false_alarm_upper95"] == pytest.approx(1 - 0.05 ** (1 / 500), rel=1e-4)
     assert interval(0, 10)[1] == pytest.approx(1 - 0.025 ** (1 / 10))
 
 
-def test_coverage_pools_rightly_named_numbers_at_three_times_or_more():
+def test_coverage_is_of_correctly_named_parameters_at_3_detection_limits_or_more():
     inside, outside = named(estimate=0.29), named(estimate=0.27)
-    good, bad = (sheet(WIND, answers=answered("named", one)) for one in (inside, outside))
-    wrong = sheet(WIND, answers=answered("named", inside, named("drag", "cd")))
-    small = sheet(WIND, answers=answered("named", inside), multiple=2.0)
-    bare = sheet(WIND, answers=answered("named", named(spread=None)))
+    good, bad = (record(WIND, answers=answer("named", one)) for one in (inside, outside))
+    wrong = record(WIND, answers=answer("named", inside, named("drag.cd")))
+    small = record(WIND, answers=answer("named", inside), multiple=2.0)
+    bare = record(WIND, answers=answer("named", named(margin=None)))
 
-    assert covered([good, bad, wrong, small, bare], OURS) == [True, False]
+    assert covered([good, bad, wrong, small, bare], RALLYGAP) == [True, False]
 
 
 def test_the_removable_gap_is_a_ratio_of_sums_and_failures_close_nothing():
-    large = sheet(WIND, before=30.0, answers=answered("named", named(), after=0.0))
-    small = sheet(WIND, before=10.0, answers=answered("no_gap", after=10.0))
-    failed = sheet(WIND, before=20.0, answers=answered(None, after=None))
-    apart = sheet(WIND, withheld=("wind",), answers=answered("unknown"))
-    clean = sheet(answers=answered("no_gap"))
+    large = record(WIND, before=30.0, answers=answer("named", named(), after=0.0))
+    small = record(WIND, before=10.0, answers=answer("no_gap", after=10.0))
+    failed = record(WIND, before=20.0, answers=answer(None, after=None))
+    withheld = record(WIND, withheld=("wind",), answers=answer("unknown"))
+    clean = record(answers=answer("no_gap"))
 
-    assert closed([large, small, failed, apart, clean], OURS) == (3, 60.0, 30.0)
-    assert rates([large, small, failed], OURS)["removable_closed"] == 0.5
+    assert removable_gap([large, small, failed, withheld, clean], RALLYGAP) == (3, 60.0, 30.0)
+    assert rates([large, small, failed], RALLYGAP)["removable_closed"] == 0.5
 
 
-def test_names_and_classes_at_3x_are_counted_apart_and_of_the_base_alone():
-    right, missed = answered("named", named()), answered("no_gap")
-    sheets = [sheet(WIND, answers=one) for one in (right, right, right, missed)]
-    sheets += [sheet(GRAVITY, answers=answered("named", named("gravity", "g")))]
-    sheets += [sheet(WIND, answers=missed, cell="shots-10")]
+def test_rates_at_3_detection_limits_are_of_the_base_only():
+    right, missed = answer("named", named()), answer("no_gap")
+    records = [record(WIND, answers=one) for one in (right, right, right, missed)]
+    records += [record(GRAVITY, answers=answer("named", named("gravity.g")))]
+    records += [record(WIND, answers=missed, cell="shots-10")]
 
-    found = rates(sheets, OURS)
-    assert (found["own_class"], found["top1_at_3x"]) == (4, 0.75)
-    assert (found["shared_class"], found["class_at_3x"]) == (1, 1.0)
+    found = rates(records, RALLYGAP)
+    assert (found["distinguishable"], found["top1_at_3x"]) == (4, 0.75)
+    assert (found["indistinguishable"], found["class_at_3x"]) == (1, 1.0)
 
 
 def test_rates_of_nothing_are_none():
-    found = rates([sheet(WIND, answers={})], OURS)
+    found = rates([record(WIND, answers={})], RALLYGAP)
 
     assert found["trials"] == 0
     assert found["coverage"] is found["false_alarm_upper95"] is found["removable_closed"] is None

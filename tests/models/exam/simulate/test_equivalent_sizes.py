@@ -1,4 +1,4 @@
-"""Equivalent sizes: what a full fit of the catalogue's form finds in the independent world."""
+"""Equivalent sizes, against a full nonlinear fit of the catalogue's form."""
 
 from dataclasses import replace
 
@@ -9,7 +9,8 @@ from scipy.optimize import least_squares
 from models.exam.simulate.equivalent_sizes import best_fit, equivalent_physics
 from models.exam.simulate.independent_ball import IndependentBall
 from models.exam.simulate.laws import FORMS, physics_of
-from tests.models.exam.halls import NO_SCATTER, NOMINAL, drawn, trial
+from models.gap.hypotheses import Hypothesis
+from tests.models.exam.example_trials import NO_SCATTER, NOMINAL, drawn, trial
 
 SIZES = {
     "speed_dependent_drag": ("c", -0.03),
@@ -28,7 +29,7 @@ SIZES = {
 
 def hidden(effect, **settings):
     parameter, size = SIZES[effect]
-    return trial(causes={effect: {parameter: size}}, world="independent", **settings)
+    return trial(causes={effect: {parameter: size}}, dynamics="independent", **settings)
 
 
 def test_every_form_has_an_equivalent_here():
@@ -48,7 +49,7 @@ def test_forms_are_written_near_the_catalogues_size(effect):
 
 def fitted(asked, launches, effect):
     """A full nonlinear fit of launch states, own parameters and the effect, without scatter."""
-    names = best_fit(asked, launches).parameters
+    parameters = best_fit(asked, launches).parameters
     count = len(launches.states)
     times = launches.durations[:, None] * np.linspace(0.01, 0.99, 60)
     bounces = NOMINAL.fly(launches.states, times).contacts.time[:, None, :2]
@@ -64,14 +65,13 @@ def fitted(asked, launches, effect):
 
     def misses(x):
         simulator = start
-        for (name, parameter), step in zip(names, x[: len(names)], strict=True):
-            value = start.effects[name][parameter] + 1e-3 * step
-            simulator = simulator.amended(name, **{parameter: value})
-        states = launches.states + scale * x[len(names) :].reshape(count, 9)
+        for parameter, step in zip(parameters, x[: len(parameters)], strict=True):
+            simulator = parameter.at(simulator, parameter.value(start) + 1e-3 * step)
+        states = launches.states + scale * x[len(parameters) :].reshape(count, 9)
         return (weight * (simulator.fly(states, times).states[..., columns] - data)).ravel()
 
-    found = least_squares(misses, np.zeros(len(names) + 9 * count), max_nfev=4).x
-    step = 1e-3 * found[names.index((effect, SIZES[effect][0]))]
+    found = least_squares(misses, np.zeros(len(parameters) + 9 * count), max_nfev=4).x
+    step = 1e-3 * found[parameters.index(Hypothesis(effect, SIZES[effect][0]))]
     return SIZES[effect][1] + step
 
 
@@ -85,7 +85,9 @@ def test_a_full_fit_finds_the_stated_size(effect):
 
 
 def test_effects_by_definition_are_what_they_say():
-    asked = trial(causes={"gravity": {"g": 9.7}, "table_height": {"h": 0.003}}, world="independent")
+    asked = trial(
+        causes={"gravity": {"g": 9.7}, "table_height": {"h": 0.003}}, dynamics="independent"
+    )
 
     assert equivalent_physics(asked, drawn(10)) == physics_of(asked.simulator)
 
@@ -96,5 +98,5 @@ def test_bounce_scatter_makes_the_table_less_certain():
 
     certain, scattered = best_fit(still, launches), best_fit(asked, launches)
 
-    e = certain.parameters.index(("table_bounce", "restitution"))
+    e = certain.parameters.index(Hypothesis("table_bounce", "restitution"))
     assert scattered.errors[e] > 2 * certain.errors[e]

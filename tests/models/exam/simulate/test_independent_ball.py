@@ -1,4 +1,4 @@
-"""The independent ball: as good as DOP853, and the simulator's twin where nothing is hidden."""
+"""The independent ball agrees with DOP853, and with the simulator where nothing is hidden."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 from models.ball.state import BALL_RADIUS
 from models.exam.simulate.independent_ball import IndependentBall
 from models.exam.simulate.laws import bounce, derivative, normal_of, physics_of
-from tests.models.exam.halls import NOMINAL, drawn
+from tests.models.exam.example_trials import NOMINAL, drawn
 
 PHYSICS = physics_of(NOMINAL)
 RICH = PHYSICS._replace(
@@ -62,7 +62,7 @@ def test_it_agrees_with_dop853(physics):
         assert flown[:, :3] == pytest.approx(dop853(state, times, physics)[:, :3], abs=1e-6)
 
 
-def test_with_nothing_hidden_it_is_the_simulators_twin():
+def test_with_nothing_hidden_it_agrees_with_the_simulator():
     launches = drawn(shots=300)
     times = launches.durations[:, None] * np.linspace(0, 1, 40)
 
@@ -96,7 +96,7 @@ def test_times_before_the_launch_are_free_flight():
     assert ball.fly(earlier[0], [0.03]).states[0, 0] == pytest.approx(state, abs=1e-9)
 
 
-def test_beside_the_table_there_is_nothing_to_bounce_off():
+def test_balls_past_the_edge_do_not_bounce():
     flight = IndependentBall(PHYSICS).fly([0.9, 0, 0.1, 0, 0, -1, 0, 0, 0], [0.3])
 
     assert flight.contacts.count[0] == 0

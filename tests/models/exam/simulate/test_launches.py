@@ -1,8 +1,8 @@
-"""Launches: varied strokes over the table, from both sides."""
+"""Launches vary widely, clear the net and come from both sides."""
 
 import numpy as np
 
-from tests.models.exam.halls import NOMINAL, drawn
+from tests.models.exam.example_trials import NOMINAL, drawn
 
 LAUNCHES = drawn(shots=600)
 CONTACTS = NOMINAL.fly(LAUNCHES.states, [0.0, 2.0]).contacts

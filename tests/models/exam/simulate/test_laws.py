@@ -1,4 +1,4 @@
-"""The independent world's laws: closed forms, conserved quantities, and the forms' limits."""
+"""The independent laws: closed forms, conserved quantities and limits."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from models.ball.state import BALL_MASS, BALL_RADIUS
 from models.exam.simulate.laws import FORMS, Physics, bounce, derivative, physics_of, supports
 from tests.models.ball.balls import energy
 from tests.models.ball.reference import Physics as Reference
-from tests.models.exam.halls import NOMINAL
+from tests.models.exam.example_trials import NOMINAL
 
 PHYSICS = physics_of(NOMINAL)
 
@@ -166,7 +166,7 @@ def test_lift_saturates_and_breaks_down_only_where_it_should():
     assert lift(slow, lift_saturation_kappa=5.0) < 0.4
 
 
-def test_every_form_belongs_to_a_catalogued_effect_that_this_world_has():
+def test_every_form_belongs_to_a_catalogued_effect_with_independent_dynamics():
     assert set(FORMS) <= set(catalogue())
     assert all(supports(effect) for effect in FORMS)
     assert not supports("net")
@@ -180,7 +180,7 @@ def test_constants_are_the_parameters_of_the_catalogue():
     assert PHYSICS.wind_x == 0.0
 
 
-def test_what_this_world_does_not_have_is_refused():
+def test_effects_without_an_independent_form_are_refused():
     with pytest.raises(ValueError, match="net"):
         physics_of(NOMINAL.amended("net", restitution=0.2))
     with pytest.raises(ValueError, match="table_bounce"):

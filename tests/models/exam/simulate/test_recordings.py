@@ -1,14 +1,14 @@
-"""Recordings: what cameras would deliver, with errors of the stated kinds and sizes."""
+"""Recordings have errors of the stated kinds and sizes."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from models.exam.design.trial import CAMERAS
 from models.exam.simulate.independent_ball import IndependentBall
-from models.exam.simulate.recordings import held
-from tests.models.exam.halls import PERFECT, ideal, trial
+from models.exam.simulate.recordings import simulate_trial
+from models.exam.simulate.trial import CAMERAS
+from tests.models.exam.example_trials import PERFECT, ideal, trial
 
 
 def true_paths(recordings, truth):
@@ -33,7 +33,7 @@ def errors(recordings, truth):
 
 @pytest.fixture(scope="module")
 def noisy():
-    return held(trial(shots=150, seed=4, cameras=replace(CAMERAS, dropouts=0.0)))
+    return simulate_trial(trial(shots=150, seed=4, cameras=replace(CAMERAS, dropouts=0.0)))
 
 
 def test_noise_has_the_stated_size_and_share_of_outliers(noisy):
@@ -61,8 +61,8 @@ def test_frames_come_at_200_hz_with_jitter(noisy):
 
 def test_some_frames_are_missed():
     settings = {"shots": 60, "seed": 4}
-    few, _ = held(trial(cameras=replace(CAMERAS, dropouts=0.2), **settings))
-    every, _ = held(trial(cameras=replace(CAMERAS, dropouts=0.0), **settings))
+    few, _ = simulate_trial(trial(cameras=replace(CAMERAS, dropouts=0.2), **settings))
+    every, _ = simulate_trial(trial(cameras=replace(CAMERAS, dropouts=0.0), **settings))
 
     missed = 1 - sum(len(r.times) for r in few) / sum(len(r.times) for r in every)
 
@@ -81,14 +81,14 @@ def test_labels_err_by_their_share_of_the_spin(noisy):
 
 @pytest.mark.parametrize(("labels", "count"), [("none", 0), ("per_shot", 1)])
 def test_labels_come_as_the_trial_says(labels, count):
-    recordings, _ = held(trial(shots=10, spin_labels=labels))
+    recordings, _ = simulate_trial(trial(shots=10, spin_labels=labels))
 
     assert all(recording.labels.shape == (count, 3) for recording in recordings)
     assert all(recording.label_times.shape == (count,) for recording in recordings)
 
 
 def test_coarse_time_stamps_are_rounded():
-    recordings, _ = held(trial(shots=10, stamp=0.001))
+    recordings, _ = simulate_trial(trial(shots=10, time_resolution=0.001))
 
     stamps = np.concatenate([recording.times for recording in recordings]) * 1000
 
@@ -96,14 +96,14 @@ def test_coarse_time_stamps_are_rounded():
 
 
 def test_perfect_cameras_show_the_true_path():
-    recordings, truth = held(ideal(shots=20))
+    recordings, truth = simulate_trial(ideal(shots=20))
 
     assert max(np.abs(e).max() for e in errors(recordings, truth)) < 1e-9
 
 
 def test_the_sensors_faults_act_on_scattered_balls():
     hidden = {"position_scale": {"s": 0.01}, "clock_rate": {"d": 0.02}, "spin_gain": {"s": 0.1}}
-    recordings, truth = held(trial(shots=20, cameras=PERFECT, causes=hidden))
+    recordings, truth = simulate_trial(trial(shots=20, cameras=PERFECT, causes=hidden))
 
     for shot, recording in enumerate(recordings):
         path = truth.states(recording.times / 1.02)[shot]
@@ -112,7 +112,9 @@ def test_the_sensors_faults_act_on_scattered_balls():
 
 
 def test_a_lag_with_speed_shows_where_the_ball_was():
-    recordings, truth = held(ideal(shots=5, causes={"speed_dependent_latency": {"tau": 0.001}}))
+    recordings, truth = simulate_trial(
+        ideal(shots=5, causes={"speed_dependent_latency": {"tau": 0.001}})
+    )
 
     for shot, recording in enumerate(recordings):
         speed = np.linalg.norm(truth.states(recording.times)[shot, :, 3:6], axis=1)
@@ -122,9 +124,9 @@ def test_a_lag_with_speed_shows_where_the_ball_was():
         assert recording.positions[order] == pytest.approx(path, abs=1e-9)
 
 
-def test_negated_labels_come_a_whole_shot_at_a_time():
+def test_the_labels_of_a_shot_are_all_flipped_or_none():
     hidden = {"spin_sign_flip": {"share": 0.3}}
-    recordings, truth = held(ideal(shots=200, causes=hidden))
+    recordings, truth = simulate_trial(ideal(shots=200, causes=hidden))
 
     signs = [
         np.sign((recording.labels * path[:, 6:]).sum(axis=1))
@@ -135,21 +137,22 @@ def test_negated_labels_come_a_whole_shot_at_a_time():
     assert np.mean([sign[0] < 0 for sign in signs]) == pytest.approx(0.3, abs=0.08)
 
 
-def test_clean_worlds_give_the_same_recordings():
-    ours, _ = held(ideal(shots=60, world="catalogue", seed=7))
-    others, truth = held(ideal(shots=60, world="independent", seed=7))
+def test_without_causes_both_dynamics_give_the_same_recordings():
+    ours, _ = simulate_trial(ideal(shots=60, dynamics="catalogue", seed=7))
+    others, truth = simulate_trial(ideal(shots=60, dynamics="independent", seed=7))
 
-    assert isinstance(truth.session.ball, IndependentBall)
+    assert isinstance(truth.shots.ball, IndependentBall)
     for one, other in zip(ours, others, strict=True):
         assert (one.times == other.times).all()
         assert np.abs(one.positions - other.positions).max() < 1e-6
 
 
-@pytest.mark.parametrize("world", ["catalogue", "independent"])
-def test_a_trial_is_the_same_every_time(world):
+@pytest.mark.parametrize("dynamics", ["catalogue", "independent"])
+def test_a_trial_is_the_same_every_time(dynamics):
     hidden = {"lift_saturation": {"kappa": 0.5}}
     (first, _), (again, _), (other, _) = (
-        held(trial(shots=15, world=world, causes=hidden, seed=seed)) for seed in (1, 1, 2)
+        simulate_trial(trial(shots=15, dynamics=dynamics, causes=hidden, seed=seed))
+        for seed in (1, 1, 2)
     )
 
     for one, same in zip(first, again, strict=True):
@@ -158,9 +161,8 @@ def test_a_trial_is_the_same_every_time(world):
     assert len(first[0].times) != len(other[0].times) or (first[0].times != other[0].times).all()
 
 
-def test_hidden_causes_do_not_change_what_is_launched():
-    _, clean = held(trial(shots=15))
-    _, windy = held(trial(shots=15, causes={"wind": {"x": 1.0}}))
+def test_hidden_causes_do_not_change_the_launches():
+    _, clean = simulate_trial(trial(shots=15))
+    _, windy = simulate_trial(trial(shots=15, causes={"wind": {"x": 1.0}}))
 
-    assert (clean.session.launches == windy.session.launches).all()
-    assert [cause.kind for cause in windy.trial.hidden] == ["missing_effect"]
+    assert (clean.shots.launches == windy.shots.launches).all()

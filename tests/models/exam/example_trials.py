@@ -1,4 +1,4 @@
-"""Trials for the tests: the nominal simulator, and cameras and bounces without any error."""
+"""Trials for the tests: the nominal simulator, with and without errors of cameras and bounces."""
 
 from dataclasses import replace
 
@@ -7,8 +7,8 @@ import numpy as np
 from models.arena.bounce_scatter import BounceScatter
 from models.arena.cameras import SlowError
 from models.ball.simulators import shipped
-from models.exam.design.trial import CAMERAS, Trial
 from models.exam.simulate.launches import launches
+from models.exam.simulate.trial import CAMERAS, Trial
 
 NOMINAL = shipped("literature")
 NO_SCATTER = BounceScatter(restitution=0.0, friction=0.0)

@@ -1,23 +1,22 @@
-"""A session: balls that have been played, each bounce with the deviation that it had."""
+"""Shots whose bounces scatter: each bounce deviates from the law, and is kept."""
 
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from models.arena.bounce_scatter import BounceScatter
 from models.ball.contact_laws import NONE, TABLE
 from models.ball.simulator import Contacts, Flight, Simulator
 from models.ball.state import STATE_SIZE
+from models.ball.types import Floats
 
-Floats = NDArray[np.float64]
-
-FOLLOWED = 4  # bounces that scatter; further ones follow the law
+MOST_SCATTERED = 4  # bounces of a shot that scatter; further ones follow the law
 
 
-class Ball(Protocol):
-    """Whatever flies balls by a law: a simulator, or the independent ball."""
+class BallModel(Protocol):
+    """What rolls out balls: a simulator, or the independent ball."""
 
     def fly(self, states: ArrayLike, times: ArrayLike) -> Flight:
         """Roll out (B, 9) states to (T,) or (B, T) times."""
@@ -25,29 +24,29 @@ class Ball(Protocol):
 
 
 @dataclass(frozen=True)
-class Session(Simulator):
-    """A simulator of the very balls that were played: flown again, they bounce as they did.
+class ScatteredShots(Simulator):
+    """A simulator that replays shots with the bounces that they had.
 
-    So the sensor can look at them at any time, as it looks at a simulator's balls.
+    The sensor model observes it at any times, as it observes every simulator.
 
     Attributes:
-        ball: flies between the bounces.
+        ball: moves balls between the bounces.
         launches: (B, 9) states at time zero.
-        contacts: what the balls met, scatter included.
+        contacts: with the table, scatter included.
     """
 
-    ball: Ball
+    ball: BallModel
     launches: Floats
     contacts: Contacts
 
     def fly(self, states: ArrayLike, times: ArrayLike) -> Flight:
-        """Return the played balls at (B, T) or (T,) times.
+        """Return the shots at (B, T) or (T,) times.
 
         Raises:
-            ValueError: ``states`` are not the launches of this session.
+            ValueError: ``states`` are not the launches of these shots.
         """
         if not np.array_equal(states, self.launches):
-            raise ValueError("a session flies its own launches")
+            raise ValueError("scattered shots can only be replayed from their own launches")
         moments = np.atleast_2d(np.asarray(times, dtype=np.float64))
         moments = np.broadcast_to(moments, (len(self.launches), moments.shape[1]))
         paths = self.ball.fly(self.launches, moments).states.copy()
@@ -60,30 +59,30 @@ class Session(Simulator):
         return Flight(paths, self.contacts)
 
 
-def played(
-    ball: Ball,
+def scattered_shots(
+    ball: BallModel,
     simulator: Simulator,
     launches: Floats,
     durations: Floats,
     scatter: BounceScatter,
     random: np.random.Generator,
-) -> Session:
-    """Play balls: fly to the bounce, deviate, fly on.
+) -> ScatteredShots:
+    """Roll out shots from bounce to bounce, and let each bounce deviate.
 
     Args:
-        ball: by whose law they fly and bounce.
-        simulator: where the table is, and what the sensor makes of the balls.
+        ball: moves and bounces the balls.
+        simulator: with the place of the table, and the sensor effects.
         launches: (B, 9) states at time zero.
-        durations: (B,) s for which the balls are followed.
-        scatter: how far bounces deviate.
-        random: where the deviations come from, the same number for every ball.
+        durations: (B,) s to simulate.
+        scatter: of the bounces.
+        random: of the deviations; every ball takes the same number of draws.
     """
-    shape = (len(launches), FOLLOWED)
+    shape = (len(launches), MOST_SCATTERED)
     times, surfaces = np.full(shape, np.nan), np.full(shape, NONE)
     before, after = np.full((2, *shape, STATE_SIZE), np.nan)
     now, current = np.zeros(len(launches)), launches
     going = np.arange(len(launches))
-    for k in range(FOLLOWED):
+    for k in range(MOST_SCATTERED):
         left = np.maximum(durations[going] - now[going], 0.0)
         met = ball.fly(current, np.stack([np.zeros_like(left), left], axis=1)).contacts
         on = met.count > 0
@@ -94,9 +93,8 @@ def played(
         before[going, k], after[going, k] = met.before[on, 0], met.after[on, 0]
         times[going, k], surfaces[going, k] = now[going], met.surface[on, 0]
         table = going[surfaces[going, k] == TABLE]
-        deviated = scatter.deviated(simulator, before[table, k], after[table, k], random)
-        after[table, k] = deviated
+        after[table, k] = scatter.deviated(simulator, before[table, k], after[table, k], random)
         current = after[going, k]
     count = (surfaces != NONE).sum(axis=1)
     contacts = Contacts(count, times, surfaces, before, after)
-    return Session(simulator.effects, ball, launches, contacts)
+    return ScatteredShots(simulator.effects, ball, launches, contacts)

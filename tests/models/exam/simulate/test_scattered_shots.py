@@ -1,4 +1,4 @@
-"""Sessions: balls fly as their law says, and each bounce keeps the deviation that it had."""
+"""Scattered shots follow their law, and each bounce keeps its deviation."""
 
 import numpy as np
 import pytest
@@ -6,29 +6,29 @@ import pytest
 from models.arena.bounce_scatter import BounceScatter
 from models.exam.simulate.independent_ball import IndependentBall
 from models.exam.simulate.laws import physics_of
-from models.exam.simulate.session import played
-from tests.models.exam.halls import NO_SCATTER, NOMINAL, drawn
+from models.exam.simulate.scattered_shots import scattered_shots
+from tests.models.exam.example_trials import NO_SCATTER, NOMINAL, drawn
 
 LAUNCHES = drawn(shots=400)
 TIMES = LAUNCHES.durations[:, None] * np.linspace(0, 1, 50)
 BALLS = (NOMINAL, IndependentBall(physics_of(NOMINAL)))
 
 
-def session(ball=NOMINAL, scatter=NO_SCATTER, seed=0):
+def shots(ball=NOMINAL, scatter=NO_SCATTER, seed=0):
     random = np.random.default_rng(seed)
-    return played(ball, NOMINAL, LAUNCHES.states, LAUNCHES.durations, scatter, random)
+    return scattered_shots(ball, NOMINAL, LAUNCHES.states, LAUNCHES.durations, scatter, random)
 
 
 @pytest.mark.parametrize("ball", BALLS)
-def test_without_scatter_balls_fly_as_their_law_says(ball):
-    flown = session(ball).fly(LAUNCHES.states, TIMES).states
+def test_without_scatter_shots_follow_their_law(ball):
+    flown = shots(ball).fly(LAUNCHES.states, TIMES).states
 
     assert np.abs(flown - ball.fly(LAUNCHES.states, TIMES).states)[..., :3].max() < 1e-7
 
 
 @pytest.mark.parametrize("ball", BALLS)
 def test_bounces_deviate_by_the_stated_sizes(ball):
-    contacts = session(ball, BounceScatter(restitution=0.01, friction=0.05)).contacts
+    contacts = shots(ball, BounceScatter(restitution=0.01, friction=0.05)).contacts
     met = contacts.count > 0
     before, after = contacts.before[met, 0], contacts.after[met, 0]
 
@@ -38,8 +38,8 @@ def test_bounces_deviate_by_the_stated_sizes(ball):
     assert e.std() == pytest.approx(0.0093, rel=0.12)
 
 
-def test_first_arcs_are_untouched_by_scatter_and_second_ones_start_from_it():
-    scattered = session(scatter=BounceScatter(restitution=0.05, friction=0.0))
+def test_scatter_acts_from_the_first_bounce_on():
+    scattered = shots(scatter=BounceScatter(restitution=0.05, friction=0.0))
     plain = NOMINAL.fly(LAUNCHES.states, TIMES).states
     flown = scattered.fly(LAUNCHES.states, TIMES).states
 
@@ -49,6 +49,6 @@ def test_first_arcs_are_untouched_by_scatter_and_second_ones_start_from_it():
     assert np.abs(flown - plain)[~first].max() > 0.01
 
 
-def test_a_session_flies_nothing_but_its_own_balls():
-    with pytest.raises(ValueError, match="its own launches"):
-        session().fly(LAUNCHES.states + 1e-3, TIMES)
+def test_only_their_own_launches_are_replayed():
+    with pytest.raises(ValueError, match="own launches"):
+        shots().fly(LAUNCHES.states + 1e-3, TIMES)

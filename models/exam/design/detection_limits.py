@@ -1,0 +1,178 @@
+"""Detection limits: the minimum size of a cause that the data of a trial can show.
+
+The shots are those of the trial without causes, with the same launches and frames. Linearised about
+their true launches, with the true noise and bounce scatter of the trial, they give the information
+about every parameter of the catalogue. Nothing is estimated and no method is asked, so a limit is a
+property of the data. A cause is detectable at 5.8 standard errors.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from models.ball.types import Floats
+from models.exam.interface import shots_of
+from models.exam.simulate.recordings import simulate_trial
+from models.exam.simulate.trial import Trial
+from models.gap.fit.linearize import ballistic_nuisance, linearise
+from models.gap.fit.measurement import Schedule, count_bounces
+from models.gap.fit.noise import Noise, gram_matrices
+from models.gap.fit.projection import eliminate_nuisance, identifiable_directions
+from models.gap.fit.shots import Shots
+from models.gap.hypotheses import LABEL_SIGNS, Hypothesis, hypotheses
+from models.gap.inference.score_test import Evidence
+from models.gap.settings import GapSettings
+
+SETTINGS = GapSettings()
+DETECTABLE = SETTINGS.inference.detectable  # standard errors
+MINIMUM_FLIPPED = 4.0  # spin labels with the wrong sign, on average, in a detectable share of them
+MINIMUM_NOISE = (
+    1e-3  # of what the workflow takes for random: label errors of a shot, scatter across
+)
+MINIMUM_OWN_INFORMATION = 1e-2  # of a parameter's information, with all other parameters free
+
+
+@dataclass(frozen=True)
+class DetectionLimits:
+    """What the shots of a trial can show.
+
+    Attributes:
+        evidence: on every parameter of the catalogue, about the nominal simulator.
+        labelled: number of shots with spin labels.
+        withheld: effects that are removed from the catalogue.
+    """
+
+    evidence: Evidence
+    labelled: int
+    withheld: tuple[str, ...]
+
+    @classmethod
+    def of(cls, trial: Trial) -> "DetectionLimits":
+        """Return the limits of a trial; its causes do not matter."""
+        recordings, truth = simulate_trial(replace(trial, causes={}, dynamics="catalogue"))
+        shots = shots_of(recordings)
+        states = truth.states(shots.times[:, :1])[:, 0]
+        evidence = _evidence(trial, shots, states)
+        return cls(evidence, int(shots.labelled.any(axis=1).sum()), trial.withheld)
+
+    def minimum_sizes(self, hidden: tuple[Hypothesis, ...]) -> list[float]:
+        """Return the minimum detectable size of each parameter.
+
+        The other hidden and the simulator's own parameters are free. Where the shots cannot
+        distinguish a parameter from these, as buoyancy from gravity, the most similar one is fixed.
+        With a withheld effect, all parameters of the remaining catalogue are free. Infinite where
+        no value within the parameter's bounds is detectable.
+        """
+        return [
+            self._minimum_size(one, [other for other in hidden if other != one]) for one in hidden
+        ]
+
+    def indistinguishable(
+        self, hidden: Hypothesis, size: float, others: tuple[Hypothesis, ...] = ()
+    ) -> tuple[str, ...]:
+        """Return identities of parameters that explain a cause of a size as well as its own.
+
+        With any of them free, less than the detection limit is left of the cause. Where no single
+        parameter does this, pairs of the simulator's own are tried for an effect that it lacks.
+
+        Args:
+            hidden: the parameter of the cause.
+            size: by which it differs from nominal.
+            others: parameters that are hidden at the same time, and free.
+        """
+        if hidden == LABEL_SIGNS:
+            return ()
+        k, free = self._place(hidden), self._places(others)
+        observable = np.flatnonzero(self.evidence.observable).tolist()
+        rivals = [j for j in observable if j not in (k, *free)]
+        own = [] if self.evidence.listed[k] else [j for j in self.evidence.free if j in rivals]
+
+        def substitutes(sets: Iterable[tuple[int, ...]]) -> tuple[str, ...]:
+            fitting = (one for one in sets if self._errors(k, size, [*one, *free]) < DETECTABLE)
+            places = (j for one in fitting for j in one)
+            return tuple(dict.fromkeys(self.evidence.columns[j].identity for j in places))
+
+        return substitutes(combinations(rivals, 1)) or substitutes(combinations(own, 2))
+
+    def _errors(self, k: int, size: float, free: list[int]) -> float:
+        """Return a size in standard errors, other parameters being free."""
+        return abs(size) * float(np.sqrt(max(self._information(k, free), 0.0)))
+
+    def _information(self, k: int, free: list[int]) -> float:
+        return float(self.evidence.score_test([k], free).information[0, 0])
+
+    def _minimum_size(self, hidden: Hypothesis, others: list[Hypothesis]) -> float:
+        if hidden == LABEL_SIGNS:
+            possible = self.labelled > 0 and hidden.effect not in self.withheld
+            return MINIMUM_FLIPPED / self.labelled if possible else np.inf
+        k = self._place(hidden)
+        free = self._free(k, self._places(others))
+        if not self._decidable(k, free):
+            return np.inf
+        if hidden.effect in self.withheld:
+            return self._minimum_size_of_withheld(k)
+        return self.evidence.minimum_detectable_effect(k, free)
+
+    def _free(self, k: int, others: list[int]) -> list[int]:
+        """Return the other and the simulator's own parameters, without one too similar to ``k``."""
+        own = [j for j in self.evidence.free if j != k]
+        free = sorted({*own, *others})
+        if self._decidable(k, free) or not own:
+            return free
+        closest = max(own, key=lambda j: self._information(k, [i for i in free if i != j]))
+        return [j for j in free if j != closest or j in others]
+
+    def _decidable(self, k: int, free: list[int]) -> bool:
+        evidence = self.evidence
+        return bool(evidence.observable[k]) and evidence.decides(evidence.score_test([k], free))
+
+    def _minimum_size_of_withheld(self, k: int) -> float:
+        """Return the minimum size of a parameter with all that is not withheld free."""
+        total, free = self.evidence.total, self._not_withheld
+        mixed = identifiable_directions(total[np.ix_(free, free)]).T @ total[free, k]
+        own = total[k, k] - mixed @ mixed
+        enough = own > MINIMUM_OWN_INFORMATION * total[k, k]
+        return float(DETECTABLE / np.sqrt(own)) if enough else np.inf
+
+    @cached_property
+    def _not_withheld(self) -> list[int]:
+        observable = np.flatnonzero(self.evidence.observable).tolist()
+        return [k for k in observable if self.evidence.columns[k].effect not in self.withheld]
+
+    def _place(self, parameter: Hypothesis) -> int:
+        return self.evidence.columns.index(parameter)
+
+    def _places(self, parameters: Sequence[Hypothesis]) -> list[int]:
+        return [self._place(one) for one in parameters if one != LABEL_SIGNS]
+
+
+def _evidence(trial: Trial, shots: Shots, states: Floats) -> Evidence:
+    """Return the evidence of all shots in the true noise, about their true (B, 9) states."""
+    bounces = count_bounces(trial.nominal, Schedule.of(shots), states)
+    kicks = min(int(bounces.max(initial=0)), SETTINGS.fit.max_kicks)
+    nuisance = ballistic_nuisance(states, kicks)
+    linear = linearise(shots, trial.nominal, nuisance, hypotheses(trial.nominal))
+    noise = _noise(trial)
+    known = gram_matrices(linear, noise, linear.sampled.astype(float), np.ones(len(shots)))
+    left = eliminate_nuisance(known.total(noise), linear.nuisance_count)
+    return Evidence(linear.columns, linear.listed, left.scores, left.information, SETTINGS)
+
+
+def _noise(trial: Trial) -> Noise:
+    """Return the true noise of a trial in the workflow's terms."""
+    cameras, table = trial.cameras, trial.nominal.effects["table_bounce"]
+    slow = cameras.slow_error.share
+    restitution = table["restitution"]
+    impulse = table["friction"] * (1.0 + restitution)
+    upwards, along = trial.scatter.restitution * restitution, trial.scatter.friction * impulse
+    return Noise(
+        white=cameras.position_noise * float(np.sqrt(1.0 - slow)),
+        slow=cameras.position_noise * float(np.sqrt(slow)),
+        slow_time=cameras.slow_error.time,
+        label=max(cameras.spin_noise, MINIMUM_NOISE),
+        label_common=MINIMUM_NOISE,
+        scatter=(max(upwards, MINIMUM_NOISE), max(along, MINIMUM_NOISE), MINIMUM_NOISE),
+    )

@@ -1,0 +1,30 @@
+"""The generated table of questions in docs/exam.md."""
+
+from pathlib import Path
+
+import pandas as pd
+
+GROUPS = {
+    "sweep": "one hidden parameter of the catalogue. The base has 3 detection limits, 100 shots "
+    "and 3 mm noise; the other cells change one of them",
+    "clean": "nothing hidden; all kinds of spin labels, one or two directions",
+    "pair": "two causes from different families, each at 3 detection limits",
+    "sensor_fault": "a sensor effect, measured by cameras with more noise, outliers and dropouts",
+    "nominal_off": "a missing effect, and a wrong value of one of the simulator's own parameters",
+    "withheld": "an effect that is removed from the methods' catalogue",
+    "unlabelled": "one hidden parameter, no spin labels",
+    "one_direction": "one hidden parameter, all shots in one direction",
+}
+
+
+def questions_table(root: Path) -> str:
+    """Return the groups of questions with their sizes, as Markdown."""
+    table = pd.read_csv(root / "reports" / "hidden_effects" / "groups.csv")
+    counts = table.groupby("group", sort=False)[["questions", "not_posed"]].sum()
+    lines = ["| group | questions | not posed | content |", "|---|---|---|---|"]
+    lines += [
+        f"| `{group}` | {row.questions:,} | {row.not_posed} | {GROUPS[str(group)]} |"
+        for group, row in counts.iterrows()
+    ]
+    total = counts.sum()
+    return "\n".join([*lines, f"| all | {total.questions:,} | {total.not_posed} | |"])

@@ -1,0 +1,89 @@
+"""Detection limits, compared with what the workflow finds without knowing noise and launches."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from models.exam.design.detection_limits import DetectionLimits
+from models.exam.interface import shots_of
+from models.exam.simulate.recordings import simulate_trial
+from models.exam.simulate.trial import CAMERAS
+from models.gap.fit.refit import refit
+from models.gap.hypotheses import LABEL_SIGNS, Hypothesis
+from models.gap.inference.score_test import Evidence
+from models.gap.settings import GapSettings
+from tests.models.exam.example_trials import NOMINAL, trial
+
+WIND, GRAVITY, BUOYANCY = (
+    Hypothesis("wind", "x"),
+    Hypothesis("gravity", "g"),
+    Hypothesis("buoyancy", "b"),
+)
+ADDED_MASS = Hypothesis("added_mass", "c")
+
+
+def limits(**settings):
+    return DetectionLimits.of(trial(shots=30, seed=1001, **settings))
+
+
+@pytest.fixture(scope="module")
+def usual():
+    return limits()
+
+
+def test_they_are_what_the_workflow_finds_with_noise_and_scatter_estimated(usual):
+    recordings, _ = simulate_trial(trial(shots=30, seed=1001))
+    settings = GapSettings()
+    fitted = refit(shots_of(recordings), NOMINAL, (), settings.fit)
+    evidence = Evidence.of(fitted.linear, fitted.noise_estimate, settings)
+
+    others = [
+        Hypothesis("drag", "cd"),
+        Hypothesis("spin_decay", "c"),
+        Hypothesis("table_height", "h"),
+    ]
+    for parameter in (WIND, GRAVITY, *others):
+        k = evidence.columns.index(parameter)
+        expected = evidence.minimum_detectable_effect(k, [j for j in evidence.free if j != k])
+        assert usual.minimum_sizes((parameter,)) == pytest.approx([expected], rel=0.15)
+
+
+def test_they_follow_the_noise_and_not_the_causes(usual):
+    expected = usual.minimum_sizes((WIND,))
+    noisy = limits(cameras=replace(CAMERAS, position_noise=0.010))
+
+    assert limits(causes={"wind": {"x": 1.0}}).minimum_sizes((WIND,)) == expected
+    assert noisy.minimum_sizes((WIND,))[0] > 1.5 * expected[0]
+
+
+def test_indistinguishable_parameters_leave_nothing_detectable(usual):
+    wind, gravity, buoyancy = (usual.minimum_sizes((one,))[0] for one in (WIND, GRAVITY, BUOYANCY))
+    assert np.isfinite(buoyancy)
+    assert "gravity.g" in usual.indistinguishable(BUOYANCY, 3 * buoyancy)
+    assert "buoyancy.b" in usual.indistinguishable(GRAVITY, 100 * gravity)
+    assert usual.indistinguishable(WIND, 0.5 * wind) != ()
+    assert usual.indistinguishable(WIND, 100 * wind) == ()
+
+
+def test_two_nominal_parameters_together_may_explain_a_missing_effect(usual):
+    (size,) = usual.minimum_sizes((ADDED_MASS,))
+
+    assert usual.indistinguishable(ADDED_MASS, 3 * size) == ("drag.cd", "gravity.g")
+    assert usual.indistinguishable(ADDED_MASS, 30 * size) == ()
+
+
+def test_a_withheld_effect_is_separated_from_all_others(usual):
+    withheld = replace(usual, withheld=("wind",))
+
+    assert withheld.minimum_sizes((WIND,))[0] > usual.minimum_sizes((WIND,))[0]
+    assert replace(usual, withheld=("buoyancy",)).minimum_sizes((BUOYANCY,)) == [np.inf]
+
+
+def test_flipped_labels_need_labels(usual):
+    unlabelled = limits(spin_labels="none")
+
+    assert usual.minimum_sizes((LABEL_SIGNS,)) == [4 / 30]
+    gain = Hypothesis("spin_gain", "s")
+    assert unlabelled.minimum_sizes((LABEL_SIGNS, gain)) == [np.inf, np.inf]
+    assert usual.indistinguishable(LABEL_SIGNS, 0.1) == ()

@@ -1,0 +1,94 @@
+"""Methods see recordings only, and the truth is recorded after they have answered."""
+
+from dataclasses import fields
+
+import grimp
+import pytest
+
+from models.exam.design.questions import Question
+from models.exam.interface import Answer, NamedCause, Recording
+from models.exam.runner import run_question
+from models.gap.hypotheses import Hypothesis
+from tests.models.exam.example_trials import NOMINAL, trial
+
+WIND = Hypothesis("wind", "x")
+SEALED = {
+    "models.exam.design.detection_limits",
+    "models.exam.records",
+    "models.exam.runner",
+    "models.exam.scoring.rates",
+    "models.exam.scoring.removable_gap",
+    "models.exam.simulate.equivalent_sizes",
+    "models.exam.simulate.recordings",
+    "models.exam.simulate.scattered_shots",
+}
+
+
+def question(*hidden, group="sweep", **settings):
+    return Question(group, trial(shots=12, seed=1002, **settings), hidden, cell="base")
+
+
+def no_gap(recordings, nominal, withheld):
+    return Answer("no_gap", (), nominal)
+
+
+def test_a_method_receives_recordings_the_nominal_simulator_and_withheld_effects():
+    calls = []
+
+    def spy(*arguments):
+        calls.append(arguments)
+        return no_gap(*arguments)
+
+    run_question(question(WIND, withheld=("friction",)), {"spy": spy})
+    ((recordings, nominal, withheld),) = calls
+    assert (nominal, withheld) == (NOMINAL, ("friction",))
+    assert {type(recording) for recording in recordings} == {Recording}
+    known = {"times", "positions", "label_times", "labels"}
+    assert {field.name for field in fields(Recording)} == known
+
+
+def test_methods_do_not_import_what_knows_the_truth():
+    graph = grimp.build_graph("models")
+    assert graph.modules >= SEALED
+    assert not graph.find_upstream_modules("models.exam.methods.registry") & SEALED
+
+
+def test_the_record_has_the_truth_and_is_reproducible():
+    asked = question(WIND, dynamics="independent")
+    record, seconds = run_question(asked, {"no_gap": no_gap})
+
+    (truth,) = record.hidden
+    assert (truth.identity, truth.kind, truth.nominal) == ("wind.x", "missing_effect", 0.0)
+    assert abs(truth.value) > 0.0
+    assert record.parameters == ("wind.x",)
+    assert record.answers["no_gap"].gap_after_mm == record.gap_before_mm > 0.0
+    assert seconds["no_gap"] >= 0.0
+    assert run_question(asked, {"no_gap": no_gap})[0] == record
+
+
+def test_a_method_that_fails_has_no_answer_and_the_others_go_on():
+    def broken(recordings, nominal, withheld):
+        raise ZeroDivisionError("too few")
+
+    def wild(recordings, nominal, withheld):
+        cause = NamedCause(
+            identity="wind.x", estimate=float("nan"), interval=None, possible=("wind.x",)
+        )
+        return Answer("named", (cause,), nominal)
+
+    methods = {"broken": broken, "wild": wild, "no_gap": no_gap}
+    record, _ = run_question(question(group="clean"), methods)
+    assert record.answers["broken"].conclusion is record.answers["wild"].conclusion is None
+    assert record.answers["broken"].error == "ZeroDivisionError: too few"
+    assert "finite number" in record.answers["wild"].error
+    assert record.answers["no_gap"].conclusion == "no_gap"
+    assert (record.hidden, record.gap_before_mm) == ((), None)
+
+
+@pytest.mark.parametrize("labels", ["none", "per_shot"])
+def test_a_question_that_cannot_be_posed_has_a_reason_and_no_answers(labels):
+    flipped = question(Hypothesis("spin_sign_flip", "share"), spin_labels=labels)
+
+    record, seconds = run_question(flipped, {"no_gap": no_gap})
+    assert (record.not_posed is not None) == (labels == "none")
+    assert (record.answers == {}) == (seconds == {}) == (labels == "none")
