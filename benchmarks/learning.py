@@ -16,9 +16,9 @@ import typer
 
 from benchmarks.comparison import ROOT, Comparison, report
 from benchmarks.policy_training import PEER, SEED, TASK, default_learner
-from models.policy.learning import learn_leg, trained_policy
+from models.policy.learning import learn_iteration, trained_policy
 from models.policy.policy import Policy
-from models.policy.random_streams import watched_balls
+from models.policy.random_streams import validation_stream
 from models.policy.trial import play
 from pipeline.evaluation.costs import one_core
 from pipeline.experiments.profiles import merged
@@ -43,25 +43,25 @@ class Progress:
 
 
 def rallygap_policies(folder: Path) -> Iterator[Policy]:
-    """Yield the policy after every leg; the time includes its checkpoints."""
+    """Yield the policy after every iteration; the time includes its checkpoints."""
     before = None
-    for leg in range(LEARNING.legs):
-        after = folder / str(leg)
+    for iteration in range(LEARNING.iterations):
+        after = folder / str(iteration)
         after.mkdir()
-        yield learn_leg(TASK, LEARNING, SEED, leg, before, after)
+        yield learn_iteration(TASK, LEARNING, SEED, iteration, before, after)
         before = after
 
 
 def peer_policies() -> Iterator[Policy]:
-    """Yield the peer's policy after as many ticks as a leg has, without end."""
+    """Yield the peer's policy after as many ticks as an iteration has, without end."""
     learner = default_learner()
     while True:
-        learner.learn(LEARNING.ticks, reset_num_timesteps=False)
+        learner.learn(LEARNING.steps_per_iteration, reset_num_timesteps=False)
         yield trained_policy(learner)
 
 
 def train(name: str, policies: Iterator[Policy], patience: float) -> Progress:
-    """Train to the goal, or until the policies or the seconds end; print every leg."""
+    """Train to the goal, or until the policies or the seconds end; print every iteration."""
     ticks, seconds, rate = 0, 0.0, 0.0
     while seconds < patience and rate < GOAL:
         start = time.process_time()
@@ -69,15 +69,17 @@ def train(name: str, policies: Iterator[Policy], patience: float) -> Progress:
         if policy is None:
             break
         seconds += time.process_time() - start
-        ticks, rate = ticks + LEARNING.ticks, return_rate(policy)
+        ticks, rate = ticks + LEARNING.steps_per_iteration, return_rate(policy)
         typer.echo(f"{name}: {ticks:,} ticks, {seconds:,.0f} s, {rate:.1%}")
     return Progress(ticks, seconds, rate)
 
 
 def return_rate(policy: Policy) -> float:
     """Return the return rate of a policy on the validation shots."""
-    balls, goals = TASK.practice(SHOTS, watched_balls(SEED))
-    return float(play(policy, TASK.simulator, balls, goals, TASK.observation)["returned"].mean())
+    balls, goals = TASK.training_balls(SHOTS, validation_stream(SEED))
+    return float(
+        play(policy, TASK.simulator, balls, goals, TASK.observation).table["returned"].mean()
+    )
 
 
 def compared(ours: Progress, peer: Progress) -> list[Comparison]:

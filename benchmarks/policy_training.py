@@ -15,7 +15,7 @@ from stable_baselines3.common.logger import Logger
 from benchmarks.comparison import ROOT, faster, rate, report
 from models.policy.batch_simulation import ACTIONS
 from models.policy.environment import ReturnEnv, ReturnVecEnv
-from models.policy.learning import LEARNER, REPLAY, learn_leg, spare_weights
+from models.policy.learning import LEARNER, REPLAY, learn_iteration, skip_critic_gradients
 from models.policy.task import Task
 from pipeline.evaluation.costs import one_core
 from pipeline.io.simulators import load_simulator
@@ -31,7 +31,7 @@ PEER = "SB3 defaults"
 
 
 def single_environment() -> ReturnEnv:
-    return ReturnEnv(TASK.simulator, TASK.practice, TASK.observation)
+    return ReturnEnv(TASK.simulator, TASK.training_balls, TASK.observation)
 
 
 def default_learner() -> SAC:
@@ -41,7 +41,7 @@ def default_learner() -> SAC:
 
 def tick_of_many(arms: int) -> Callable[[], int]:
     """Return a random action of every arm in one batched simulation, with resets."""
-    environment = ReturnVecEnv(TASK.simulator, TASK.practice, TASK.observation, arms, SEED)
+    environment = ReturnVecEnv(TASK.simulator, TASK.training_balls, TASK.observation, arms, SEED)
     environment.reset()
     random = np.random.default_rng(SEED)
 
@@ -79,14 +79,18 @@ def steps_of(learner: SAC) -> Callable[[], int]:
 
 
 def our_learner() -> SAC:
-    """Return a learner after a leg just long enough for its first gradient steps."""
-    short = {"legs": 1, "warm_up": 1000, "ticks": 1000 + 2 * LEARNING.arms}
+    """Return a learner after an iteration just long enough for its first gradient steps."""
+    short = {
+        "iterations": 1,
+        "warm_up": 1000,
+        "steps_per_iteration": 1000 + 2 * LEARNING.environments,
+    }
     with tempfile.TemporaryDirectory() as folder:
         left = Path(folder)
-        learn_leg(TASK, LEARNING.model_copy(update=short), SEED, 0, None, left)
+        learn_iteration(TASK, LEARNING.model_copy(update=short), SEED, 0, None, left)
         learner = SAC.load(left / LEARNER, device="cpu")
         learner.load_replay_buffer(left / REPLAY)
-    learner.critic.register_forward_pre_hook(spare_weights)
+    learner.critic.register_forward_pre_hook(skip_critic_gradients)
     return learner
 
 

@@ -28,7 +28,7 @@ from models.exam.design.questions import Question
 from models.exam.methods.registry import METHODS, RALLYGAP
 from models.exam.runner import run_question
 from models.exam.simulate.trial import Trial
-from models.policy.learning import learn_leg
+from models.policy.learning import learn_iteration
 from models.predictors.learned import build_network
 from models.predictors.training import ForecastTraining, WindowData
 from models.predictors.window_dataset import build_tracks
@@ -48,7 +48,7 @@ MEASURED = ROOT / "reports" / "costs" / "scale.csv"
 SMALL_ARENA = ARENA.model_copy(update={"game_episodes": 1500, "cannon_shots": 1500})
 SHOTS = 100  # per question of the exam
 NOT_NOMINAL = sorted(set(catalogue()) - set(TASK.simulator.effects))
-LEG = LEARNING.model_copy(update={"legs": 1, "ticks": 3200, "warm_up": 320})
+SHORT = LEARNING.model_copy(update={"iterations": 1, "steps_per_iteration": 3200, "warm_up": 320})
 EPISODES = 1000  # that the predictor learns from
 EPOCHS = 4
 
@@ -80,10 +80,10 @@ def answer_with_half_the_effects(number: int) -> int:
 
 
 def learn(seed: int) -> int:
-    """Train a policy for a short leg; return its control ticks."""
+    """Train a policy for a short training iteration; return its control ticks."""
     with tempfile.TemporaryDirectory() as folder:
-        learn_leg(TASK, LEG, seed, 0, None, Path(folder))
-    return LEG.ticks
+        learn_iteration(TASK, SHORT, seed, 0, None, Path(folder))
+    return SHORT.steps_per_iteration
 
 
 WORKS = (

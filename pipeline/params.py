@@ -144,8 +144,8 @@ class TrainPolicySettings(Settings):
 
 
 Sim2SimProtocol = Literal["first_state", "re_anchored"]
-"""From where a simulator predicts the ball: from its first state on, or from its true state at
-every control tick."""
+"""What a simulator predicts the ball from: its first state, or its true state at every control
+step."""
 
 
 def _each_once(names: list[str]) -> list[str]:
@@ -171,8 +171,8 @@ class Sim2SimSettings(Settings):
 class ToleranceSettings(Settings):
     """Which errors are added to forecasts, to measure what policies tolerate."""
 
-    balls: Annotated[int, Field(ge=1, le=100_000)]
-    """Of the simulator that the policies were trained in, the same for all."""
+    shots: Annotated[int, Field(ge=1, le=100_000)]
+    """Of the policies' own simulator, the same for all errors."""
     errors_cm: Annotated[list[Annotated[float, Field(ge=0, le=100)]], Field(min_length=1)]
     """Of the forecast positions."""
 

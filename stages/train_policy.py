@@ -1,49 +1,40 @@
-"""Train the policies: each in its own simulator, told the exact future of its balls."""
+"""Train the policies, each in its own simulator with exact forecasts."""
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
 
-from models.policy.motion_recording import film
-from models.policy.random_streams import unseen_balls
-from models.policy.scores import scores
-from models.robot.view import frames
 from pipeline.io.artifacts import write_table
-from pipeline.io.metrics import over_seeds, place, rounded
 from pipeline.io.simulators import load_simulator
-from pipeline.policies.figures.training import achieved_figure, learning_figure
+from pipeline.policies.report import report_training
 from pipeline.policies.storage import TrainedPolicy, save_policy
 from pipeline.policies.training import (
-    TRIALS,
-    UNSEEN,
-    Graduate,
-    Pupil,
+    TEST_TRIALS,
+    TrainingJob,
+    play_test_shots,
     train_policies,
-    try_policies,
 )
 from pipeline.runtime.stage_run import StageRun, run_stage
 
-SETTING = ["group", "simulator", "horizons_ms"]  # what policies of different seeds share
+RECORDED = 32  # test shots of the first policy, one of which is shown
 
 
 def train_policy(run: StageRun) -> None:
-    """Train the policies of all groups, and let each play balls that it has never seen."""
-    pupils = [
-        Pupil(description, run.scratch(description.name)) for description in _descriptions(run)
-    ]
-    graduates = train_policies(pupils)
-    played = try_policies(graduates, run.params.train_policy.trials)
-    for one in graduates:
+    """Train the policies of all groups, and let each play test shots."""
+    jobs = [TrainingJob(one, run.scratch(one.name)) for one in _descriptions(run)]
+    results = train_policies(jobs)
+    tests = play_test_shots(results, run.params.train_policy.trials, RECORDED)
+    for one in results:
         save_policy(run.artifact(one.description.name), one.policy, one.description)
         run.timings[one.description.name] = {"training_cpu_s": round(one.seconds, 1)}
-    write_table(run.artifact(UNSEEN), pd.concat(played, ignore_index=True))
-    _report(run, graduates, played)
+    tables = [test.table for test in tests]
+    write_table(run.artifact(TEST_TRIALS), pd.concat(tables, ignore_index=True))
+    report_training(run, results, tests)
 
 
 def _descriptions(run: StageRun) -> Iterator[TrainedPolicy]:
-    """Yield what is to be trained; a repeat's seed is the same for all simulators and horizons."""
+    """Yield the policies to train; a repeat has the same seed in all simulators and horizons."""
     for name, group in run.params.train_policy.groups.items():
         for simulator in group.simulators:
             for horizons in group.horizons_ms:
@@ -63,88 +54,6 @@ def _descriptions(run: StageRun) -> Iterator[TrainedPolicy]:
 
 def _seed(seed: int, repeat: int) -> int:
     return int(np.random.SeedSequence([seed, repeat]).generate_state(1)[0])
-
-
-def _report(run: StageRun, graduates: Sequence[Graduate], played: Sequence[pd.DataFrame]) -> None:
-    rows = [
-        {**one.description.labels, "ticks": one.curve["ticks"].iloc[-1], **scores(balls)}
-        for one, balls in zip(graduates, played, strict=True)
-    ]
-    results = pd.DataFrame(rows)
-    run.write_metrics(_metrics(results))
-    curves = [one.curve.assign(**one.description.labels) for one in graduates]
-    run.add_figure(
-        learning_figure(pd.concat(curves)),
-        "learning",
-        title="Learning curves of the policies",
-        caption=f"After each leg of the training, a policy plays {TRIALS} balls of its own "
-        "simulator from which it does not learn, without the noise of exploration. A control tick "
-        "is one decision of one arm.",
-    )
-    _add_animation(run, graduates[0], played[0])
-    _add_achieved_figures(run, graduates, played)
-    run.add_table(
-        results,
-        "policies",
-        title="Trained policies",
-        caption=f"Each played {run.params.train_policy.trials} balls of its own simulator that it "
-        "has never seen, told their exact future. Returns land on the far half; the landing error "
-        "is their mean distance from the goal. Slopes: by how much the speed and the topspin of "
-        "returns grow with what is asked for, where it is.",
-    )
-
-
-def _metrics(results: pd.DataFrame) -> dict[str, Any]:
-    """Return ``{group: {simulator: {horizons: {score: mean over seeds}}}}``, of returns the spread.
-
-    What cannot be told, such as the landing error of a policy that returned nothing, is left out.
-    """
-    metrics: dict[str, Any] = {}
-    for setting, rows in results.groupby(SETTING, sort=False):
-        others = rows.loc[:, "hit_rate":].mean().dropna()
-        place(metrics, setting).update(
-            return_rate=over_seeds(rows["return_rate"].tolist()),
-            **{str(name): rounded(value) for name, value in others.items()},
-        )
-    return metrics
-
-
-def _add_animation(run: StageRun, one: Graduate, played: pd.DataFrame) -> None:
-    """Show the first of its balls that a policy returned; if it returned none, its first miss."""
-    description, ball = one.description, int(played["returned"].to_numpy().argmax())
-    balls, goals = description.task.practice(len(played), unseen_balls(description.seed))
-    rows = slice(ball, ball + 1)
-    shot = film(
-        one.policy, description.task.simulator, balls[rows], goals[rows], description.observation
-    )
-    run.add_animation(
-        frames(shot.joints, shot.ball),
-        "return",
-        title="A return" if shot.returned else "A miss",
-        caption=f"The policy {description.name} and a ball that it has never seen, at half speed. "
-        "Bullet moves the arm, the ball simulator the ball.",
-    )
-
-
-def _add_achieved_figures(
-    run: StageRun, graduates: Sequence[Graduate], played: Sequence[pd.DataFrame]
-) -> None:
-    """Add a figure for each group that is asked for speed or topspin."""
-    for name, group in run.params.train_policy.groups.items():
-        if group.goals.speed is None and group.goals.topspin is None:
-            continue
-        balls = [
-            table[table["returned"]]
-            for one, table in zip(graduates, played, strict=True)
-            if one.description.group == name
-        ]
-        run.add_figure(
-            achieved_figure(pd.concat(balls)),
-            f"achieved_{name}",
-            title=f"What is achieved and what was asked for: {name.replace('_', ' ')}",
-            caption="Returns of all policies of the group, on balls that they have never seen: a "
-            "dot each, with the fitted line (solid) and what would be perfect (dashed).",
-        )
 
 
 if __name__ == "__main__":

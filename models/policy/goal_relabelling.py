@@ -1,9 +1,8 @@
-"""Retelling: what befell an arm teaches for every goal, not only for the one that it had.
+"""Goal relabelling: a replay buffer that hands out each transition with a newly drawn goal.
 
-What a stroke is worth under any goal follows from where the ball landed, how fast and with what
-spin, and nothing else that happens knows of the goal. So every transition that a learner draws is
-told under a goal drawn anew, and one stroke teaches all shots (universal value functions, Schaul
-2015; hindsight experience replay, Andrychowicz 2017, tells them under goals that were achieved).
+The reward of a stroke under any goal follows from where the ball landed, its speed and its topspin;
+nothing else depends on the goal. So one stroke teaches all shots (universal value functions, Schaul
+2015). Hindsight experience replay (Andrychowicz 2017) relabels with achieved goals instead.
 """
 
 from typing import Any
@@ -14,50 +13,50 @@ from stable_baselines3.common.buffers import ReplayBuffer
 from stable_baselines3.common.type_aliases import ReplayBufferSamples
 from stable_baselines3.common.vec_env import VecNormalize
 
+from models.ball.types import Integers
 from models.policy.goals import draw_goals
 from models.policy.reward import goal_reward
 from models.policy.settings import GoalSettings
 
-Floats = NDArray[np.floating]
-Integers = NDArray[np.int64]
+Floating = NDArray[np.floating]
 
-STROKE = 5  # numbers: where the ball landed (2), its speed and topspin, whether it was returned
-_NO_STROKE = (np.nan,) * STROKE
+STROKE_SIZE = 5  # landing x and y, speed, topspin, whether returned
+_NO_STROKE = (np.nan,) * STROKE_SIZE
 
 
-class RetoldReplay(ReplayBuffer):
-    """A replay buffer that tells its transitions under new goals.
+class RelabellingReplayBuffer(ReplayBuffer):
+    """Stable-Baselines3's replay buffer with goals drawn for every sample.
 
     Attributes:
-        strokes: (N, B, 5) of transitions that ended with a stroke, NaN elsewhere.
+        strokes: (N, B, 5) of transitions that ended with a hit, NaN elsewhere.
     """
 
     def __init__(self, *args: Any, goals: GoalSettings, columns: slice, **others: Any) -> None:
-        """Make an empty one.
+        """Make an empty buffer.
 
         Args:
             args: of Stable-Baselines3's own.
-            goals: from what goals are drawn.
-            columns: of an observation, in which the goal stands.
+            goals: the distribution of goals.
+            columns: of an observation, which hold the goal.
             others: of Stable-Baselines3's own.
         """
         super().__init__(*args, **others)
-        self.strokes = np.full((self.buffer_size, self.n_envs, STROKE), np.nan, np.float32)
+        self.strokes = np.full((self.buffer_size, self.n_envs, STROKE_SIZE), np.nan, np.float32)
         self._goals, self._columns = goals, columns
 
     def add(
         self,
-        obs: Floats,
-        next_obs: Floats,
-        action: Floats,
-        reward: Floats,
-        done: Floats,
+        obs: Floating,
+        next_obs: Floating,
+        action: Floating,
+        reward: Floating,
+        done: Floating,
         infos: list[dict[str, Any]],
     ) -> None:
-        """Keep a transition of each arm, its reward without the part that the goal decides."""
+        """Store a transition of each environment, its reward without the goal's part."""
         self.strokes[self.pos] = [_stroke(info) for info in infos]
-        of_goals = np.array([info.get("goal_reward", 0.0) for info in infos])
-        super().add(obs, next_obs, action, reward - of_goals, done, infos)
+        goal_rewards = np.array([info.get("goal_reward", 0.0) for info in infos])
+        super().add(obs, next_obs, action, reward - goal_rewards, done, infos)
 
     def _get_samples(
         self, batch_inds: Integers, env: VecNormalize | None = None
@@ -69,8 +68,8 @@ class RetoldReplay(ReplayBuffer):
         now[:, self._columns] = after[:, self._columns] = goals.scaled()
         strokes = self.strokes[places].astype(np.float64)
         speed, topspin, returned = strokes[:, 2:].T
-        of_goals = goal_reward(strokes[:, :2], speed, topspin, returned == 1, goals)
-        rewards = self.rewards[places] + np.nan_to_num(of_goals)
+        goal_rewards = goal_reward(strokes[:, :2], speed, topspin, returned == 1, goals)
+        rewards = self.rewards[places] + np.nan_to_num(goal_rewards)
         parts = (now, self.actions[places], after, _column(self.dones[places]), _column(rewards))
         return ReplayBufferSamples(*(self.to_torch(part) for part in parts))
 
@@ -81,5 +80,5 @@ def _stroke(info: dict[str, Any]) -> tuple[float, ...]:
     return (*info["landing"], info["speed"], info["topspin"], info["returned"])
 
 
-def _column(values: Floats) -> NDArray[np.float32]:
+def _column(values: Floating) -> NDArray[np.float32]:
     return values.astype(np.float32)[:, None]

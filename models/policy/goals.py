@@ -1,16 +1,16 @@
-"""Goals: what a return is asked to do."""
+"""Goals of returns: landing place, and optionally speed and topspin."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from models.ball.types import Floats
 from models.policy.settings import GoalSettings
 
-Floats = NDArray[np.float64]
 Rows = slice | NDArray[np.bool_] | NDArray[np.integer]
 
-# What goals are measured in, fixed so that a policy reads them alike in every experiment.
+# Scales of goals in observations, the same in every experiment.
 LANDING_CENTRE, LANDING_SCALE = np.array([0.0, 0.8]), np.array([0.45, 0.3])  # m
 SPEED_CENTRE, SPEED_SCALE = 5.5, 1.5  # m/s
 TOPSPIN_SCALE = 100.0  # rad/s
@@ -22,9 +22,9 @@ class Goals:
 
     Attributes:
         landing: (B, 2) where the return first touches the table, x and y (m).
-        speed: (B,) of the ball just after the racket (m/s); None where it is not asked for.
-        topspin: (B,) of the ball just after the racket (rad/s), about the axis across its way,
-            negative is backspin; None where it is not asked for.
+        speed: (B,) of the ball just after the racket (m/s); None where there is no such goal.
+        topspin: (B,) of the ball just after the racket (rad/s), about the horizontal axis across
+            its flight, negative is backspin; None where there is no such goal.
     """
 
     landing: Floats
@@ -32,7 +32,7 @@ class Goals:
     topspin: Floats | None = None
 
     def scaled(self) -> Floats:
-        """Return (B, G) numbers of about [-1, 1]: landing x and y, speed and topspin if asked."""
+        """Return (B, G) values of about [-1, 1]: landing x and y, and speed and topspin if set."""
         parts = [(self.landing - LANDING_CENTRE) / LANDING_SCALE]
         if self.speed is not None:
             parts.append(((self.speed - SPEED_CENTRE) / SPEED_SCALE)[:, None])
@@ -41,9 +41,9 @@ class Goals:
         return np.hstack(parts)
 
     def distance(self, landing: Floats) -> Floats:
-        """Return how far (m) the (B, 2) places of landing are from those asked for."""
-        apart: Floats = np.linalg.norm(landing - self.landing, axis=1)
-        return apart
+        """Return the distances (B,) m of (B, 2) landing places from the goals."""
+        distance: Floats = np.linalg.norm(landing - self.landing, axis=1)
+        return distance
 
     def __len__(self) -> int:
         return len(self.landing)
@@ -58,7 +58,7 @@ class Goals:
 
 
 def draw_goals(settings: GoalSettings, count: int, random: np.random.Generator) -> Goals:
-    """Draw goals evenly, each quantity independently of the others."""
+    """Draw goals uniformly, each quantity independently."""
 
     def drawn(limits: tuple[float, float] | None) -> Floats | None:
         return None if limits is None else random.uniform(*limits, size=count)

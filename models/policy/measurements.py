@@ -1,25 +1,22 @@
-"""Measurements: the ball at 200 Hz as cameras see it."""
+"""Simulated camera measurements of the ball at 200 Hz."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.ball.state import POSITION, SPIN
+from models.ball.types import Bools, Floats
 from models.policy.incoming_balls import PATH_STEP
 from models.policy.settings import SensorNoise
 from models.predictors.protocol import TICK
 from models.predictors.windows import ROUNDING
-
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
 
 _PATH_STEPS = round(TICK / PATH_STEP)  # between two measurements
 
 
 @dataclass(frozen=True)
 class Measurements:
-    """What was measured of B balls, 5 ms apart.
+    """Measurements of B balls, 5 ms apart.
 
     Attributes:
         states: (B, M, 6) positions (m) and spins (rad/s), the first at the launch; zero where not
@@ -28,7 +25,7 @@ class Measurements:
     """
 
     states: Floats
-    mask: Booleans
+    mask: Bools
 
 
 def measure(
@@ -37,16 +34,16 @@ def measure(
     """Measure balls.
 
     Args:
-        path: (B, N, 9) true states as in ``Incoming``.
-        until: (B,) s from the launch, after which a ball is not seen any more.
+        path: (B, N, 9) true states as in ``IncomingBalls``.
+        until: (B,) s from the launch, after which a ball is not measured.
         noise: of every measurement.
-        random: where the noise comes from.
+        random: of the noise.
     """
     true = path[:, ::_PATH_STEPS]
     shape = (*true.shape[:2], 3)
     size = np.linalg.norm(true[..., SPIN], axis=2, keepdims=True)
     positions = true[..., POSITION] + noise.position * random.standard_normal(shape)
     spins = true[..., SPIN] + noise.spin * size * random.standard_normal(shape)
-    seen = TICK * np.arange(true.shape[1]) <= until[:, None] + ROUNDING
-    mask = np.repeat(seen[..., None], 6, axis=2)
+    measured = TICK * np.arange(true.shape[1]) <= until[:, None] + ROUNDING
+    mask = np.repeat(measured[..., None], 6, axis=2)
     return Measurements(np.where(mask, np.concatenate([positions, spins], axis=2), 0.0), mask)

@@ -1,97 +1,121 @@
-"""Film: a policy plays one ball, recorded at an even rate for pictures."""
+"""Recorded motions of arm and ball, from the launch until the ball is down."""
 
-from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from models.ball.contact_laws import TABLE
 from models.ball.simulator import Flight, Simulator
-from models.policy.batch_simulation import ACTIONS, Court
+from models.ball.types import Bools, Floats, Integers
+from models.policy.batch_simulation import BatchSimulation
 from models.policy.episodes import Episodes
-from models.policy.goals import Goals
-from models.policy.incoming_balls import FLOOR, LONGEST, PATH_STEP, TICK, Incoming
+from models.policy.incoming_balls import (
+    CONTROL_STEP,
+    FLOOR,
+    MAX_DURATION,
+    PATH_STEP,
+    IncomingBalls,
+)
 from models.policy.outcome import LONGEST_FLIGHT, with_net
-from models.policy.policy import Policy
-from models.policy.settings import ObservationKind
 
-Floats = NDArray[np.float64]
-
-FRAME = 0.020  # s between two frames; the ball moves a tenth of a metre
-AFTERWARDS = 0.200  # s that a film goes on when the ball is down, so that it is seen to bounce
+FRAME = 0.020  # s between two frames; the ball moves about 0.1 m
+AFTERWARDS = 0.200  # s recorded after the ball is down, so that its bounce shows
 
 
 @dataclass(frozen=True)
-class Film:
-    """T frames, ``FRAME`` apart, from the launch until the ball is down.
+class Motion:
+    """T frames, ``FRAME`` apart, from the launch on.
 
     Attributes:
-        joints: (T, 6) of the arm.
-        ball: (T, 3) m.
-        returned: whether the ball landed as it must.
+        joints: (T, 6) of the arm, m and rad.
+        ball: (T, 3) m, of the ball's centre.
     """
 
     joints: Floats
     ball: Floats
-    returned: bool
 
 
-def film(
-    policy: Policy, simulator: Simulator, incoming: Incoming, goals: Goals, kind: ObservationKind
-) -> Film:
-    """Film a policy that plays one ball; a ball that it does not meet goes on as it would.
+@dataclass
+class _Recording:
+    """One ball's poses (2, 6) at control steps; frame times and positions once it has ended."""
 
-    Args:
-        policy: decides.
-        simulator: flies the ball on from the racket.
-        incoming: one ball, with what the policy's predictor says of it.
-        goals: one, of its return.
-        kind: what the policy sees.
+    poses: list[Floats] = field(default_factory=list)
+    times: Floats | None = None
+    ball: Floats | None = None
+
+
+class MotionRecorder:
+    """Records the first balls of a trial.
+
+    An environment keeps stepping after its episode until the recording is complete.
     """
-    with closing(Court(simulator, 1, kind)) as court:
-        court.reset(np.ones(1, dtype=np.bool_), incoming, goals)
-        poses = [_pose(court)]
-        while not court.over[0]:
-            ended = court.step(policy.act(court.observe())).ended
-            poses.append(_pose(court))
-        times, ball = _ball(simulator, incoming, ended)
-        while incoming.start + TICK * (len(poses) - 1) < times[-1]:
-            court.step(np.zeros((1, ACTIONS)))
-            poses.append(_pose(court))
-    return Film(_joints(poses, times - incoming.start), ball, bool(ended.returned[0]))
 
+    def __init__(self, simulator: Simulator, incoming: IncomingBalls, count: int) -> None:
+        """Prepare to record the first ``count`` of the balls."""
+        self._simulator, self._incoming, self._count = with_net(simulator), incoming, count
+        self._active: dict[int, _Recording] = {}
+        self._motions: dict[int, Motion] = {}
 
-def _pose(court: Court) -> Floats:
-    """Return (2, 6): joints and their speeds now."""
-    return np.concatenate([court.arms.joints, court.arms.joint_speeds])
+    def start(self, simulation: BatchSimulation, balls: Integers, which: Bools) -> None:
+        """Start recording in the environments of ``which`` (B,), which have new ``balls`` (B,)."""
+        for ball in balls[which & (balls < self._count)].tolist():
+            self._active[ball] = _Recording()
+        self._add_poses(simulation, balls, which)
+
+    def add(self, simulation: BatchSimulation, balls: Integers, ended: Episodes) -> None:
+        """Add what one control step brought, to the environments' ``balls`` (B,)."""
+        for row, ball in enumerate(balls[ended.envs].tolist()):
+            if ball in self._active:
+                recording = self._active[ball]
+                time, after = ended.time[row], ended.after_racket[row : row + 1]
+                recording.times, recording.ball = self._ball(ball, time, after)
+        self._add_poses(simulation, balls, np.ones(len(balls), dtype=np.bool_))
+
+    def active(self, balls: Integers) -> Bools:
+        """Return which (B,) environments have not finished recording their ``balls`` (B,)."""
+        return np.isin(balls, list(self._active))
+
+    def motions(self) -> tuple[Motion, ...]:
+        """Return the recorded motions, in the order of the balls."""
+        return tuple(self._motions[ball] for ball in sorted(self._motions))
+
+    def _add_poses(self, simulation: BatchSimulation, balls: Integers, which: Bools) -> None:
+        start, arms = self._incoming.start, simulation.arms
+        for env in np.flatnonzero(which & self.active(balls)):
+            recording = self._active[balls[env]]
+            recording.poses.append(np.stack([arms.joints[env], arms.joint_speeds[env]]))
+            if recording.times is None or recording.ball is None:
+                continue
+            if start + CONTROL_STEP * (len(recording.poses) - 1) >= recording.times[-1]:
+                joints = _joints(recording.poses, recording.times - start)
+                self._motions[balls[env]] = Motion(joints, recording.ball)
+                del self._active[balls[env]]
+
+    def _ball(self, ball: int, hit: float, after: Floats) -> tuple[Floats, Floats]:
+        """Return (T,) s and (T, 3) m of a ball: up to its hit, and on from (1, 9) after it."""
+        incoming = self._incoming
+        if np.isnan(hit):
+            times = _frames(np.nan_to_num(incoming.playable[ball, 1], nan=MAX_DURATION))
+            return times, incoming.path[ball, _steps(times), :3]
+        down = _time_down(self._simulator.fly(after, _frames(LONGEST_FLIGHT)))
+        times = _frames(hit + down + AFTERWARDS)
+        away = self._simulator.fly(after, times[times >= hit] - hit).states[0, :, :3]
+        return times, np.concatenate([incoming.path[ball, _steps(times[times < hit]), :3], away])
 
 
 def _joints(poses: list[Floats], times: Floats) -> Floats:
-    """Return (T, 6) joints at times (s) since the first tick, before which the arm was at rest.
+    """Return (T, 6) joints at times (s) since the first control step, at rest before it.
 
-    Between ticks they follow the cubic that has their values and speeds at both ends.
+    Between control steps they follow the cubic with the values and speeds at both ends.
     """
     values, speeds = np.stack(poses, axis=1)
-    between = CubicHermiteSpline(TICK * np.arange(len(poses)), values, speeds)
-    joints: Floats = between(np.maximum(times, 0.0))
+    spline = CubicHermiteSpline(CONTROL_STEP * np.arange(len(poses)), values, speeds)
+    joints: Floats = spline(np.maximum(times, 0.0))
     return joints
 
 
-def _ball(simulator: Simulator, incoming: Incoming, ended: Episodes) -> tuple[Floats, Floats]:
-    """Return (T,) s from the launch and (T, 3) m, of a ball up to its hit and on from there."""
-    hit = ended.time[0]
-    if np.isnan(hit):
-        times = _frames(np.nan_to_num(incoming.playable[0, 1], nan=LONGEST))
-        return times, _on_its_way(incoming, times)
-    physics = with_net(simulator)
-    times = _frames(hit + _down(physics.fly(ended.after, _frames(LONGEST_FLIGHT))) + AFTERWARDS)
-    away = physics.fly(ended.after, times[times >= hit] - hit).states[0, :, :3]
-    return times, np.concatenate([_on_its_way(incoming, times[times < hit]), away])
-
-
-def _down(flight: Flight) -> float:
+def _time_down(flight: Flight) -> float:
     """Return when one ball, flown to ``_frames``, first touches the table or the floor, s."""
     on_floor = FRAME * np.flatnonzero(flight.states[0, :, 2] < FLOOR)
     on_table = flight.contacts.time[flight.contacts.surface == TABLE]
@@ -102,5 +126,5 @@ def _frames(end: float) -> Floats:
     return FRAME * np.arange(round(end / FRAME) + 1, dtype=np.float64)
 
 
-def _on_its_way(incoming: Incoming, times: Floats) -> Floats:
-    return incoming.path[0, np.rint(times / PATH_STEP).astype(np.int64), :3]
+def _steps(times: Floats) -> Integers:
+    return np.rint(times / PATH_STEP).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Outcome: what becomes of a ball that the robot struck."""
+"""Outcomes of strokes: where the ball flies after the racket, and whether it is a return."""
 
 from dataclasses import dataclass
 
@@ -10,34 +10,35 @@ from models.arena.contacts import Touches
 from models.arena.umpire import called
 from models.ball.simulator import Flight, Simulator
 from models.ball.state import BALL_RADIUS, VELOCITY
+from models.ball.types import Bools, Floats
 from models.policy.goals import Goals
 
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
-
-# A simulator without a net forecasts well where there is none; a return has to pass one.
+# For simulators that do not list a net; a return has to pass one.
 NET = {"restitution": 0.2, "friction": 0.5}
-LONGEST_FLIGHT = 2.5  # s; a ball lobbed 7 m high is down again
-LOOKS = np.arange(0.0, LONGEST_FLIGHT, 0.01)  # s; the path's arc leaves its chords by 0.1 mm
+LONGEST_FLIGHT = 2.5  # s; a ball lobbed 7 m high is down by then
+SAMPLE_TIMES = np.arange(0.0, LONGEST_FLIGHT, 0.01)  # s; chords deviate from the arc by 0.1 mm
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of B balls that were struck.
+    """Outcomes of B strokes.
 
     Attributes:
-        returned: (B,) whether the ball first touched the far half, be it over the net cord.
-        fault: (B,) ``net`` or ``out`` of balls that were not returned, else empty.
-        landing: (B, 2) m where it landed; of a ball that was not returned, where it would have
-            come down with no net in its way and a table without end.
+        returned: (B,) whether the ball first touched the far half, perhaps after the net cord.
+        fault: (B,) ``net`` or ``out``; empty for a return.
+        before_landing: (B, 9) state just before a return lands; NaN for other balls.
+        landing: (B, 2) m where it landed; for a ball that is no return, where it would come down
+            without a net and on an infinite table.
         distance: (B,) m from there to the goal.
-        net_height: (B,) m at which the ball's centre passes over the net's line, or would.
+        net_height: (B,) m of the ball's centre above the table as it passes the net's plane, or
+            would pass it.
         speed: (B,) m/s just after the racket.
         topspin: (B,) rad/s just after the racket; negative is backspin.
     """
 
-    returned: Booleans
+    returned: Bools
     fault: NDArray[np.str_]
+    before_landing: Floats
     landing: Floats
     distance: Floats
     net_height: Floats
@@ -46,24 +47,25 @@ class Outcome:
 
 
 def judge(simulator: Simulator, after: Floats, goals: Goals) -> Outcome:
-    """Fly balls on from the racket and judge them.
+    """Fly balls on from the racket and apply the rules.
 
     Args:
-        simulator: moves the balls; a net is set up where it has none.
+        simulator: flies the balls; a net is added where it has none.
         after: (B, 9) states just after the racket.
-        goals: (B,) that were to be reached.
+        goals: (B,) of the returns.
     """
     flight = with_net(simulator).fly(after, [LONGEST_FLIGHT])
     call = called(_touches(flight), np.ones(len(after)), serve=False)
-    passing, falling = _unhindered(simulator, after)
-    touched = flight.contacts.before[np.arange(len(after)), call.landing, :2]
-    landing = np.where(call.good[:, None], touched, falling[:, :2])
+    over_net, down = _without_net(simulator, after)
+    touched = flight.contacts.before[np.arange(len(after)), call.landing]
+    landing = np.where(call.good[:, None], touched[:, :2], down[:, :2])
     return Outcome(
         returned=call.good,
         fault=np.where(call.good, "", call.fault),
+        before_landing=np.where(call.good[:, None], touched, np.nan),
         landing=landing,
         distance=goals.distance(landing),
-        net_height=passing[:, 2],
+        net_height=over_net[:, 2],
         speed=np.linalg.norm(after[:, VELOCITY], axis=1),
         topspin=topspin(after),
     )
@@ -75,11 +77,11 @@ def with_net(simulator: Simulator) -> Simulator:
 
 
 def topspin(states: Floats) -> Floats:
-    """Return how fast (B, 9) balls turn their upper side ahead, rad/s; negative is backspin."""
+    """Return the topspin of (B, 9) balls, rad/s; negative is backspin."""
     _, _, _, vx, vy, _, wx, wy, _ = states.T
     along = np.maximum(np.hypot(vx, vy), 1e-9)
-    turning: Floats = (wy * vx - wx * vy) / along
-    return turning
+    rate: Floats = (wy * vx - wx * vy) / along
+    return rate
 
 
 def _touches(flight: Flight) -> Touches:
@@ -88,21 +90,24 @@ def _touches(flight: Flight) -> Touches:
     return Touches(times, met.surface, met.after, np.full(len(times), LONGEST_FLIGHT))
 
 
-def _unhindered(simulator: Simulator, after: Floats) -> tuple[Floats, Floats]:
-    """Return where balls pass over the net's line and where they come down, (B, 3) each."""
-    paths = in_air(simulator).fly(after, LOOKS).states
+def _without_net(simulator: Simulator, after: Floats) -> tuple[Floats, Floats]:
+    """Return where balls pass the net's plane and where they come down, (B, 3) each."""
+    paths = in_air(simulator).fly(after, SAMPLE_TIMES).states
     above = paths[..., 2] - BALL_RADIUS
     rising = paths[..., 5] >= 0
-    return _reached(paths, -paths[..., 1]), _reached(paths, np.where(rising, 1.0, above))
+    return (
+        _zero_crossing(paths, -paths[..., 1]),
+        _zero_crossing(paths, np.where(rising, 1.0, above)),
+    )
 
 
-def _reached(paths: Floats, left: Floats) -> Floats:
-    """Return the (B, 3) positions at which ``left`` (B, T) falls to zero, or the last ones."""
-    passed = left <= 0
-    last = left.shape[1] - 1
+def _zero_crossing(paths: Floats, values: Floats) -> Floats:
+    """Return the (B, 3) positions at which ``values`` (B, T) fall to zero, or the last ones."""
+    passed = values <= 0
+    last = values.shape[1] - 1
     k = np.where(passed.any(axis=1), np.maximum(passed.argmax(axis=1), 1), last)
     rows = np.arange(len(paths))
-    before, after = left[rows, k - 1], left[rows, k]
+    before, after = values[rows, k - 1], values[rows, k]
     share = np.divide(before, before - after, out=np.zeros(len(paths)), where=before > after)
     start, end = paths[rows, k - 1, :3], paths[rows, k, :3]
     reached: Floats = start + np.clip(share, 0, 1)[:, None] * (end - start)

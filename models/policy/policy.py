@@ -1,4 +1,4 @@
-"""Policy: a trained actor, which plays without the library that trained it."""
+"""A trained policy network, evaluated with numpy alone."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,17 +13,17 @@ Singles = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Policy:
-    """The mean of an actor's actions: layers of weights with rectifiers between them.
+    """The mean action of an actor: a fully connected network with ReLU, and tanh at the end.
 
     Attributes:
-        layers: (out, in) weights and (out,) biases, from the observation to the action.
+        layers: (out, in) weights and (out,) biases of each layer.
     """
 
     layers: tuple[tuple[Singles, Singles], ...]
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, Singles]) -> "Policy":
-        """Build a policy from what ``to_arrays`` returned.
+        """Build a policy from the arrays of ``to_arrays``.
 
         Raises:
             ValueError: the arrays are not those of a policy.
@@ -49,16 +49,16 @@ class Policy:
         """Return (B, 5) actions in [-1, 1] for (B, O) observations."""
         rows = observations
         for layer in self.layers[:-1]:
-            rows = np.maximum(_mapped(rows, *layer), 0.0)
-        actions: Singles = np.tanh(_mapped(rows, *self.layers[-1]))
+            rows = np.maximum(_affine(rows, *layer), 0.0)
+        actions: Singles = np.tanh(_affine(rows, *self.layers[-1]))
         return actions
 
 
-def _mapped(rows: Singles, weight: Singles, bias: Singles) -> Singles:
-    """Return (B, out) images of (B, in) rows.
+def _affine(rows: Singles, weight: Singles, bias: Singles) -> Singles:
+    """Return the (B, out) outputs of a layer for (B, in) rows.
 
-    ``@`` would add up in an order that depends on the number of cores, which decides the last bit,
-    and its threads would wait for one another, beside other work a hundred times longer.
+    Not ``@``: its order of summation, and so the last bit, depends on the number of cores; and its
+    threads contend with other processes, up to a hundred times slower.
     """
-    images: Singles = np.einsum("bi,oi->bo", rows, weight) + bias
-    return images
+    outputs: Singles = np.einsum("bi,oi->bo", rows, weight) + bias
+    return outputs

@@ -1,107 +1,102 @@
-"""Encounter: where, within a control tick, balls and rackets come together."""
+"""Racket contacts: when and where, within a control step, balls meet rackets."""
 
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.ball.state import BALL_RADIUS
+from models.ball.types import Bools, Floats, Integers
 from models.robot.constants import RACKET_RADIUS
-from models.robot.contact import meeting
+from models.robot.contact import first_contact
 from models.robot.kinematics import Racket, racket
 
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
-Integers = NDArray[np.int64]
-
-# Ball and racket further apart than this at both ends of a millisecond do not meet within: they
-# would have to close in at 100 m/s.
+# Ball and racket farther apart than this at both ends of a millisecond do not meet within it: their
+# closing speed would have to exceed 100 m/s.
 NEAR = RACKET_RADIUS + BALL_RADIUS + 0.05  # m
 
 
 @dataclass(frozen=True)
-class Encounters:
-    """The C balls that met a racket.
+class RacketContacts:
+    """The contacts of C balls with their rackets.
 
     Attributes:
-        arms: (C,) which, growing.
-        moments: (C,) path steps since the start of the tick.
-        states: (C, 9) of the balls just before.
-        normals: (C, 3) of the side that met the ball, pointing to it.
-        velocities: (C, 3) of the racket where it met the ball, m/s.
-        backhand: (C,) whether that was the racket's back.
+        envs: (C,) indices of their environments, ascending.
+        moments: (C,) path steps since the start of the control step.
+        states: (C, 9) of the balls just before the contact.
+        normals: (C, 3) of the side that meets the ball, pointing to it.
+        velocities: (C, 3) m/s, of the racket at the contact point.
+        backhand: (C,) whether the racket's back meets the ball.
     """
 
-    arms: Integers
+    envs: Integers
     moments: Floats
     states: Floats
     normals: Floats
     velocities: Floats
-    backhand: Booleans
+    backhand: Bools
 
-    def __getitem__(self, rows: Booleans) -> "Encounters":
-        """Return some of the encounters."""
-        return Encounters(*(getattr(self, field.name)[rows] for field in fields(self)))
+    def __getitem__(self, rows: Bools) -> "RacketContacts":
+        """Return some of the contacts."""
+        return RacketContacts(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
-def swing(joints: Floats, speeds: Floats, pieces: int) -> Floats:
-    """Return rackets on their way: (S * pieces + 1, B, 12) position, normal, velocity, turning.
+def racket_path(joints: Floats, speeds: Floats, substeps: int) -> Floats:
+    """Return rackets (S * substeps + 1, B, 12): position, normal, velocity, angular velocity.
 
     Args:
-        joints: (S + 1, B, 6) at the ends of S steps of the arms.
+        joints: (S + 1, B, 6) at the ends of S Bullet steps.
         speeds: (S + 1, B, 6) of the joints.
-        pieces: into which a step is divided; the rackets move evenly in between.
+        substeps: per Bullet step, between which rackets are interpolated linearly.
     """
     ends, count = joints.shape[:2]
-    seen = racket(joints.reshape(ends * count, -1), speeds.reshape(ends * count, -1))
-    parts = [seen.position, seen.normal, seen.velocity, seen.turning]
+    rackets = racket(joints.reshape(ends * count, -1), speeds.reshape(ends * count, -1))
+    parts = [rackets.position, rackets.normal, rackets.velocity, rackets.turning]
     poses = np.concatenate(parts, axis=1).reshape(ends, count, 12)
-    shares = np.arange(pieces)[:, None, None] / pieces
+    shares = np.arange(substeps)[:, None, None] / substeps
     between = poses[:-1, None] + shares * np.diff(poses, axis=0)[:, None]
     return np.concatenate([between.reshape(-1, count, 12), poses[-1:]])
 
 
 def distances(balls: Floats, rackets: Floats) -> Floats:
-    """Return (S + 1, B) m between the centres of balls (S + 1, B, 9) and rackets."""
-    apart = balls[..., :3] - rackets[..., :3]
-    between: Floats = np.sqrt(np.einsum("sbi,sbi->sb", apart, apart))
-    return between
+    """Return (S + 1, B) m, distances between the centres of balls (S + 1, B, 9) and rackets."""
+    offset = balls[..., :3] - rackets[..., :3]
+    distance: Floats = np.sqrt(np.einsum("sbi,sbi->sb", offset, offset))
+    return distance
 
 
-def encounters(balls: Floats, rackets: Floats, apart: Floats, live: Booleans) -> Encounters:
-    """Return the first meetings of balls and rackets.
+def find_contacts(balls: Floats, rackets: Floats, distance: Floats, live: Bools) -> RacketContacts:
+    """Return the first contact of each ball with its racket.
 
     Args:
         balls: (S + 1, B, 9) states at the ends of S path steps.
-        rackets: (S + 1, B, 12) at the same moments, as ``swing`` returns them.
-        apart: (S + 1, B) m between their centres.
-        live: (S, B) steps in which a ball can be met.
+        rackets: (S + 1, B, 12) at the same times, as ``racket_path`` returns them.
+        distance: (S + 1, B) m between their centres.
+        live: (S, B) steps in which contacts count.
     """
-    near = live & (np.minimum(apart[:-1], apart[1:]) < NEAR)
-    arms, steps = np.nonzero(near.T)
-    if not len(arms):
-        return _met(
-            np.zeros(0, dtype=np.int64), np.zeros(0), balls, rackets, np.zeros(0, dtype=np.int64)
-        )
-    before, after = (steps, arms), (steps + 1, arms)
-    found = meeting(
+    near = live & (np.minimum(distance[:-1], distance[1:]) < NEAR)
+    envs, steps = np.nonzero(near.T)
+    if not len(envs):
+        none = np.zeros(0, dtype=np.int64)
+        return _contacts(none, np.zeros(0), balls, rackets, none)
+    before, after = (steps, envs), (steps + 1, envs)
+    contact = first_contact(
         balls[before][:, :3], balls[after][:, :3], _racket(rackets[before]), _racket(rackets[after])
     )
-    met = np.flatnonzero(found.met)
-    arms, first = np.unique(arms[met], return_index=True)
-    chosen = met[first]
-    return _met(arms, steps[chosen] + found.share[chosen], balls, rackets, found.side[chosen])
+    met = np.flatnonzero(contact.met)
+    envs, first = np.unique(envs[met], return_index=True)
+    row = met[first]
+    return _contacts(envs, steps[row] + contact.share[row], balls, rackets, contact.side[row])
 
 
-def _met(
-    arms: Integers, moments: Floats, balls: Floats, rackets: Floats, sides: Integers
-) -> Encounters:
-    states, poses = _at(balls, arms, moments), _at(rackets, arms, moments)
+def _contacts(
+    envs: Integers, moments: Floats, balls: Floats, rackets: Floats, sides: Integers
+) -> RacketContacts:
+    states, poses = _at(balls, envs, moments), _at(rackets, envs, moments)
     position, normal, velocity, turning = poses.reshape(-1, 4, 3).swapaxes(0, 1)
     offset = states[:, :3] - position
     on_disc = offset - np.einsum("ci,ci->c", offset, normal)[:, None] * normal
-    return Encounters(
-        arms,
+    return RacketContacts(
+        envs,
         moments,
         states,
         normal * sides[:, None],
@@ -110,11 +105,11 @@ def _met(
     )
 
 
-def _at(rows: Floats, arms: Integers, moments: Floats) -> Floats:
-    """Return (C, ...) values of some arms between the rows (S + 1, B, ...) of their moments."""
+def _at(rows: Floats, envs: Integers, moments: Floats) -> Floats:
+    """Return (C, ...) values interpolated between the rows (S + 1, B, ...) of the moments."""
     step = np.minimum(moments.astype(np.int64), len(rows) - 2)
     share = (moments - step)[:, None]
-    between: Floats = rows[step, arms] + share * (rows[step + 1, arms] - rows[step, arms])
+    between: Floats = rows[step, envs] + share * (rows[step + 1, envs] - rows[step, envs])
     return between
 
 

@@ -1,24 +1,23 @@
-"""Streams: what is random in a training, each use with numbers of its own that follow from a seed.
+"""Independent random streams of a training, all derived from its seed.
 
-So nothing that a policy is judged on has been seen in training, nor do balls that one is watched on
-tell anything of those that it is judged by.
+Training, validation and test balls come from different streams, so none is seen in another's use.
 """
 
 import numpy as np
 
-_LEG, _WATCHED, _UNSEEN = 0, 1, 2
+_ITERATION, _VALIDATION, _EVALUATION = 0, 1, 2
 
 
-def leg_seed(seed: int, leg: int) -> int:
-    """Return the seed of a leg: of its first weights, balls, batches and actions."""
-    return int(np.random.SeedSequence([seed, _LEG, leg]).generate_state(1)[0])
+def iteration_seed(seed: int, iteration: int) -> int:
+    """Return the seed of an iteration: of initial weights, balls, batches and actions."""
+    return int(np.random.SeedSequence([seed, _ITERATION, iteration]).generate_state(1)[0])
 
 
-def watched_balls(seed: int) -> np.random.Generator:
-    """Return the source of the balls on which a training is watched."""
-    return np.random.default_rng([seed, _WATCHED])
+def validation_stream(seed: int) -> np.random.Generator:
+    """Return the source of the balls that draw the learning curve."""
+    return np.random.default_rng([seed, _VALIDATION])
 
 
-def unseen_balls(seed: int) -> np.random.Generator:
-    """Return the source of the balls on which a trained policy is judged."""
-    return np.random.default_rng([seed, _UNSEEN])
+def evaluation_stream(seed: int) -> np.random.Generator:
+    """Return the source of the balls on which a trained policy is tested."""
+    return np.random.default_rng([seed, _EVALUATION])

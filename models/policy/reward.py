@@ -1,55 +1,52 @@
-"""Reward: what the policy is taught.
+"""The reward.
 
-A ball that is struck is worth more the nearer it comes to the goal, returned or not, so that
-learning has a slope to climb from the first touch on.
+A hit is rewarded more the nearer the ball comes to the goal, returned or not, so that the reward
+has a gradient from the first contact on.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.ball.state import BALL_RADIUS, NET_HEIGHT
+from models.ball.types import Bools, Floats
 from models.policy.goals import Goals
 from models.policy.outcome import Outcome
 
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
-
-CONTACT = 0.5  # for touching the ball at all
-LANDING, LANDING_SCALE = 3.0, 0.6  # m: the slope that a landing on the table feels
-FAR, FAR_SCALE = 0.3, 1.0  # m: the slope that is left for balls metres away
-NET, NET_DEPTH = 0.5, 0.3  # m below the clearance at which the whole penalty is due
-NET_CLEARANCE = NET_HEIGHT + BALL_RADIUS + 0.03  # m: 3 cm of air between ball and net
+CONTACT = 0.5  # for any hit
+LANDING, LANDING_SCALE = 3.0, 0.6  # m: gradient for landings near the goal
+FAR, FAR_SCALE = 0.3, 1.0  # m: gradient for balls metres away
+NET, NET_DEPTH = 0.5, 0.3  # m below the clearance at which the penalty is full
+NET_CLEARANCE = NET_HEIGHT + BALL_RADIUS + 0.03  # m: 3 cm between ball and net
 RETURN = 1.0
-BACKHAND = 0.5  # penalty: one face for all balls is found sooner than two
+BACKHAND = 0.5  # penalty: a policy with one face learns faster
 
-# Goals that not every policy is given. Worth far more than a landing and falling off soon, or they
-# are hardly followed: to strike faster, an arm must give up certainty of where the ball lands.
+# Optional goals. Large and narrow, or they are hardly followed: a faster stroke costs accuracy of
+# the landing.
 SPEED, SPEED_SCALE = 12.0, 0.8  # m/s
 TOPSPIN, TOPSPIN_SCALE = 8.0, 60.0  # rad/s
 
-NEAREST_SLOPE = 2.0  # 1/m: a ball missed by half a metre or more is missed altogether
-FAULT = 1.0  # penalty: as bad as the worst miss, or the policy would seek it
-EFFORT = 0.002  # a tick, times the squared action: five full actions cost 0.01
+NEAREST_SLOPE = 2.0  # 1/m: saturates at half a metre
+FAULT = 1.0  # penalty: as large as the worst miss, or the policy would prefer a fault
+EFFORT = 0.002  # per control step, times the squared action: a full action costs 0.01
 
 
-def contact_reward(outcome: Outcome, backhand: Booleans) -> Floats:
-    """Return what (B,) strokes are worth whatever their goals, ``backhand`` (B,) if by the back."""
+def contact_reward(outcome: Outcome, backhand: Bools) -> Floats:
+    """Return the (B,) parts of the rewards of hits that do not depend on the goals."""
     low = NET * np.clip((NET_CLEARANCE - outcome.net_height) / NET_DEPTH, 0.0, 1.0)
-    worth: Floats = CONTACT - low - BACKHAND * backhand + RETURN * outcome.returned
-    return worth
+    reward: Floats = CONTACT - low - BACKHAND * backhand + RETURN * outcome.returned
+    return reward
 
 
 def goal_reward(
-    landing: Floats, speed: Floats, topspin: Floats, returned: Booleans, goals: Goals
+    landing: Floats, speed: Floats, topspin: Floats, returned: Bools, goals: Goals
 ) -> Floats:
-    """Return what (B,) strokes are worth besides, under any goals.
+    """Return the (B,) parts of the rewards of hits that depend on the goals.
 
     Args:
         landing: (B, 2) m, where the balls landed.
         speed: (B,) m/s just after the racket.
         topspin: (B,) rad/s just after the racket.
-        returned: (B,) whether they landed as they must.
-        goals: (B,) that were to be reached.
+        returned: (B,) whether they are returns.
+        goals: (B,).
     """
     distance = goals.distance(landing)
     near = LANDING * np.exp(-distance / LANDING_SCALE) + FAR / (1.0 + distance / FAR_SCALE)
@@ -58,17 +55,17 @@ def goal_reward(
         style += SPEED * np.exp(-np.abs(speed - goals.speed) / SPEED_SCALE)
     if goals.topspin is not None:
         style += TOPSPIN * np.exp(-np.abs(topspin - goals.topspin) / TOPSPIN_SCALE)
-    worth: Floats = near + np.where(returned, style, 0.0)
-    return worth
+    reward: Floats = near + np.where(returned, style, 0.0)
+    return reward
 
 
 def miss_reward(nearest: Floats) -> Floats:
-    """Return the (B,) rewards of balls missed by ``nearest`` metres."""
-    missed: Floats = -np.minimum(NEAREST_SLOPE * nearest, 1.0)
-    return missed
+    """Return the (B,) rewards of misses by ``nearest`` (B,) m."""
+    reward: Floats = -np.minimum(NEAREST_SLOPE * nearest, 1.0)
+    return reward
 
 
 def effort_reward(actions: Floats) -> Floats:
-    """Return the (B,) rewards of (B, 5) actions: calm arms are preferred."""
-    effort: Floats = -EFFORT * (actions**2).sum(axis=1)
-    return effort
+    """Return the (B,) effort penalties of (B, 5) actions."""
+    reward: Floats = -EFFORT * (actions**2).sum(axis=1)
+    return reward

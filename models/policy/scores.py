@@ -1,4 +1,4 @@
-"""Scores: how well a policy plays, told from how its balls ended."""
+"""Scores of a policy, computed from the outcomes of its trials."""
 
 import numpy as np
 import pandas as pd
@@ -11,13 +11,13 @@ def scores(played: pd.DataFrame) -> dict[str, float]:
     """Return the scores of a policy.
 
     Args:
-        played: how balls ended, as ``play`` tells it.
+        played: the ``table`` of a ``TrialResult``.
 
     Returns:
-        ``hit_rate`` and ``return_rate``, shares of the balls; and of the balls that were returned
-        ``landing_error_m``, the mean distance from goal to landing, and, where goals ask for them,
-        ``speed_slope`` and ``topspin_slope``, by how much what is achieved grows with what is
-        asked for: 1 would be perfect, 0 blind. NaN where that cannot be told.
+        ``hit_rate`` and ``return_rate`` of all balls; of the returns ``landing_error_m``, the mean
+        distance from the goal, and where there are such goals ``speed_slope`` and
+        ``topspin_slope``, the slopes of the achieved value over the goal: 1 is perfect, 0 no
+        response. NaN where undefined.
     """
     returns = played[played["returned"]]
     slopes = {
@@ -33,12 +33,12 @@ def scores(played: pd.DataFrame) -> dict[str, float]:
     }
 
 
-def fitted_line(asked: ArrayLike, achieved: ArrayLike) -> tuple[float, float]:
+def fitted_line(goals: ArrayLike, achieved: ArrayLike) -> tuple[float, float]:
     """Return slope and intercept of the least-squares line through (N,) points.
 
-    NaN where fewer than two different things were asked for.
+    NaN for fewer than two different goals.
     """
-    x, y = np.asarray(asked, dtype=np.float64), np.asarray(achieved, dtype=np.float64)
+    x, y = np.asarray(goals, dtype=np.float64), np.asarray(achieved, dtype=np.float64)
     if len(x) == 0 or np.ptp(x) == 0:
         return np.nan, np.nan
     slope, intercept = np.polyfit(x, y, 1)

@@ -1,4 +1,4 @@
-"""The settings of what a policy sees and is asked for."""
+"""Settings of observations, goals, learning and sensor noise."""
 
 from typing import Annotated, Literal
 
@@ -8,13 +8,13 @@ from models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
 from models.predictors.protocol import FUTURE, TICK
 
 ObservationKind = Literal["intercept", "strict"]
-"""``strict``: robot, forecasts and goal, as in the paper. ``intercept``: also where and when the
-forecast ball, flying on without drag, crosses the racket's plane."""
+"""``strict``: robot, forecasts and goal, as in the paper. ``intercept``: also when and where the
+forecast ball crosses the racket's plane, extrapolated without drag."""
 
 
-def _growing(horizons: tuple[int, int, int]) -> tuple[int, int, int]:
+def _increasing(horizons: tuple[int, int, int]) -> tuple[int, int, int]:
     if not horizons[0] < horizons[1] < horizons[2]:
-        raise ValueError(f"horizons must grow, which {horizons} do not")
+        raise ValueError(f"horizons must increase; {horizons} do not")
     return horizons
 
 
@@ -26,8 +26,8 @@ def _ordered(limits: tuple[float, float]) -> tuple[float, float]:
 
 _PREDICTED = round(1000 * TICK)
 _Horizon = Annotated[int, Field(gt=0, le=_PREDICTED * FUTURE, multiple_of=_PREDICTED)]
-HorizonsMs = Annotated[tuple[_Horizon, _Horizon, _Horizon], AfterValidator(_growing)]
-"""How far ahead (ms) the policy sees the ball: on the grid of the predictors, no further."""
+HorizonsMs = Annotated[tuple[_Horizon, _Horizon, _Horizon], AfterValidator(_increasing)]
+"""Forecast horizons (ms), on the grid of the predictors and within their range."""
 
 _Range = AfterValidator(_ordered)
 _Across = Annotated[float, Field(ge=-TABLE_HALF_WIDTH, le=TABLE_HALF_WIDTH)]
@@ -37,7 +37,7 @@ _Topspin = Annotated[float, Field(ge=-1000, le=1000)]
 
 
 class GoalSettings(BaseModel):
-    """What a return is asked to do: each quantity is drawn evenly between its two limits."""
+    """Goals of returns: each quantity is drawn uniformly between its two limits."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -46,60 +46,61 @@ class GoalSettings(BaseModel):
     landing_along: Annotated[tuple[_Along, _Along], _Range]
     """How far behind the net it lands (m)."""
     speed: Annotated[tuple[_Speed, _Speed], _Range] | None
-    """Of the ball just after the racket (m/s); null where no speed is asked for."""
+    """Of the ball just after the racket (m/s); null for no speed goal."""
     topspin: Annotated[tuple[_Topspin, _Topspin], _Range] | None
-    """Of the ball just after the racket (rad/s), negative is backspin; null where none is asked
-    for."""
+    """Of the ball just after the racket (rad/s), negative is backspin; null for no topspin
+    goal."""
 
     @property
     def count(self) -> int:
-        """How many numbers a goal has."""
+        """Size of a goal."""
         return 2 + (self.speed is not None) + (self.topspin is not None)
 
 
 class LearningSettings(BaseModel):
-    """How a policy learns: soft actor-critic (Haarnoja 2018), in legs that it can resume at."""
+    """Soft actor-critic (Haarnoja 2018), in training iterations with a checkpoint after each."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    legs: Annotated[int, Field(ge=1, le=10_000)]
-    """Parts of the training. Each begins with new balls from a checkpoint of the one before."""
-    ticks: Annotated[int, Field(ge=1, le=10_000_000)]
-    """Of a leg: control ticks of all arms together."""
-    arms: Annotated[int, Field(ge=1, le=1024)]
-    """That play at once."""
+    iterations: Annotated[int, Field(ge=1, le=10_000)]
+    """Training iterations. Each starts with new balls from the checkpoint of the one before."""
+    steps_per_iteration: Annotated[int, Field(ge=1, le=10_000_000)]
+    """Control steps, all environments together."""
+    environments: Annotated[int, Field(ge=1, le=1024)]
+    """Parallel environments."""
     gradient_steps: Annotated[int, Field(ge=1, le=1000)]
-    """After every tick of all arms."""
+    """After every control step of all environments."""
     warm_up: Annotated[int, Field(ge=0)]
-    """Ticks of random actions before the first gradient step, all within the first leg."""
+    """Control steps of random actions before the first gradient step."""
     batch: Annotated[int, Field(ge=1, le=65_536)]
-    """Transitions a gradient step."""
+    """Transitions per gradient step."""
     width: Annotated[int, Field(ge=4, le=4096)]
     """Of the two hidden layers of actor and critics."""
     learning_rate: Annotated[float, Field(gt=0, le=1)]
-    """Of the first leg."""
+    """Of the first iteration."""
     final_learning_rate: Annotated[float, Field(gt=0, le=1)]
-    """Of the last leg; in between it falls by the same factor from leg to leg."""
+    """Of the last iteration; in between it decays geometrically."""
     discount: Annotated[float, Field(gt=0, lt=1)]
-    """Of a tick."""
+    """Per control step."""
     target_step: Annotated[float, Field(gt=0, le=1)]
-    """Share of the way to the critics that their targets go in a gradient step."""
+    """Soft update coefficient (tau) of the target critics, per gradient step."""
     entropy: Annotated[float, Field(gt=0, le=10)]
-    """First weight of the entropy, which is then tuned automatically."""
+    """Initial weight of the entropy, which is then tuned automatically."""
 
     @model_validator(mode="after")
-    def _warm_up_in_first_leg(self) -> "LearningSettings":
-        if self.warm_up >= self.ticks:
-            raise ValueError(f"a warm-up of {self.warm_up} ticks does not end within {self.ticks}")
+    def _check_warm_up(self) -> "LearningSettings":
+        if self.warm_up >= self.steps_per_iteration:
+            problem = f"warm_up {self.warm_up} must be below {self.steps_per_iteration}"
+            raise ValueError(f"{problem}, the steps_per_iteration")
         return self
 
 
 class SensorNoise(BaseModel):
-    """What cameras add to the true ball, anew in every measurement: standard deviations."""
+    """Standard deviations of the measurement noise."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     position: Annotated[float, Field(ge=0, le=0.05)]
     """Of a coordinate (m)."""
     spin: Annotated[float, Field(ge=0, le=0.5)]
-    """Of a spin component, as a share of the spin's size."""
+    """Of a spin component, as a share of the spin's magnitude."""

@@ -1,21 +1,21 @@
-"""Task: what a policy is trained for."""
+"""The task that a policy is trained for."""
 
 from dataclasses import dataclass
 
 from models.ball.simulator import Simulator
 from models.policy.settings import GoalSettings, HorizonsMs, ObservationKind
-from models.policy.training_balls import Practice
+from models.policy.training_balls import TrainingBalls
 
 
 @dataclass(frozen=True)
 class Task:
-    """Balls of a simulator, what the policy is told of them, and what it is asked to do.
+    """Simulator, forecast horizons, goals and observation of a policy.
 
     Attributes:
-        simulator: flies the balls, to the robot and back, and forecasts them.
+        simulator: flies the balls to the robot and back, and forecasts them.
         horizons: of the forecasts, ms.
-        goals: what returns are asked to do.
-        observation: what the policy sees.
+        goals: their distribution.
+        observation: what the policy observes.
     """
 
     simulator: Simulator
@@ -24,6 +24,6 @@ class Task:
     observation: ObservationKind
 
     @property
-    def practice(self) -> Practice:
-        """The balls to train and to test on."""
-        return Practice(self.simulator, self.goals, self.horizons)
+    def training_balls(self) -> TrainingBalls:
+        """Source of balls for training and testing."""
+        return TrainingBalls(self.simulator, self.goals, self.horizons)

@@ -1,77 +1,108 @@
-"""Trial: a policy plays balls, each once."""
+"""Trials: a policy plays balls, each once, in parallel environments.
 
-from collections.abc import Iterator
+One run of Bullet yields everything that is asked for: how each ball ended, its states after the
+racket and before the landing, and recorded motions.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
-from models.policy.batch_simulation import Court
+from models.ball.types import Floats, Integers
+from models.policy.batch_simulation import BatchSimulation
 from models.policy.episodes import Episodes
 from models.policy.goals import Goals
-from models.policy.incoming_balls import Incoming
+from models.policy.incoming_balls import IncomingBalls
+from models.policy.motion_recording import Motion, MotionRecorder
 from models.policy.policy import Policy
 from models.policy.settings import ObservationKind
 
-ARMS = 32  # in one world; more of them move no faster, and all wait for the last ball
-PLAIN = ("hit", "returned", "fault", "nearest", "time", "backhand", "distance", "net_height")
-STYLE = ("speed", "topspin")
+ENVIRONMENTS = 32  # in one world; more are no faster, and all wait for the last ball
+OUTCOMES = ("hit", "returned", "fault", "nearest", "time", "backhand", "distance", "net_height")
+STYLE = ("speed", "topspin")  # goals that not every policy has
+
+
+@dataclass(frozen=True)
+class TrialResult:
+    """How B balls ended, in their order.
+
+    Attributes:
+        table: one row per ball: the columns of ``Episodes`` (``OUTCOMES``, ``STYLE``,
+            ``landing_across``, ``landing_along``) and the goals (``goal_landing_across``,
+            ``goal_landing_along``, and ``goal_speed`` and ``goal_topspin`` where they are set).
+        after_racket: (B, 9) states just after the racket; NaN without a hit.
+        before_landing: (B, 9) states just before the landing; NaN without a return.
+        motions: of the first balls, as many as were to be recorded.
+    """
+
+    table: pd.DataFrame
+    after_racket: Floats
+    before_landing: Floats
+    motions: Sequence[Motion] = ()
 
 
 def play(
-    policy: Policy, simulator: Simulator, incoming: Incoming, goals: Goals, kind: ObservationKind
-) -> pd.DataFrame:
-    """Return how B balls ended, a row each in their order.
-
-    Columns are those of ``Episodes``: ``hit``, ``returned``, ``fault``, ``nearest``, ``time``,
-    ``backhand``, ``distance``, ``net_height``, ``speed``, ``topspin``, ``landing_across`` and
-    ``landing_along``; and what was asked for, ``goal_landing_across``, ``goal_landing_along`` and,
-    where they were, ``goal_speed`` and ``goal_topspin``.
+    policy: Policy,
+    simulator: Simulator,
+    incoming: IncomingBalls,
+    goals: Goals,
+    kind: ObservationKind,
+    record: int = 0,
+) -> TrialResult:
+    """Let a policy play B balls.
 
     Args:
         policy: decides.
         simulator: flies the balls on from the racket.
-        incoming: (B,) balls, with what the policy's predictor says of them.
+        incoming: (B,) balls with the forecasts of the policy's predictor.
         goals: (B,) of their returns.
-        kind: what the policy sees.
+        kind: what the policy observes.
+        record: how many of the first balls to record. An environment records until the ball is
+            down, so a recorded ball takes about twice as long.
     """
-    court = Court(simulator, min(ARMS, len(incoming)), kind)
-    try:
-        return pd.concat(_played(policy, court, incoming, goals)).sort_index()
-    finally:
-        court.close()
+    recorder = MotionRecorder(simulator, incoming, record)
+    with closing(BatchSimulation(simulator, min(ENVIRONMENTS, len(incoming)), kind)) as simulation:
+        ended = list(_played(policy, simulation, incoming, goals, recorder))
+    order = np.argsort(np.concatenate([balls for balls, _ in ended]))
+    table = pd.concat([_table(episodes, balls) for balls, episodes in ended])
+    after = np.concatenate([episodes.after_racket for _, episodes in ended])
+    before = np.concatenate([episodes.before_landing for _, episodes in ended])
+    return TrialResult(table.sort_index(), after[order], before[order], recorder.motions())
 
 
 def _played(
-    policy: Policy, court: Court, incoming: Incoming, goals: Goals
-) -> Iterator[pd.DataFrame]:
-    """Yield the balls that ended in each tick; an arm that is free gets the next ball."""
-    balls = np.arange(len(court.over))  # that the arms have
-    served, free = 0, balls
-    while served < len(incoming) or not court.over.all():
-        free = free[: len(incoming) - served]
-        balls[free] = served + np.arange(len(free))
-        served += len(free)
-        _serve(court, free, incoming[balls[free]], goals[balls[free]])
-        step = court.step(policy.act(court.observe()))
-        free = step.ended.arms
-        yield _table(step.ended, balls[free])
+    policy: Policy,
+    simulation: BatchSimulation,
+    incoming: IncomingBalls,
+    goals: Goals,
+    recorder: MotionRecorder,
+) -> Iterator[tuple[Integers, Episodes]]:
+    """Yield the balls that ended in each control step; a free environment gets the next ball."""
+    balls = np.full(len(simulation.finished), -1)  # of each environment
+    started = 0
+    while started < len(incoming) or not simulation.finished.all() or recorder.active(balls).any():
+        free = simulation.finished & ~recorder.active(balls)
+        free &= np.cumsum(free) <= len(incoming) - started
+        if free.any():
+            balls[free] = started + np.arange(free.sum())
+            started += int(free.sum())
+            simulation.reset(free, incoming[balls[free]], goals[balls[free]])
+            recorder.start(simulation, balls, free)
+        ended = simulation.step(policy.act(simulation.observe())).ended
+        recorder.add(simulation, balls, ended)
+        yield balls[ended.envs], ended
 
 
-def _serve(court: Court, arms: NDArray[np.int64], incoming: Incoming, goals: Goals) -> None:
-    if len(arms):
-        which = np.zeros(len(court.over), dtype=np.bool_)
-        which[arms] = True
-        court.reset(which, incoming, goals)
-
-
-def _table(ended: Episodes, balls: NDArray[np.int64]) -> pd.DataFrame:
-    columns = {name: getattr(ended, name) for name in (*PLAIN, *STYLE)}
+def _table(ended: Episodes, balls: Integers) -> pd.DataFrame:
+    columns = {name: getattr(ended, name) for name in (*OUTCOMES, *STYLE)}
     columns["landing_across"], columns["landing_along"] = ended.landing.T
     columns["goal_landing_across"], columns["goal_landing_along"] = ended.goals.landing.T
     for name in STYLE:
-        asked = getattr(ended.goals, name)
-        if asked is not None:
-            columns[f"goal_{name}"] = asked
+        goal = getattr(ended.goals, name)
+        if goal is not None:
+            columns[f"goal_{name}"] = goal
     return pd.DataFrame(columns, index=balls)

@@ -1,1 +1,1 @@
-"""Replay: measured balls on their way to the robot, and what policies make of them."""
+"""Replay of measured shots to policies."""

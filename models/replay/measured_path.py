@@ -1,12 +1,10 @@
-"""The true path of a ball of which there are measurements alone: the smoothest one through them.
+"""The path of a ball estimated from its measurements.
 
-Between two contacts the ball is where the Rauch-Tung-Striebel smoother of the segmentation sees it,
-with a cubic through the positions and velocities at the samples. Where two arcs meet at the table,
-each is carried on to the bounce.
+Between contacts: the segmentation's Rauch-Tung-Striebel smoother, with a cubic through the
+positions and velocities at the samples. Arcs that meet at the table are extrapolated to the bounce.
 
-The spin of an arc is the mean of its labels. Where it has none, the ball starts without spin, and
-the bounce changes it: the blow that changed the velocity acted at the ball's contact point, and the
-angular momentum about that point stays.
+The spin of an arc is the mean of its labels. Without labels the first arc has no spin, and a bounce
+changes the spin by its impulse: angular momentum about the contact point is conserved.
 """
 
 from dataclasses import dataclass
@@ -16,21 +14,19 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from models.ball.state import BALL_RADIUS, STATE_SIZE
+from models.ball.types import Floats, Integers
 from models.policy.incoming_balls import PATH_TIMES
 from models.predictors.physics import POSITION_NOISE
 from models.predictors.windows import Episode
 from models.segmentation.contacts import moved
 from models.segmentation.smoothing import smooth
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
-FEWEST_SAMPLES = 3  # from which an arc's velocity can be told
+FEWEST_SAMPLES = 3  # needed to estimate an arc's velocity
 
 
 @dataclass(frozen=True)
 class _Arc:
-    """An arc from its beginning to its end, with its spin."""
+    """An arc from ``begin`` to ``end`` (s), with its spin."""
 
     begin: float
     end: float
@@ -44,36 +40,34 @@ class _Arc:
 
 
 def measured_path(measured: Episode) -> tuple[Floats, Floats]:
-    """Return where a ball was, as far as its measurements tell.
-
-    That is until the last of them, or until something else than the table met it.
+    """Return the path of a ball up to its last sample, or to a contact with anything but the table.
 
     Args:
         measured: its samples, the first of them at time zero.
 
     Returns:
         (n, 9) states at the first n of ``PATH_TIMES``, and (C,) s of the bounces before; both empty
-        where the first samples tell of no path.
+        where the first arc has too few samples.
     """
     arcs = _arcs(measured)
-    parts = [np.empty((0, STATE_SIZE))]
+    states = [np.empty((0, STATE_SIZE))]
     for arc in arcs:
         first, last = np.searchsorted(PATH_TIMES, [arc.begin, arc.end])
-        parts.append(arc.states(PATH_TIMES[first:last]))
-    return np.concatenate(parts), np.array([arc.begin for arc in arcs[1:]])
+        states.append(arc.states(PATH_TIMES[first:last]))
+    return np.concatenate(states), np.array([arc.begin for arc in arcs[1:]])
 
 
 def _arcs(measured: Episode) -> list[_Arc]:
-    """Return the arcs up to the first that does not end at the table."""
+    """Return the arcs up to the first that does not end at a bounce."""
     arcs: list[_Arc] = []
     begin = 0.0
     borders = np.flatnonzero(np.diff(measured.arc)) + 1
-    for own in np.split(np.arange(len(measured.times)), borders):
-        if (~measured.outlier[own]).sum() < FEWEST_SAMPLES:
+    for rows in np.split(np.arange(len(measured.times)), borders):
+        if (~measured.outlier[rows]).sum() < FEWEST_SAMPLES:
             break
-        bounce = _bounce_after(measured, own[-1])
-        end = measured.times[own[-1]] if bounce is None else bounce
-        arcs.append(_arc(measured, own, begin, end, arcs[-1] if arcs else None))
+        bounce = _bounce_after(measured, rows[-1])
+        end = measured.times[rows[-1]] if bounce is None else bounce
+        arcs.append(_arc(measured, rows, begin, end, arcs[-1] if arcs else None))
         if bounce is None:
             break
         begin = bounce
@@ -81,23 +75,24 @@ def _arcs(measured: Episode) -> list[_Arc]:
 
 
 def _bounce_after(measured: Episode, sample: int) -> float | None:
-    """Return when the ball met the table between a sample and the next, if it did."""
+    """Return the time of a bounce between a sample and the next, if there is one."""
     around = measured.times[sample : sample + 2]
-    met = measured.bounces[np.searchsorted(measured.bounces, around[0]) :][:1]
-    return float(met[0]) if len(around) == 2 and len(met) and met[0] <= around[1] else None
+    bounce = measured.bounces[np.searchsorted(measured.bounces, around[0]) :][:1]
+    there = len(around) == 2 and len(bounce) and bounce[0] <= around[1]
+    return float(bounce[0]) if there else None
 
 
-def _arc(measured: Episode, own: Indices, begin: float, end: float, before: _Arc | None) -> _Arc:
-    used = own[~measured.outlier[own]]
-    rows = slice(used[0], used[-1] + 1)
-    times, good = measured.times[rows], ~measured.outlier[rows]
-    means = smooth(times, np.ascontiguousarray(measured.positions[rows]), good, POSITION_NOISE)
+def _arc(measured: Episode, rows: Integers, begin: float, end: float, before: _Arc | None) -> _Arc:
+    used = rows[~measured.outlier[rows]]
+    span = slice(used[0], used[-1] + 1)
+    times, good = measured.times[span], ~measured.outlier[span]
+    means = smooth(times, np.ascontiguousarray(measured.positions[span]), good, POSITION_NOISE)
     if begin < times[0]:
         times, means = np.r_[begin, times], np.stack([moved(means[0], begin - times[0]), *means])
     if end > times[-1]:
         times, means = np.r_[times, end], np.stack([*means, moved(means[-1], end - times[-1])])
     path = CubicHermiteSpline(times, means[:, 0], means[:, 1])
-    return _Arc(begin, end, path, _spin(measured.spins[own], path, before))
+    return _Arc(begin, end, path, _spin(measured.spins[rows], path, before))
 
 
 def _spin(labels: Floats, path: CubicHermiteSpline, before: _Arc | None) -> Floats:
@@ -108,6 +103,6 @@ def _spin(labels: Floats, path: CubicHermiteSpline, before: _Arc | None) -> Floa
     if before is None:
         return np.zeros(3)
     change = path(before.end, 1) - before.path(before.end, 1)
-    # I = 2/3 m r^2, and the blow acts a radius below the centre.
-    blow: Floats = 3 / (2 * BALL_RADIUS) * np.array([change[1], -change[0], 0.0])
-    return before.spin + blow
+    # I = 2/3 m r^2, and the impulse acts a radius below the centre.
+    spin_change: Floats = 3 / (2 * BALL_RADIUS) * np.array([change[1], -change[0], 0.0])
+    return before.spin + spin_change

@@ -1,39 +1,37 @@
-"""Tolerance: forecasts that are wrong on purpose, to see what a policy makes of them."""
+"""Forecasts with deliberate errors, to measure which errors a policy tolerates."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.ball.state import POSITION, SPIN
-
-Floats = NDArray[np.float64]
+from models.ball.types import Floats
 
 
 def biased(forecasts: Floats, size: float, random: np.random.Generator) -> Floats:
-    """Return forecasts that are off by ``size`` m, in one direction for each ball.
+    """Return forecasts biased by ``size`` m, in one random direction per ball.
 
     Args:
-        forecasts: (B, T, H, 9) as in ``Incoming``.
+        forecasts: (B, T, H, 9) as in ``IncomingBalls``.
         size: of the error.
-        random: where the directions come from, all equally likely.
+        random: of the directions, uniform on the sphere.
     """
     drawn = random.standard_normal((len(forecasts), 1, 1, 3))
-    return _moved(forecasts, size * drawn / np.linalg.norm(drawn, axis=-1, keepdims=True))
+    return _shifted(forecasts, size * drawn / np.linalg.norm(drawn, axis=-1, keepdims=True))
 
 
 def noisy(forecasts: Floats, size: float, random: np.random.Generator) -> Floats:
-    """Return forecasts that are off anew at each tick, by ``size`` m in the root mean square.
+    """Return forecasts with an independent error per control step, ``size`` m root mean square.
 
-    The states of one tick are off alike, as those that a predictor sees in one window.
+    All horizons of one step share the error, as they share one measurement window.
     """
     drawn = random.standard_normal((*forecasts.shape[:2], 1, 3))
-    return _moved(forecasts, size / np.sqrt(3) * drawn)
+    return _shifted(forecasts, size / np.sqrt(3) * drawn)
 
 
 def spinless(forecasts: Floats, size: float, random: np.random.Generator) -> Floats:
-    """Return forecasts that say of every ball that it does not spin; there is one size of that."""
+    """Return forecasts with zero spin; ``size`` has no effect."""
     changed = forecasts.copy()
     changed[..., SPIN] = 0.0
     return changed
@@ -44,7 +42,7 @@ ERRORS: Mapping[str, Callable[[Floats, float, np.random.Generator], Floats]] = M
 )
 
 
-def _moved(forecasts: Floats, offset: Floats) -> Floats:
+def _shifted(forecasts: Floats, offset: Floats) -> Floats:
     changed = forecasts.copy()
     changed[..., POSITION] += offset
     return changed

@@ -1,26 +1,31 @@
-"""Replay: measured balls come to the robot as they came to whoever returned them.
+"""Replay of measured shots: their true paths, and forecasts from their measurements.
 
-What the robot meets is the ball's true path; what its predictor is told are the samples that were
-measured, each when it was measured. A shot begins with its first sample, which is its launch, and
-the control ticks begin ``FIRST_WINDOW`` later. Where the recording ends, because somebody struck
-the ball or the cameras lost it, the ball flies on, and is measured on.
+The racket meets the ball's true path; the predictor gets the measured samples, each when it was
+measured. A shot starts with its first sample, which counts as the launch; control steps start
+``FIRST_WINDOW`` later. After the recording ends, because a player struck the ball or the cameras
+lost it, a simulator flies the ball on, and its measurements are simulated.
 
-At each tick there is a history that ends with the latest sample, as in the windows that predictors
-are evaluated on. It is some milliseconds old where samples do not fall on the ticks. What is
-forecast from it lies that much further ahead; beyond the end of the forecast the ball stays where
-that ends.
+At each control step the history ends with the latest sample, as in the windows that predictors are
+evaluated on. Where samples do not fall on control steps, the history is some milliseconds old, and
+the forecast is read that much farther ahead; beyond its end the last forecast state is used.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.ball.contact_laws import NONE, TABLE
 from models.ball.simulator import Contacts, Flight, Simulator
 from models.ball.state import POSITION, STATE_SIZE
-from models.policy.incoming_balls import FIRST_WINDOW, PATH_STEP, PATH_TIMES, playable, tick_times
+from models.ball.types import Bools, Floats, Integers
+from models.policy.incoming_balls import (
+    FIRST_WINDOW,
+    PATH_STEP,
+    PATH_TIMES,
+    control_times,
+    playable,
+)
 from models.policy.launches import WORKSPACE
 from models.policy.outcome import with_net
 from models.policy.settings import HorizonsMs
@@ -29,21 +34,17 @@ from models.predictors.protocol import FUTURE, HISTORY_TIMES, TICK, History, Pre
 from models.predictors.windows import MIN_OBSERVED, ROUNDING, Episode, observed_at
 from models.replay.shots import Shot
 
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
-Integers = NDArray[np.int64]
-
-WINDOWS_AT_ONCE = 2048  # that a predictor is given, for the memory's sake
+BATCH = 2048  # histories per call of a predictor, which bounds its memory
 
 
 @dataclass(frozen=True)
-class Views:
-    """What predictors can tell the future of B balls from at each of T control ticks.
+class Histories:
+    """The measurement histories of B balls at T control steps.
 
     Attributes:
-        history: the S histories of all balls, ball by ball, in the order of time.
-        latest: (B, T) at each tick, which of the histories is the latest of that ball.
-        age: (B, T) s that have passed since that history ended.
+        history: all S histories, ball by ball, in the order of time.
+        latest: (B, T) at each control step, the index of the ball's latest history.
+        age: (B, T) s since that history ended.
     """
 
     history: History
@@ -52,17 +53,17 @@ class Views:
 
     @property
     def first(self) -> Integers:
-        """(B,) which of the histories is the ball's first."""
+        """(B,) index of each ball's first history."""
         return self.latest[:, 0]
 
 
 def fly_on(simulator: Simulator, shots: Sequence[Shot]) -> tuple[Floats, Floats]:
-    """Return ``path`` and ``playable`` of an ``Incoming``: where B balls were, and went on to.
+    """Return ``path`` and ``playable`` of ``IncomingBalls`` for B shots.
 
-    A bounce on the far half, as serves have, comes before the ball can be played.
+    A bounce on the far half, as in serves, comes before the ball can be played.
 
     Args:
-        simulator: flies the balls on from where they are known last.
+        simulator: flies the balls on from the ends of their known paths.
         shots: B.
     """
     ends = PATH_STEP * np.array([len(shot.known) - 1.0 for shot in shots])
@@ -77,95 +78,95 @@ def fly_on(simulator: Simulator, shots: Sequence[Shot]) -> tuple[Floats, Floats]
     return path, playable(Flight(path, _near_contacts(path, bounces)), PATH_TIMES)
 
 
-def within_reach(path: Floats, playable: Floats) -> Booleans:
-    """Return which (B,) balls come to where the racket strikes well, however fast, while they can.
+def reachable(path: Floats, playable: Floats) -> Bools:
+    """Return which (B,) balls pass through the racket's workspace while they can be played.
 
     Args:
-        path: (B, N, 9) as in ``Incoming``.
-        playable: (B, 2) as in ``Incoming``.
+        path: (B, N, 9) as in ``IncomingBalls``.
+        playable: (B, 2) as in ``IncomingBalls``.
     """
     places = path[..., POSITION]
     inside = ((WORKSPACE[:, 0] <= places) & (places <= WORKSPACE[:, 1])).all(axis=2)
     in_time = (playable[:, :1] < PATH_TIMES) & (playable[:, 1:] > PATH_TIMES)
-    reached: Booleans = np.any(inside & in_time, axis=1)
+    reached: Bools = np.any(inside & in_time, axis=1)
     return reached
 
 
-def views(shots: Sequence[Shot]) -> Views:
-    """Return what was seen of balls at each of the control ticks.
+def measurement_histories(shots: Sequence[Shot]) -> Histories:
+    """Return the measurement histories of shots at the control steps.
 
     Args:
-        shots: those that are ``seen_in_time``.
+        shots: those that are ``measured_in_time``.
     """
-    ticks = tick_times(FIRST_WINDOW)
+    steps = control_times(FIRST_WINDOW)
     parts: list[History] = []
     latest, age, before = [], [], 0
     for shot in shots:
         ends, history = _histories(shot.measured)
-        newest = np.searchsorted(ends, ticks + ROUNDING, side="right") - 1
+        newest = np.searchsorted(ends, steps + ROUNDING, side="right") - 1
         latest.append(before + newest)
-        age.append(ticks - ends[newest])
+        age.append(steps - ends[newest])
         parts.append(history)
         before += len(history)
     states = np.concatenate([part.states for part in parts])
     masks = np.concatenate([part.mask for part in parts])
-    return Views(History(states, masks), np.array(latest), np.array(age))
+    return Histories(History(states, masks), np.array(latest), np.array(age))
 
 
-def seen_in_time(measured: Episode) -> bool:
-    """Return whether a predictor has seen enough of a ball at the first control tick."""
+def measured_in_time(measured: Episode) -> bool:
+    """Return whether there are enough samples for a forecast at the first control step."""
     ends, _ = _histories(measured)
     return bool((ends <= FIRST_WINDOW + ROUNDING).any())
 
 
-def predicted(predictor: Predictor, history: History) -> Floats:
+def predict_all(predictor: Predictor, history: History) -> Floats:
     """Return the (S, 60, 9) forecasts from S histories."""
-    starts = range(0, len(history), WINDOWS_AT_ONCE)
-    parts = [history[start : start + WINDOWS_AT_ONCE] for start in starts]
+    parts = [history[first : first + BATCH] for first in range(0, len(history), BATCH)]
     return np.concatenate([predictor.predict(part).states for part in parts])
 
 
-def every_tick(forecasts: Floats, views: Views, horizons: HorizonsMs) -> Floats:
-    """Return the ``forecasts`` of an ``Incoming`` where a predictor is asked at every tick.
+def every_step(forecasts: Floats, histories: Histories, horizons: HorizonsMs) -> Floats:
+    """Return the ``forecasts`` of ``IncomingBalls`` from the latest history at every control step.
 
     Args:
-        forecasts: (S, 60, 9) from each of the histories, as ``predicted`` returns them.
-        views: of B balls.
+        forecasts: (S, 60, 9) from each history, as ``predict_all`` returns them.
+        histories: of B balls.
         horizons: ms.
     """
-    ahead = (views.age[..., None] + np.array(horizons) / 1000) / TICK - 1
+    ahead = (histories.age[..., None] + np.array(horizons) / 1000) / TICK - 1
     place = np.minimum(ahead.round(6), FUTURE - 1)  # among the states of a forecast
     before = place.astype(np.int64)
     after, share = np.minimum(before + 1, FUTURE - 1), (place - before)[..., None]
-    rows = views.latest[..., None]
-    told: Floats = (1 - share) * forecasts[rows, before] + share * forecasts[rows, after]
-    return told
+    rows = histories.latest[..., None]
+    states: Floats = (1 - share) * forecasts[rows, before] + share * forecasts[rows, after]
+    return states
 
 
-def first_window(simulator: Simulator, views: Views, horizons: HorizonsMs) -> Floats:
-    """Return the ``forecasts`` of an ``Incoming`` where the whole flight is forecast at once.
+def first_window(simulator: Simulator, histories: Histories, horizons: HorizonsMs) -> Floats:
+    """Return the ``forecasts`` of ``IncomingBalls`` from each ball's first history alone.
 
-    A filter takes in the first window, and its simulator flies the ball on from there.
+    A filter estimates the state from the first window, and its simulator flies the whole flight.
     """
-    history = History(views.history.states[views.first], views.history.mask[views.first])
-    soon = PhysicsPredictor(simulator).predict(history).states[:, 0]
-    instants = tick_times(FIRST_WINDOW)[:, None] + np.array(horizons) / 1000
-    times, places = np.unique(instants.round(9), return_inverse=True)
-    known_at = FIRST_WINDOW - views.age[:, :1] + TICK
-    flown = simulator.fly(soon, np.maximum(times - known_at, 0.0)).states
-    return flown[:, places.reshape(instants.shape)]
+    first = histories.first
+    history = History(histories.history.states[first], histories.history.mask[first])
+    states = PhysicsPredictor(simulator).predict(history).states[:, 0]
+    wanted = control_times(FIRST_WINDOW)[:, None] + np.array(horizons) / 1000
+    times, places = np.unique(wanted.round(9), return_inverse=True)
+    known_at = FIRST_WINDOW - histories.age[:, :1] + TICK
+    flown = simulator.fly(states, np.maximum(times - known_at, 0.0)).states
+    return flown[:, places.reshape(wanted.shape)]
 
 
 def _histories(measured: Episode) -> tuple[Floats, History]:
-    """Return when a ball's histories end, one for each tick with a new sample, and the histories.
+    """Return a ball's histories, one per control step with a new sample, after their end times (s).
 
-    One with hardly a sample tells less than the one before, and is left out.
+    Histories with fewer than ``MIN_OBSERVED`` positions are left out.
     """
-    ticks = tick_times(FIRST_WINDOW)
-    newest = np.searchsorted(measured.times, ticks + ROUNDING, side="right") - 1
+    steps = control_times(FIRST_WINDOW)
+    newest = np.searchsorted(measured.times, steps + ROUNDING, side="right") - 1
     ends = measured.times[np.unique(newest)]
-    seen = [observed_at(measured, end + HISTORY_TIMES, until=end) for end in ends]
-    states, mask = (np.array(part) for part in zip(*seen, strict=True))
+    windows = [observed_at(measured, end + HISTORY_TIMES, until=end) for end in ends]
+    states, mask = (np.array(part) for part in zip(*windows, strict=True))
     enough = mask[..., POSITION].all(axis=2).sum(axis=1) >= MIN_OBSERVED
     return ends[enough], History(states[enough], mask[enough])
 

@@ -1,22 +1,19 @@
-"""Shots: measured balls on their way to the robot, made ready to be replayed."""
+"""Shots: measured balls on their way to the robot, prepared for replay."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.ball.types import Bools, Floats
 from models.policy.incoming_balls import PATH_STEP
 from models.policy.measurements import measure
 from models.policy.settings import SensorNoise
 from models.predictors.protocol import TICK
 from models.predictors.windows import ROUNDING, Episode
 
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
-
 HALF_TURN = np.array([-1.0, -1.0, 1.0])  # about the vertical, of places, velocities and spins
-NOTHING_MEASURED = Episode(
+NO_MEASUREMENTS = Episode(
     times=np.empty(0),
     positions=np.empty((0, 3)),
     velocities=np.empty((0, 3)),
@@ -29,13 +26,13 @@ NOTHING_MEASURED = Episode(
 
 @dataclass(frozen=True)
 class Shot:
-    """A ball that was measured, and where it truly was.
+    """A measured ball and its true path.
 
     Attributes:
         measured: its samples, the first of them at time zero: the launch.
         known: (n, 9) true states ``PATH_STEP`` apart from the launch on; n is between 1 and the N
-            of ``Incoming``.
-        bounces: (C,) s from the launch, when it met the table as far as that is known.
+            of ``IncomingBalls``.
+        bounces: (C,) s from the launch, of the known bounces on the table.
     """
 
     measured: Episode
@@ -50,12 +47,12 @@ def from_launch(episode: Episode) -> Episode:
 
 
 def flies_away(episode: Episode) -> bool:
-    """Return whether the ball flies away from the robot most of the time."""
+    """Return whether the ball mostly flies away from the robot."""
     return bool(np.median(episode.velocities[:, 1]) > 0)
 
 
-def half_turned(episode: Episode) -> Episode:
-    """Return the episode as the player at the other end sees it."""
+def half_turn(episode: Episode) -> Episode:
+    """Return the episode rotated by half a turn about the vertical."""
     return replace(
         episode,
         positions=episode.positions * HALF_TURN,
@@ -64,46 +61,46 @@ def half_turned(episode: Episode) -> Episode:
     )
 
 
-def measure_on(
+def extend_measurements(
     shots: Sequence[Shot],
     path: Floats,
     until: Floats,
     noise: SensorNoise,
     random: np.random.Generator,
 ) -> list[Shot]:
-    """Return the shots with what cameras see of the balls beyond what is known of them.
+    """Return the shots with simulated measurements after their known paths.
 
-    They measure every 5 ms after the last sample; spins only of balls whose spin was measured last.
-    Samples beyond the known path are of another flight than the one that is replayed, and go.
+    Every 5 ms after the last sample; spins only where the last sample has one. Samples beyond the
+    known path belong to another flight than the replayed one and are dropped.
 
     Args:
         shots: B.
-        path: (B, N, 9) as in ``Incoming``.
+        path: (B, N, 9) as in ``IncomingBalls``.
         until: (B,) s from the launch, after which nothing is measured.
         noise: of every measurement.
-        random: where the noise comes from.
+        random: of the noise.
     """
-    seen = measure(path, until, noise, random)
-    parts = zip(shots, seen.states, seen.mask[..., 0], strict=True)
-    return [replace(shot, measured=_continued(shot, *later)) for shot, *later in parts]
+    measured = measure(path, until, noise, random)
+    parts = zip(shots, measured.states, measured.mask[..., 0], strict=True)
+    return [replace(shot, measured=_extended(shot, *later)) for shot, *later in parts]
 
 
-def _continued(shot: Shot, states: Floats, seen: Booleans) -> Episode:
-    """Return a shot's samples and after them those of (M, 6) states, 5 ms apart, that are seen."""
+def _extended(shot: Shot, states: Floats, measured: Bools) -> Episode:
+    """Return a shot's samples followed by those of (M, 6) states, 5 ms apart, that are measured."""
     before = shot.measured
-    own = before.times <= PATH_STEP * len(shot.known) + ROUNDING
+    kept = before.times <= PATH_STEP * len(shot.known) + ROUNDING
     times = TICK * np.arange(float(len(states)))
-    after = seen & (times > before.times[own].max(initial=-TICK) + TICK / 2)
+    after = measured & (times > before.times[kept].max(initial=-TICK) + TICK / 2)
     count = int(after.sum())
-    labelled = np.isfinite(before.spins[own][-1:]).all()
+    labelled = np.isfinite(before.spins[kept][-1:]).all()
     return Episode(
-        times=np.concatenate([before.times[own], times[after]]),
-        positions=np.concatenate([before.positions[own], states[after, :3]]),
-        velocities=np.concatenate([before.velocities[own], np.full((count, 3), np.nan)]),
+        times=np.concatenate([before.times[kept], times[after]]),
+        positions=np.concatenate([before.positions[kept], states[after, :3]]),
+        velocities=np.concatenate([before.velocities[kept], np.full((count, 3), np.nan)]),
         spins=np.concatenate(
-            [before.spins[own], np.where(labelled, states[after, 3:], np.nan)],
+            [before.spins[kept], np.where(labelled, states[after, 3:], np.nan)],
         ),
-        outlier=np.concatenate([before.outlier[own], np.zeros(count, dtype=np.bool_)]),
-        arc=np.concatenate([before.arc[own], np.full(count, before.arc[own].max(initial=0))]),
+        outlier=np.concatenate([before.outlier[kept], np.zeros(count, dtype=np.bool_)]),
+        arc=np.concatenate([before.arc[kept], np.full(count, before.arc[kept].max(initial=0))]),
         bounces=before.bounces,
     )

@@ -1,24 +1,22 @@
-"""The true path of a ball of the arena, until somebody strikes it anew."""
+"""The true path of an arena ball until the next stroke."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.arena.recording import TrueContacts
 from models.arena.truth import Truth
 from models.arena.truth_path import true_states
+from models.ball.types import Floats
 from models.policy.incoming_balls import PATH_TIMES
-
-Floats = NDArray[np.float64]
 
 STROKES = ("launch", "racket")
 
 
 def true_path(truth: Truth, contacts: TrueContacts, start: float) -> tuple[Floats, Floats]:
-    """Return where a ball was from ``start`` (s) on: until the next stroke, or as far as is known.
+    """Return the true path of a ball from ``start`` (s) to the next stroke or the end of the data.
 
     Args:
-        truth: the hall's physics.
-        contacts: all of the recording; the ball's own stroke is the one nearest to ``start``.
+        truth: the arena's physics.
+        contacts: of the recording; the ball's own stroke is the one nearest to ``start``.
         start: s, on the recording's clock.
 
     Returns:

@@ -1,28 +1,26 @@
-"""Arms: many arms in one Bullet world."""
+"""Many robot arms in one Bullet world."""
 
 from types import TracebackType
 
 import numpy as np
 import pybullet
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from models.ball.types import Floats
+from models.ball.types import Bools, Floats
 from models.robot.bullet import add_arm, add_table, open_world
 from models.robot.constants import FORCE, JOINTS, NEUTRAL, SPEED
 from models.robot.kinematics import rows_of_joints
 
-Booleans = NDArray[np.bool_]
-
 _LINKS = list(range(len(JOINTS)))
 _FORCES = FORCE.tolist()
-_SPACING = 4.0  # m between two arms in the world, more than the carriage and the arm can span
+_SPACING = 4.0  # m between two arms in the world, more than carriage and arm span
 
 
 class Arms:
     """B arms, each at a table of its own.
 
-    In Bullet they stand side by side, so that it need not look for pairs that touch; whoever uses
-    them sees each in the table frame.
+    In Bullet they stand far apart, so that it does not check pairs of arms for contact; joints are
+    independent of the arm's place.
 
     Attributes:
         joints: (B, 6) m, rad; a new array after every step and reset.
@@ -44,8 +42,8 @@ class Arms:
         self._touching = np.zeros(count, dtype=np.bool_)
         self.reset(np.ones(count, dtype=np.bool_))
 
-    def reset(self, which: Booleans) -> None:
-        """Put the arms of ``which`` (B,) into neutral, at rest, and let them stay there."""
+    def reset(self, which: Bools) -> None:
+        """Put the arms of ``which`` (B,) into neutral, at rest, and hold them there."""
         for row in np.flatnonzero(which).tolist():
             for link, value in enumerate(NEUTRAL.tolist()):
                 pybullet.resetJointState(self._bodies[row], link, value, 0.0, **self._world)
@@ -55,7 +53,7 @@ class Arms:
         self._touching[which] = False
 
     def command(self, speeds: ArrayLike) -> None:
-        """Ask the drives for joint speeds (B, 6) from now on; at most those that they allow."""
+        """Set the drives' target joint speeds (B, 6), clipped to their limits."""
         for row, targets in enumerate(np.clip(rows_of_joints(speeds), -SPEED, SPEED).tolist()):
             self._drive(row, targets)
 
@@ -70,7 +68,7 @@ class Arms:
         )
 
     def step(self) -> None:
-        """Let ``BULLET_STEP`` pass."""
+        """Simulate ``BULLET_STEP``."""
         pybullet.stepSimulation(**self._world)
         states = [pybullet.getJointStates(body, _LINKS, **self._world) for body in self._bodies]
         self.joints = np.array([[joint[0] for joint in arm] for arm in states])
@@ -80,12 +78,12 @@ class Arms:
             body, force = contact[1], contact[9]
             self._touching[self._row[body]] |= force > 0.0
 
-    def touching_table(self) -> Booleans:
-        """Return (B,) whether any part of an arm but its base pressed on the table in this step."""
+    def touching_table(self) -> Bools:
+        """Return (B,) whether an arm, other than its base, pressed on the table in this step."""
         return self._touching.copy()
 
     def close(self) -> None:
-        """Give the world back; nothing works after that."""
+        """Release the Bullet world."""
         pybullet.disconnect(**self._world)
 
     def __enter__(self) -> "Arms":

@@ -1,4 +1,4 @@
-"""A Bullet world with the arm and the table in it; what touches what, and how it is stepped."""
+"""Bullet worlds: time step, contact filters, the table and the arm."""
 
 import tempfile
 from pathlib import Path
@@ -10,18 +10,18 @@ from models.robot.constants import BASE, BULLET_STEP, JOINTS, SPEED, TABLE_DEPTH
 from models.robot.urdf import urdf
 
 GRAVITY = 9.81  # m/s^2
-# Groups of Bullet's collision filter: arms touch the table, but neither one another nor themselves.
+# Groups of Bullet's collision filter: arms collide with the table, not with arms or themselves.
 _TABLE, _ARM = 1, 2
 
 
 def open_world() -> int:
-    """Return the id of a new world, in this process and without a window."""
+    """Return the id of a new world, in this process and without graphics."""
     client: int = pybullet.connect(pybullet.DIRECT)
     pybullet.setGravity(0, 0, -GRAVITY, physicsClientId=client)
     pybullet.setPhysicsEngineParameter(
         fixedTimeStep=BULLET_STEP,
         deterministicOverlappingPairs=1,
-        # Arms solved together would stop iterating together, and depend on one another.
+        # Or arms would be solved in one island and influence one another's results.
         minimumSolverIslandSize=1,
         physicsClientId=client,
     )

@@ -1,4 +1,4 @@
-"""Every number of the robot, in the table frame (models/ball/state.py): SI units throughout.
+"""All constants of the robot, in the table frame (models/ball/state.py), in SI units.
 
 The arm stands behind the end at y < 0 and plays towards +y. A bridge runs along the table and
 carries a carriage across it; on the carriage stand an upper arm, a forearm, a wrist and the racket.
@@ -23,8 +23,8 @@ FOREARM = 0.35  # m from elbow to wrist
 BLADE: Vector = (0.0, 0.06, 0.10)  # m from the wrist to the racket's centre
 RACKET_RADIUS = 0.08  # m: a disc for the common blade of 150 mm by 158 mm
 
-# m, the table's slab: its top and the steel frame beneath, which a racket must not pass within one
-# step either.
+# m, of the table's top and the steel frame beneath: thick enough that a racket does not pass it in
+# one step.
 TABLE_DEPTH = 0.06
 FLOOR = -0.76  # m: ITTF Law 2.1.1, the playing surface is 0.76 m above the floor
 
@@ -55,10 +55,10 @@ class Joint:
         axis: of the joint's frame, along which it slides or about which it turns.
         origin: m, of the joint in the frame of the link before it.
         pitch: rad about x, from the frame of the link before it to the joint's at zero.
-        lower: end of the joint's range, m or rad; at zero it is in its neutral place.
+        lower: end of the joint's range, m or rad; neutral is zero.
         upper: other end of the range, m or rad.
-        speed: fastest that the drive is asked for, m/s or rad/s.
-        force: largest of the drive, N or N m.
+        speed: largest command to the drive, m/s or rad/s.
+        force: of the drive, N or N m.
         link: the solids that it moves.
     """
 

@@ -1,45 +1,43 @@
-"""Contact of ball and racket: swept, so that no ball passes through a blade unseen."""
+"""Swept contact of ball and racket: no ball passes through a blade between two samples."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from models.ball.state import BALL_RADIUS
-from models.ball.types import Floats, Integers, Vector
+from models.ball.types import Bools, Floats, Integers, Vector
 from models.robot.compiled import compiled
 from models.robot.constants import RACKET_RADIUS
 from models.robot.kinematics import Racket
 
-Booleans = NDArray[np.bool_]
-
-_UNMOVED = 1e-20  # m^2; along the blade a ball that moves less stays where it is
+_UNMOVED = 1e-20  # m^2; a ball that moves less along the blade counts as not moving
 
 
 @dataclass(frozen=True)
-class Meeting:
-    """Whether and when B balls meet their rackets within a step.
+class Contact:
+    """Whether and when B balls touch their rackets within a step.
 
     Attributes:
         met: (B,).
-        share: (B,) of the step at which they meet, 0 to 1; NaN where they do not.
-        side: (B,) +1 for the racket's face, -1 for its back, 0 where they do not meet.
+        share: (B,) of the step until the contact, 0 to 1; NaN without a contact.
+        side: (B,) +1 for the racket's face, -1 for its back, 0 without a contact.
     """
 
-    met: Booleans
+    met: Bools
     share: Floats
     side: Integers
 
 
-def meeting(
+def first_contact(
     ball_before: ArrayLike, ball_after: ArrayLike, racket_before: Racket, racket_after: Racket
-) -> Meeting:
+) -> Contact:
     """Return the first contacts within a step.
 
-    A ball meets a racket when its centre is over the blade (at most the blade's radius from the
-    axis), its surface touches the blade's plane, and it comes nearer. One that only clips the rim
-    does not: rubber is on the faces. Seen from the racket the ball moves on a straight line, which
+    A ball touches a racket when its centre is over the blade (at most the blade's radius from the
+    axis), its surface touches the blade's plane, and it approaches. Touching the rim alone does not
+    count: rubber is on the faces. Relative to the racket the ball moves on a straight line, which
     is exact to 0.2 mm in steps of 1 ms.
 
     Args:
@@ -50,12 +48,12 @@ def meeting(
     """
     before = np.subtract(ball_before, racket_before.position, dtype=np.float64)
     after = np.subtract(ball_after, racket_after.position, dtype=np.float64)
-    share, side = _meetings(before, after, racket_before.normal, racket_after.normal)
-    return Meeting(side != 0, share, side)
+    share, side = _contacts(before, after, racket_before.normal, racket_after.normal)
+    return Contact(side != 0, share, side)
 
 
 @compiled
-def _meetings(
+def _contacts(
     before: Floats, after: Floats, first: Floats, last: Floats
 ) -> tuple[Floats, Integers]:
     """Return share and side for (B, 3) balls relative to rackets with these normals."""
@@ -65,20 +63,20 @@ def _meetings(
         b = (after[k, 0], after[k, 1], after[k, 2])
         n = (first[k, 0], first[k, 1], first[k, 2])
         m = (last[k, 0], last[k, 1], last[k, 2])
-        share[k], side[k] = _first_contact(a, _turned_back(b, m, n), n)
+        share[k], side[k] = _line_contact(a, _rotate(b, m, n), n)
     return share, side
 
 
 @compiled
-def _first_contact(a: Vector, b: Vector, n: Vector) -> tuple[float, int]:
+def _line_contact(a: Vector, b: Vector, n: Vector) -> tuple[float, int]:
     """Return share and side of the line from a to b towards a blade at the origin."""
     height, rise = _dot(a, n), _dot(b, n) - _dot(a, n)
     if rise == 0.0:
         return math.nan, 0
     side = -1 if rise > 0.0 else 1
-    # From the touch to where the centre would be in the blade's plane.
+    # From the first touch until the centre is in the blade's plane.
     touch, inside = (side * BALL_RADIUS - height) / rise, -height / rise
-    enter, leave = _over_blade(_level(a, n), _level(b, n))
+    enter, leave = _over_blade(_in_plane(a, n), _in_plane(b, n))
     moment = max(touch, enter, 0.0)
     if moment >= inside or moment > min(leave, 1.0):
         return math.nan, 0
@@ -101,15 +99,15 @@ def _over_blade(a: Vector, b: Vector) -> tuple[float, float]:
 
 
 @compiled
-def _level(a: Vector, n: Vector) -> Vector:
+def _in_plane(a: Vector, n: Vector) -> Vector:
     """Return the part of a vector that is in the plane with normal n."""
     height = _dot(a, n)
     return a[0] - height * n[0], a[1] - height * n[1], a[2] - height * n[2]
 
 
 @compiled
-def _turned_back(b: Vector, m: Vector, n: Vector) -> Vector:
-    """Return b turned as normal m is turned, the shortest way, to become n."""
+def _rotate(b: Vector, m: Vector, n: Vector) -> Vector:
+    """Return b rotated by the smallest rotation that takes normal m to n."""
     axis = _cross(m, n)
     once = _cross(axis, b)
     twice = _cross(axis, once)

@@ -1,4 +1,4 @@
-"""Control: the joint speeds that move a racket as asked."""
+"""Racket velocity control: joint speeds by damped least squares."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,21 +8,21 @@ from models.robot.compiled import compiled
 from models.robot.constants import LOWER, NEUTRAL, SPEED, UPPER
 from models.robot.kinematics import JOINT_COUNT, locate, rows_of_joints
 
-DAMPING = 0.01  # lambda^2: near a singular pose the racket lags rather than the joints race
-HOMING = 2.0  # 1/s: how fast what the task leaves free goes back to neutral
+DAMPING = 0.01  # lambda^2: limits joint speeds near singular poses
+HOMING = 2.0  # 1/s: rate at which the null space returns to neutral
 BRAKING = 0.1  # s in which the bridge, the slowest drive, stops from full speed: 15.05 kg by 300 N
 _TASKS = 5  # three velocities of the centre, two turning rates; about its normal a disc is free
 
 
 def joint_speeds(joints: ArrayLike, velocity: ArrayLike, turning: ArrayLike) -> Floats:
-    """Return the (B, 6) speeds for one command: damped least squares, within every limit.
+    """Return the (B, 6) joint speeds of one command, within all limits.
 
-    The faster a joint would have to go beyond its limit, the more all are slowed down, so that the
-    racket keeps its direction. A joint near an end is asked for no more than it can brake.
+    If a joint exceeds its speed limit, all joints are slowed by the same factor, which keeps the
+    racket's direction. Near the end of its range a joint gets no more speed than it can brake.
 
     Args:
         joints: (B, 6).
-        velocity: (B, 3) m/s, wanted of the rackets' centres.
+        velocity: (B, 3) m/s, desired, of the rackets' centres.
         turning: (B, 2) rad/s about the racket's side axis (positive opens the face) and about its
             upright axis (positive turns the face towards -x).
 
@@ -37,7 +37,7 @@ def joint_speeds(joints: ArrayLike, velocity: ArrayLike, turning: ArrayLike) -> 
 
 
 def _within_limits(joints: Floats, speeds: Floats) -> Floats:
-    """Return speeds slowed down alike to the joints' own, then to what stops before an end."""
+    """Return speeds scaled into the speed limits, then clipped to what stops within the range."""
     excess = np.max(np.abs(speeds) / SPEED, axis=1, keepdims=True)
     room_below, room_above = (LOWER - joints) / BRAKING, (UPPER - joints) / BRAKING
     within: Floats = np.clip(speeds / np.maximum(excess, 1.0), room_below, room_above)
@@ -46,7 +46,7 @@ def _within_limits(joints: Floats, speeds: Floats) -> Floats:
 
 @compiled
 def _least_squares(joints: Floats, tasks: Floats) -> Floats:
-    """Return z + J'(JJ' + lambda^2)^-1 (task - J z), z the way home, for every arm."""
+    """Return z + J'(JJ' + lambda^2)^-1 (task - J z), z the speeds towards neutral, for each arm."""
     speeds = np.empty_like(joints)
     frame, columns = np.empty((3, 3)), np.empty((6, JOINT_COUNT))
     task_rows = np.empty((_TASKS, JOINT_COUNT))

@@ -1,4 +1,4 @@
-"""Kinematics: where the racket is and how it moves, of many arms at once."""
+"""Forward kinematics and Jacobians of the racket, for many arms at once."""
 
 import math
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ JOINT_COUNT = len(JOINTS)
 
 @dataclass(frozen=True)
 class Racket:
-    """B rackets: discs whose face looks along the normal, towards +y in neutral.
+    """B rackets: discs whose face points along the normal, towards +y in neutral.
 
     Attributes:
         position: (B, 3) m, of the centres.
@@ -79,7 +79,7 @@ def _turn(frame: Floats, axis: int, angle: float) -> None:
 
 @compiled
 def _moved(point: Vector, frame: Floats, by: Vector) -> Vector:
-    """Return a point moved by a vector that is given in a frame."""
+    """Return a point displaced by a vector given in a frame."""
     return (
         point[0] + by[0] * frame[0, 0] + by[1] * frame[1, 0] + by[2] * frame[2, 0],
         point[1] + by[0] * frame[0, 1] + by[1] * frame[1, 1] + by[2] * frame[2, 1],
@@ -118,7 +118,7 @@ def locate(joints: Floats, frame: Floats, columns: Floats) -> Vector:
 
 @compiled
 def _complete(columns: Floats, pivots: Floats, centre: Vector) -> None:
-    """Make a Jacobian of joint axes: a sliding joint turns nothing, a turning one swings."""
+    """Complete the Jacobian from the joint axes, for prismatic and revolute joints."""
     for joint in range(JOINT_COUNT):
         if not _TURNS[joint]:
             columns[3:, joint] = 0.0

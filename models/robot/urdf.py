@@ -33,10 +33,10 @@ def inertia(solids: Sequence[Solid]) -> tuple[float, Floats, Floats]:
     centre = masses @ places / masses.sum()
     total = np.zeros((3, 3))
     for solid, offset in zip(solids, places - centre, strict=True):
-        turned = _about_x(solid.pitch)
-        own = turned @ np.diag(_principal(solid)) @ turned.T
-        # Steiner: the solid's own inertia, and that of its mass at its centre.
-        total += own + solid.mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
+        rotation = _about_x(solid.pitch)
+        central = rotation @ np.diag(_principal(solid)) @ rotation.T
+        # Parallel-axis theorem.
+        total += central + solid.mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
     return float(masses.sum()), centre, total
 
 

@@ -1,4 +1,4 @@
-"""View: pictures of the arm, the table and the ball, drawn off-screen by Bullet."""
+"""Pictures of the arm, the table and the ball, rendered off-screen by Bullet."""
 
 from collections.abc import Sequence
 
@@ -21,12 +21,12 @@ from models.robot.kinematics import rows_of_joints
 Image = NDArray[np.uint8]
 
 WIDTH, HEIGHT = 480, 320  # pixels
-EYE, TARGET = (2.9, -3.3, 1.40), (-0.05, -0.5, 0.1)  # m: from beside and behind the robot
+EYE, TARGET = (2.9, -3.3, 1.40), (-0.05, -0.5, 0.1)  # m: behind the robot, to its right
 FIELD_OF_VIEW = 40.0  # degrees, vertical
-_BALL_SCALE = 1.75  # the ball is drawn larger than it is, or it would be three pixels wide
-_OVERSAMPLING = 2  # pixels drawn to one shown, each way: thin lines stay whole
+_BALL_SCALE = 1.75  # drawn larger than it is, or it would be three pixels wide
+_OVERSAMPLING = 2  # rendered pixels per pixel, each way: thin lines stay continuous
 _LINE = 0.020  # m: ITTF Law 2.1.5; the centre line is drawn a quarter as wide
-_ABOVE = 0.002  # m that lines lie above the table, so that they are seen
+_ABOVE = 0.002  # m, lines above the table, to be visible
 
 _BLUE, _WHITE, _GREY = (0.08, 0.30, 0.55, 1), (1, 1, 1, 1), (0.75, 0.76, 0.78, 1)
 _FLOOR, _ORANGE, _NET = (0.55, 0.47, 0.42, 1), (1.0, 0.55, 0.05, 1), (0.12, 0.14, 0.15, 1)
@@ -37,7 +37,7 @@ def frames(joints: ArrayLike, ball_positions: ArrayLike) -> list[Image]:
 
     Args:
         joints: (T, 6) of the arm in each picture.
-        ball_positions: (T, 3) m, of the ball's centre; a ball that is not there is NaN.
+        ball_positions: (T, 3) m, of the ball's centre; NaN hides it.
 
     Raises:
         ValueError: shapes that do not fit.
@@ -55,7 +55,7 @@ def frames(joints: ArrayLike, ball_positions: ArrayLike) -> list[Image]:
 
 
 def _furnish(client: int) -> tuple[int, int]:
-    """Put everything into a world and return the bodies that move: arm and ball."""
+    """Add everything to a world and return the moving bodies, arm and ball."""
     half_width, half_length, half_line = TABLE_HALF_WIDTH, TABLE_HALF_LENGTH, _LINE / 2
     _add_box(client, (4.0, 5.0, 0.01), (0, 0, FLOOR - 0.01), _FLOOR)
     _add_box(client, (half_width, half_length, TABLE_DEPTH / 2), (0, 0, -TABLE_DEPTH / 2), _BLUE)
@@ -63,8 +63,8 @@ def _furnish(client: int) -> tuple[int, int]:
         _add_box(client, (half_line, half_length, 0), (side * half_width, 0, _ABOVE), _WHITE)
         _add_box(client, (half_width, half_line, 0), (0, side * half_length, _ABOVE), _WHITE)
         for end in (-1, 1):
-            leg = (side * 0.6, end * 1.0, (FLOOR - TABLE_DEPTH) / 2)
-            _add_box(client, (0.03, 0.03, -(FLOOR + TABLE_DEPTH) / 2), leg, _GREY)
+            support = (side * 0.6, end * 1.0, (FLOOR - TABLE_DEPTH) / 2)
+            _add_box(client, (0.03, 0.03, -(FLOOR + TABLE_DEPTH) / 2), support, _GREY)
     _add_box(client, (half_line / 4, half_length, 0), (0, 0, _ABOVE), _WHITE)
     span = half_width + NET_OVERHANG
     _add_box(client, (span, 0.002, NET_HEIGHT / 2), (0, 0, NET_HEIGHT / 2), _NET)
@@ -96,7 +96,7 @@ def _picture(client: int, arm: int, ball: int, joints: Floats, position: Floats)
     world = {"physicsClientId": client}
     for joint, value in enumerate(joints.tolist()):
         pybullet.resetJointState(arm, joint, value, **world)
-    place = np.nan_to_num(position, nan=10 * FLOOR).tolist()  # a ball that is not there: far below
+    place = np.nan_to_num(position, nan=10 * FLOOR).tolist()  # hidden far below the floor
     pybullet.resetBasePositionAndOrientation(ball, place, [0, 0, 0, 1], **world)
     width, height = WIDTH * _OVERSAMPLING, HEIGHT * _OVERSAMPLING
     _, _, pixels, _, _ = pybullet.getCameraImage(

@@ -49,7 +49,7 @@ def extrapolated_rows(measured: pd.DataFrame, sizes: dict[str, float], root: Pat
     windows = SHOTS * training.windows_an_episode
     group = params.train_policy.groups["sim2sim"]
     policies = len(group.simulators) * len(group.horizons_ms) * group.repeats
-    ticks = policies * group.learning.legs * group.learning.ticks
+    ticks = policies * group.learning.iterations * group.learning.steps_per_iteration
     works = (
         ("simulate, write and segment them", SHOTS, "episodes", "yes"),
         (EPOCH, windows, "windows", "yes"),

@@ -1,1 +1,1 @@
-"""Policies on files: training and storage."""
+"""Training, storage and reports of policies."""

@@ -1,4 +1,4 @@
-"""Trained policies as files: weights (safetensors) and what they belong to (JSON)."""
+"""Trained policies as files: weights (safetensors) and a description (JSON)."""
 
 from pathlib import Path
 
@@ -25,18 +25,18 @@ WEIGHTS, DESCRIPTION = "weights.safetensors", "policy.json"
 
 
 class TrainedPolicy(BaseModel):
-    """What a policy's weights belong to.
+    """Description of a trained policy, stored with its weights.
 
     Attributes:
-        group: the group of policies that it was trained with.
-        simulator: the name of the simulator it was trained in.
-        effects: that simulator, spelled out.
-        horizons: of the forecasts it is told, ms.
-        observation: what it sees; the scales are those of ``models/policy/observation.py``.
-        goals: what its returns were asked to do.
+        group: of ``train_policy.groups`` in params.yaml.
+        simulator: name of the simulator that it was trained in.
+        effects: that simulator's effects and parameters.
+        horizons: of its forecasts, ms.
+        observation: its kind; scales are in ``models/policy/observation.py``.
+        goals: their distribution in training.
         learning: how it was trained.
-        seed: of every draw of its training.
-        repeat: which of the policies that differ in nothing but the seed.
+        seed: of its training.
+        repeat: number of the policy among those that differ only in the seed.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -53,7 +53,7 @@ class TrainedPolicy(BaseModel):
 
     @field_validator("effects")
     @classmethod
-    def _fly(cls, effects: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
+    def _check_effects(cls, effects: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
         Simulator.from_dict(effects)
         return effects
 
@@ -64,12 +64,12 @@ class TrainedPolicy(BaseModel):
 
     @property
     def horizons_label(self) -> str:
-        """Its first and last horizon, ms, as reports call them: ``115-125``."""
+        """Its first and last horizon, ms, as in reports: ``115-125``."""
         return f"{self.horizons[0]}-{self.horizons[-1]}"
 
     @property
     def labels(self) -> dict[str, str | int]:
-        """What tells it from others in tables."""
+        """Its key columns in tables."""
         return {
             "group": self.group,
             "simulator": self.simulator,
@@ -79,7 +79,7 @@ class TrainedPolicy(BaseModel):
 
     @property
     def task(self) -> Task:
-        """What it was trained for."""
+        """The task that it was trained for."""
         simulator = Simulator.from_dict(self.effects)
         return Task(simulator, self.horizons, self.goals, self.observation)
 
@@ -92,7 +92,7 @@ def save_policy(folder: Path, policy: Policy, description: TrainedPolicy) -> Non
 
 
 def load_policy(folder: Path) -> tuple[Policy, TrainedPolicy]:
-    """Read a trained policy and what it belongs to.
+    """Read a trained policy and its description.
 
     Raises:
         InputError: a file is missing or broken.
@@ -110,15 +110,17 @@ def load_policy(folder: Path) -> tuple[Policy, TrainedPolicy]:
 
 
 def _check_fit(policy: Policy, description: TrainedPolicy, path: Path) -> None:
-    """Raise unless the weights are numbers that take what the policy sees to what it does."""
-    seen = observation_size(
+    """Raise unless the weights are finite and fit the sizes of observation and action."""
+    inputs = observation_size(
         len(description.horizons), description.goals.count, description.observation
     )
     ends = policy.layers[0][0].shape[-1:], policy.layers[-1][1].shape
-    if ends != ((seen,), (ACTIONS,)):
-        raise InputError(path, f"does not fit {DESCRIPTION}: give {seen} inputs, {ACTIONS} outputs")
+    if ends != ((inputs,), (ACTIONS,)):
+        raise InputError(
+            path, f"does not fit {DESCRIPTION}: give {inputs} inputs, {ACTIONS} outputs"
+        )
     if not all(np.isfinite(part).all() for layer in policy.layers for part in layer):
-        raise InputError(path, "has numbers that are not finite; train it anew")
+        raise InputError(path, "has values that are not finite; train the policy again")
 
 
 def load_policies(folder: Path, group: str) -> list[tuple[Policy, TrainedPolicy]]:

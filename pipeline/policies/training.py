@@ -1,8 +1,11 @@
-"""Trains policies side by side, leg by leg, so that a killed run goes on where it was."""
+"""Trains policies in parallel, one training iteration after the other, and tests them.
+
+A training that was interrupted resumes after its last complete iteration.
+"""
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,38 +16,38 @@ from filelock import FileLock
 from safetensors.numpy import load, save
 
 from models.policy.policy import Policy
-from models.policy.random_streams import unseen_balls, watched_balls
-from models.policy.trial import play
+from models.policy.random_streams import evaluation_stream, validation_stream
+from models.policy.trial import TrialResult, play
 from pipeline.io.artifacts import read_json, replacing_folder, write_json
 from pipeline.policies.storage import WEIGHTS, TrainedPolicy
 from pipeline.runtime.parallel import parallel
 from pipeline.runtime.progress import progress_bar
 
-TRIALS = 100  # balls on which a policy is watched after every leg
+VALIDATION_SHOTS = 100  # that a policy plays after every iteration
 RECORD = "record.json"
-UNSEEN = "unseen.parquet"  # among trained policies: how the balls of ``try_policies`` ended
+TEST_TRIALS = "unseen.parquet"  # among trained policies: the tables of ``play_test_shots``
 
 
 @dataclass(frozen=True)
-class Pupil:
-    """A policy to be trained, and a folder that belongs to its training alone."""
+class TrainingJob:
+    """A policy to be trained, and the folder of its training."""
 
     description: TrainedPolicy
     folder: Path
 
-    def leg(self, number: int) -> Path:
-        """The folder of what a leg leaves: the learner, the policy and how well it plays."""
-        return self.folder / f"leg_{number:04d}"
+    def iteration(self, number: int) -> Path:
+        """The folder of an iteration's learner, policy and validation."""
+        return self.folder / f"iteration_{number:04d}"
 
     @property
-    def legs_done(self) -> int:
-        """How many legs are behind it."""
-        return len(list(self.folder.glob(f"leg_*/{RECORD}")))
+    def iterations_done(self) -> int:
+        """Number of complete iterations."""
+        return len(list(self.folder.glob(f"iteration_*/{RECORD}")))
 
 
 @dataclass(frozen=True)
-class Graduate:
-    """A trained policy, its learning curve (a record a leg), and CPU seconds it took."""
+class TrainingResult:
+    """A trained policy, its learning curve (a row per iteration), and its CPU time (s)."""
 
     description: TrainedPolicy
     policy: Policy
@@ -52,98 +55,113 @@ class Graduate:
     seconds: float
 
 
-def train_policies(pupils: Sequence[Pupil]) -> list[Graduate]:
-    """Train every pupil to the end; one leg of each in turn, side by side.
+def train_policies(jobs: Sequence[TrainingJob]) -> list[TrainingResult]:
+    """Train all policies, one iteration of each in turn, in parallel.
 
-    What a leg leaves depends on the leg before and the seed alone, not on where and how many
-    run at once, nor on kills in between.
+    Results depend on descriptions alone: not on the number of processes, nor on interruptions.
     """
-    legs = max(pupil.description.learning.legs for pupil in pupils)
-    whole = sum(pupil.description.learning.legs for pupil in pupils)
-    done = sum(pupil.legs_done for pupil in pupils)
-    with progress_bar("policies", whole, done) as advance:
-        for leg in range(legs):
+    iterations = [job.description.learning.iterations for job in jobs]
+    done = sum(job.iterations_done for job in jobs)
+    with progress_bar("policies", sum(iterations), done) as advance:
+        for number in range(max(iterations)):
             waiting = [
-                pupil
-                for pupil in pupils
-                if pupil.legs_done == leg < pupil.description.learning.legs
+                job
+                for job, last in zip(jobs, iterations, strict=True)
+                if job.iterations_done == number < last
             ]
-            for _ in parallel([partial(learn, pupil, leg) for pupil in waiting]):
+            for _ in parallel([partial(learn, job, number) for job in waiting]):
                 advance()
-    return [_graduate(pupil) for pupil in pupils]
+    return [_result(job) for job in jobs]
 
 
-def try_policies(graduates: Sequence[Graduate], trials: int) -> list[pd.DataFrame]:
-    """Let every policy play balls of its own simulator that it has never seen, side by side.
+def play_test_shots(
+    results: Sequence[TrainingResult], shots: int, record: int = 0
+) -> list[TrialResult]:
+    """Let every policy play test shots of its own simulator, in parallel.
+
+    Args:
+        results: the policies.
+        shots: that each plays.
+        record: how many shots of the first policy to record.
 
     Returns:
-        Of each policy how ``trials`` balls ended: its labels, the ``ball``'s number, and what
-        ``play`` returns.
+        Each policy's trials; their tables also have its labels and the number of the ``ball``.
     """
-    return list(parallel([partial(_played_unseen, one, trials) for one in graduates]))
+    recorded = [record, *[0] * (len(results) - 1)]
+    tasks = [
+        partial(_test, one, shots, count) for one, count in zip(results, recorded, strict=True)
+    ]
+    return list(parallel(tasks))
 
 
-def learn(pupil: Pupil, leg: int) -> None:
-    """Take a pupil through a leg; what it leaves appears whole or not at all.
+def learn(job: TrainingJob, iteration: int) -> None:
+    """Train a policy for one iteration; its folder appears whole or not at all.
 
-    A worker of a run that was killed may still be at this leg: wait, and keep what it leaves.
+    A worker of a killed run may still be at this iteration: wait for it, and keep its result.
     """
-    with FileLock(pupil.folder / "lock"):
-        if pupil.legs_done == leg:
-            before = pupil.leg(leg - 1) if leg else None
-            _learn_on(pupil, leg, before)
+    with FileLock(job.folder / "lock"):
+        if job.iterations_done == iteration:
+            before = job.iteration(iteration - 1) if iteration else None
+            _train(job, iteration, before)
             if before is not None:
-                _forget_learner(before)
+                _delete_learner(before)
 
 
-def _learn_on(pupil: Pupil, leg: int, before: Path | None) -> None:
-    from models.policy.learning import learn_leg  # takes seconds; workers alone need it
+def _train(job: TrainingJob, iteration: int, before: Path | None) -> None:
+    from models.policy.learning import learn_iteration  # takes seconds; only workers need it
 
-    description = pupil.description
+    description = job.description
     started = time.process_time()
-    with replacing_folder(pupil.leg(leg)) as folder:
-        policy = learn_leg(
-            description.task, description.learning, description.seed, leg, before, folder
+    with replacing_folder(job.iteration(iteration)) as folder:
+        policy = learn_iteration(
+            description.task, description.learning, description.seed, iteration, before, folder
         )
         seconds = time.process_time() - started
         (folder / WEIGHTS).write_bytes(save(policy.to_arrays()))
-        record = _watched(policy, description, leg)
+        record = _validate(policy, description, iteration)
         write_json(folder / RECORD, {"seconds": seconds, **record})
 
 
-def _watched(policy: Policy, description: TrainedPolicy, leg: int) -> dict[str, Any]:
-    played = _played(policy, description, TRIALS, watched_balls(description.seed))
+def _validate(policy: Policy, description: TrainedPolicy, iteration: int) -> dict[str, Any]:
+    stream = validation_stream(description.seed)
+    played = _play(policy, description, VALIDATION_SHOTS, stream).table
     return {
-        "ticks": (leg + 1) * description.learning.ticks,
+        "control_steps": (iteration + 1) * description.learning.steps_per_iteration,
         "hit_rate": played["hit"].mean(),
         "return_rate": played["returned"].mean(),
     }
 
 
-def _played(
-    policy: Policy, description: TrainedPolicy, count: int, source: np.random.Generator
-) -> pd.DataFrame:
+def _test(one: TrainingResult, shots: int, record: int) -> TrialResult:
+    stream = evaluation_stream(one.description.seed)
+    played = _play(one.policy, one.description, shots, stream, record)
+    labels = one.description.labels
+    return replace(played, table=played.table.assign(**labels, ball=np.arange(shots)))
+
+
+def _play(
+    policy: Policy,
+    description: TrainedPolicy,
+    shots: int,
+    stream: np.random.Generator,
+    record: int = 0,
+) -> TrialResult:
     task = description.task
-    balls, goals = task.practice(count, source)
-    return play(policy, task.simulator, balls, goals, task.observation)
+    balls, goals = task.training_balls(shots, stream)
+    return play(policy, task.simulator, balls, goals, task.observation, record)
 
 
-def _played_unseen(one: Graduate, count: int) -> pd.DataFrame:
-    played = _played(one.policy, one.description, count, unseen_balls(one.description.seed))
-    return played.assign(**one.description.labels, ball=np.arange(count))
-
-
-def _forget_learner(folder: Path) -> None:
-    """Keep of a leg that another has followed the record alone: learners are large."""
+def _delete_learner(folder: Path) -> None:
+    """Delete all of an iteration but its record: learners are large."""
     for path in folder.iterdir():
         if path.name != RECORD:
             path.unlink()
 
 
-def _graduate(pupil: Pupil) -> Graduate:
-    last = pupil.description.learning.legs - 1
-    records = [read_json(pupil.leg(number) / RECORD) for number in range(last + 1)]
-    policy = Policy.from_arrays(load((pupil.leg(last) / WEIGHTS).read_bytes()))
+def _result(job: TrainingJob) -> TrainingResult:
+    last = job.description.learning.iterations - 1
+    records = [read_json(job.iteration(number) / RECORD) for number in range(last + 1)]
+    policy = Policy.from_arrays(load((job.iteration(last) / WEIGHTS).read_bytes()))
     curve = pd.DataFrame(records)
     seconds = float(curve.pop("seconds").sum())
-    return Graduate(pupil.description, policy, curve, seconds)
+    return TrainingResult(job.description, policy, curve, seconds)

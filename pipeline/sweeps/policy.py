@@ -9,7 +9,7 @@ from pipeline.io.artifacts import read_json
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Params
 from pipeline.policies.storage import TrainedPolicy
-from pipeline.policies.training import RECORD, Pupil, learn, train_policies, try_policies
+from pipeline.policies.training import RECORD, TrainingJob, learn, play_test_shots, train_policies
 from pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
 from pipeline.sweeps.settings import PolicySweep
 from pipeline.sweeps.trial import Report
@@ -28,13 +28,13 @@ class PolicyTraining:
         self.sweep = sweep
 
     def score(self, params: Params, folder: Path, report: Report) -> float:
-        """Train; return the return rate after the last leg."""
-        job = Pupil(described(self.sweep, params), folder)
+        """Train; return the return rate after the last iteration."""
+        job = TrainingJob(described(self.sweep, params), folder)
         rate = 0.0
-        for leg in range(job.description.learning.legs):
-            learn(job, leg)
-            rate = read_json(job.leg(leg) / RECORD)["return_rate"]
-            report(leg + 1, rate)
+        for number in range(job.description.learning.iterations):
+            learn(job, number)
+            rate = read_json(job.iteration(number) / RECORD)["return_rate"]
+            report(number + 1, rate)
         return rate
 
 
@@ -65,12 +65,12 @@ def compare_policies(sweep: PolicySweep, settings: Sequence[Params], folder: Pat
         folder: for checkpoints.
     """
     jobs = [
-        Pupil(described(sweep, params, repeat), folder / f"{number}-{repeat}")
+        TrainingJob(described(sweep, params, repeat), folder / f"{number}-{repeat}")
         for number, params in enumerate(settings)
         for repeat in range(1, SEEDS + 1)
     ]
     shots = settings[0].train_policy.trials
-    played = try_policies(train_policies(jobs), shots)
-    rates = np.stack([table[list(MEASURES)].to_numpy(dtype=np.float64) for table in played])
+    played = play_test_shots(train_policies(jobs), shots)
+    rates = np.stack([one.table[list(MEASURES)].to_numpy(dtype=np.float64) for one in played])
     groups = np.arange(SEEDS * shots).reshape(SEEDS, shots)
     return Comparison(list(MEASURES.values()), False, rates[:SEEDS], rates[SEEDS:], groups)

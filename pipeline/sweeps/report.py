@@ -56,8 +56,8 @@ def write_report(sweep: Sweep, study: optuna.Study) -> list[str]:
 def trials_table(sweep: Sweep, study: optuna.Study) -> pd.DataFrame:
     """Return one row per completed or pruned trial.
 
-    Columns: ``trial``, its number; ``outcome``; ``steps``, epochs or legs; ``score``, the last one;
-    and one column per searched parameter.
+    Columns: ``trial``, its number; ``outcome``; ``steps``, epochs or training iterations;
+    ``score``, the last one; and one column per searched parameter.
     """
     rows = [
         {

@@ -75,7 +75,7 @@ class PruningSettings(Settings):
     first_trials: Annotated[int, Field(ge=1, le=1000)]
     """Trials of which none is pruned."""
     first_steps: Annotated[int, Field(ge=0, le=1000)]
-    """Epochs or legs after which no trial is pruned."""
+    """Epochs or training iterations after which no trial is pruned."""
 
 
 class SweepSettings(Settings):
@@ -114,7 +114,7 @@ class PolicySweep(SweepSettings):
     stage: ClassVar[str] = "train_policy"
     direction: ClassVar[Literal["minimize", "maximize"]] = "maximize"
     score: ClassVar[str] = "return rate"
-    step: ClassVar[str] = "leg"
+    step: ClassVar[str] = "iteration"
 
     trains: Literal["policy"]
     group: Name

@@ -16,7 +16,7 @@ from pipeline.sweeps.settings import PredictorSweep, Sweep
 from pipeline.tracking.recording import ParentRun, Results, RunStart, recording
 
 Report = Callable[[int, float], None]
-"""Takes the score after every epoch or leg, counted from 1; raises ``TrialPruned``."""
+"""Takes the score after each epoch or iteration, counted from 1; raises ``TrialPruned``."""
 
 Train = Callable[[Params, Path, Report], float]
 """Trains with parameters in a folder for checkpoints, and returns the final score."""

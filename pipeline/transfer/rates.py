@@ -1,4 +1,4 @@
-"""Outcomes of trials: how often balls are hit and returned, and what one forecaster gains."""
+"""Hit and return rates of trials, and their paired differences between predictors."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -11,39 +11,39 @@ from models.policy.comparison import compare, intervals
 
 
 class Outcome(NamedTuple):
-    """Something that a ball can come to: the column of trials, and what reports call it."""
+    """An outcome of a shot: its column in trials, and its columns in reports."""
 
     column: str
     rate: str
-    number: str
+    counts: str
 
 
 OUTCOMES = (Outcome("hit", "hit_rate", "hits"), Outcome("returned", "return_rate", "returns"))
 
 
 def rates(played: pd.DataFrame, keys: Sequence[str], resamples: int, seed: int) -> pd.DataFrame:
-    """Return how often balls were hit and returned.
+    """Return the hit and return rates of experiments.
 
     Args:
-        played: one row a policy and ball: ``repeat``, ``ball``, ``hit``, ``returned`` and ``keys``.
-        keys: columns that tell experiments apart.
+        played: one row per policy and ball: ``repeat``, ``ball``, ``hit``, ``returned``, ``keys``.
+        keys: columns that identify an experiment.
         resamples: of the balls, for the 95 % intervals.
         seed: of the resamples.
 
     Returns:
-        One row an experiment: ``keys``; ``balls``; ``hits`` and ``returns``, their mean numbers
-        over the policies; ``hit_rate`` and ``return_rate`` with the ends of their intervals,
-        ``..._low`` and ``..._high``.
+        One row per experiment: ``keys``; ``balls``; ``hits`` and ``returns``, mean numbers over
+        the policies; ``hit_rate`` and ``return_rate`` with their intervals, ``..._low`` and
+        ``..._high``.
     """
     rows = []
     for values, part in played.groupby(list(keys), sort=False, dropna=False):
         trials = _trials(part)
         row = {**dict(zip(keys, values, strict=True)), "balls": trials.shape[1]}
-        numbers = trials.sum(axis=(0, 1)) / len(trials)
+        counts = trials.sum(axis=(0, 1)) / len(trials)
         shares = intervals(trials.astype(np.float64), resamples, seed)
-        for outcome, number, share in zip(OUTCOMES, numbers, shares, strict=True):
-            row[outcome.number], row[outcome.rate] = number, share.mean
-            row[f"{outcome.rate}_low"], row[f"{outcome.rate}_high"] = share.low, share.high
+        for outcome, count, rate in zip(OUTCOMES, counts, shares, strict=True):
+            row[outcome.counts], row[outcome.rate] = count, rate.mean
+            row[f"{outcome.rate}_low"], row[f"{outcome.rate}_high"] = rate.low, rate.high
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -55,46 +55,47 @@ def differences(
     resamples: int,
     seed: int,
 ) -> pd.DataFrame:
-    """Return what every forecaster gains over one of them, on the same balls.
+    """Return the differences of predictors' rates to a baseline's, paired by ball.
 
     Args:
-        played: one row a policy and ball: ``repeat``, ``ball``, ``hit``, ``returned``, ``setting``
-            and the columns of the baseline.
-        setting: columns that tell comparisons apart.
-        baseline: the forecaster that the others are compared with: columns that tell forecasters
-            apart, and what they are for this one.
+        played: one row per policy and ball: ``repeat``, ``ball``, ``hit``, ``returned``,
+            ``setting`` and the columns of the baseline.
+        setting: columns that identify a comparison.
+        baseline: columns that identify a predictor, and their values for the baseline.
         resamples: of the balls, for the 95 % intervals.
         seed: of the resamples.
 
     Returns:
-        One row a setting, forecaster and outcome: ``difference`` of the rates with ``ci_low`` and
-        ``ci_high``; ``gained`` and ``lost``, the balls that came to it more often with the
-        forecaster, or with the baseline.
+        One row per setting, predictor and outcome: ``difference`` of the rates with ``ci_low`` and
+        ``ci_high``; ``gained`` and ``lost``, the balls with the outcome more often with the
+        predictor, or with the baseline.
     """
     keys = [*setting, *baseline]
     rows = []
     for values, part in played.groupby(list(setting), sort=False):
-        by_forecaster = {key: _trials(own) for key, own in part.groupby(list(baseline), sort=False)}
-        base = by_forecaster.pop(tuple(baseline.values()))
-        for forecaster, trials in by_forecaster.items():
+        by_predictor = {
+            key: _trials(rows_of) for key, rows_of in part.groupby(list(baseline), sort=False)
+        }
+        base = by_predictor.pop(tuple(baseline.values()))
+        for predictor, trials in by_predictor.items():
             compared = compare(trials, base, resamples, seed)
-            for outcome, found in zip(OUTCOMES, compared, strict=True):
+            for outcome, comparison in zip(OUTCOMES, compared, strict=True):
                 rows.append(
                     {
-                        **dict(zip(keys, [*values, *forecaster], strict=True)),
-                        "outcome": outcome.number,
-                        "difference": found.difference.mean,
-                        "ci_low": found.difference.low,
-                        "ci_high": found.difference.high,
-                        "gained": found.gained,
-                        "lost": found.lost,
+                        **dict(zip(keys, [*values, *predictor], strict=True)),
+                        "outcome": outcome.counts,
+                        "difference": comparison.difference.mean,
+                        "ci_low": comparison.difference.low,
+                        "ci_high": comparison.difference.high,
+                        "gained": comparison.gained,
+                        "lost": comparison.lost,
                     }
                 )
     return pd.DataFrame(rows)
 
 
 def _trials(part: pd.DataFrame) -> NDArray[np.bool_]:
-    """Return (R, B, K) whether each of B balls came to the outcomes under each of R policies."""
+    """Return (R, B, K) whether each of B balls had each outcome under each of R policies."""
     tables = [
         part.pivot(index="repeat", columns="ball", values=outcome.column) for outcome in OUTCOMES
     ]

@@ -1,146 +1,144 @@
-"""Films of replayed balls: which of them, and everything that moved while a policy played them."""
+"""Chooses example shots of a set, and builds them from recorded trials."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import closing
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
-from models.policy.batch_simulation import Court
-from models.policy.episodes import Episodes
-from models.policy.goals import Goals
-from models.policy.incoming_balls import FIRST_WINDOW, PATH_STEP, Incoming, tick_times
-from models.policy.motion_recording import FRAME, Film, film
+from models.ball.types import Floats
+from models.policy.incoming_balls import FIRST_WINDOW, PATH_STEP, control_times
+from models.policy.motion_recording import FRAME
 from models.policy.outcome import with_net
-from models.policy.policy import Policy
-from models.policy.settings import ObservationKind
+from models.policy.trial import TrialResult
 from models.predictors.protocol import FUTURE_TIMES
-from models.replay.replayed_balls import Views, every_tick, predicted, views
+from models.replay.replayed_balls import Histories, measurement_histories, predict_all
 from pipeline.evaluation.predictors import one_thread
 from pipeline.policies.storage import TrainedPolicy
-from pipeline.transfer.example_returns import Return, Told, Track
+from pipeline.transfer.example_returns import Return, TimedForecast, Track
 from pipeline.transfer.replay_sets import ReplaySet
-from pipeline.transfer.replay_trials import EveryTick
+from pipeline.transfer.replay_trials import EveryStep, ReplayTrial
+from pipeline.transfer.transfer_table import PHYSICS
+from pipeline.transfer.trials import Played
 
-Floats = NDArray[np.float64]
-
+EXAMPLES = 2  # per set
 BALL_STEP = 0.005  # s between two points of the ball's path
 SHOWN = slice(3, None, 4)  # of the states of a forecast: every 20 ms
 
 
-def chosen(played: pd.DataFrame, predictors: Sequence[str], count: int) -> list[int]:
-    """Return the balls of a set to be filmed.
+@dataclass(frozen=True)
+class _Example:
+    """A shot of a set, the policy, and what the predictors get and forecast."""
 
-    Those come first that end differently with different predictors, then those that are returned
-    with all, then all others; among equals, the first that were replayed.
-
-    Args:
-        played: trials of one policy, a row a predictor and ball: ``predictor``, ``ball`` and
-            ``returned``.
-        predictors: that are compared.
-        count: how many balls, at most.
-    """
-    ended = played.pivot(index="ball", columns="predictor", values="returned")[list(predictors)]
-    differ, all_returned = ended.nunique(axis=1) > 1, ended.all(axis=1)
-    order = np.lexsort((ended.index, ~all_returned, ~differ))
-    return [int(ball) for ball in ended.index[order][:count]]
+    shots: ReplaySet
+    trained: TrainedPolicy
+    ball: int
+    histories: Histories
+    forecasts: Mapping[str, Floats]
 
 
-def filmed(
-    shots: ReplaySet,
-    ball: int,
-    goals: Goals,
-    player: tuple[Policy, TrainedPolicy],
-    forecasters: Sequence[EveryTick],
+def example_returns(
+    trials: Sequence[tuple[ReplayTrial, Played]], learned: Sequence[str]
 ) -> list[Return]:
-    """Return how a policy plays a ball, told of it by each of some forecasters.
+    """Return examples of a set, with physics and with its most accurate learned predictor.
 
     Args:
-        shots: the set of the ball.
-        ball: its number among them.
-        goals: of all balls of the set.
-        player: the policy, and what it was trained for.
-        forecasters: all of their forecasts are kept with each return.
+        trials: of the set, with their results; the first policy's trials with physics and with
+            the learned predictors must be recorded.
+        learned: names of the learned predictors.
     """
-    policy, trained = player
-    seen = views([shots.shots[ball]])
-    with one_thread():
-        forecasts = {one.name: predicted(one.predictor, seen.history) for one in forecasters}
-    returns = []
-    for one in forecasters:
-        told = every_tick(forecasts[one.name], seen, trained.horizons)
-        rows = slice(ball, ball + 1)
-        incoming = Incoming(shots.path[rows], shots.playable[rows], FIRST_WINDOW, told)
-        case = (policy, shots.simulator, incoming, goals[rows], trained.observation)
-        ended, moved = _ended(*case), film(*case)
-        returns.append(_return(shots, ball, trained, one.name, ended, moved, seen, forecasts))
-    return returns
+    shots, (_, trained) = trials[0][0].shots, trials[0][0].policies[0]
+    predictors = {
+        trial.forecaster.name: trial.forecaster.predictor
+        for trial, _ in trials
+        if isinstance(trial.forecaster, EveryStep)
+    }
+    played = {
+        trial.forecaster.name: result.recorded
+        for trial, result in trials
+        if result.recorded is not None
+    }
+    errors = {name: played[name].table["forecast_error_m"].mean() for name in learned}
+    compared = [PHYSICS, min(learned, key=errors.__getitem__)]
+    returned = pd.DataFrame({name: played[name].table["returned"] for name in compared})
+    examples = []
+    for ball in choose(returned, EXAMPLES):
+        histories = measurement_histories([shots.shots[ball]])
+        with one_thread():
+            forecasts = {
+                name: predict_all(predictors[name], histories.history) for name in compared
+            }
+        example = _Example(shots, trained, ball, histories, forecasts)
+        examples += [_return(example, name, played[name]) for name in compared]
+    return examples
 
 
-def _ended(
-    policy: Policy, simulator: Simulator, incoming: Incoming, goals: Goals, kind: ObservationKind
-) -> Episodes:
-    """Return how one ball ended."""
-    with closing(Court(simulator, 1, kind)) as court:
-        court.reset(np.ones(1, dtype=np.bool_), incoming, goals)
-        while not court.over[0]:
-            ended = court.step(policy.act(court.observe())).ended
-    return ended
+def choose(returned: pd.DataFrame, count: int) -> list[int]:
+    """Return the shots of a set to show.
+
+    First those with different outcomes, then those always returned, then the others; each in the
+    order of the set.
+
+    Args:
+        returned: whether each shot (row) is returned with each predictor (column).
+        count: the largest number of shots.
+    """
+    differ, all_returned = returned.nunique(axis=1) > 1, returned.all(axis=1)
+    order = np.lexsort((returned.index, ~all_returned, ~differ))
+    return [int(ball) for ball in returned.index[order][:count]]
 
 
-def _return(
-    shots: ReplaySet,
-    ball: int,
-    trained: TrainedPolicy,
-    told_by: str,
-    ended: Episodes,
-    moved: Film,
-    seen: Views,
-    forecasts: Mapping[str, Floats],
-) -> Return:
-    hit, end = float(ended.time[0]), FRAME * (len(moved.joints) - 1)
-    times, places = _ball(shots.simulator, shots.path[ball], ended, end)
+def _return(example: _Example, predictor: str, played: TrialResult) -> Return:
+    shots, ball, horizons = example.shots, example.ball, example.trained.horizons
+    ended, motion = played.table.iloc[ball], played.motions[ball]
+    hit, end = float(ended["time"]), FRAME * (len(motion.joints) - 1)
+    after = played.after_racket[ball]
+    times, places = _ball(shots.simulator, shots.path[ball], hit, after, end)
     measured = shots.shots[ball].measured
     gone = end if np.isnan(hit) else hit
     kept = ~measured.outlier & (measured.times <= gone)
     return Return(
         name=f"{shots.name} {ball}",
-        told_by=told_by,
-        outcome=str(ended.fault[0]).replace("_", " ") or "returned",
-        horizon=trained.horizons[len(trained.horizons) // 2] / 1000,
+        predictor=predictor,
+        outcome=ended["fault"].replace("_", " ") or "returned",
+        horizon=horizons[len(horizons) // 2] / 1000,
         hit=None if np.isnan(hit) else round(hit, 6),
         measured=_track(measured.times[kept], measured.positions[kept]),
         ball=_track(times, places),
         frame=FRAME,
-        joints=[tuple(pose) for pose in np.round(moved.joints, 4).tolist()],
-        forecasts={name: _told(own, seen, gone) for name, own in forecasts.items()},
+        joints=[tuple(pose) for pose in np.round(motion.joints, 4).tolist()],
+        forecasts={
+            name: _timed(forecast, example.histories, gone)
+            for name, forecast in example.forecasts.items()
+        },
     )
 
 
-def _ball(simulator: Simulator, path: Floats, ended: Episodes, end: float) -> tuple[Floats, Floats]:
-    """Return (S,) s and (S, 3) m: the ball up to its hit, the hit, and on from there."""
+def _ball(
+    simulator: Simulator, path: Floats, hit: float, state: Floats, end: float
+) -> tuple[Floats, Floats]:
+    """Return (S,) s and (S, 3) m of a ball, up to its hit and on from the (9,) state after it."""
     times = BALL_STEP * np.arange(round(end / BALL_STEP) + 1, dtype=np.float64)
-    hit = float(np.nan_to_num(ended.time[0], nan=np.inf))
+    if np.isnan(hit):
+        return times, path[np.rint(times / PATH_STEP).astype(np.int64), :3]
     before = times[times < hit]
     coming = path[np.rint(before / PATH_STEP).astype(np.int64), :3]
-    if np.isinf(hit):
-        return before, coming
     after = np.concatenate([[hit], times[times > hit]])
-    away: Floats = with_net(simulator).fly(ended.after, after - hit).states[0, :, :3]
+    away: Floats = with_net(simulator).fly(state, after - hit).states[0, :, :3]
     return np.concatenate([before, after]), np.concatenate([coming, away])
 
 
-def _told(forecast: Floats, seen: Views, gone: float) -> list[Told]:
-    """Return the forecasts of one ball, (S, 60, 9), as they were made until it was gone."""
-    told = []
-    for tick, time in enumerate(tick_times(FIRST_WINDOW)):
+def _timed(forecast: Floats, histories: Histories, gone: float) -> list[TimedForecast]:
+    """Return the forecasts (S, 60, 9) of one ball at the control steps until it was gone."""
+    timed = []
+    for step, time in enumerate(control_times(FIRST_WINDOW)):
         if time <= gone:
-            ahead = time - seen.age[0, tick] + FUTURE_TIMES[SHOWN]
-            states = forecast[seen.latest[0, tick], SHOWN]
-            told.append(Told(at=round(float(time), 6), track=_track(ahead, states[:, :3])))
-    return told
+            ahead = time - histories.age[0, step] + FUTURE_TIMES[SHOWN]
+            states = forecast[histories.latest[0, step], SHOWN]
+            track = _track(ahead, states[:, :3])
+            timed.append(TimedForecast(at=round(float(time), 6), track=track))
+    return timed
 
 
 def _track(times: Floats, positions: Floats) -> Track:

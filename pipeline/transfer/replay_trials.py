@@ -1,6 +1,6 @@
-"""Trials of sim-to-real: policies play replayed balls, and balls that they are told wrongly of."""
+"""Trials of sim-to-real: policies play replayed shots with forecasts from measurements."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -8,19 +8,23 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
+from models.ball.types import Floats
 from models.policy.goals import Goals, draw_goals
-from models.policy.incoming_balls import FIRST_WINDOW, Incoming
+from models.policy.incoming_balls import FIRST_WINDOW, IncomingBalls
 from models.policy.policy import Policy
 from models.policy.settings import HorizonsMs
+from models.policy.trial import TrialResult
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import Predictor
-from models.replay.after_contact import struck
-from models.replay.perturbed_forecasts import ERRORS
-from models.replay.replayed_balls import Views, every_tick, first_window, predicted, views
-from models.shot_quality.shots import landings
+from models.replay.replayed_balls import (
+    Histories,
+    every_step,
+    first_window,
+    measurement_histories,
+    predict_all,
+)
 from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, one_thread
 from pipeline.io.amended_simulators import AMENDED
 from pipeline.params import Sim2RealSettings
@@ -28,16 +32,15 @@ from pipeline.policies.storage import TrainedPolicy, load_policies
 from pipeline.runtime.errors import InputError
 from pipeline.transfer.replay_sets import ARENA_SETS, ReplaySet
 from pipeline.transfer.returns import with_states
-from pipeline.transfer.trials import try_policy
+from pipeline.transfer.trials import Played, play_policy
 
-Floats = NDArray[np.float64]
 Policies = Sequence[tuple[Policy, TrainedPolicy]]
-Told = Callable[[HorizonsMs], Floats]
-"""The forecasts of some balls, at the horizons that a policy wants."""
+Forecasts = Callable[[HorizonsMs], Floats]
+"""Forecasts of some shots at the horizons of a policy."""
 
 
 class Forecaster(Protocol):
-    """Who tells policies of the ball, from what was measured of it."""
+    """Forecasts replayed shots for policies, from their measurements."""
 
     protocol: ClassVar[str]
 
@@ -46,69 +49,78 @@ class Forecaster(Protocol):
         """Of the predictor."""
         ...
 
-    def told(self, views: Views) -> Told:
-        """Forecast the balls of ``views``."""
+    def forecasts(self, histories: Histories) -> Forecasts:
+        """Forecast shots from their measurement histories."""
         ...
 
 
 @dataclass(frozen=True)
-class EveryTick:
-    """A predictor that is asked anew at every control tick."""
+class EveryStep:
+    """A predictor that forecasts again at every control step."""
 
     name: str
     predictor: Predictor
     protocol: ClassVar[str] = "every_tick"
 
-    def told(self, views: Views) -> Told:
+    def forecasts(self, histories: Histories) -> Forecasts:
         """Forecast from every history."""
-        return partial(every_tick, predicted(self.predictor, views.history), views)
+        return partial(every_step, predict_all(self.predictor, histories.history), histories)
 
 
 @dataclass(frozen=True)
 class FirstWindow:
-    """A filter over the first measurements, and a simulator for the whole flight from there."""
+    """A Kalman filter over the first window, and a simulator for the whole flight from there."""
 
     name: str
     simulator: Simulator
     protocol: ClassVar[str] = "first_window"
 
-    def told(self, views: Views) -> Told:
-        """Forecast from the first history."""
-        return partial(first_window, self.simulator, views)
+    def forecasts(self, histories: Histories) -> Forecasts:
+        """Forecast from the first histories."""
+        return partial(first_window, self.simulator, histories)
 
 
 @dataclass(frozen=True)
 class ReplayTrial:
-    """All policies play the shots of a set, told of them by one forecaster."""
+    """All policies play the shots of a set with one forecaster.
+
+    ``record`` says whether the first policy's trials are recorded.
+    """
 
     shots: ReplaySet
-    views: Views
+    histories: Histories
     forecaster: Forecaster
     policies: Policies
     goals: Goals
+    record: bool = False
 
-    def results(self) -> pd.DataFrame:
-        """Return how each shot ended with each policy, and how far the forecasts were off."""
+    def run(self) -> Played:
+        """Return each shot's outcome and forecast error with each policy."""
         with one_thread():
-            told = self.forecaster.told(self.views)
-        parts = [self._played(policy, trained, told) for policy, trained in self.policies]
-        return pd.concat(parts, ignore_index=True)
-
-    def _played(self, policy: Policy, trained: TrainedPolicy, told: Told) -> pd.DataFrame:
-        shots, forecaster = self.shots, self.forecaster
-        incoming = Incoming(shots.path, shots.playable, FIRST_WINDOW, told(trained.horizons))
-        played = try_policy(policy, trained, shots.simulator, incoming, self.goals)
-        back = played["returned"].to_numpy(dtype=np.bool_)
-        after = struck(
-            policy, shots.simulator, incoming[back], self.goals[back], trained.observation
+            forecasts = self.forecaster.forecasts(self.histories)
+        played = [
+            self._play(policy, trained, forecasts(trained.horizons), self.record and not number)
+            for number, (policy, trained) in enumerate(self.policies)
+        ]
+        tables = [with_states(one.table, one.after_racket, one.before_landing) for one in played]
+        table = pd.concat(tables, ignore_index=True).assign(
+            set=self.shots.name,
+            predictor=self.forecaster.name,
+            protocol=self.forecaster.protocol,
         )
-        return with_states(played, after, landings(shots.simulator, after)).assign(
-            set=shots.name, predictor=forecaster.name, protocol=forecaster.protocol
-        )
+        return Played(table, played[0] if self.record else None)
+
+    def _play(
+        self, policy: Policy, trained: TrainedPolicy, forecasts: Floats, record: bool
+    ) -> TrialResult:
+        shots = self.shots
+        incoming = IncomingBalls(shots.path, shots.playable, FIRST_WINDOW, forecasts)
+        count = len(shots) if record else 0
+        return play_policy(policy, trained, shots.simulator, incoming, self.goals, count)
 
 
-def players(folder: Path, settings: Sim2RealSettings) -> Policies:
-    """Read the policies that measured balls are replayed to: of one group, from one simulator.
+def load_players(folder: Path, settings: Sim2RealSettings) -> Policies:
+    """Read the policies of sim2real: of one group, trained in one simulator.
 
     Args:
         folder: of all trained policies.
@@ -125,77 +137,59 @@ def players(folder: Path, settings: Sim2RealSettings) -> Policies:
     return policies
 
 
-def replays(
-    shots: ReplaySet, forecasters: Iterable[Forecaster], policies: Policies, seed: int
+def replay_trials(
+    shots: ReplaySet,
+    forecasters: Iterable[Forecaster],
+    policies: Policies,
+    seed: int,
+    recorded: Collection[str] = (),
 ) -> list[ReplayTrial]:
-    """Return the trials of a set, with the same goals whoever plays and forecasts.
+    """Return the trials of a set, all with the same goals.
 
     Args:
         shots: the set.
-        forecasters: each of them tells all policies.
-        policies: trained for the same goals.
+        forecasters: one trial each.
+        policies: with the same distribution of goals.
         seed: of the goals.
+        recorded: names of predictors; with these at every control step, the first policy's trials
+            are recorded.
     """
-    random = np.random.default_rng([*stream(seed), *shots.name.encode()])
+    random = np.random.default_rng([*trial_seed(seed), *shots.name.encode()])
     goals = draw_goals(policies[0][1].goals, len(shots), random)
-    seen = views(shots.shots)
-    return [ReplayTrial(shots, seen, forecaster, policies, goals) for forecaster in forecasters]
+    histories = measurement_histories(shots.shots)
+    return [
+        ReplayTrial(
+            shots,
+            histories,
+            one,
+            policies,
+            goals,
+            record=one.name in recorded and one.protocol == EveryStep.protocol,
+        )
+        for one in forecasters
+    ]
 
 
-def informed(
+def informed_forecasters(
     shots: ReplaySet, learned: Iterable[NamedPredictor], amended: Simulator | None
-) -> list[EveryTick]:
-    """Return those who know more of a set's balls than the policies' own simulator does.
+) -> list[EveryStep]:
+    """Return the predictors that know more about a set than the policies' own simulator.
 
-    These are what was learned, physics with the amended simulator, and the oracle, each where there
-    is one.
+    The learned ones, physics with the amended simulator, and the oracle, where available.
     """
-    told = [EveryTick(one.name, one.predictor) for one in learned]
+    forecasters = [EveryStep(one.name, one.predictor) for one in learned]
     if amended is not None:
-        told.append(EveryTick(AMENDED, PhysicsPredictor(amended)))
+        forecasters.append(EveryStep(AMENDED, PhysicsPredictor(amended)))
     if shots.oracle is not None:
-        told.append(EveryTick(ORACLE, PhysicsPredictor(shots.oracle)))
-    return told
+        forecasters.append(EveryStep(ORACLE, PhysicsPredictor(shots.oracle)))
+    return forecasters
 
 
 def source_of(shots: ReplaySet) -> str:
-    """Return the source of a set: the arena has several."""
+    """Return the source of a set: the arena has several sets."""
     return ARENA if shots.name in ARENA_SETS else shots.name
 
 
-def stream(seed: int) -> list[int]:
-    """Return the seed of draws that no training makes."""
+def trial_seed(seed: int) -> list[int]:
+    """Return the seed of sim2real's random draws, which no training uses."""
     return [seed, *b"sim2real"]
-
-
-@dataclass(frozen=True)
-class ToleranceTrial:
-    """A policy plays balls of its own simulator, told of them with an error.
-
-    Every trial of a policy has the same balls, and errors of all sizes the same directions.
-
-    Attributes:
-        policy: plays.
-        trained: what for.
-        error: which of ``ERRORS``.
-        size: of the error, m.
-        balls: how many.
-        stream: where balls, goals and errors come from.
-    """
-
-    policy: Policy
-    trained: TrainedPolicy
-    error: str
-    size: float
-    balls: int
-    stream: Sequence[int]
-
-    def results(self) -> pd.DataFrame:
-        """Return how each ball ended."""
-        task, random = self.trained.task, np.random.default_rng(self.stream)
-        balls, goals = task.practice(self.balls, random)
-        wrong = ERRORS[self.error](balls.forecasts, self.size, random)
-        incoming = Incoming(balls.path, balls.playable, balls.start, wrong)
-        return try_policy(self.policy, self.trained, task.simulator, incoming, goals).assign(
-            error=self.error, size_cm=100 * self.size
-        )

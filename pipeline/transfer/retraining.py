@@ -1,36 +1,34 @@
-"""Back into the loop: policies trained anew in amended simulators, beside those of before."""
+"""Policies retrained in amended simulators, compared with the original ones."""
 
 from collections.abc import Hashable, Mapping
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
+from models.ball.types import Floats
 from pipeline.evaluation.predictors import ORACLE
 from pipeline.policies.storage import TrainedPolicy
 from pipeline.transfer.rates import differences, rates
 from pipeline.transfer.transfer_table import PHYSICS, SETTING
 
-Floats = NDArray[np.float64]
-
 ORIGINAL, RETRAINED = "original", "retrained"
 BASELINE = {"policy": ORIGINAL, "predictor": PHYSICS}
-KEYS = [*SETTING, *BASELINE]  # what tells two experiments apart
+KEYS = [*SETTING, *BASELINE]  # of an experiment
 CLOSED = ["gap_closed", "closed_low", "closed_high"]
 
 
 def amended_name(source: str) -> str:
-    """What a simulator is called that balls of a source amended."""
+    """Return the name of the simulator amended from a source."""
     return f"amended_by_{source}"
 
 
-def anew(trained: TrainedPolicy, source: str, simulator: Simulator) -> TrainedPolicy:
-    """Return what a policy is to be trained for that differs in its simulator alone.
+def in_simulator(trained: TrainedPolicy, source: str, simulator: Simulator) -> TrainedPolicy:
+    """Return the description of the same policy trained in an amended simulator.
 
     Args:
-        trained: the policy of before.
-        source: whose balls amended the simulator.
+        trained: the original policy.
+        source: from whose shots the simulator was amended.
         simulator: amended.
     """
     changes = {"simulator": amended_name(source), "effects": simulator.to_dict()}
@@ -38,31 +36,31 @@ def anew(trained: TrainedPolicy, source: str, simulator: Simulator) -> TrainedPo
 
 
 def pooled(played: pd.DataFrame, source: str) -> pd.DataFrame:
-    """Return the trials of all sets of a source as those of one set, and each set's after them."""
+    """Return the trials of all sets of a source as one set, followed by each set's."""
     if played["set"].nunique() == 1:
         return played
     balls = played["set"] + "/" + played["ball"].astype(str)
     return pd.concat([played.assign(set=source, ball=balls), played], ignore_index=True)
 
 
-def loop_table(
+def retraining_table(
     played: pd.DataFrame, own: Mapping[Hashable, float], resamples: int, seed: int
 ) -> pd.DataFrame:
-    """Return what each policy and predictor make of the same balls.
+    """Return rates, differences and shares of the gap closed, by policy and predictor.
 
-    The gap in returns is between the original policy with physics and what it could reach: its
-    returns when told by the oracle, or else its rate in its own simulator.
+    The gap in return rates is between the original policy with physics and the same policy with the
+    oracle, or without an oracle its rate in its own simulator.
 
     Args:
-        played: one row a policy, predictor and ball, with ``KEYS``, ``repeat``, ``ball``, ``hit``
+        played: one row per policy, predictor and ball, with ``KEYS``, ``repeat``, ``ball``, ``hit``
             and ``returned``.
-        own: return rate of the original policies in their own simulator, by their horizons.
+        own: return rates of the original policies in their own simulator, by horizons.
         resamples: of the balls, for the 95 % intervals.
         seed: of the resamples.
 
     Returns:
-        One row a setting, policy and predictor: its rates, the difference of its returns to the
-        original, and the share of the gap that it closes, which is NaN where no gap is sure.
+        One row per setting, policy and predictor: its rates, the difference of its return rate to
+        the baseline's, and the share of the gap that it closes; NaN without a significant gap.
     """
     table = rates(played, KEYS, resamples, seed)
     gains = differences(played, SETTING, BASELINE, resamples, seed)
@@ -85,25 +83,25 @@ def _shares(
     resamples: int,
     seed: int,
 ) -> dict[tuple[Hashable, ...], tuple[float, float, float]]:
-    """Return the share of the gap that each policy and predictor close in one setting."""
+    """Return the shares of the gap that policies and predictors close in one setting."""
     returned = {key: _returned(rows) for key, rows in part.groupby(list(BASELINE), sort=False)}
     base = returned.pop(tuple(BASELINE.values()))
-    reach = returned.get((ORIGINAL, ORACLE), np.full_like(base, own[setting[1]]))
+    best = returned.get((ORIGINAL, ORACLE), np.full_like(base, own[setting[1]]))
     return {
-        (*setting, *key): share_closed(rate - base, reach - base, resamples, seed)
+        (*setting, *key): share_closed(rate - base, best - base, resamples, seed)
         for key, rate in returned.items()
     }
 
 
 def _returned(rows: pd.DataFrame) -> Floats:
-    """Return (B,) how often each ball was returned, mean over policies."""
+    """Return (B,) each ball's return rate over policies."""
     return rows.groupby("ball")["returned"].mean().to_numpy(dtype=np.float64)
 
 
 def share_closed(
     gain: Floats, gap: Floats, resamples: int, seed: int
 ) -> tuple[float, float, float]:
-    """Return the share of a gap that closes, with the ends of its 95 % interval.
+    """Return the share of a gap that closes, with its 95 % interval.
 
     Args:
         gain: (B,) of each ball.
@@ -112,7 +110,7 @@ def share_closed(
         seed: of the resamples.
 
     Returns:
-        NaN where chance alone may have made the gap: where not 97.5 % of the resamples have one.
+        NaN where the gap is not significant: not positive in 97.5 % of the resamples.
     """
     even = np.full(len(gap), 1 / len(gap))
     weights = np.random.default_rng(seed).multinomial(len(gap), even, size=resamples)

@@ -1,19 +1,16 @@
-"""The returns of replayed balls: their states just after the racket and just before they land."""
+"""The trials of sim2real as a file, with the states of their returns."""
 
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pandera.pandas as pa
-from numpy.typing import NDArray
 
-from models.ball.state import STATE_SIZE
+from models.ball.types import Floats
 from pipeline.io.schemas import STATE_COLUMNS, read_checked
 
-Floats = NDArray[np.float64]
-
-AFTER = [f"after_{name}" for name in STATE_COLUMNS]
-LANDED = [f"landed_{name}" for name in STATE_COLUMNS]
+AFTER = [f"after_{name}" for name in STATE_COLUMNS]  # just after the racket
+LANDED = [f"landed_{name}" for name in STATE_COLUMNS]  # just before the landing
 KNOWN = ["speed", "net_height", *AFTER, *LANDED]  # of every return
 
 PLAYED = pa.DataFrameSchema(
@@ -26,26 +23,25 @@ PLAYED = pa.DataFrameSchema(
     },
     checks=pa.Check(
         lambda table: bool(table.loc[table["returned"], KNOWN].notna().all(axis=None)),
-        error="of a return all must be known",
+        error="a return lacks a value",
     ),
     name="played",
-    description="trials of sim2real, one row a policy, predictor and shot; the columns used here",
+    description="trials of sim2real, one row per policy, predictor and shot; the columns used here",
 )
 
 
 def with_states(played: pd.DataFrame, after: Floats, landed: Floats) -> pd.DataFrame:
-    """Return trials with the states (R, 9) of their R returns, in columns that others leave empty.
+    """Return trials with the states of returns, which are NaN in other rows.
 
     Args:
-        played: one row a ball; ``returned`` says which came back.
-        after: just after the racket.
-        landed: just before the bounce.
+        played: B trials.
+        after: (B, 9) just after the racket.
+        landed: (B, 9) just before the landing.
     """
-    states = np.full((len(played), 2 * STATE_SIZE), np.nan)
-    states[played["returned"].to_numpy(dtype=np.bool_)] = np.column_stack([after, landed])
-    return pd.concat(
-        [played, pd.DataFrame(states, columns=[*AFTER, *LANDED], index=played.index)], axis=1
-    )
+    returned = played["returned"].to_numpy()[:, None]
+    states = np.where(returned, np.hstack([after, landed]), np.nan)
+    columns = pd.DataFrame(states, columns=[*AFTER, *LANDED], index=played.index)
+    return pd.concat([played, columns], axis=1)
 
 
 def read_played(path: Path) -> pd.DataFrame:

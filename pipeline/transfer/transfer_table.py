@@ -1,4 +1,4 @@
-"""The transfer table of sim-to-real: hits and returns with physics and with what was learned."""
+"""Hits and returns with physics and with learned predictors, in the form of the paper's table."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -7,48 +7,48 @@ import pandas as pd
 
 from pipeline.paper.values import printed_transfer
 from pipeline.transfer.rates import OUTCOMES
-from pipeline.transfer.replay_trials import EveryTick
+from pipeline.transfer.replay_trials import EveryStep
 
-SETTING = ["set", "horizons_ms"]  # what tells two comparisons apart
+SETTING = ["set", "horizons_ms"]  # of a comparison
 PHYSICS = "physics"
-BASELINE = {"predictor": PHYSICS, "protocol": EveryTick.protocol}  # of what others gain
-THE_PAPER = "the paper's"
-NUMBERS = [outcome.number for outcome in OUTCOMES]
+BASELINE = {"predictor": PHYSICS, "protocol": EveryStep.protocol}  # of gains
+PAPER_ROW = "the paper's"
+COUNTS = [outcome.counts for outcome in OUTCOMES]
 
 
-def in_the_form_of_the_paper(table: pd.DataFrame, learned: Sequence[str]) -> pd.DataFrame:
-    """Return hits and returns, physics beside what was learned, and the paper's below ours.
+def paper_form_table(table: pd.DataFrame, learned: Sequence[str]) -> pd.DataFrame:
+    """Return numbers of hits and returns with physics and with learned predictors.
 
     Args:
         table: ``rates`` by set, horizons, predictor and protocol.
-        learned: the predictors to set beside physics.
+        learned: predictors to compare with physics.
 
     Returns:
-        One row a set and learned predictor, and one of the paper's for each set that it has.
+        One row per set and learned predictor, and the paper's row for each set that it has.
     """
-    asked = table[table["protocol"] == EveryTick.protocol]
+    every_step = table[table["protocol"] == EveryStep.protocol]
     horizons = list(table["horizons_ms"].unique())
     rows = []
-    for name, members in asked.groupby("set", sort=False):
-        rows += [_own_row(members, str(name), one) for one in learned]
+    for name, members in every_step.groupby("set", sort=False):
+        rows += [_row(members, str(name), one) for one in learned]
         if name in printed_transfer():
             rows.append(_paper_row(str(name), horizons))
     return pd.DataFrame(rows)
 
 
-def _own_row(members: pd.DataFrame, name: str, learned: str) -> dict[str, Any]:
+def _row(members: pd.DataFrame, name: str, learned: str) -> dict[str, Any]:
     row = {"set": name, "learned_predictor": learned, "shots": members["balls"].iloc[0]}
-    for ahead, own in members.groupby("horizons_ms", sort=False):
+    for horizons, rows in members.groupby("horizons_ms", sort=False):
         for kind, predictor in (("physics", PHYSICS), ("learned", learned)):
-            found = own[own["predictor"] == predictor].iloc[0]
-            row |= {f"{ahead} ms: {kind} {number}": found[number] for number in NUMBERS}
+            counts = rows[rows["predictor"] == predictor].iloc[0]
+            row |= {f"{horizons} ms: {kind} {count}": counts[count] for count in COUNTS}
     return row
 
 
 def _paper_row(name: str, horizons: Sequence[str]) -> dict[str, Any]:
     printed = printed_transfer()[name]
-    row = {"set": name, "learned_predictor": THE_PAPER, "shots": printed.shots}
-    for ahead in horizons:
-        for kind, counts in printed.counts.get(ahead, {}).items():
-            row |= {f"{ahead} ms: {kind} {outcome}": count for outcome, count in counts.items()}
+    row = {"set": name, "learned_predictor": PAPER_ROW, "shots": printed.shots}
+    for label in horizons:
+        for kind, counts in printed.counts.get(label, {}).items():
+            row |= {f"{label} ms: {kind} {outcome}": count for outcome, count in counts.items()}
     return row

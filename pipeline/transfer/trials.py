@@ -1,6 +1,7 @@
-"""Trials: trained policies play balls that somebody forecasts for them."""
+"""Runs trials of trained policies in parallel."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -9,51 +10,77 @@ import pandas as pd
 from models.ball.simulator import Simulator
 from models.policy.comparison import forecast_error
 from models.policy.goals import Goals
-from models.policy.incoming_balls import Incoming
+from models.policy.incoming_balls import IncomingBalls
 from models.policy.policy import Policy
-from models.policy.trial import play
+from models.policy.trial import TrialResult, play
 from pipeline.policies.storage import TrainedPolicy
 from pipeline.runtime.parallel import parallel
 from pipeline.runtime.progress import progress_bar
 
 
-class Trial(Protocol):
-    """Something to be played."""
+@dataclass(frozen=True)
+class Played:
+    """Results of a trial.
 
-    def results(self) -> pd.DataFrame:
-        """Play; return one row a policy and ball."""
+    Attributes:
+        table: one row per policy and shot.
+        recorded: the first policy's trials with their motions, where they were recorded.
+    """
+
+    table: pd.DataFrame
+    recorded: TrialResult | None = None
+
+
+class Trial(Protocol):
+    """A trial that can run in another process."""
+
+    def run(self) -> Played:
+        """Run the trial."""
         ...
 
 
-def play_all(trials: Sequence[Trial]) -> pd.DataFrame:
-    """Return the results of all trials, in their order, played side by side."""
-    tables: list[pd.DataFrame] = []
+def run_trials(trials: Sequence[Trial]) -> list[Played]:
+    """Run trials in parallel; return their results in the same order."""
+    results: list[Played] = []
     with progress_bar("trials", len(trials)) as advance:
-        for table in parallel([trial.results for trial in trials]):
-            tables.append(table)
+        for result in parallel([trial.run for trial in trials]):
+            results.append(result)
             advance()
-    return pd.concat(tables, ignore_index=True)
+    return results
 
 
-def try_policy(
-    policy: Policy, trained: TrainedPolicy, simulator: Simulator, incoming: Incoming, goals: Goals
-) -> pd.DataFrame:
-    """Return how each ball ended: what ``play`` tells, and who played.
+def joined(results: Sequence[Played]) -> pd.DataFrame:
+    """Return the tables of all results as one."""
+    return pd.concat([result.table for result in results], ignore_index=True)
+
+
+def play_policy(
+    policy: Policy,
+    trained: TrainedPolicy,
+    simulator: Simulator,
+    incoming: IncomingBalls,
+    goals: Goals,
+    record: int = 0,
+) -> TrialResult:
+    """Let a policy play balls, and label the results.
 
     Args:
-        policy: plays.
-        trained: what for.
+        policy: decides.
+        trained: its description.
         simulator: flies the balls on from the racket.
-        incoming: (B,) balls, forecast at the horizons that the policy wants.
+        incoming: (B,) balls with forecasts at the policy's horizons.
         goals: (B,) of their returns.
+        record: how many of the first balls to record.
 
     Returns:
-        One row a ball: columns of ``play``; ``horizons_ms`` and ``repeat`` of the policy;
-        ``ball``, which counts them; and ``forecast_error_m``, the same in all rows.
+        The trials; the table also has ``horizons_ms`` and ``repeat`` of the policy, the number of
+        the ``ball``, and ``forecast_error_m``, the same in all rows.
     """
-    return play(policy, simulator, incoming, goals, trained.observation).assign(
+    result = play(policy, simulator, incoming, goals, trained.observation, record)
+    table = result.table.assign(
         horizons_ms=trained.horizons_label,
         repeat=trained.repeat,
         ball=np.arange(len(incoming)),
         forecast_error_m=forecast_error(incoming, trained.horizons),
     )
+    return replace(result, table=table)

@@ -77,7 +77,7 @@ def _return_scene(one: Return) -> dict[str, Any]:
     first, last = one.ball.t[0], one.ball.t[-1]
     met = last if one.hit is None else one.hit
     return {
-        "name": f"{one.name}, told by {one.told_by.replace('_', ' ')}: {one.outcome}",
+        "name": f"{one.name}, predictor {one.predictor.replace('_', ' ')}: {one.outcome}",
         "start": first,
         "end": last,
         "zero": met,

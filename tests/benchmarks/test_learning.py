@@ -1,4 +1,4 @@
-"""The training benchmark stops at the goal, at the last leg or when its time is used up."""
+"""The training benchmark stops at the goal, at the last iteration or when its time is used up."""
 
 import math
 from itertools import count
@@ -11,17 +11,17 @@ from benchmarks.learning import LEARNING, Progress, compared, train
 
 
 @pytest.mark.parametrize(
-    ("rates", "legs", "patience", "trained"),
+    ("rates", "iterations", "patience", "trained"),
     [
         ([0.3, 0.899, 0.9, 0.95], None, math.inf, 3),
         ([0.1] * 5, 3, math.inf, 3),
         ([0.1] * 5, None, 1e-9, 1),
     ],
 )
-def test_training_stops(monkeypatch, rates, legs, patience, trained):
-    monkeypatch.setattr(learning, "return_rate", lambda leg: rates[leg])
-    progress = train("it", iter(range(legs)) if legs else count(), patience)
-    assert progress.ticks == LEARNING.ticks * trained
+def test_training_stops(monkeypatch, rates, iterations, patience, trained):
+    monkeypatch.setattr(learning, "return_rate", lambda number: rates[number])
+    progress = train("it", iter(range(iterations)) if iterations else count(), patience)
+    assert progress.ticks == LEARNING.steps_per_iteration * trained
     assert progress.return_rate == rates[trained - 1]
 
 

@@ -15,7 +15,7 @@ SETTINGS = Sim2RealSettings(
     learned=["tiny"],
     launches=6,
     noise=SensorNoise(position=0.003, spin=0.05),
-    tolerance=ToleranceSettings(balls=6, errors_cm=[0.0, 40.0]),
+    tolerance=ToleranceSettings(shots=6, errors_cm=[0.0, 40.0]),
     bootstrap_resamples=100,
 )
 SOURCE = "thrown"  # of the launches
@@ -33,7 +33,7 @@ def moved(tables, columns, change):
     return samples.assign(**{name: change(samples[name]) for name in columns}), *others
 
 
-def half_turned(tables):
+def rotated(tables):
     """The tables of a shot that flies the other way."""
     return moved(tables, ["px", "py", "vx", "vy"], lambda column: -column)
 

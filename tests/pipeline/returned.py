@@ -1,4 +1,4 @@
-"""Trials of sim2real with the states of their returns, by hand."""
+"""Trials of sim2real with the states of their returns, by racket_state."""
 
 import numpy as np
 import pandas as pd
@@ -6,7 +6,6 @@ import pandas as pd
 from models.ball.simulators import shipped
 from models.policy.goals import Goals
 from models.policy.outcome import judge
-from models.shot_quality.shots import landings
 from pipeline.io.artifacts import write_table
 from pipeline.transfer.returns import with_states
 
@@ -39,8 +38,7 @@ def _played(balls, faster, random):
         {"ball": np.arange(balls), "returned": outcome.returned, "speed": outcome.speed,
          "net_height": outcome.net_height}
     )  # fmt: skip
-    back = after[outcome.returned]
-    return with_states(played, back, landings(SIMULATOR, back))
+    return with_states(played, after, outcome.before_landing)
 
 
 def write_trials(root, played):

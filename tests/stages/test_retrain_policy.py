@@ -22,7 +22,7 @@ from tests.pipeline.replayed import SETTINGS, replayed, write_replays
 from tests.pipeline.trained_policies import chaser, description
 
 AMENDED = {"drag": {"cd": 0.54}, "wind": {"x": 0.2}}
-SPELLED = BRIEF.model_copy(update={"legs": 1})
+SPELLED = BRIEF.model_copy(update={"iterations": 1})
 
 
 def prepared(root, sources=("arena",)):
@@ -45,7 +45,7 @@ def whole(tmp_path_factory):
     """One run, in this process; not to be changed."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LOKY_MAX_CPU_COUNT", "1")
-        patch.setattr(policy_training, "TRIALS", 6)
+        patch.setattr(policy_training, "VALIDATION_SHOTS", 6)
         run = prepared(tmp_path_factory.mktemp("whole"))
         retrain_policy(run)
     return run
@@ -56,7 +56,7 @@ def save_unseen(policies, trained):
     unseen = pd.DataFrame({"ball": range(10), **trained.labels})
     unseen = unseen.assign(hit=unseen["ball"] < 8, returned=unseen["ball"] < 6)
     elsewhere = unseen.assign(simulator="imperfect_a", hit=True, returned=True)
-    write_table(policies / policy_training.UNSEEN, pd.concat([unseen, elsewhere]))
+    write_table(policies / policy_training.TEST_TRIALS, pd.concat([unseen, elsewhere]))
 
 
 def table(run, name, keys):
@@ -111,7 +111,7 @@ def test_the_amended_simulator_stands_beside_the_truth(whole):
 
 
 @pytest.mark.parametrize(
-    ("source", "said"), [("hall", "has not amended imperfect_c by balls of hall")]
+    ("source", "said"), [("hall", "has not amended imperfect_c from shots of hall")]
 )
 def test_a_source_that_amended_nothing_is_named(whole, source, said):
     settings = RetrainPolicySettings(sources=[source])

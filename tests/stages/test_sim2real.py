@@ -115,7 +115,7 @@ def test_ours_and_the_paper_s_counts_stand_side_by_side(whole):
 def test_sets_tell_what_was_done_to_their_shots(whole):
     rows = table(whole[0], "replayed", "set")
     assert rows["replayed"].to_dict() == {"stroke_pro": 2, "plain": 3, SOURCE: SETTINGS.launches}
-    assert rows["spin"]["plain"] == "none" and rows["flown_on_by"]["plain"] == "the literature"
+    assert rows["spin"]["plain"] == "none" and rows["physics"]["plain"] == "literature"
 
 
 def test_a_forecast_that_is_far_off_costs_hits(whole):
@@ -152,9 +152,9 @@ def test_without_a_policy_from_the_simulator_there_is_one_error_and_no_metrics(t
     assert not (tmp_path / "reports").exists()
 
 
-def test_balls_of_every_set_are_filmed_told_by_physics_and_by_what_was_learned(whole):
-    films = read_returns(whole[0].artifact("returns.json"))
-    told = {(film.name.split()[0], film.told_by) for film in films}
+def test_shots_of_every_set_are_shown_with_physics_and_the_learned_predictor(whole):
+    examples = read_returns(whole[0].artifact("returns.json"))
+    shown = {(one.name.split()[0], one.predictor) for one in examples}
     sets = ("stroke_pro", "plain", SOURCE)
-    assert told == {(name, teller) for name in sets for teller in ("physics", "tiny")}
-    assert len(films) == 2 * 2 * len(sets)
+    assert shown == {(name, predictor) for name in sets for predictor in ("physics", "tiny")}
+    assert len(examples) == 2 * 2 * len(sets)

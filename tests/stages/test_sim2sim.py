@@ -123,5 +123,5 @@ def test_without_policies_of_the_group_there_is_one_error_and_no_metrics(tmp_pat
 
 def test_an_unknown_ground_truth_is_one_error(tmp_path):
     save_chaser(tmp_path, "imperfect_c", 0)
-    with pytest.raises(InputError, match="no simulator 'perfect' is shipped"):
+    with pytest.raises(InputError, match="there is no shipped simulator 'perfect'"):
         judged(tmp_path, ground_truth="perfect")

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from models.policy import learning
-from models.policy.random_streams import unseen_balls
+from models.policy.random_streams import evaluation_stream
 from models.policy.scores import scores
 from models.policy.trial import play
 from pipeline.io.artifacts import read_json, read_table
@@ -26,7 +26,7 @@ GROUP = PolicyGroupSettings(
     repeats=2,
     observation="intercept",
     goals=GOALS,
-    learning=BRIEF.model_copy(update={"legs": 1}),
+    learning=BRIEF.model_copy(update={"iterations": 1}),
 )
 STYLED = {
     "simulators": ["imperfect_c"],
@@ -34,7 +34,7 @@ STYLED = {
     "repeats": 1,
     "observation": "strict",
     "goals": GOALS.model_copy(update={"speed": (4.0, 7.0)}),
-    "learning": BRIEF.model_copy(update={"legs": 2}),
+    "learning": BRIEF.model_copy(update={"iterations": 2}),
 }
 GROUPS = {"plain": GROUP, "styled": GROUP.model_copy(update=STYLED)}
 NAMES = [
@@ -51,7 +51,7 @@ def prepared(root, groups=GROUPS):
 def in_one_process(patch):
     """Train in this process, where other processes would take seconds to start."""
     patch.setenv("LOKY_MAX_CPU_COUNT", "1")
-    patch.setattr(policy_training, "TRIALS", 6)
+    patch.setattr(policy_training, "VALIDATION_SHOTS", 6)
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +77,7 @@ def written(run):
 
 def test_there_is_a_policy_for_each_simulator_horizons_and_repeat(whole):
     left = {path.name for path in whole.artifact(".").iterdir()}
-    assert left == {*NAMES, policy_training.UNSEEN}
+    assert left == {*NAMES, policy_training.TEST_TRIALS}
     for name, (_, described) in policies(whole).items():
         group = GROUPS[described.group]
         assert described.name == name
@@ -96,20 +96,20 @@ def test_a_repeat_has_the_same_seed_everywhere_and_another_than_the_next(whole):
 
 def test_the_report_scores_each_policy_on_unseen_balls_of_its_own_simulator(whole):
     table = pd.read_csv(whole.report("policies.csv")).set_index("group", append=True)
-    unseen = read_table(whole.artifact(policy_training.UNSEEN))
+    unseen = read_table(whole.artifact(policy_training.TEST_TRIALS))
 
     for (policy, described), (_, row) in zip(
         policies(whole).values(), table.iterrows(), strict=True
     ):
         task = described.task
-        balls, goals = task.practice(TRIALS, unseen_balls(described.seed))
-        expected = scores(play(policy, task.simulator, balls, goals, task.observation))
+        balls, goals = task.training_balls(TRIALS, evaluation_stream(described.seed))
+        expected = scores(play(policy, task.simulator, balls, goals, task.observation).table)
         found = {name: row[name] for name in expected}
         assert found == pytest.approx(expected, rel=1e-5, nan_ok=True)
         own = (unseen[list(described.labels)] == described.labels.values()).all(axis=1)
         assert unseen.loc[own, "returned"].mean() == expected["return_rate"]
         assert (row["simulator"], row["repeat"]) == (described.simulator, described.repeat)
-        assert row["ticks"] == described.learning.legs * BRIEF.ticks
+        assert row["control_steps"] == described.learning.iterations * BRIEF.steps_per_iteration
 
 
 def test_metrics_are_the_table_s_by_group_simulator_and_horizons(whole):
@@ -144,7 +144,7 @@ def test_a_run_that_was_killed_is_taken_up_to_the_same_bytes(whole, tmp_path, mo
     clock = SimpleNamespace(process_time=count().__next__)  # a second at every look
     monkeypatch.setattr(policy_training, "time", clock)
     with monkeypatch.context() as patch, pytest.raises(RuntimeError, match="killed"):
-        patch.setattr(learning, "learn_leg", killed_in_a_second_leg(learning.learn_leg))
+        patch.setattr(learning, "learn_iteration", killed_in_a_second_leg(learning.learn_iteration))
         train_policy(prepared(tmp_path))
     again = prepared(tmp_path)
 
@@ -154,11 +154,11 @@ def test_a_run_that_was_killed_is_taken_up_to_the_same_bytes(whole, tmp_path, mo
     assert written(again) == written(whole)
 
 
-def killed_in_a_second_leg(learn_leg):
-    def killed(task, settings, seed, leg, before, after):
-        if leg == 1:
+def killed_in_a_second_leg(learn_iteration):
+    def killed(task, settings, seed, iteration, before, after):
+        if iteration == 1:
             raise RuntimeError("killed")
-        return learn_leg(task, settings, seed, leg, before, after)
+        return learn_iteration(task, settings, seed, iteration, before, after)
 
     return killed
 

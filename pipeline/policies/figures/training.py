@@ -1,4 +1,4 @@
-"""How policies learn, and how far they do what they are asked to."""
+"""Figures of learning curves and of achieved goals."""
 
 from itertools import cycle
 
@@ -18,19 +18,19 @@ GOALS = {
     "speed": "speed (m/s)",
     "topspin": "topspin (rad/s)",
 }
-# Hues that people with any common colour blindness tell apart (Okabe and Ito 2008, Tol 2021).
+# Distinguishable with common colour blindness (Okabe and Ito 2008, Tol 2021).
 COLOURS = ("#0f7fc4", "#d55e00", "#009988", "#b85fa0", "#a08000", "#7d8791")
 DASHES = ("-", "--", ":", "-.")
 
 
 def learning_figure(curves: pd.DataFrame) -> Figure:
-    """Draw how returns and hits grow in training: a row of panels a group, a line a policy.
+    """Draw return and hit rates in training: a row of panels per group, a line per policy.
 
     Simulators differ by colour, horizons by dashes; repeats look alike.
 
     Args:
-        curves: one row a leg of a policy: group, simulator, horizons_ms, repeat, ticks,
-            return_rate and hit_rate (shares).
+        curves: one row per iteration of a policy: group, simulator, horizons_ms, repeat,
+            control_steps, return_rate and hit_rate (shares).
     """
     groups = list(curves["group"].unique())
     colours = dict(zip(curves["simulator"].unique(), cycle(COLOURS), strict=False))
@@ -47,18 +47,18 @@ def learning_figure(curves: pd.DataFrame) -> Figure:
 
 
 def achieved_figure(returns: pd.DataFrame) -> Figure:
-    """Draw what returns achieved against what they were asked for, a panel a goal.
+    """Draw achieved values over goals, a panel per kind of goal.
 
     Args:
-        returns: one row a ball that was returned, as ``models.policy.trial.play`` tells it.
+        returns: one row per return, columns of a ``TrialResult``.
     """
-    asked = [name for name in GOALS if f"goal_{name}" in returns]
-    rows = (len(asked) + 1) // 2
+    goals = [name for name in GOALS if f"goal_{name}" in returns]
+    rows = (len(goals) + 1) // 2
     figure = Figure(figsize=(FIGURE_WIDTH, 3.2 * rows))
-    for place, name in enumerate(asked, start=1):
+    for place, name in enumerate(goals, start=1):
         axes = figure.add_subplot(rows, 2, place)
         _draw_achieved(axes, returns[f"goal_{name}"].to_numpy(), returns[name].to_numpy())
-        axes.set(xlabel=f"asked: {GOALS[name]}", ylabel="achieved")
+        axes.set(xlabel=f"goal: {GOALS[name]}", ylabel="achieved")
     return figure
 
 
@@ -67,18 +67,18 @@ def _draw_curves(
 ) -> None:
     for key, curve in rows.groupby(["simulator", "horizons_ms", "repeat"], sort=False):
         colour, dash = colours[str(key[0])], dashes[str(key[1])]
-        axes.plot(curve["ticks"] / 1000, 100 * curve[rate], color=colour, ls=dash, lw=1.4)
-    axes.set(xlabel="control ticks (thousands)", ylabel=RATES[rate], ylim=(0, 102))
+        axes.plot(curve["control_steps"] / 1000, 100 * curve[rate], color=colour, ls=dash, lw=1.4)
+    axes.set(xlabel="control steps (thousands)", ylabel=RATES[rate], ylim=(0, 102))
     axes.set_xlim(left=0)
 
 
-def _draw_achieved(axes: Axes, asked: np.ndarray, achieved: np.ndarray) -> None:
-    axes.plot(asked, achieved, ".", ms=3, color=COLOURS[0], alpha=0.4, mew=0)
-    slope, intercept = fitted_line(asked, achieved)
+def _draw_achieved(axes: Axes, goals: np.ndarray, achieved: np.ndarray) -> None:
+    axes.plot(goals, achieved, ".", ms=3, color=COLOURS[0], alpha=0.4, mew=0)
+    slope, intercept = fitted_line(goals, achieved)
     if np.isnan(slope):
         axes.set_title("too few returns for a slope")
         return
-    ends = np.array([asked.min(), asked.max()])
+    ends = np.array([goals.min(), goals.max()])
     axes.plot(ends, ends, color=MUTED, lw=1.0, ls="--")
     axes.plot(ends, slope * ends + intercept, color=COLOURS[1])
     axes.set_title(f"slope {slope:.2f}")

@@ -1,4 +1,4 @@
-"""Returns of the same balls, by policies and predictors of before and after."""
+"""Figure of return rates before and after retraining."""
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -6,15 +6,15 @@ from matplotlib.figure import Figure
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour
 
-ROW = 0.3  # inch a bar
+ROW = 0.3  # inch per bar
 HEADROOM = 1.0  # inch, for the title and the axis
 
 
-def loop_figure(table: pd.DataFrame) -> Figure:
-    """Draw the return rate of every policy and predictor: a column a source, a row its horizons.
+def retraining_figure(table: pd.DataFrame) -> Figure:
+    """Draw return rates by policy and predictor: a column per set, a row per pair of horizons.
 
     Args:
-        table: one row a ``set``, ``horizons_ms``, ``policy`` and ``predictor``, with ``balls``,
+        table: one row per ``set``, ``horizons_ms``, ``policy`` and ``predictor``, with ``balls``,
             ``return_rate``, ``return_rate_low`` and ``return_rate_high``.
     """
     sets, horizons = list(table["set"].unique()), list(table["horizons_ms"].unique())
@@ -22,14 +22,14 @@ def loop_figure(table: pd.DataFrame) -> Figure:
     height = len(horizons) * (HEADROOM + ROW * bars)
     figure = Figure(figsize=(FIGURE_WIDTH, height))
     grid = figure.subplots(len(horizons), len(sets), sharex=True, squeeze=False)
-    for axes_row, ahead in zip(grid, horizons, strict=True):
+    for axes_row, label in zip(grid, horizons, strict=True):
         for axes, name in zip(axes_row, sets, strict=True):
-            rows = table[(table["set"] == name) & (table["horizons_ms"] == ahead)]
+            rows = table[(table["set"] == name) & (table["horizons_ms"] == label)]
             _draw_panel(axes, rows)
             balls = rows["balls"].iloc[0]
-            axes.set_title(f"{name}, horizons {ahead.replace('-', '–')} ms, n = {balls}")
+            axes.set_title(f"{name}, horizons {label.replace('-', '–')} ms, n = {balls}")
     for axes in grid[-1]:
-        axes.set_xlabel("returned (% of the balls)")
+        axes.set_xlabel("return rate (%)")
     return figure
 
 

@@ -1,4 +1,4 @@
-"""Figures of sim-to-real: hits and returns of replayed shots, and what policies tolerate."""
+"""Figures of sim-to-real: hit and return rates, and tolerated forecast errors."""
 
 from itertools import cycle
 from textwrap import fill
@@ -13,20 +13,22 @@ from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour,
 
 Forecaster = tuple[str, str]  # predictor and protocol
 
-# Physics with the simulator that the policies were trained in.
+PROTOCOLS = {"first_window": "first window", "every_tick": "every control step"}
+
+# Physics uses the policies' own simulator.
 PHYSICS_COLOURS = {"first_window": "#8fc4e8", "every_tick": predictor_colour("physics_c")}
 BARS = 0.84  # width of all bars of a set; sets are 1 apart
-LABEL = 12  # letters of a set's name in a line
+LABEL = 12  # letters per line of a set's name
 HITS = 0.35  # opacity of hits, behind the returns
-ERRORS = {"bias": "off by a constant", "noise": "off anew at every tick"}
+ERRORS = {"bias": "constant bias", "noise": "noise at every control step"}
 LINES = ("#0f7fc4", "#d55e00", "#009988", "#8a6fd1")
 
 
 def transfer_figure(rates: pd.DataFrame) -> Figure:
-    """Draw the returns, in front of the hits, of every set with every forecaster.
+    """Draw return rates, in front of hit rates, of every set with every predictor.
 
     Args:
-        rates: one row a ``set``, ``horizons_ms``, ``predictor`` and ``protocol``, with ``balls``,
+        rates: one row per ``set``, ``horizons_ms``, ``predictor`` and ``protocol``, with ``balls``,
             ``hit_rate``, ``return_rate``, ``return_rate_low`` and ``return_rate_high``.
     """
     horizons = list(rates["horizons_ms"].unique())
@@ -45,10 +47,10 @@ def transfer_figure(rates: pd.DataFrame) -> Figure:
 
 
 def tolerance_figure(rates: pd.DataFrame) -> Figure:
-    """Draw the return rate over the error of the forecasts: a panel a kind, a line each horizons.
+    """Draw return rates over forecast errors: a panel per kind of error, a line per horizons.
 
     Args:
-        rates: one row an ``error`` (``bias``, ``noise`` or ``no_spin``), ``size_cm`` and
+        rates: one row per ``error`` (``bias``, ``noise`` or ``no_spin``), ``size_cm`` and
             ``horizons_ms``, with ``return_rate``, ``return_rate_low`` and ``return_rate_high``.
     """
     figure = Figure(figsize=(FIGURE_WIDTH, 3.4))
@@ -57,8 +59,8 @@ def tolerance_figure(rates: pd.DataFrame) -> Figure:
         for (ahead, own), colour in zip(rates.groupby("horizons_ms"), cycle(LINES), strict=False):
             _draw_line(axes, own[own["error"] == error].sort_values("size_cm"), colour, str(ahead))
             spinless = 100 * own.loc[own["error"] == "no_spin", "return_rate"].iloc[0]
-            axes.axhline(spinless, color=colour, lw=1.0, ls=":", label=f"{ahead} ms, without spin")
-        axes.set(title=title, xlabel="error of the forecast position (cm)", ylim=(0, 104))
+            axes.axhline(spinless, color=colour, lw=1.0, ls=":", label=f"{ahead} ms, zero spin")
+        axes.set(title=title, xlabel="forecast position error (cm)", ylim=(0, 104))
         axes.set_xlim(left=0)
     panels[0].set_ylabel("return rate (%)")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=4)
@@ -66,7 +68,7 @@ def tolerance_figure(rates: pd.DataFrame) -> Figure:
 
 
 def _forecasters(rates: pd.DataFrame) -> list[Forecaster]:
-    """Return physics first, from its first window and from every tick; then the others."""
+    """Return physics with both protocols first, then the others."""
     pairs = rates[["predictor", "protocol"]].drop_duplicates().to_numpy(dtype=str)
 
     def place(forecaster: Forecaster) -> tuple[bool, tuple[int, str], bool]:
@@ -89,7 +91,7 @@ def _draw_panel(
         whiskers = {"ecolor": INK, "elinewidth": 0.9, "capsize": 2}
         axes.bar(across, 100 * rows["hit_rate"], 0.9 * width, color=colour, alpha=HITS)
         axes.bar(across, height, 0.9 * width, color=colour, yerr=ends, error_kw=whiskers)
-    axes.set(ylabel="share of the shots (%)", ylim=(0, 104), yticks=range(0, 101, 25))
+    axes.set(ylabel="rate (% of shots)", ylim=(0, 104), yticks=range(0, 101, 25))
     axes.grid(visible=False, axis="x")
 
 
@@ -101,13 +103,13 @@ def _draw_line(axes: Axes, rows: pd.DataFrame, colour: str, ahead: str) -> None:
 
 def _add_legends(figure: Figure, forecasters: list[Forecaster]) -> None:
     bars = [
-        Patch(color=_colour((name, protocol)), label=f"{_words(name)}, {_words(protocol)}")
+        Patch(color=_colour((name, protocol)), label=f"{_words(name)}, {PROTOCOLS[protocol]}")
         for name, protocol in forecasters
     ]
     parts = [
         Patch(color=MUTED, label="returned"),
         Patch(color=MUTED, alpha=HITS, lw=0, label="hit"),
-        Line2D([], [], color=INK, lw=0.9, label="95 % interval of the returns"),
+        Line2D([], [], color=INK, lw=0.9, label="95 % interval of the return rate"),
     ]
     figure.legend(handles=bars, loc="outside upper left", ncols=3)
     figure.legend(handles=parts, loc="outside lower center", ncols=3)

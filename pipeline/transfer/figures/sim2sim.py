@@ -1,4 +1,4 @@
-"""Return rates of the sim-to-sim experiment, in the form of the paper's figure."""
+"""Figure of sim-to-sim return rates, in the form of the paper's."""
 
 from typing import Any
 
@@ -13,22 +13,22 @@ from pipeline.io.figure_style import FIGURE_WIDTH, INK
 
 GROUND_TRUTH, IMPERFECT = "ground_truth", "imperfect"
 COLOURS = {GROUND_TRUTH: "#0f7fc4", IMPERFECT: "#d55e00"}
-# From where, and how often, the ball is predicted.
+# What predictions start from.
 PROTOCOLS = {
-    "first_state": "predicted once, from the ball's first state, as in the paper",
-    "re_anchored": "predicted anew at every control tick, from the ball's true state",
+    "first_state": "one prediction from the ball's first state, as in the paper",
+    "re_anchored": "a new prediction at every control step, from the ball's true state",
 }
-# The single policies of a bar: on any colour, beside its whisker.
+# Single policies, drawn next to the whisker of a bar.
 DOTS: dict[str, Any] = {"ls": "", "marker": "o", "ms": 4, "mfc": "white", "mec": INK, "mew": 0.8}
 BAR = 0.38  # width; simulators are 1 apart
 GAP = 0.5  # more between the horizons
 
 
 def sim2sim_figure(rates: pd.DataFrame) -> Figure:
-    """Draw return rates: a panel a protocol, two bars a simulator, side by side for all horizons.
+    """Draw return rates: a panel per protocol, two bars per simulator and horizons.
 
     Args:
-        rates: one row a protocol, simulator, horizons_ms and predictor (``GROUND_TRUTH`` or
+        rates: one row per protocol, simulator, horizons_ms and predictor (``GROUND_TRUTH`` or
             ``IMPERFECT``), with return_rate, ci_low and ci_high as shares, and per_seed, the list
             of the single policies' return rates.
     """

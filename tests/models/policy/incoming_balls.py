@@ -1,4 +1,4 @@
-"""Incoming balls for the policy's tests."""
+"""IncomingBalls balls for the policy's tests."""
 
 from functools import cache
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from models.ball.simulator import Simulator
 from models.ball.simulators import shipped
-from models.policy.incoming_balls import fly_in
+from models.policy.incoming_balls import fly_incoming
 from models.policy.launches import draw_launches
 
 TRUTH, WRONG = shipped("ground_truth"), shipped("imperfect_c")
@@ -20,7 +20,7 @@ THROWN = np.array([[0.1, 1.5, 0.3, 0.2, -2.0, 8.0, 10.0, 20.0, 30.0]])
 def struck(count=40, seed=0):
     """Launches, paths and playable times of balls that the robot has a chance to play."""
     launches = draw_launches(TRUTH, count, np.random.default_rng(seed))
-    return launches, *fly_in(TRUTH, launches)
+    return launches, *fly_incoming(TRUTH, launches)
 
 
 def parabola(times):

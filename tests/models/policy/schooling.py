@@ -9,13 +9,14 @@ from models.policy.observation import observation_size
 from models.policy.policy import Policy
 from models.policy.settings import GoalSettings, LearningSettings
 from models.policy.task import Task
-from tests.models.policy.courts import SIMULATOR
+from tests.models.policy.simulations import SIMULATOR
 
 GOALS = GoalSettings(landing_across=(-0.4, 0.4), landing_along=(0.5, 1.1), speed=None, topspin=None)
 TASK = Task(SIMULATOR, (115, 120, 125), GOALS, "intercept")
 BRIEF = LearningSettings(
-    legs=3, ticks=48, arms=4, gradient_steps=2, warm_up=16, batch=8, width=8, learning_rate=0.01,
-    final_learning_rate=0.0001, discount=0.98, target_step=0.005, entropy=0.1,
+    iterations=3, steps_per_iteration=48, environments=4, gradient_steps=2, warm_up=16, batch=8,
+    width=8, learning_rate=0.01, final_learning_rate=0.0001, discount=0.98,
+    target_step=0.005, entropy=0.1,
 )  # fmt: skip
 
 

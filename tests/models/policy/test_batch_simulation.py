@@ -1,23 +1,23 @@
-"""The court: what ends an episode, and what it brings."""
+"""The simulation: what ends an episode, and what it brings."""
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 from models.ball.state import BALL_RADIUS
-from models.policy.batch_simulation import Court
+from models.policy.batch_simulation import BatchSimulation
 from models.policy.outcome import judge
-from tests.models.policy.courts import (
+from tests.models.policy.simulations import (
     ARRIVAL,
     CENTRE,
     NORMAL,
     SIMULATOR,
     beside_centre,
-    court_with,
     goals,
-    hand,
     passing,
     played,
+    racket_state,
+    simulation_with,
 )
 
 ASIDE = beside_centre(across=0.3)
@@ -42,24 +42,24 @@ def test_a_ball_that_meets_a_waiting_racket_is_struck_and_judged(speed):
     time, before = contact_with_still_racket(incoming)
     after = SIMULATOR.strike(before, NORMAL[None], np.zeros((1, 3)))
 
-    ended = played(court_with(incoming))[0].ended
+    ended = played(simulation_with(incoming))[0].ended
 
     assert ended.hit[0]
     assert ended.time[0] == pytest.approx(time, abs=1e-4)
-    np.testing.assert_allclose(ended.after, after, atol=0.02, rtol=0.01)
+    np.testing.assert_allclose(ended.after_racket, after, atol=0.02, rtol=0.01)
     assert ended.distance == pytest.approx(judge(SIMULATOR, after, goals()).distance, abs=0.05)
 
 
 def test_the_back_of_the_racket_is_told_apart_and_worth_less():
-    ended = played(court_with(passing(CENTRE, velocity=(0.0, 5.0, 0.0))))[0].ended
+    ended = played(simulation_with(passing(CENTRE, velocity=(0.0, 5.0, 0.0))))[0].ended
 
     assert ended.hit[0]
     assert ended.backhand[0] == 1
-    assert ended.after[0, 4] < 5.0
+    assert ended.after_racket[0, 4] < 5.0
 
 
 def test_a_ball_that_passes_is_missed_by_its_nearest_distance():
-    step, rewards = played(court_with(passing(ASIDE)))
+    step, rewards = played(simulation_with(passing(ASIDE)))
 
     assert step.ended.fault[0] == "missed"
     assert step.ended.nearest[0] == pytest.approx(0.3, abs=0.003)
@@ -69,7 +69,7 @@ def test_a_ball_that_passes_is_missed_by_its_nearest_distance():
 
 
 def test_a_ball_struck_before_its_bounce_is_a_fault():
-    step, rewards = played(court_with(passing(CENTRE, playable=(0.3, 0.6))))
+    step, rewards = played(simulation_with(passing(CENTRE, playable=(0.3, 0.6))))
 
     assert step.ended.fault[0] == "before_bounce"
     assert not step.ended.hit[0]
@@ -77,7 +77,7 @@ def test_a_ball_struck_before_its_bounce_is_a_fault():
 
 
 def test_an_arm_that_strikes_the_table_is_at_fault():
-    step, rewards = played(court_with(passing(ASIDE, playable=(0.0, 1.4))), AHEAD_AND_DOWN)
+    step, rewards = played(simulation_with(passing(ASIDE, playable=(0.0, 1.4))), AHEAD_AND_DOWN)
 
     assert step.ended.fault[0] == "arm_on_table"
     assert step.reward[0] == pytest.approx(-1.0 - 0.002 * 2)
@@ -86,28 +86,22 @@ def test_an_arm_that_strikes_the_table_is_at_fault():
 
 def test_a_ball_hit_just_before_the_arm_strikes_the_table_counts():
     """In the same tick: the place of the racket at its beginning is taken from a first run."""
-    trial = court_with(passing(ASIDE, playable=(0.0, 1.4)))
+    trial = simulation_with(passing(ASIDE, playable=(0.0, 1.4)))
     ticks = len(played(trial, AHEAD_AND_DOWN)[1])
-    trial = court_with(passing(ASIDE, playable=(0.0, 1.4)))
+    trial = simulation_with(passing(ASIDE, playable=(0.0, 1.4)))
     for _ in range(ticks - 1):
         trial.step(AHEAD_AND_DOWN)
-    there, normal = hand(trial).position[0], hand(trial).normal[0]
+    there, normal = racket_state(trial).position[0], racket_state(trial).normal[0]
     ball = passing(there, velocity=-10 * normal, arrival=0.040 * (ticks - 1) + 0.004)
 
-    step, rewards = played(court_with(ball), AHEAD_AND_DOWN)
+    step, rewards = played(simulation_with(ball), AHEAD_AND_DOWN)
 
     assert len(rewards) == ticks
     assert step.ended.hit[0]
 
 
-def test_a_ball_that_is_gone_cannot_be_struck():
-    step, _ = played(court_with(passing(CENTRE, playable=(0.0, 0.17))))
-
-    assert step.ended.fault[0] == "missed"
-
-
 def test_a_ball_that_can_never_be_played_is_missed_at_once():
-    step, rewards = played(court_with(passing(CENTRE, playable=NEVER)))
+    step, rewards = played(simulation_with(passing(CENTRE, playable=NEVER)))
 
     assert step.ended.fault[0] == "missed"
     assert np.isinf(step.ended.nearest[0])
@@ -115,56 +109,37 @@ def test_a_ball_that_can_never_be_played_is_missed_at_once():
 
 
 def test_every_arm_plays_its_own_ball():
-    court = court_with(passing(ASIDE, CENTRE, beside_centre(above=0.05)))
-    alone = played(court_with(passing(beside_centre(above=0.05))))[0]
+    simulation = simulation_with(passing(ASIDE, CENTRE, beside_centre(above=0.05)))
+    alone = played(simulation_with(passing(beside_centre(above=0.05))))[0]
 
-    step, _ = played(court, np.zeros((3, 5)))
+    step, _ = played(simulation, np.zeros((3, 5)))
 
-    assert step.ended.arms.tolist() == [1, 2]
-    np.testing.assert_array_equal(step.ended.after[1], alone.ended.after[0])
+    assert step.ended.envs.tolist() == [1, 2]
+    np.testing.assert_array_equal(step.ended.after_racket[1], alone.ended.after_racket[0])
     assert step.ended.landing[0, 1] != step.ended.landing[1, 1]
 
 
-def test_an_arm_whose_episode_is_over_rests_until_it_gets_a_ball():
-    court = court_with(passing(ASIDE, CENTRE))
-    first, _ = played(court, np.zeros((2, 5)))
-
-    second, rewards = played(court, np.array([[0.0] * 5, [1.0] * 5]))
-
-    assert first.ended.arms.tolist() == [1]
-    assert second.ended.arms.tolist() == [0]
-    assert (rewards[:, 1] == 0).all()
-
-
-def test_a_new_ball_begins_an_episode_like_the_first():
-    court = court_with(passing(CENTRE, ASIDE))
-    begun = court.observe()
-    step, _ = played(court, np.zeros((2, 5)))
-    court.reset(np.array([True, False]), passing(CENTRE), goals())
-
-    np.testing.assert_array_equal(court.observe()[0], begun[0])
-    np.testing.assert_array_equal(court.observe()[1], step.observation[1])
-
-
 def test_the_racket_goes_where_the_action_says():
-    court = court_with(passing(*[ASIDE] * 3, playable=(0.0, 1.4)))
-    start = hand(court).position
+    simulation = simulation_with(passing(*[ASIDE] * 3, playable=(0.0, 1.4)))
+    start = racket_state(simulation).position
     for _ in range(4):
-        court.step(np.eye(3, 5))
+        simulation.step(np.eye(3, 5))
 
-    moved = hand(court).position - start
+    moved = racket_state(simulation).position - start
 
     assert (moved.argmax(axis=1) == [0, 1, 2]).all()
     assert (np.diag(moved) > 0.1).all()
 
 
 def test_what_is_played_again_is_the_same_to_the_byte():
-    def played_out(court):
-        court.reset(np.ones(2, dtype=bool), passing(CENTRE, ASIDE), goals(2))
+    def played_out(simulation):
+        simulation.reset(np.ones(2, dtype=bool), passing(CENTRE, ASIDE), goals(2))
         random = np.random.default_rng(3)
-        return [court.step(random.uniform(-1, 1, (2, 5))).observation.tobytes() for _ in range(9)]
+        return [
+            simulation.step(random.uniform(-1, 1, (2, 5))).observation.tobytes() for _ in range(9)
+        ]
 
-    court = Court(SIMULATOR, 2, "intercept")
+    simulation = BatchSimulation(SIMULATOR, 2, "intercept")
 
-    assert played_out(court) == played_out(court)
-    assert played_out(court) == played_out(Court(SIMULATOR, 2, "intercept"))
+    assert played_out(simulation) == played_out(simulation)
+    assert played_out(simulation) == played_out(BatchSimulation(SIMULATOR, 2, "intercept"))

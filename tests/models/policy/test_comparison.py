@@ -5,7 +5,7 @@ import pytest
 
 from models.policy.comparison import compare, forecast_error, intervals
 from models.policy.forecasts import exact
-from models.policy.incoming_balls import Incoming, tick_times
+from models.policy.incoming_balls import IncomingBalls, control_times
 from tests.models.policy.incoming_balls import HORIZONS, struck
 
 RESAMPLES = 4000
@@ -55,28 +55,13 @@ def test_a_second_policy_that_does_the_same_makes_nothing_surer():
     assert intervals(double, RESAMPLES, 0) == intervals(single, RESAMPLES, 0)
 
 
-def test_a_quantity_has_the_same_interval_whatever_else_is_asked():
-    one, other = outcomes(0.8).astype(float), outcomes(0.7, seed=1).astype(float)
-
-    together = intervals(np.dstack([one, other]), RESAMPLES, 0)
-
-    assert together == [intervals(each, RESAMPLES, 0)[0] for each in (one, other)]
-    assert together[0].low < one.mean() == together[0].mean < together[0].high
-
-
-def test_without_resamples_an_interval_is_its_mean():
-    (found,) = intervals(outcomes(0.8).astype(float), 0, 0)
-
-    assert found.low == found.mean == found.high > 0
-
-
 def test_forecasts_count_until_the_ball_is_gone():
     _, path, playable = struck()
     forecasts = exact(path, HORIZONS)
     forecasts[..., 1, 0] += 0.03
     forecasts[..., [0, 2], 0] += 0.5  # other horizons
-    forecasts[tick_times(0.0) >= playable[:, 1:]] += 7.0
+    forecasts[control_times(0.0) >= playable[:, 1:]] += 7.0
 
-    told = Incoming(path, playable, 0.0, forecasts)
+    told = IncomingBalls(path, playable, 0.0, forecasts)
 
     assert forecast_error(told, HORIZONS) == pytest.approx(0.03)

@@ -8,13 +8,13 @@ import stable_baselines3.common.env_checker
 from models.policy import ball_supply as supply
 from models.policy.environment import ReturnEnv, ReturnVecEnv
 from models.policy.settings import GoalSettings
-from models.policy.training_balls import Practice
-from tests.models.policy.courts import SIMULATOR
+from models.policy.training_balls import TrainingBalls
+from tests.models.policy.simulations import SIMULATOR
 
 GOALS = GoalSettings(
     landing_across=(-0.45, 0.45), landing_along=(0.5, 1.1), speed=(4.0, 7.0), topspin=None
 )
-BALLS = Practice(SIMULATOR, GOALS, (115, 120, 125))
+BALLS = TrainingBalls(SIMULATOR, GOALS, (115, 120, 125))
 
 
 def single():
@@ -71,28 +71,13 @@ def test_the_seed_decides_everything():
 
 def test_every_ball_is_played_once_and_in_order(monkeypatch):
     monkeypatch.setattr(supply, "BATCH", 4)
-    plain = Practice(SIMULATOR, GOALS, (115, 120, 125))
+    plain = TrainingBalls(SIMULATOR, GOALS, (115, 120, 125))
 
     _, infos = played(ReturnVecEnv(SIMULATOR, plain, "strict", 3, 0), ticks=100)
 
     balls = sorted(info["ball"] for info in infos)
     assert len(balls) > 8
     assert balls[:-3] == list(range(len(balls) - 3))
-
-
-def test_an_arm_goes_on_with_the_next_ball_by_itself():
-    environment = many(2)
-    begun = environment.reset()
-    while True:
-        seen, _, done, infos = environment.step(np.zeros((2, 5)))
-        if done.any():
-            break
-    arm = done.argmax()
-
-    np.testing.assert_array_equal(seen[arm, :6], begun[arm, :6])  # joints in neutral
-    assert not np.array_equal(seen[arm, 21:], begun[arm, 21:])  # another ball
-    assert infos[arm]["TimeLimit.truncated"] is False
-    assert infos[arm]["terminal_observation"].shape == seen[arm].shape
 
 
 def test_infos_say_how_episodes_ended():

@@ -3,7 +3,7 @@
 import numpy as np
 
 from models.policy.forecasts import exact, first_state, re_anchored
-from models.policy.incoming_balls import fly_in, tick_times
+from models.policy.incoming_balls import control_times, fly_incoming
 from tests.models.policy.incoming_balls import (
     HORIZONS,
     THROWN,
@@ -16,8 +16,8 @@ from tests.models.policy.incoming_balls import (
 
 
 def test_a_parabola_is_forecast_at_its_ticks_and_horizons():
-    path, _ = fly_in(VACUUM, THROWN)
-    expected = parabola(tick_times(0.0)[:, None] + np.array(HORIZONS) / 1000)
+    path, _ = fly_incoming(VACUUM, THROWN)
+    expected = parabola(control_times(0.0)[:, None] + np.array(HORIZONS) / 1000)
     for forecasts in (
         exact(path, HORIZONS),
         first_state(VACUUM, THROWN, HORIZONS),
@@ -35,7 +35,7 @@ def test_the_true_simulator_forecasts_the_truth():
 
 def test_a_wrong_simulator_errs_along_the_flight_unless_it_is_anchored_anew():
     launches, path, playable = struck()
-    live = tick_times(0.0) < playable[:, 1:] - 0.2
+    live = control_times(0.0) < playable[:, 1:] - 0.2
     truth = exact(path, HORIZONS)
     first = np.linalg.norm((first_state(WRONG, launches, HORIZONS) - truth)[..., 1, :3], axis=2)
     anew = np.linalg.norm((re_anchored(WRONG, path, HORIZONS) - truth)[..., 1, :3], axis=2)

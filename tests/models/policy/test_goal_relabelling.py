@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from gymnasium import spaces
 
-from models.policy.goal_relabelling import RetoldReplay
+from models.policy.goal_relabelling import RelabellingReplayBuffer
 from models.policy.goals import Goals
 from models.policy.reward import goal_reward
 from models.policy.settings import GoalSettings
@@ -30,7 +30,7 @@ def worth(landing):
 def replay():
     """A tick in which one arm strikes its ball, and one in which it does not."""
     seen, done = spaces.Box(-5, 5, (7,), np.float32), spaces.Box(-1, 1, (2,), np.float32)
-    kept = RetoldReplay(2, seen, done, n_envs=1, goals=GOALS, columns=COLUMNS)
+    kept = RelabellingReplayBuffer(2, seen, done, n_envs=1, goals=GOALS, columns=COLUMNS)
     of_goal = worth(OLD_GOAL.landing[0])
     struck = {**STROKE, "goal_reward": of_goal}
     rows = np.arange(7.0)[None] / 10

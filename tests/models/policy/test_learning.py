@@ -1,4 +1,4 @@
-"""Learning in legs: the learner before and the seed decide, and nothing else."""
+"""Learning in iterations: the learner before and the seed decide, and nothing else."""
 
 import shutil
 
@@ -10,60 +10,64 @@ from stable_baselines3.common.logger import Logger
 
 from models.policy.learning import (
     LEARNER,
-    learn_leg,
+    learn_iteration,
     learning_rate,
-    spare_weights,
+    skip_critic_gradients,
     trained_policy,
 )
 from models.policy.observation import LIMIT
 from tests.models.policy.schooling import BRIEF, TASK, same
 
 
-def leg(after, number=0, before=None, seed=3):
+def iteration(after, number=0, before=None, seed=3):
     after.mkdir()
-    return learn_leg(TASK, BRIEF, seed, number, before, after)
+    return learn_iteration(TASK, BRIEF, seed, number, before, after)
 
 
 @pytest.fixture(scope="module")
 def schooled(tmp_path_factory):
-    """The folder of a learner after the first leg, and its policy; not to be changed."""
-    folder = tmp_path_factory.mktemp("schooled") / "leg"
-    return folder, leg(folder)
+    """The folder of a learner after the first iteration, and its policy; not to be changed."""
+    folder = tmp_path_factory.mktemp("schooled") / "iteration"
+    return folder, iteration(folder)
 
 
 def test_the_first_leg_follows_from_the_seed(schooled, tmp_path):
-    assert same(leg(tmp_path / "again"), schooled[1])
-    assert not same(leg(tmp_path / "other", seed=4), schooled[1])
+    assert same(iteration(tmp_path / "again"), schooled[1])
+    assert not same(iteration(tmp_path / "other", seed=4), schooled[1])
 
 
 def test_a_later_leg_follows_from_the_learner_before_it(schooled, tmp_path):
     before = tmp_path / "elsewhere"
     shutil.copytree(schooled[0], before)
-    second = leg(tmp_path / "second", 1, schooled[0])
+    second = iteration(tmp_path / "second", 1, schooled[0])
     np.random.seed(7)
     torch.manual_seed(7)
 
-    assert same(leg(tmp_path / "again", 1, before), second)
+    assert same(iteration(tmp_path / "again", 1, before), second)
     assert not same(second, schooled[1])
-    leg(tmp_path / "other", seed=4)
-    assert not same(leg(tmp_path / "after_other", 1, tmp_path / "other"), second)
+    iteration(tmp_path / "other", seed=4)
+    assert not same(iteration(tmp_path / "after_other", 1, tmp_path / "other"), second)
 
 
 def test_a_leg_goes_on_with_all_that_was_learned_from(schooled, tmp_path):
-    leg(tmp_path / "second", 1, schooled[0])
+    iteration(tmp_path / "second", 1, schooled[0])
 
     learner = SAC.load(tmp_path / "second" / LEARNER)
     learner.load_replay_buffer(tmp_path / "second" / "replay.pkl")
 
-    assert learner.num_timesteps == 2 * BRIEF.ticks
-    assert BRIEF.arms * learner.replay_buffer.size() == 2 * BRIEF.ticks
-    steps = (BRIEF.ticks - BRIEF.warm_up + BRIEF.ticks) // BRIEF.arms * BRIEF.gradient_steps
+    assert learner.num_timesteps == 2 * BRIEF.steps_per_iteration
+    assert BRIEF.environments * learner.replay_buffer.size() == 2 * BRIEF.steps_per_iteration
+    steps = (
+        (BRIEF.steps_per_iteration - BRIEF.warm_up + BRIEF.steps_per_iteration)
+        // BRIEF.environments
+        * BRIEF.gradient_steps
+    )
     assert learner._n_updates == pytest.approx(steps, abs=BRIEF.gradient_steps)
 
 
 def test_sparing_the_critics_changes_nothing_of_what_is_learned(schooled):
     plain, spared = (SAC.load(schooled[0] / LEARNER) for _ in range(2))
-    spared.critic.register_forward_pre_hook(spare_weights)
+    spared.critic.register_forward_pre_hook(skip_critic_gradients)
     for learner in (plain, spared):
         learner.load_replay_buffer(schooled[0] / "replay.pkl")
         learner.set_logger(Logger(None, []))
@@ -79,14 +83,14 @@ def test_sparing_the_critics_changes_nothing_of_what_is_learned(schooled):
 
 
 def test_the_learning_rate_falls_by_the_same_factor_from_leg_to_leg():
-    rates = [learning_rate(BRIEF, number) for number in range(BRIEF.legs)]
+    rates = [learning_rate(BRIEF, number) for number in range(BRIEF.iterations)]
 
     assert rates == pytest.approx([0.01, 0.001, 0.0001])
-    assert learning_rate(BRIEF.model_copy(update={"legs": 1}), 0) == 0.01
+    assert learning_rate(BRIEF.model_copy(update={"iterations": 1}), 0) == 0.01
 
 
 def test_a_leg_learns_at_its_own_rate(schooled, tmp_path):
-    leg(tmp_path / "second", 1, schooled[0])
+    iteration(tmp_path / "second", 1, schooled[0])
 
     learner = SAC.load(tmp_path / "second" / LEARNER)
 

@@ -10,11 +10,11 @@ from models.policy.observation import (
     EARLIEST,
     LATEST,
     LIMIT,
-    crossing,
     observation_size,
     observe,
+    plane_crossing,
 )
-from models.robot.constants import LOWER, NEUTRAL, SPEED, UPPER
+from models.robot.constants import LOWER, SPEED, UPPER
 from models.robot.kinematics import racket
 
 AIRLESS = Simulator.from_dict({"gravity": {"g": 9.81}})
@@ -30,13 +30,13 @@ def seen(kind, forecasts=BALLS, goals=GOALS):
 
 
 def test_the_crossing_is_where_a_ball_without_air_passes_the_racket():
-    hand = racket(JOINTS, SPEEDS)
+    racket_state = racket(JOINTS, SPEEDS)
 
-    found = crossing(hand, BALLS[:, 0])
+    found = plane_crossing(racket_state, BALLS[:, 0])
 
     flown = AIRLESS.fly(BALLS[:, 0], found[:, :1]).states[:, 0]
-    np.testing.assert_allclose(flown[:, 1], hand.position[:, 1])
-    apart = (flown[:, :3] - hand.position)[:, [0, 2]]
+    np.testing.assert_allclose(flown[:, 1], racket_state.position[:, 1])
+    apart = (flown[:, :3] - racket_state.position)[:, [0, 2]]
     np.testing.assert_allclose(found[:, 1:], np.column_stack([apart, flown[:, 3:6]]))
 
 
@@ -47,14 +47,14 @@ def test_a_ball_far_from_crossing_is_still_seen(along, time):
     balls[..., 1] = 40.0 * np.sign(along)
 
     assert np.isfinite(seen("intercept", balls)).all()
-    assert (crossing(racket(JOINTS, SPEEDS), balls[:, 0])[:, 0] == time).all()
+    assert (plane_crossing(racket(JOINTS, SPEEDS), balls[:, 0])[:, 0] == time).all()
 
 
 def test_strict_is_what_remains_without_the_crossing():
     strict, more = seen("strict"), seen("intercept")
 
     np.testing.assert_array_equal(more[:, : strict.shape[1]], strict)
-    expected = crossing(racket(JOINTS, SPEEDS), BALLS[:, 0]) / CROSSING_SCALE
+    expected = plane_crossing(racket(JOINTS, SPEEDS), BALLS[:, 0]) / CROSSING_SCALE
     np.testing.assert_allclose(more[:, strict.shape[1] :], expected, rtol=1e-6)
 
 
@@ -70,12 +70,6 @@ def test_joints_are_seen_in_shares_of_what_they_can_do():
     )
 
     np.testing.assert_allclose(ends[:, :12], np.outer([-1, 1], [1] * 6 + [-1] * 6), atol=1e-6)
-
-
-def test_the_waiting_racket_is_where_it_is_measured_from():
-    waiting = observe(NEUTRAL[None], np.zeros((1, 6)), BALLS[:1], GOALS[:1], "strict")
-
-    np.testing.assert_allclose(waiting[0, 12:15], 0.0, atol=1e-7)
 
 
 def test_a_forecast_gone_astray_is_bounded():

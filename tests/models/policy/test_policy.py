@@ -57,8 +57,3 @@ def test_arrays_of_something_else_are_refused(changes, said):
 
     with pytest.raises(ValueError, match=said):
         Policy.from_arrays(arrays)
-
-
-def test_no_arrays_are_refused():
-    with pytest.raises(ValueError, match="no policy"):
-        Policy.from_arrays({})

@@ -1,10 +1,10 @@
-"""Encounters of balls and rackets within a tick."""
+"""RacketContacts of balls and rackets within a tick."""
 
 import numpy as np
 import pytest
 
 from models.ball.state import BALL_RADIUS
-from models.policy.racket_contact import distances, encounters, swing
+from models.policy.racket_contact import distances, find_contacts, racket_path
 from models.robot.constants import NEUTRAL
 from models.robot.kinematics import racket
 
@@ -29,13 +29,13 @@ def balls_at(places, speed=-10.0):
 
 def met(balls, rackets, live=None):
     live = np.ones((STEPS, balls.shape[1]), dtype=bool) if live is None else live
-    return encounters(balls, rackets, distances(balls, rackets), live)
+    return find_contacts(balls, rackets, distances(balls, rackets), live)
 
 
 def test_a_ball_is_met_when_its_surface_touches_the_face():
     found = met(balls_at([(0.0, 0.0, 0.05)]), still_rackets(1))
 
-    assert found.arms.tolist() == [0]
+    assert found.envs.tolist() == [0]
     assert found.moments[0] == pytest.approx(STEPS / 2 - 1000 * BALL_RADIUS / 10.0)
     assert found.states[0, 1] == pytest.approx(BALL_RADIUS)
     np.testing.assert_allclose(found.normals, [[0, 1, 0]])
@@ -62,19 +62,19 @@ def test_only_balls_within_the_blade_are_met_and_only_in_live_steps():
     live = np.ones((STEPS, 4), dtype=bool)
     live[:, 3] = False
 
-    assert met(balls, still_rackets(4), live).arms.tolist() == [0, 2]
+    assert met(balls, still_rackets(4), live).envs.tolist() == [0, 2]
 
 
 def test_a_ball_is_met_once_however_it_goes_on():
     there_and_back = balls_at([(0.0, 0.0, 0.0)])
     there_and_back[STEPS // 2 :] = there_and_back[STEPS // 2 :: -1]
 
-    assert met(there_and_back, still_rackets(1)).arms.tolist() == [0]
+    assert met(there_and_back, still_rackets(1)).envs.tolist() == [0]
 
 
 @pytest.mark.parametrize("speed", [-20.0, -100.0])
 def test_no_ball_is_too_fast(speed):
-    assert len(met(balls_at([(0.0, 0.0005, 0.0)], speed), still_rackets(1)).arms) == 1
+    assert len(met(balls_at([(0.0, 0.0005, 0.0)], speed), still_rackets(1)).envs) == 1
 
 
 def test_rackets_swing_through_the_poses_of_their_joints():
@@ -82,7 +82,7 @@ def test_rackets_swing_through_the_poses_of_their_joints():
     joints = NEUTRAL + 0.02 * np.arange(6)[:, None, None] * random.uniform(-1, 1, (2, 6))
     speeds = np.broadcast_to(np.diff(joints, axis=0)[:1] / 0.004, joints.shape)
 
-    poses = swing(joints, speeds, pieces=4)
+    poses = racket_path(joints, speeds, substeps=4)
 
     assert poses.shape == (21, 2, 12)
     for k in range(6):

@@ -12,6 +12,7 @@ def outcome(returned=True, distance=0.0, net_height=0.3, speed=6.0, topspin=50.0
     return Outcome(
         returned=np.array([returned]),
         fault=np.array([""]),
+        before_landing=np.full((1, 9), np.nan),
         landing=np.array([[distance, 0.0]]),
         distance=np.array([distance]),
         net_height=np.array([net_height]),

@@ -5,18 +5,16 @@ import pandas as pd
 import pytest
 
 from models.policy import trial
-from models.policy.batch_simulation import Court
+from models.policy.batch_simulation import BatchSimulation
 from models.policy.goals import Goals
 from models.policy.trial import play
-from tests.models.policy.courts import (
+from tests.models.policy.schooling import TASK, drawn_policy, resting_policy
+from tests.models.policy.simulations import (
     CENTRE,
     SIMULATOR,
     beside_centre,
-    court_with,
     passing,
-    played,
 )
-from tests.models.policy.schooling import TASK, drawn_policy, resting_policy
 
 PLACES = [beside_centre(across) for across in (0.3, 0.0, 0.5, 0.02, 0.4, 0.03, 0.0)]
 HIT = [False, True, False, True, False, True, True]
@@ -29,15 +27,15 @@ def aimed(count, **style):
 
 
 def drawn_balls(count):
-    return TASK.practice(count, np.random.default_rng(5))
+    return TASK.training_balls(count, np.random.default_rng(5))
 
 
 @pytest.mark.parametrize("arms", [2, 3, 7, 32])
 def test_rows_stand_in_the_order_of_the_balls(monkeypatch, arms):
-    monkeypatch.setattr(trial, "ARMS", arms)
+    monkeypatch.setattr(trial, "ENVIRONMENTS", arms)
     goals = aimed(7)
 
-    table = play(resting_policy(), SIMULATOR, passing(*PLACES), goals, "strict")
+    table = play(resting_policy(), SIMULATOR, passing(*PLACES), goals, "strict").table
 
     assert table.index.tolist() == list(range(7))
     assert table["hit"].tolist() == HIT
@@ -46,25 +44,14 @@ def test_rows_stand_in_the_order_of_the_balls(monkeypatch, arms):
     assert table["nearest"][[0, 2, 4]].tolist() == pytest.approx([0.3, 0.5, 0.4], abs=0.003)
 
 
-def test_a_row_is_how_the_episode_of_the_ball_ended():
-    ended = played(court_with(passing(CENTRE)))[0].ended
-
-    row = play(resting_policy(), SIMULATOR, passing(CENTRE), ended.goals, "strict").iloc[0]
-
-    for name in ("returned", "fault", "time", "distance", "net_height", "speed", "topspin"):
-        assert row[name] == getattr(ended, name)[0]
-    assert (row["landing_across"], row["landing_along"]) == tuple(ended.landing[0])
-    assert not {"goal_speed", "goal_topspin"} & set(row.index)
-
-
 def test_it_does_not_matter_how_many_are_played_at_once(monkeypatch):
     balls, goals = drawn_balls(20)
-    together = play(drawn_policy(), SIMULATOR, balls, goals, "intercept")
-    monkeypatch.setattr(trial, "ARMS", 3)
+    together = play(drawn_policy(), SIMULATOR, balls, goals, "intercept").table
+    monkeypatch.setattr(trial, "ENVIRONMENTS", 3)
 
-    in_turn = play(drawn_policy(), SIMULATOR, balls, goals, "intercept")
+    in_turn = play(drawn_policy(), SIMULATOR, balls, goals, "intercept").table
     halves = [
-        play(drawn_policy(), SIMULATOR, balls[rows], goals[rows], "intercept")
+        play(drawn_policy(), SIMULATOR, balls[rows], goals[rows], "intercept").table
         for rows in (slice(0, 9), slice(9, 20))
     ]
 
@@ -72,27 +59,19 @@ def test_it_does_not_matter_how_many_are_played_at_once(monkeypatch):
     pd.testing.assert_frame_equal(pd.concat(halves, ignore_index=True), together, check_exact=True)
 
 
-def test_what_is_played_again_is_the_same_to_the_last_bit():
-    balls, goals = drawn_balls(12)
-
-    first, second = (play(drawn_policy(), SIMULATOR, balls, goals, "intercept") for _ in range(2))
-
-    pd.testing.assert_frame_equal(first, second, check_exact=True)
-
-
 def test_what_was_asked_for_is_told_where_it_was():
     speeds = np.array([4.0, 5.0])
     policy = drawn_policy(goals=3, kind="strict")
 
-    table = play(policy, SIMULATOR, passing(*PLACES[:2]), aimed(2, speed=speeds), "strict")
+    table = play(policy, SIMULATOR, passing(*PLACES[:2]), aimed(2, speed=speeds), "strict").table
 
     assert table["goal_speed"].tolist() == speeds.tolist()
     assert "goal_topspin" not in table
 
 
-def test_the_court_is_given_back_even_after_a_failure(monkeypatch):
+def test_the_world_is_released_even_after_a_failure(monkeypatch):
     closed = []
-    monkeypatch.setattr(Court, "close", lambda court: closed.append(court))
+    monkeypatch.setattr(BatchSimulation, "close", lambda simulation: closed.append(simulation))
 
     with pytest.raises(ValueError):
         play(drawn_policy(goals=4), SIMULATOR, passing(CENTRE), aimed(1), "strict")

@@ -7,26 +7,32 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.policy.incoming_balls import FIRST_WINDOW, PATH_TIMES, TICK, fly_in, tick_times
+from models.policy.incoming_balls import (
+    CONTROL_STEP,
+    FIRST_WINDOW,
+    PATH_TIMES,
+    control_times,
+    fly_incoming,
+)
 from models.policy.launches import WORKSPACE
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import FUTURE, HISTORY_TIMES, Forecast
 from models.predictors.windows import MIN_OBSERVED, cut_windows, observed_at
 from models.replay.replayed_balls import (
-    every_tick,
+    every_step,
     first_window,
     fly_on,
-    predicted,
-    seen_in_time,
-    views,
-    within_reach,
+    measured_in_time,
+    measurement_histories,
+    predict_all,
+    reachable,
 )
 from tests.models.policy.incoming_balls import HORIZONS, VACUUM, parabola
 from tests.models.policy.replayed_shots import SERVE, STROKE, sampled, shot
 from tests.models.predictors.balls import TRUTH
 from tests.models.predictors.episodes import spoilt
 
-TICKS = tick_times(FIRST_WINDOW)
+STEPS = control_times(FIRST_WINDOW)
 
 
 class Numbers:
@@ -50,7 +56,7 @@ def thrown(rate, until=1.0):
 def test_a_ball_flies_on_from_where_it_is_known_last(known):
     shots = [shot(known=known), shot(first=SERVE, known=known)]
     path, _ = fly_on(TRUTH, shots)
-    flown, _ = fly_in(TRUTH, np.array([STROKE, SERVE]))
+    flown, _ = fly_incoming(TRUTH, np.array([STROKE, SERVE]))
     np.testing.assert_allclose(path, flown, atol=2e-5)
     for row, one in zip(path, shots, strict=True):
         np.testing.assert_array_equal(row[:known], one.known)
@@ -59,7 +65,7 @@ def test_a_ball_flies_on_from_where_it_is_known_last(known):
 @pytest.mark.parametrize("known", [1, 500, len(PATH_TIMES)])
 def test_it_can_be_played_from_its_bounce_on_the_robots_half_on(known):
     _, playable = fly_on(TRUTH, [shot(known=known), shot(first=SERVE, known=known)])
-    _, expected = fly_in(TRUTH, STROKE[None])
+    _, expected = fly_incoming(TRUTH, STROKE[None])
     served = TRUTH.fly(SERVE, PATH_TIMES).contacts
     np.testing.assert_allclose(playable[0], expected[0], atol=1e-6)
     assert served.before[0, 0, 1] > 0 > served.before[0, 1, 1]
@@ -78,41 +84,41 @@ def test_balls_are_within_reach_where_the_racket_strikes_while_they_can_be_playe
     middle[:, 300:310, :3] = WORKSPACE.mean(axis=1)
     middle[1, :, 0] = WORKSPACE[0, 1] + 0.01
     playable = np.array([[0.2, 0.6], [0.2, 0.6], [0.32, 0.6]])
-    assert within_reach(middle, playable).tolist() == [True, False, False]
+    assert reachable(middle, playable).tolist() == [True, False, False]
 
 
 def test_histories_are_those_of_the_windows_that_predictors_are_evaluated_on():
     measured = sampled(noise=0.003, spin_noise=5.0)
-    cut = cut_windows(measured, every=TICK)
-    seen = views([shot(measured)])
-    np.testing.assert_allclose(cut.anchors, TICKS[: len(cut)], atol=1e-9)
+    cut = cut_windows(measured, every=CONTROL_STEP)
+    found = measurement_histories([shot(measured)])
+    np.testing.assert_allclose(cut.anchors, STEPS[: len(cut)], atol=1e-9)
     for part in ("states", "mask"):
         expected = getattr(cut.history, part)
-        found = getattr(seen.history, part)[seen.latest[0, : len(cut)]]
-        np.testing.assert_array_equal(found, expected)
+        values = getattr(found.history, part)[found.latest[0, : len(cut)]]
+        np.testing.assert_array_equal(values, expected)
 
 
 @pytest.mark.parametrize("rate", [143.0, 179.0, 200.0])
 def test_histories_end_with_the_latest_sample_of_each_tick(rate):
     measured = spoilt(sampled(rate=rate, noise=0.003), seed=1)
-    seen = views([shot(), shot(measured)])
-    for k, tick in enumerate(TICKS):
-        end = measured.times[measured.times <= tick + 1e-9][-1]
+    found = measurement_histories([shot(), shot(measured)])
+    for k, step in enumerate(STEPS):
+        end = measured.times[measured.times <= step + 1e-9][-1]
         states, mask = observed_at(measured, end + HISTORY_TIMES, until=end)
-        row = seen.latest[1, k]
+        row = found.latest[1, k]
         if mask[:, :3].all(axis=1).sum() >= MIN_OBSERVED:
-            np.testing.assert_array_equal(seen.history.states[row], states)
-            np.testing.assert_array_equal(seen.history.mask[row], mask)
-            assert seen.age[1, k] == pytest.approx(tick - end)
+            np.testing.assert_array_equal(found.history.states[row], states)
+            np.testing.assert_array_equal(found.history.mask[row], mask)
+            assert found.age[1, k] == pytest.approx(step - end)
         else:
-            assert seen.age[1, k] > tick - end
+            assert found.age[1, k] > step - end
 
 
 @settings(deadline=None, max_examples=30)
 @given(k=st.integers(0, 16), seed=st.integers(0, 99), rate=st.sampled_from([143.0, 200.0]))
 def test_nothing_that_was_measured_after_a_tick_reaches_the_predictor(k, seed, rate):
     measured = spoilt(sampled(rate=rate), seed)
-    later = measured.times > TICKS[k] + 1e-9
+    later = measured.times > STEPS[k] + 1e-9
     other = replace(
         measured,
         positions=np.where(later[:, None], 9.0, measured.positions),
@@ -124,48 +130,48 @@ def test_nothing_that_was_measured_after_a_tick_reaches_the_predictor(k, seed, r
         measured,
         **{name: getattr(measured, name)[~later] for name in vars(measured) if name != "bounces"},
     )
-    told = [told_until(shot(one), k) for one in (measured, other, shorter)]
-    np.testing.assert_array_equal(told[1], told[0])
-    np.testing.assert_array_equal(told[2], told[0])
+    forecasts = [inputs_until(shot(one), k) for one in (measured, other, shorter)]
+    np.testing.assert_array_equal(forecasts[1], forecasts[0])
+    np.testing.assert_array_equal(forecasts[2], forecasts[0])
 
 
-def told_until(one, k):
-    """All that a predictor gets up to tick k."""
-    seen = views([one])
-    rows = seen.latest[0, : k + 1]
-    history = np.concatenate([seen.history.states[rows], seen.history.mask[rows]], axis=2)
-    return np.concatenate([history.ravel(), seen.age[0, : k + 1]])
+def inputs_until(one, k):
+    """The inputs of a predictor up to control step k."""
+    found = measurement_histories([one])
+    rows = found.latest[0, : k + 1]
+    history = np.concatenate([found.history.states[rows], found.history.mask[rows]], axis=2)
+    return np.concatenate([history.ravel(), found.age[0, : k + 1]])
 
 
 def test_forecasts_are_of_the_horizons_after_the_tick():
-    seen = views([shot(), shot()])
-    told = every_tick(predicted(Numbers(), seen.history), seen, HORIZONS)
-    ticks = np.arange(10)
+    found = measurement_histories([shot(), shot()])
+    forecasts = every_step(predict_all(Numbers(), found.history), found, HORIZONS)
+    steps = np.arange(10)
     for ball in range(2):
-        expected = 1000.0 * seen.latest[ball, ticks, None] + np.array(HORIZONS) / 5
-        np.testing.assert_allclose(told[ball, :10, :, 0], expected)
+        expected = 1000.0 * found.latest[ball, steps, None] + np.array(HORIZONS) / 5
+        np.testing.assert_allclose(forecasts[ball, :10, :, 0], expected)
 
 
 def test_a_ball_that_is_lost_is_forecast_further_ahead_until_the_forecast_ends():
-    seen = views([shot(sampled(until=0.098))])
-    told = every_tick(predicted(Numbers(), seen.history), seen, HORIZONS)[0, :, 0, 0]
+    found = measurement_histories([shot(sampled(until=0.098))])
+    forecasts = every_step(predict_all(Numbers(), found.history), found, HORIZONS)[0, :, 0, 0]
     # The samples of 55 ms and of 95 ms; from there on the ball grows older by 8 states a tick.
     expected = [23.0, 1023.0, 1031.0, 1039.0, 1047.0, 1055.0, 1060.0, 1060.0]
-    np.testing.assert_allclose(told[:8], expected)
+    np.testing.assert_allclose(forecasts[:8], expected)
 
 
 @pytest.mark.parametrize("rate", [143.0, 179.0, 200.0])
 def test_a_measured_parabola_is_forecast_at_its_ticks_and_horizons(rate):
-    seen = views([thrown(rate)])
-    expected = parabola(TICKS[:20, None] + np.array(HORIZONS) / 1000)
-    every = every_tick(predicted(PhysicsPredictor(VACUUM), seen.history), seen, HORIZONS)
+    found = measurement_histories([thrown(rate)])
+    expected = parabola(STEPS[:20, None] + np.array(HORIZONS) / 1000)
+    every = every_step(predict_all(PhysicsPredictor(VACUUM), found.history), found, HORIZONS)
     np.testing.assert_allclose(every[0, :20], expected, atol=1e-3)
-    np.testing.assert_allclose(first_window(VACUUM, seen, HORIZONS)[0, :20], expected, atol=1e-3)
+    np.testing.assert_allclose(first_window(VACUUM, found, HORIZONS)[0, :20], expected, atol=1e-3)
 
 
 @pytest.mark.parametrize(("until", "enough"), [(0.3, True), (0.025, True), (0.02, False)])
 def test_a_ball_must_have_been_seen_at_the_first_tick(until, enough):
-    assert seen_in_time(sampled(until=until)) == enough
+    assert measured_in_time(sampled(until=until)) == enough
 
 
 def test_a_ball_that_is_seen_late_is_not_seen_in_time():
@@ -175,4 +181,4 @@ def test_a_ball_that_is_seen_late_is_not_seen_in_time():
         measured,
         **{name: getattr(measured, name)[kept] for name in vars(measured) if name != "bounces"},
     )
-    assert not seen_in_time(late)
+    assert not measured_in_time(late)

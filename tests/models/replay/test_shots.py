@@ -8,12 +8,12 @@ import pytest
 from models.policy.incoming_balls import PATH_TIMES
 from models.policy.settings import SensorNoise
 from models.replay.shots import (
-    NOTHING_MEASURED,
+    NO_MEASUREMENTS,
     Shot,
+    extend_measurements,
     flies_away,
     from_launch,
-    half_turned,
-    measure_on,
+    half_turn,
 )
 from tests.models.policy.replayed_shots import STROKE, sampled, shot
 from tests.models.predictors.balls import TRUTH
@@ -25,7 +25,7 @@ PATH = TRUTH.fly(STROKE, PATH_TIMES).states
 
 def measured_on(one, until=0.8, noise=CLEAN):
     random = np.random.default_rng(0)
-    return measure_on([one], PATH, np.array([until]), noise, random)[0].measured
+    return extend_measurements([one], PATH, np.array([until]), noise, random)[0].measured
 
 
 def test_an_episode_begins_at_its_first_sample():
@@ -36,7 +36,7 @@ def test_an_episode_begins_at_its_first_sample():
 
 
 def test_half_a_turn_is_a_flight_of_the_same_physics_the_other_way():
-    away = half_turned(sampled())
+    away = half_turn(sampled())
     assert flies_away(away) and not flies_away(sampled())
     turn = np.tile([-1.0, -1.0, 1.0], 3)
     flight = TRUTH.fly(STROKE * turn, away.times).states[0]
@@ -72,12 +72,6 @@ def test_a_ball_without_spin_is_measured_on_without_spin():
 
 
 def test_a_ball_that_was_not_measured_is_measured_from_its_launch_on():
-    seen = measured_on(Shot(NOTHING_MEASURED, PATH[0], np.empty(0)))
+    seen = measured_on(Shot(NO_MEASUREMENTS, PATH[0], np.empty(0)))
     np.testing.assert_allclose(seen.times, 0.005 * np.arange(161))
     np.testing.assert_allclose(seen.positions, PATH[0, :801:5, :3])
-
-
-def test_what_was_measured_to_the_end_stays_as_it_is():
-    own = sampled(until=0.8)
-    seen = measured_on(shot(own, known=900), noise=SensorNoise(position=0.05, spin=0.5))
-    np.testing.assert_array_equal(seen.positions, own.positions)

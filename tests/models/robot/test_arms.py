@@ -49,13 +49,6 @@ def arms():
         yield arms
 
 
-def test_a_new_arm_waits_in_neutral(arms):
-    for _ in range(50):
-        arms.step()
-    np.testing.assert_allclose(arms.joints, np.tile(NEUTRAL, (4, 1)), atol=1e-3)
-    np.testing.assert_allclose(arms.joint_speeds, 0.0, atol=5e-3)
-
-
 @pytest.mark.parametrize("towards", [-1, 1])
 def test_a_joint_stops_at_its_end(towards):
     with Arms(len(JOINTS)) as arms:
@@ -121,15 +114,6 @@ def test_an_arm_that_is_put_back_no_longer_touches(arms):
     assert arms.touching_table().tolist() == [False, True, True, True]
     arms.step()
     assert not arms.touching_table()[0]
-
-
-def test_the_free_arm_never_touches_the_table(arms):
-    velocities, turns = moves(4)
-    touched = []
-    for velocity, turning in zip(velocities, turns, strict=True):
-        play(arms, [velocity], [turning])
-        touched.append(arms.touching_table())
-    assert not np.any(touched)
 
 
 def test_a_world_used_before_gives_the_same_bytes_as_a_fresh_one(arms):

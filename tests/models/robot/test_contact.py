@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from models.ball.state import BALL_RADIUS
 from models.robot.constants import RACKET_RADIUS
-from models.robot.contact import meeting
+from models.robot.contact import first_contact
 from models.robot.kinematics import Racket
 
 STEP = 0.001  # s
@@ -22,7 +22,7 @@ def blade(position=STILL, normal=(0.0, 1.0, 0.0)):
 
 def straight(start, end, **motion):
     """The meeting of one ball with one racket that does not turn."""
-    return meeting([start], [end], blade(), blade(**motion))
+    return first_contact([start], [end], blade(), blade(**motion))
 
 
 def vectors(size):
@@ -52,7 +52,7 @@ def test_meetings_are_those_of_brute_force(ball, velocity, centre, moving, norma
     assume(abs((velocity - moving) @ normal) > 3.0 and abs(ball @ normal) > MARGIN)
     motion = (ball + centre, velocity, centre, moving, normal, turning)
     turned = Rotation.from_rotvec(turning * STEP).apply(normal)
-    found = meeting(
+    found = first_contact(
         [ball + centre],
         [ball + centre + velocity * STEP],
         blade(centre, normal),
@@ -82,7 +82,9 @@ def test_no_ball_goes_through_a_blade_unseen(speed, slant, around, out, moving, 
     rackets = [blade(*now) for now in zip(np.outer(times, moving), normals, strict=True)]
     balls = (offsets + np.outer(times, moving))[:, None]
     steps = zip(balls[:-1], balls[1:], rackets[:-1], rackets[1:], strict=True)
-    assert next(step.side[0] for step in (meeting(*step) for step in steps) if step.met[0]) == 1
+    assert (
+        next(step.side[0] for step in (first_contact(*step) for step in steps) if step.met[0]) == 1
+    )
 
 
 @pytest.mark.parametrize("speed", [5.0, 20.0, 40.0, 400.0])
@@ -103,7 +105,7 @@ def test_a_racket_that_sweeps_a_resting_ball_meets_it():
 def test_a_blade_that_turns_meets_a_resting_ball_near_its_rim():
     ball, angle = np.array([0.0, 0.03, 0.07]), 0.3  # the upper rim comes forward
     turned = [0.0, np.cos(angle), -np.sin(angle)]
-    found = meeting([ball], [ball], blade(), blade(normal=turned))
+    found = first_contact([ball], [ball], blade(), blade(normal=turned))
     touch = np.arcsin((0.03 - BALL_RADIUS) / 0.07)  # about; the ball's height counts a little
     assert found.met[0] and found.side[0] == 1
     assert found.share[0] == pytest.approx(touch / angle, abs=0.04)
@@ -139,9 +141,9 @@ def test_a_step_in_two_halves_finds_the_same_contact(seed):
     start = random.uniform(-0.1, 0.1, (50, 3))
     end = start + random.uniform(-0.1, 0.1, (50, 3))
     still = blade(np.zeros((50, 3)), np.tile([0.0, 1.0, 0.0], (50, 1)))
-    whole = meeting(start, end, still, still)
-    first = meeting(start, (start + end) / 2, still, still)
-    second = meeting((start + end) / 2, end, still, still)
+    whole = first_contact(start, end, still, still)
+    first = first_contact(start, (start + end) / 2, still, still)
+    second = first_contact((start + end) / 2, end, still, still)
     halves = np.where(first.met, first.share / 2, 0.5 + second.share / 2)
     np.testing.assert_array_equal(whole.met, first.met | second.met)
     np.testing.assert_allclose(halves, whole.share, atol=1e-9)

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from safetensors.numpy import save
 
-from models.ball.simulators import shipped
 from pipeline.params import PolicyGroupSettings
-from pipeline.policies.storage import DESCRIPTION, WEIGHTS, load_policies, load_policy, save_policy
+from pipeline.policies.storage import DESCRIPTION, WEIGHTS, load_policies, load_policy
 from pipeline.runtime.errors import InputError
 from tests.models.policy.schooling import BRIEF, GOALS, drawn_policy, same
 from tests.pipeline.trained_policies import description, save_drawn
@@ -21,27 +20,6 @@ def test_a_policy_comes_back_as_it_was_saved(tmp_path):
 
     assert same(loaded, policy)
     assert read == described
-
-
-def test_the_same_policy_gives_the_same_bytes(tmp_path):
-    for name in ("one", "other"):
-        save_policy(tmp_path / name, drawn_policy(), description())
-    files = sorted(path.name for path in (tmp_path / "one").iterdir())
-
-    assert files == sorted([WEIGHTS, DESCRIPTION])
-    for name in files:
-        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "other" / name).read_bytes()
-
-
-def test_reports_call_horizons_by_the_first_and_the_last():
-    assert description(horizons=(170, 175, 180)).horizons_label == "170-180"
-
-
-def test_a_policy_knows_what_it_was_trained_for():
-    task = description(simulator="imperfect_a", horizons=(170, 175, 180)).task
-
-    assert task.simulator.to_dict() == shipped("imperfect_a").to_dict()
-    assert (task.horizons, task.goals, task.observation) == ((170, 175, 180), GOALS, "intercept")
 
 
 def test_a_group_is_all_policies_of_its_name_and_no_others(tmp_path):

@@ -17,7 +17,7 @@ from models.exam.design.questions import Question
 from models.exam.methods.registry import METHODS, RALLYGAP
 from models.exam.simulate.trial import Trial
 from pipeline.exam.run import run_questions
-from pipeline.policies.training import Pupil, train_policies, try_policies
+from pipeline.policies.training import TrainingJob, play_test_shots, train_policies
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.parallel import CLUSTER, parallel
 from tests.cluster import ROOT, cluster
@@ -153,21 +153,21 @@ def test_a_cluster_without_workers_is_one_error(tmp_path, monkeypatch):
             list(parallel([threads]))
 
 
-def pupils(root):
+def jobs(root):
     described = [description(), description(simulator="imperfect_a", learning=BRIEF)]
-    return [Pupil(one, root / one.name) for one in described]
+    return [TrainingJob(one, root / one.name) for one in described]
 
 
 def work(root):
     """Train and try two policies, and answer two questions of the exam."""
-    graduates = train_policies(pupils(root))
-    tried = try_policies(graduates, 9)
+    trained = train_policies(jobs(root))
+    tried = play_test_shots(trained, 9)
     questions = [
         Question("clean", Trial(f"clean/{k}", NOMINAL, shots=10, seed=1000 + k)) for k in (0, 1)
     ]
     assigned = [(one, {RALLYGAP: METHODS[RALLYGAP]}) for one in questions]
     results = run_questions(assigned, root / "records")
-    return graduates, tried, [result.record for result in results]
+    return trained, tried, [result.record for result in results]
 
 
 def assert_same(found, expected):
@@ -175,7 +175,7 @@ def assert_same(found, expected):
         assert same(one.policy, other.policy)
         pd.testing.assert_frame_equal(one.curve, other.curve, check_exact=True)
     for one, other in zip(found[1], expected[1], strict=True):
-        pd.testing.assert_frame_equal(one, other, check_exact=True)
+        pd.testing.assert_frame_equal(one.table, other.table, check_exact=True)
     assert found[2] == expected[2]
 
 
@@ -184,7 +184,7 @@ def test_policies_and_the_exam_are_the_same_wherever_they_run(tmp_path, monkeypa
     """One after the other here, two at once here, and on a cluster that loses a worker."""
     killed = on_cluster.workers[0]
     folder = tmp_path / "cluster"
-    waiting = threading.Thread(target=kill_after_a_leg, args=[killed, folder])
+    waiting = threading.Thread(target=kill_after_an_iteration, args=[killed, folder])
     waiting.start()
     results = [work(folder)]
     waiting.join()
@@ -199,7 +199,7 @@ def test_policies_and_the_exam_are_the_same_wherever_they_run(tmp_path, monkeypa
         assert_same(found, results[0])
 
 
-def kill_after_a_leg(worker, folder):
+def kill_after_an_iteration(worker, folder):
     while not list(folder.rglob("record.json")):
         time.sleep(0.05)
     worker.kill()

@@ -15,7 +15,7 @@ from pipeline.experiments.profiles import merged
 from pipeline.io.artifacts import read_json
 from pipeline.params import load_params
 from pipeline.policies import training as policy_training
-from pipeline.policies.training import Pupil, train_policies
+from pipeline.policies.training import TrainingJob, train_policies
 from pipeline.runtime.errors import InputError
 from pipeline.sweeps.comparison import Comparison
 from pipeline.sweeps.confirm import run_confirm
@@ -47,7 +47,7 @@ POLICY = {
 def one_process(monkeypatch):
     """Train in this process, where other processes would take seconds to start."""
     monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
-    monkeypatch.setattr(policy_training, "TRIALS", 6)
+    monkeypatch.setattr(policy_training, "VALIDATION_SHOTS", 6)
 
 
 def predictor_sweep(root):
@@ -88,11 +88,11 @@ def brief(params):
     return params.model_copy(update={"train_policy": policies})
 
 
-def test_a_policy_is_scored_by_its_return_rate_after_every_leg(tmp_path):
+def test_a_policy_is_scored_by_its_return_rate_after_every_iteration(tmp_path):
     sweep, reports = policy_sweep(tmp_path), []
     params = brief(sweep.trial_params({}))
     score = training_of(sweep)(params, tmp_path / "trial", lambda *one: reports.append(one))
-    job = Pupil(described(sweep.settings, params), tmp_path / "stage")
+    job = TrainingJob(described(sweep.settings, params), tmp_path / "stage")
     curve = train_policies([job])[0].curve
     assert reports == list(enumerate(curve["return_rate"], start=1))
     assert score == reports[-1][1]
@@ -160,7 +160,7 @@ def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
 
 def test_policies_are_confirmed_on_unseen_shots_with_three_seeds(tmp_path):
     policy_sweep(tmp_path)
-    groups = {"sim2sim": {"learning": BRIEF.model_copy(update={"legs": 1}).model_dump()}}
+    groups = {"sim2sim": {"learning": BRIEF.model_copy(update={"iterations": 1}).model_dump()}}
     small(tmp_path, train_policy={"groups": groups, "trials": 10})
     sweep = load_sweep(tmp_path, "tiny")
     group = {"sim2sim": {"learning": {"discount": 0.9}}}

@@ -1,4 +1,4 @@
-"""How often balls are hit and returned, and what a forecaster gains, by hand."""
+"""How often balls are hit and returned, and what a forecaster gains, by racket_state."""
 
 import pytest
 

@@ -5,19 +5,23 @@ import pytest
 
 from models.ball.simulators import shipped
 from models.policy.incoming_balls import PATH_TIMES
-from models.policy.launches import WORKSPACE
 from pipeline.io.artifacts import read_json, write_json
 from pipeline.runtime.errors import InputError
-from pipeline.transfer.replay_sets import FROM_NEAR, NO_BOUNCE, UNSEEN, read_replay_sets
+from pipeline.transfer.replay_sets import (
+    FROM_NEAR,
+    NO_BOUNCE,
+    TOO_FEW_SAMPLES,
+    read_replay_sets,
+)
 from tests.pipeline.measured_shots import NOISE, SIMULATOR, TIMES, shot_tables
 from tests.pipeline.replayed import (
     LAUNCH,
     SETTINGS,
     SOURCE,
-    half_turned,
     launched,
     moved,
     replayed,
+    rotated,
     write_replays,
 )
 from tests.stages.small_runs import run_ingest, run_segment
@@ -89,15 +93,10 @@ def test_predictors_get_the_samples_that_were_measured_and_more_where_these_end(
     assert gone - 0.005 < measured.times[-1] <= gone
 
 
-def test_balls_without_spin_are_measured_on_without_it(sets):
-    spins = {name: np.isfinite(one.shots[0].measured.spins[-1]) for name, one in sets.items()}
-    assert spins["stroke_pro"].all() and not spins["plain"].any()
-
-
 def test_a_shot_that_flies_the_other_way_is_turned_and_is_the_same_then(tmp_path, sets):
-    shots = [half_turned(shot_tables("plain", number)) for number in range(3)]
+    shots = [rotated(shot_tables("plain", number)) for number in range(3)]
     one = read(write_replays(tmp_path, shots, sources=()))["plain"]
-    assert (sets["plain"].turned, one.turned) == (0, 3)
+    assert (sets["plain"].rotated, one.rotated) == (0, 3)
     np.testing.assert_allclose(one.path, sets["plain"].path, atol=1e-9)
 
 
@@ -111,7 +110,7 @@ def test_shots_that_cannot_be_replayed_are_counted_with_the_reason(tmp_path):
     shots = [near, wide, unseen, broken, learned_from]
     one = read(write_replays(tmp_path, shots, sources=("plain",)))["plain"]
     assert len(one) == 3
-    assert one.left_out == {FROM_NEAR: 1, UNSEEN: 1, NO_BOUNCE: 1}
+    assert one.excluded == {FROM_NEAR: 1, TOO_FEW_SAMPLES: 1, NO_BOUNCE: 1}
 
 
 def test_launches_fly_to_the_robot_as_the_literature_says(tmp_path):
@@ -121,7 +120,7 @@ def test_launches_fly_to_the_robot_as_the_literature_says(tmp_path):
     one = read(write_replays(tmp_path, launches=launches, sources=("plain",)))[SOURCE]
     path = SIMULATOR.fly(LAUNCH, PATH_TIMES).states
     np.testing.assert_allclose(one.path, np.tile(path, (2, 1, 1)), atol=1e-9)
-    assert one.turned == 1 and one.left_out == {NO_BOUNCE: 1}
+    assert one.rotated == 1 and one.excluded == {NO_BOUNCE: 1}
 
 
 def test_as_many_launches_are_drawn_as_asked_for_and_measured_with_noise(tmp_path):
@@ -136,15 +135,6 @@ def test_as_many_launches_are_drawn_as_asked_for_and_measured_with_noise(tmp_pat
     seen = one.shots[0].measured
     off = seen.positions - one.path[0, ::5][: len(seen.times), :3]
     assert off.std() == pytest.approx(0.003, rel=0.1)
-
-
-def test_in_reach_are_the_balls_that_pass_the_workspace_while_they_can_be_played(sets):
-    lower, upper = WORKSPACE.T
-    for one in sets.values():
-        places = one.path[..., :3]
-        inside = ((lower <= places) & (places <= upper)).all(axis=2)
-        alive = (one.playable[:, :1] < PATH_TIMES) & (one.playable[:, 1:] > PATH_TIMES)
-        assert 0 < one.in_reach == (inside & alive).any(axis=1).sum()
 
 
 def test_a_hall_without_a_racket_gets_the_literature_s(tmp_path):
@@ -172,7 +162,7 @@ def test_real_shots_come_to_the_robot(tmp_path, real_data):
     run_segment(tmp_path)
     found = read(tmp_path / "artifacts", launches=100)
     assert {name: len(found[name]) > 10 for name in names} == dict.fromkeys(names, True)
-    assert found["tt3d"].turned > 0 == found["spindoe"].turned
+    assert found["tt3d"].rotated > 0 == found["spindoe"].rotated
     for one in found.values():
         bounces = one.path[np.arange(len(one)), (one.playable[:, 0] / 0.001).astype(int)]
         assert (bounces[:, 1] < 0).all() and (np.abs(bounces[:, 0]) < 0.78).all()

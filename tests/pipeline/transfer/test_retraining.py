@@ -1,4 +1,4 @@
-"""What retrained policies gain, by hand."""
+"""What retrained policies gain, by racket_state."""
 
 import numpy as np
 import pandas as pd
@@ -6,7 +6,7 @@ import pytest
 
 from models.ball.simulators import shipped
 from pipeline.policies.storage import TrainedPolicy
-from pipeline.transfer.retraining import anew, loop_table, pooled, share_closed
+from pipeline.transfer.retraining import in_simulator, pooled, retraining_table, share_closed
 from tests.pipeline.played_trials import trials
 from tests.pipeline.trained_policies import description
 
@@ -27,7 +27,7 @@ def played(oracle=True):
 
 
 def table(of, **changes):
-    rows = loop_table(of, **{"own": OWN, "resamples": 200, "seed": 0, **changes})
+    rows = retraining_table(of, **{"own": OWN, "resamples": 200, "seed": 0, **changes})
     return rows.set_index(["policy", "predictor"])
 
 
@@ -74,7 +74,7 @@ def test_there_is_a_share_where_the_gap_is_sure():
 def test_sets_of_a_source_come_as_one_first_and_each_after():
     sets = [played().assign(set=name) for name in ("stroke_pro", "receive")]
     whole = pooled(pd.concat(sets, ignore_index=True), "arena")
-    rows = loop_table(whole, OWN, 0, 0).drop_duplicates("set").set_index("set")
+    rows = retraining_table(whole, OWN, 0, 0).drop_duplicates("set").set_index("set")
     assert rows["balls"].to_dict() == {"arena": 8, "stroke_pro": 4, "receive": 4}
     alone = played().assign(set="spindoe")
     assert pooled(alone, "spindoe") is alone
@@ -82,7 +82,7 @@ def test_sets_of_a_source_come_as_one_first_and_each_after():
 
 def test_a_policy_is_trained_anew_in_nothing_but_another_simulator():
     before, windy = description(), shipped("imperfect_c").amended("wind", x=0.5)
-    after = anew(before, "hall", windy)
+    after = in_simulator(before, "hall", windy)
     assert after.task.simulator == windy
     assert after.name == "small-amended_by_hall-115ms-0"
     changed = {

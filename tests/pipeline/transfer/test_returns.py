@@ -30,7 +30,7 @@ def test_trials_come_back_from_a_file(tmp_path):
     ("change", "said"),
     [
         (lambda table: table.drop(columns="landed_vz"), "landed_vz.*is missing"),
-        (lambda table: table.assign(after_wx=np.nan), "of a return all must be known"),
+        (lambda table: table.assign(after_wx=np.nan), "a return lacks a value"),
         (lambda table: table.assign(ball=-1), "row 1.*ball"),
     ],
 )

@@ -1,17 +1,17 @@
-"""The transfer table of sim-to-real, by hand."""
+"""The transfer table of sim-to-real, by racket_state."""
 
 import pandas as pd
 
 from pipeline.paper.values import printed_transfer
 from pipeline.transfer.rates import rates
-from pipeline.transfer.transfer_table import THE_PAPER, in_the_form_of_the_paper
+from pipeline.transfer.transfer_table import PAPER_ROW, paper_form_table
 from tests.pipeline.played_trials import KEYS, everything, trials
 
 
 def test_the_paper_s_numbers_stand_below_ours():
-    table = in_the_form_of_the_paper(rates(everything(), KEYS, 0, 0), ["transformer"])
+    table = paper_form_table(rates(everything(), KEYS, 0, 0), ["transformer"])
     ours, theirs = table.to_dict("records")
-    assert (ours["learned_predictor"], theirs["learned_predictor"]) == ("transformer", THE_PAPER)
+    assert (ours["learned_predictor"], theirs["learned_predictor"]) == ("transformer", PAPER_ROW)
     assert (ours["shots"], theirs["shots"]) == (4, 200)
     assert ours["115-125 ms: physics returns"] == 1.5
     assert ours["170-180 ms: learned returns"] == 2.5
@@ -24,7 +24,7 @@ def test_sets_and_horizons_that_the_paper_has_not_are_ours_alone():
     own = everything().assign(set="spindoe")
     other = trials([1, 0], horizons_ms="60-70")
     played = pd.concat([own, other, other.assign(predictor="transformer")], ignore_index=True)
-    table = in_the_form_of_the_paper(rates(played, KEYS, 0, 0), ["transformer"])
+    table = paper_form_table(rates(played, KEYS, 0, 0), ["transformer"])
     assert list(table["set"]) == ["spindoe", "stroke_pro", "stroke_pro"]
     assert table["60-70 ms: physics hits"].notna().tolist() == [False, True, False]
 

@@ -1,4 +1,4 @@
-"""Trials are played on all cores, and each tells who played and how far it was misled."""
+"""Trials run on all cores; each is labelled with its policy and its forecast error."""
 
 from dataclasses import dataclass, replace
 
@@ -7,35 +7,34 @@ import pandas as pd
 import pytest
 
 from models.policy.trial import play
-from pipeline.transfer.trials import play_all, try_policy
+from pipeline.transfer.trials import Played, joined, play_policy, run_trials
 from tests.pipeline.trained_policies import chaser, description
 
 
 @dataclass(frozen=True)
-class Counted:
-    """A trial that tells its number, once a ball."""
+class Numbered:
+    """A trial whose table has its number in each of some rows."""
 
     number: int
 
-    def results(self):
-        return pd.DataFrame({"number": [self.number] * (self.number % 3)})
+    def run(self):
+        return Played(pd.DataFrame({"number": [self.number] * (self.number % 3)}))
 
 
 def test_results_come_in_the_order_of_the_trials():
-    found = play_all([Counted(number) for number in (5, 3, 1, 4)])
-    assert found["number"].tolist() == [5, 5, 1, 4]
-    assert found.index.tolist() == [0, 1, 2, 3]
+    table = joined(run_trials([Numbered(number) for number in (5, 3, 1, 4)]))
+    assert table["number"].tolist() == [5, 5, 1, 4]
+    assert table.index.tolist() == [0, 1, 2, 3]
 
 
-def test_a_trial_tells_what_play_does_who_played_and_how_far_off_forecasts_were():
+def test_trials_have_the_policy_s_labels_and_the_forecast_error():
     trained, policy = description(repeat=2, horizons=(170, 175, 180)), chaser()
     task = trained.task
-    balls, goals = task.practice(6, np.random.default_rng(0))
-    told = replace(balls, forecasts=balls.forecasts + 0.02 * np.eye(9)[0])
-    found = try_policy(policy, trained, task.simulator, told, goals)
-    pd.testing.assert_frame_equal(
-        found.iloc[:, :-4], play(policy, task.simulator, told, goals, "intercept")
-    )
-    assert found["ball"].tolist() == list(range(6))
-    assert set(found["horizons_ms"]) == {"170-180"} and set(found["repeat"]) == {2}
-    assert found["forecast_error_m"].tolist() == pytest.approx([0.02] * 6)
+    balls, goals = task.training_balls(6, np.random.default_rng(0))
+    shifted = replace(balls, forecasts=balls.forecasts + 0.02 * np.eye(9)[0])
+    table = play_policy(policy, trained, task.simulator, shifted, goals).table
+    expected = play(policy, task.simulator, shifted, goals, "intercept").table
+    pd.testing.assert_frame_equal(table.iloc[:, :-4], expected)
+    assert table["ball"].tolist() == list(range(6))
+    assert set(table["horizons_ms"]) == {"170-180"} and set(table["repeat"]) == {2}
+    assert table["forecast_error_m"].tolist() == pytest.approx([0.02] * 6)

@@ -11,7 +11,7 @@ from pipeline.io.artifacts import write_json
 from pipeline.io.report_manifest import read_contents
 from pipeline.paper.run_reports import Reports
 from pipeline.runtime.stage_run import StageRun
-from pipeline.transfer.example_returns import Return, Told, read_returns, write_returns
+from pipeline.transfer.example_returns import Return, TimedForecast, read_returns, write_returns
 from pipeline.web.report_page import render_page
 
 HORIZONS = range(100, 301, 5)
@@ -70,7 +70,7 @@ def made_up_return(**changes) -> Return:
     before = times[times <= 0.5]
     plain = {
         "name": "stroke_pro 3",
-        "told_by": "physics",
+        "predictor": "physics",
         "outcome": "returned",
         "horizon": 0.12,
         "hit": 0.5,
@@ -83,13 +83,13 @@ def made_up_return(**changes) -> Return:
     return Return(**{**plain, **changes})
 
 
-def _told(offset: tuple[float, float, float]) -> list[Told]:
+def _told(offset: tuple[float, float, float]) -> list[TimedForecast]:
     """What is told at 55, 95, ... ms."""
     told = []
     for at in np.arange(0.055, 0.5, 0.04).round(6):
         ahead = (at + np.arange(0.02, 0.301, 0.02)).round(6)
         places = (bouncing_ball(ahead) + offset).tolist()
-        told.append(Told(at=at, track=Forecast(t=ahead.tolist(), position=places)))
+        told.append(TimedForecast(at=at, track=Forecast(t=ahead.tolist(), position=places)))
     return told
 
 

@@ -18,7 +18,9 @@ def style():
 def curve(group, simulator, horizons, repeat, start):
     rates = start + np.array([0.0, 0.2, 0.3])
     labels = {"group": group, "simulator": simulator, "horizons_ms": horizons, "repeat": repeat}
-    return pd.DataFrame({"ticks": TICKS, "return_rate": rates, "hit_rate": rates + 0.1, **labels})
+    return pd.DataFrame(
+        {"control_steps": TICKS, "return_rate": rates, "hit_rate": rates + 0.1, **labels}
+    )
 
 
 CURVES = pd.concat(
@@ -39,7 +41,7 @@ def test_every_policy_is_a_line_in_the_row_of_its_group(column, rate):
     assert [len(panel.lines) for panel in axes] == [4, 1]
     lines = [line for panel in axes for line in panel.lines]
     for line, (_, rows) in zip(lines, CURVES.groupby(np.arange(15) // 3), strict=True):
-        np.testing.assert_allclose(line.get_xdata(), rows["ticks"] / 1000)
+        np.testing.assert_allclose(line.get_xdata(), rows["control_steps"] / 1000)
         np.testing.assert_allclose(line.get_ydata(), 100 * rows[rate])
     titles = [panel.get_title(loc="left") for panel in learning_figure(CURVES).axes]
     assert [title for title in titles if title] == ["sim2sim", "strict inputs"]
@@ -92,13 +94,13 @@ def test_every_goal_has_a_panel_with_its_returns_and_their_line():
         np.testing.assert_array_equal(perfect.get_xdata(), perfect.get_ydata())
         np.testing.assert_allclose(fitted.get_ydata(), 1 + 0.5 * fitted.get_xdata())
         assert panel.get_title(loc="left") == "slope 0.50"
-        assert panel.get_xlabel() == f"asked: {GOALS[name]}"
+        assert panel.get_xlabel() == f"goal: {GOALS[name]}"
 
 
 def test_what_was_not_asked_for_has_no_panel():
     figure = achieved_figure(returns("landing_across", "landing_along", "topspin"))
 
-    assert [panel.get_xlabel() for panel in figure.axes][2:] == ["asked: topspin (rad/s)"]
+    assert [panel.get_xlabel() for panel in figure.axes][2:] == ["goal: topspin (rad/s)"]
 
 
 def test_without_returns_there_is_no_line_and_the_panel_says_so():

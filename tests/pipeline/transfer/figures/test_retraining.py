@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.io.figure_style import apply_style
-from pipeline.transfer.figures.retraining import loop_figure
+from pipeline.transfer.figures.retraining import retraining_figure
 
 PAIRS = [("original", "physics"), ("original", "oracle"), ("retrained", "amended")]
 
@@ -19,7 +19,7 @@ def made_up():
 
 def test_every_policy_and_predictor_has_a_bar_in_the_panel_of_its_horizons():
     apply_style()
-    figure = loop_figure(made_up())
+    figure = retraining_figure(made_up())
     widths = [[bar.get_width() for bar in axes.patches] for axes in figure.axes]
     np.testing.assert_allclose(widths, [[50, 55, 60], [65, 70, 75]])
     names = [text.get_text() for text in figure.axes[0].get_yticklabels()]

@@ -59,8 +59,8 @@ def test_physics_comes_first_and_sets_tell_how_many_shots_they_have():
     figure = transfer_figure(made_up())
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == [
-        "physics, first window", "physics, every tick", "oracle, every tick",
-        "transformer, every tick",
+        "physics, first window", "physics, every control step", "oracle, every control step",
+        "transformer, every control step",
     ]  # fmt: skip
     ticks = [tick.get_text() for tick in figure.axes[-1].get_xticklabels()]
     assert ticks == ["stroke pro\nn = 20", "spindoe\nn = 20"]
@@ -96,4 +96,4 @@ def test_what_missing_spin_costs_is_drawn_beside_it():
     drawn = {line.get_label(): line.get_ydata() for line in tolerance_figure(rates).axes[0].lines}
     spinless = rates[rates["error"] == "no_spin"].set_index("horizons_ms")["return_rate"]
     for horizons, rate in spinless.items():
-        np.testing.assert_allclose(drawn[f"{horizons} ms, without spin"], 100 * rate)
+        np.testing.assert_allclose(drawn[f"{horizons} ms, zero spin"], 100 * rate)

@@ -1,11 +1,11 @@
-"""Balls and courts for the tests."""
+"""Balls and simulations for the tests."""
 
 import numpy as np
 
 from models.ball.simulators import shipped
-from models.policy.batch_simulation import Court
+from models.policy.batch_simulation import BatchSimulation
 from models.policy.goals import Goals
-from models.policy.incoming_balls import PATH_TIMES, Incoming, tick_times
+from models.policy.incoming_balls import PATH_TIMES, IncomingBalls, control_times
 from models.robot.constants import NEUTRAL
 from models.robot.kinematics import racket
 
@@ -32,31 +32,31 @@ def passing(
     """Return balls in free flight that would be at ``places`` after ``arrival`` seconds."""
     there = [np.concatenate([place, velocity, spin]) for place in places]
     path = SIMULATOR.fly(np.array(there), PATH_TIMES - arrival).states
-    ticks = len(tick_times(0.0))
+    ticks = len(control_times(0.0))
     forecasts = np.broadcast_to(path[:, :1, None], (len(path), ticks, 3, 9))
-    return Incoming(path, np.tile(playable, (len(path), 1)), 0.0, forecasts)
+    return IncomingBalls(path, np.tile(playable, (len(path), 1)), 0.0, forecasts)
 
 
 def goals(count=1):
     return Goals(np.tile([0.1, 0.8], (count, 1)))
 
 
-def court_with(incoming, simulator=SIMULATOR):
-    court = Court(simulator, len(incoming), "strict")
-    court.reset(np.ones(len(incoming), dtype=bool), incoming, goals(len(incoming)))
-    return court
+def simulation_with(incoming, simulator=SIMULATOR):
+    simulation = BatchSimulation(simulator, len(incoming), "strict")
+    simulation.reset(np.ones(len(incoming), dtype=bool), incoming, goals(len(incoming)))
+    return simulation
 
 
-def played(court, actions=STILL):
+def played(simulation, actions=STILL):
     """Play until an episode ends; return its step and the rewards of all steps."""
     rewards = []
     while True:
-        step = court.step(actions)
+        step = simulation.step(actions)
         rewards.append(step.reward)
         if step.done.any():
             return step, np.array(rewards)
 
 
-def hand(court):
+def racket_state(simulation):
     """Return the rackets as they are now."""
-    return racket(court.arms.joints, court.arms.joint_speeds)
+    return racket(simulation.arms.joints, simulation.arms.joint_speeds)

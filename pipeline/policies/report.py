@@ -1,0 +1,101 @@
+"""The report of train_policy: metrics, figures, tables and their captions."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import pandas as pd
+
+from models.policy.scores import scores
+from models.policy.trial import TrialResult
+from models.robot.view import frames
+from pipeline.io.metrics import over_seeds, place, rounded
+from pipeline.policies.figures.training import achieved_figure, learning_figure
+from pipeline.policies.training import VALIDATION_SHOTS, TrainingResult
+from pipeline.runtime.stage_run import StageRun
+
+SETTING = ["group", "simulator", "horizons_ms"]  # shared by policies that differ only in the seed
+
+
+def report_training(
+    run: StageRun, results: Sequence[TrainingResult], tests: Sequence[TrialResult]
+) -> None:
+    """Write metrics, learning curves, an animation, figures of goals and the table of policies."""
+    rows = [
+        {
+            **one.description.labels,
+            "control_steps": one.curve["control_steps"].iloc[-1],
+            **scores(test.table),
+        }
+        for one, test in zip(results, tests, strict=True)
+    ]
+    table = pd.DataFrame(rows)
+    run.write_metrics(_metrics(table))
+    curves = [one.curve.assign(**one.description.labels) for one in results]
+    run.add_figure(
+        learning_figure(pd.concat(curves)),
+        "learning",
+        title="Learning curves of the policies",
+        caption=f"After each training iteration a policy plays {VALIDATION_SHOTS} validation shots "
+        "of its own simulator, without exploration noise. A control step is one action of one "
+        "environment.",
+    )
+    _add_animation(run, results[0], tests[0])
+    _add_goal_figures(run, results, tests)
+    run.add_table(
+        table,
+        "policies",
+        title="Trained policies",
+        caption=f"Each policy plays {run.params.train_policy.trials} test shots of its own "
+        "simulator with exact forecasts. A return lands on the far half; landing_error_m is the "
+        "mean distance of returns from their goals. Slopes: of the speed and the topspin of "
+        "returns over their goals, where there are such goals; 1 is perfect.",
+    )
+
+
+def _metrics(table: pd.DataFrame) -> dict[str, Any]:
+    """Return ``{group: {simulator: {horizons: {score: mean over seeds}}}}``; NaN is left out.
+
+    Return rates also have their spread over seeds.
+    """
+    metrics: dict[str, Any] = {}
+    for setting, rows in table.groupby(SETTING, sort=False):
+        others = rows.loc[:, "hit_rate":].mean().dropna()
+        place(metrics, setting).update(
+            return_rate=over_seeds(rows["return_rate"].tolist()),
+            **{str(name): rounded(value) for name, value in others.items()},
+        )
+    return metrics
+
+
+def _add_animation(run: StageRun, one: TrainingResult, test: TrialResult) -> None:
+    """Show the first return among the recorded shots, or the first shot if there is none."""
+    returned = test.table["returned"].to_numpy()[: len(test.motions)]
+    shot = int(returned.argmax())
+    run.add_animation(
+        frames(test.motions[shot].joints, test.motions[shot].ball),
+        "return",
+        title="A return" if returned[shot] else "A miss",
+        caption=f"The policy {one.description.name} plays a test shot, at half speed. Bullet "
+        "simulates the arm, the ball simulator the ball.",
+    )
+
+
+def _add_goal_figures(
+    run: StageRun, results: Sequence[TrainingResult], tests: Sequence[TrialResult]
+) -> None:
+    """Add a figure for each group with goals of speed or topspin."""
+    for name, group in run.params.train_policy.groups.items():
+        if group.goals.speed is None and group.goals.topspin is None:
+            continue
+        returns = [
+            test.table[test.table["returned"]]
+            for one, test in zip(results, tests, strict=True)
+            if one.description.group == name
+        ]
+        run.add_figure(
+            achieved_figure(pd.concat(returns)),
+            f"achieved_{name}",
+            title=f"Achieved values over goals: {name.replace('_', ' ')}",
+            caption="Returns of test shots by all policies of the group: one dot per return, the "
+            "least-squares line (solid) and the ideal (dashed).",
+        )

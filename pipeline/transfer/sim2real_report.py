@@ -1,0 +1,116 @@
+"""The report of sim2real: metrics, figures, tables and their captions."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import pandas as pd
+
+from pipeline.io.metrics import place, rounded
+from pipeline.runtime.stage_run import StageRun
+from pipeline.transfer.figures.sim2real import transfer_figure
+from pipeline.transfer.rates import differences, rates
+from pipeline.transfer.replay_sets import ReplaySet
+from pipeline.transfer.transfer_table import BASELINE, SETTING, paper_form_table
+
+KEYS = [*SETTING, *BASELINE]  # of an experiment
+
+
+def report_transfer(run: StageRun, played: pd.DataFrame, learned: Sequence[str]) -> None:
+    """Write metrics, the figure of rates, and the tables of rates and differences."""
+    resamples = run.params.sim2real.bootstrap_resamples
+    table = rates(played, KEYS, resamples, run.seed)
+    errors = played.groupby(KEYS, sort=False)["forecast_error_m"].mean()
+    table["forecast_error_cm"] = 100 * errors.to_numpy()
+    gains = differences(played, SETTING, BASELINE, resamples, run.seed)
+    run.write_metrics(_metrics(table, gains))
+    caption = _caption(run)
+    run.add_figure(
+        transfer_figure(table),
+        "transfer",
+        title="Sim-to-real: hits and returns of replayed shots",
+        caption=caption,
+    )
+    run.add_table(
+        paper_form_table(table, learned),
+        "transfer",
+        title="Sim-to-real, in the form of the paper's table",
+        caption=f"{caption} Numbers of shots, means over policies that differ only in the seed. "
+        "Physics and the learned predictor both forecast at every control step. The paper has "
+        "other shots, another robot and another policy: only the gains of the learned predictor "
+        "compare.",
+    )
+    run.add_table(
+        table,
+        "rates",
+        title="Sim-to-real: all predictors",
+        caption="Rates over the replayed shots with 95 % intervals (low, high), bootstrapped over "
+        "shots; hits and returns are numbers of shots, means over policies. forecast_error_cm: "
+        "mean distance between forecast and true position at the middle horizon, over all control "
+        "steps before the ball is out of play.",
+    )
+    run.add_table(
+        gains,
+        "difference",
+        title="Sim-to-real: gains over physics at every control step",
+        caption="Difference of the rates with the predictor and with physics, paired by shot, with "
+        "95 % intervals bootstrapped over shots. gained, lost: shots with the outcome more often "
+        "with the predictor, or with physics.",
+    )
+
+
+def report_sets(run: StageRun, sets: Sequence[ReplaySet]) -> None:
+    """Add the table of replayed and excluded shots."""
+    rows = [
+        {
+            "set": one.name,
+            "replayed": len(one),
+            "in_reach": one.in_reach,
+            "rotated": one.rotated,
+            "excluded": ", ".join(f"{count} {why}" for why, count in one.excluded.items()) or None,
+            "spin": one.spin,
+            "physics": "true" if one.oracle else "literature",
+        }
+        for one in sets
+    ]
+    run.add_table(
+        pd.DataFrame(rows),
+        "replayed",
+        title="Replayed shots",
+        caption="Shots that no predictor was trained on. in_reach: those that pass through the "
+        "racket's workspace; the others are played, too. rotated: those that flew the other way "
+        "and were rotated by half a turn. excluded: with the reason. spin: how it was measured; "
+        "without labels a ball starts without spin, and its bounce changes the spin according to "
+        "the change of velocity. physics: of the flight beyond the measurements and after the "
+        "racket.",
+    )
+
+
+def _caption(run: StageRun) -> str:
+    simulator = run.params.sim2real.simulator
+    return (
+        f"Policies trained in the simulator {simulator} play measured shots. Physics: a Kalman "
+        f"filter over the last 12 measurements with {simulator}; first window: one forecast of "
+        "the whole flight from the first 12 measurements; every tick: a new forecast every 40 ms, "
+        "as for all other predictors. Amended: the same filter with the simulator as close_gap "
+        "amended it from training shots of the source. Oracle: with the physics that flew the "
+        "ball. After the racket, arena balls fly in the arena's physics, measured balls in the "
+        "literature's."
+    )
+
+
+def _metrics(table: pd.DataFrame, gains: pd.DataFrame) -> dict[str, Any]:
+    """Return ``{set: {horizons: {predictor: {protocol: values}}}}``.
+
+    The values of the rates' table, and ``gained_hits`` and ``gained_returns`` over physics.
+    """
+    metrics: dict[str, Any] = {}
+    for row in table.to_dict("records"):
+        place(metrics, [row[key] for key in KEYS]).update(_values(row))
+    for row in gains.to_dict("records"):
+        keys = [*(row[key] for key in KEYS), f"gained_{row['outcome']}"]
+        place(metrics, keys).update(_values(row))
+    return metrics
+
+
+def _values(row: dict[Any, Any]) -> dict[str, float]:
+    return {name: rounded(value) for name, value in row.items() if name not in (*KEYS, "outcome")}
