@@ -1,8 +1,10 @@
 """The sensor: what cameras make of the true path.
 
 Sensor effects are numpy functions of the true ball; they act once a measurement, not once a step.
+Every simulated or predicted measurement goes through the functions here.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,8 @@ from models.ball.quantities import QUANTITIES, View
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, VELOCITY
 from models.ball.types import Floats
+
+MAX_DELAY = 1.0  # s, where trial values make a ball ever faster
 
 _SENSOR = {quantity.name: quantity for quantity in QUANTITIES if quantity.acts == "sensor"}
 
@@ -31,29 +35,67 @@ def measured(
     Returns:
         (B, T, 3) measured positions in m and (B, T, 3) spin labels in rad/s.
     """
-    true_times = np.asarray(times, dtype=np.float64) / sensor_quantity(simulator, "clock_gain")
-    flown = simulator.fly(states, true_times).states
-    speed = np.linalg.norm(flown[..., VELOCITY], axis=-1)
-    delay = np.broadcast_to(sensor_quantity(simulator, "delay", View(speed)), speed.shape)
-    seen = _flown_in_any_order(simulator, states, true_times - delay)
-    positions = sensor_quantity(simulator, "position_gain") * seen[..., POSITION]
-    return positions, _spin_labels(simulator, flown[..., SPIN], generator)
+    true = true_times(simulator, times)
+    flown = simulator.fly(states, true).states
+    speeds = np.linalg.norm(flown[..., VELOCITY], axis=-1)
+
+    def fly(moments: Floats) -> Floats:
+        return simulator.fly(states, moments).states
+
+    seen = in_rising_order(fly, true - delays(simulator, speeds))
+    positions = measured_positions(simulator, seen[..., POSITION])
+    return positions, _with_flips(simulator, measured_spins(simulator, flown[..., SPIN]), generator)
 
 
-def _flown_in_any_order(simulator: Simulator, states: Floats, times: Floats) -> Floats:
-    """Return states at (B, T) times that may fall, as a delay that grows with speed makes them."""
+def true_times(simulator: Simulator, times: Floats) -> Floats:
+    """Return the true times, s, of times on the sensor's clock."""
+    true: Floats = np.asarray(times, dtype=np.float64) / sensor_quantity(simulator, "clock_gain")
+    return true
+
+
+def clock_times(simulator: Simulator, times: Floats) -> Floats:
+    """Return the times on the sensor's clock, s, of true times."""
+    measured: Floats = sensor_quantity(simulator, "clock_gain") * times
+    return measured
+
+
+def delays(simulator: Simulator, speeds: Floats) -> Floats:
+    """Return (...) ages of measured positions, s, of balls at (...) speeds, m/s."""
+    delay = np.minimum(sensor_quantity(simulator, "delay", View(speeds)), MAX_DELAY)
+    return np.broadcast_to(delay, np.shape(speeds))
+
+
+def measured_positions(simulator: Simulator, positions: Floats) -> Floats:
+    """Return (..., 3) measured positions, m, of balls at true positions."""
+    measured: Floats = sensor_quantity(simulator, "position_gain") * positions
+    return measured
+
+
+def measured_spins(simulator: Simulator, spins: Floats) -> Floats:
+    """Return (..., 3) spin labels, rad/s, of true spins; signs are right."""
+    turn = Rotation.from_rotvec(np.array(sensor_quantity(simulator, "spin_label_rotation")))
+    turned = turn.apply(spins.reshape(-1, 3)).reshape(spins.shape) if spins.size else spins
+    labels: Floats = sensor_quantity(simulator, "spin_label_gain") * turned
+    return labels
+
+
+def in_rising_order(fly: Callable[[Floats], Floats], times: Floats) -> Floats:
+    """Return states at (B, T) times that may fall, as a delay that grows with speed makes them.
+
+    Args:
+        fly: gives (B, T, 9) states at (B, T) rising times.
+        times: s.
+    """
     order = np.argsort(times, axis=1, kind="stable")
-    flown = simulator.fly(states, np.take_along_axis(times, order, axis=1)).states
+    flown = fly(np.take_along_axis(times, order, axis=1))
     original = np.argsort(order, axis=1, kind="stable")
     ordered: Floats = np.take_along_axis(flown, original[..., None], axis=1)
     return ordered
 
 
-def _spin_labels(simulator: Simulator, spins: Floats, generator: np.random.Generator) -> Floats:
-    turn = Rotation.from_rotvec(np.array(sensor_quantity(simulator, "spin_label_rotation")))
-    labels = sensor_quantity(simulator, "spin_label_gain") * turn.apply(spins.reshape(-1, 3))
-    flipped = generator.random(len(spins)) < sensor_quantity(simulator, "spin_flip_share")
-    signed: Floats = np.where(flipped[:, None, None], -1.0, 1.0) * labels.reshape(spins.shape)
+def _with_flips(simulator: Simulator, labels: Floats, generator: np.random.Generator) -> Floats:
+    flipped = generator.random(len(labels)) < sensor_quantity(simulator, "spin_flip_share")
+    signed: Floats = np.where(flipped[:, None, None], -1.0, 1.0) * labels
     return signed
 
 

@@ -92,6 +92,8 @@ class InferenceSettings:
     noise_degrees: float = 8.0  # degrees of freedom that the noise as estimated is worth
     min_detectable_sample_size: float = 4.0  # effective shots behind a minimum detectable effect
     min_information: float = 1e-7  # share of a hypothesis's information left after its nuisance
+    beam_width: int = 150  # sets of one size that the search keeps
+    beam_work: int = 750  # columns in all these sets together
     max_variance_inflation: float = 100.0  # of a value by the others of its set
     bound_tolerance: float = 3.0  # standard errors that an estimate may lie beyond its bounds
 
@@ -127,8 +129,6 @@ class NameSettings:
     """Causes: search, label signs, unexplained structure."""
 
     growth: int = 5  # causes by which an explanation may grow about one fit
-    beam_width: int = 150  # sets of one size that the search keeps
-    beam_work: int = 750  # causes in all these sets together
     min_sample_size: float = 2.5  # effective shots behind a cause: no name rests on one or two
     # Of twice the log likelihood, which a missing effect must gain beyond a wrong value.
     listed_advantage: float = 1e-3

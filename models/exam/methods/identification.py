@@ -21,10 +21,10 @@ from models.exam.methods.regression import Places, Regression, answer, candidate
 from models.exam.projection import projected_out
 from models.gap.fit.linearize import linearise
 from models.gap.fit.noise import Noise, prior_precision
+from models.gap.fit.projection import regularised
 from models.gap.fit.shot_fit import fit_shots, refit_shots
 from models.gap.fit.shots import Shots
 from models.gap.hypotheses import Hypothesis
-from models.gap.inference.score_test import regularised
 from models.gap.settings import FitSettings
 
 # Chosen as the thresholds of sindy.py. Clean sets right and hidden effects named, for 3, 3.25, 3.5,

@@ -10,16 +10,21 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from models.ball.contact_laws import TABLE
-from models.ball.quantities import View
-from models.ball.sensor import sensor_quantity
+from models.ball.sensor import (
+    clock_times,
+    delays,
+    in_rising_order,
+    measured_positions,
+    measured_spins,
+    true_times,
+)
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
 from models.ball.types import Floats
 from models.gap.fit.shots import Shots
-from models.gap.fit.trajectory import fly_in_any_order, fly_with_kicks
+from models.gap.fit.trajectory import fly_with_kicks
 from models.gap.hypotheses import Hypothesis
 from models.gap.types import Bools, Indices
 
@@ -31,7 +36,6 @@ JUMP = 5e-3
 # so nearly linear in the unknowns that one-sided differences are good to five digits.
 STATE_STEPS = np.repeat([1e-5, 1e-4, 0.02], 3)
 KICK_STEP = 1e-4
-MAX_DELAY = 1.0  # s that a sensor may be late, where values that are tried make a ball ever faster
 
 
 @dataclass(frozen=True)
@@ -146,21 +150,23 @@ def predict_measurements(simulator: Simulator, schedule: Schedule, nuisance: Flo
         schedule: of B balls.
         nuisance: (B, 9 + 3 K) states at the first sample and kicks.
     """
-    clock = sensor_quantity(simulator, "clock_gain")
-    times = schedule.times / clock
+    times = true_times(simulator, schedule.times)
     states, contacts, smooth_until = fly_with_kicks(simulator, nuisance, times)
     spins = np.take_along_axis(states[..., SPIN], schedule.labels[..., None], axis=1)
     velocities = schedule.at_samples(states[..., VELOCITY])
-    speeds = np.sqrt(np.einsum("bni,bni->bn", velocities, velocities))
-    delay = np.minimum(sensor_quantity(simulator, "delay", View(speeds)), MAX_DELAY)
+    delay = delays(simulator, np.sqrt(np.einsum("bni,bni->bn", velocities, velocities)))
+    places = schedule.at_samples(states[..., POSITION])
     if np.any(delay):
-        sampled = schedule.at_samples(times)
-        places = fly_in_any_order(simulator, nuisance, sampled - delay)[..., POSITION]
-    else:
-        places = schedule.at_samples(states[..., POSITION])
-    positions = sensor_quantity(simulator, "position_gain") * places
-    labels = _labels(simulator, spins)
-    return Prediction(positions, labels, velocities, clock * contacts, clock * smooth_until)
+        sampled = schedule.at_samples(times) - delay
+        flown = in_rising_order(lambda at: fly_with_kicks(simulator, nuisance, at)[0], sampled)
+        places = flown[..., POSITION]
+    return Prediction(
+        measured_positions(simulator, places),
+        measured_spins(simulator, spins),
+        velocities,
+        clock_times(simulator, contacts),
+        clock_times(simulator, smooth_until),
+    )
 
 
 def nuisance_derivatives(
@@ -226,10 +232,3 @@ def _smooth_until(prediction: Prediction, *others: Floats) -> Floats:
         first = np.fmin.reduce(np.hstack([prediction.contacts, contacts, nothing]), axis=1)
         smooth_until = np.fmin(smooth_until, np.where(more, first, np.nan))
     return smooth_until
-
-
-def _labels(simulator: Simulator, spins: Floats) -> Floats:
-    turn = Rotation.from_rotvec(np.array(sensor_quantity(simulator, "spin_label_rotation")))
-    turned = turn.apply(spins.reshape(-1, 3)).reshape(spins.shape) if spins.size else spins
-    labels: Floats = sensor_quantity(simulator, "spin_label_gain") * turned
-    return labels

@@ -71,3 +71,63 @@ def identifiable_directions(
     kept = values > tolerance
     directions: Floats = vectors[:, kept] / scale[:, None] / np.sqrt(values[kept])
     return directions
+
+
+@dataclass(frozen=True)
+class Projection:
+    """Projection of K columns on a block of D of them, given N others that are free.
+
+    With ``theta = A_nn^-1 U_n`` the others' values and ``C = A_kn A_nn^-1`` (mixing), the efficient
+    scores of the block and their information are
+
+        e = (u_k - A_kn theta) - C (u_n - A_nn theta),    I = A_kk - C A_nk - (A_kn - C A_nn) C'.
+
+    The last term vanishes for the data that C is from, not for other data (single shots).
+
+    Attributes:
+        block: places of the D columns.
+        given: places of the N others.
+        values: (N,) of the others.
+        mixing: (D, N).
+    """
+
+    block: list[int]
+    given: list[int]
+    values: Floats
+    mixing: Floats
+
+    @classmethod
+    def of(cls, total: Floats, scores: Floats, block: list[int], given: list[int]) -> "Projection":
+        """Return the projection by the (K, K) information of all data and its (B, K) scores."""
+        inner = regularised(total[np.ix_(given, given)])
+        values: Floats = np.linalg.solve(inner, scores[:, given].sum(axis=0))
+        mixing = np.linalg.solve(inner, total[np.ix_(given, block)])
+        return cls(block, given, values, np.asarray(mixing.T, dtype=np.float64))
+
+    def scores(self, scores: Floats, information: Floats) -> Floats:
+        """Return (B, D) efficient scores of (B, K) scores and (B, K, K) information."""
+        rest = scores - information[:, :, self.given] @ self.values
+        efficient: Floats = rest[:, self.block] - rest[:, self.given] @ self.mixing.T
+        return efficient
+
+    def information(self, information: Floats) -> Floats:
+        """Return (B, D, D) information of the efficient scores of (B, K, K) data."""
+        a, k, n = information, self.block, self.given
+        across = a[:, k][:, :, n] - self.mixing @ a[:, n][:, :, n]
+        own: Floats = a[:, k][:, :, k] - self.mixing @ a[:, n][:, :, k]
+        return own - across @ self.mixing.T
+
+    def information_diagonal(self, information: Floats) -> Floats:
+        """Return the (B, D) diagonals of ``information`` alone, for many columns."""
+        a, k, n = information, self.block, self.given
+        mixed = np.einsum("dn,bnd->bd", self.mixing, a[:, n][:, :, k])
+        twice = ((a[:, n][:, :, n] @ self.mixing.T) * self.mixing.T).sum(axis=1)
+        diagonal: Floats = np.einsum("bkk->bk", a)[:, k] - 2 * mixed + twice
+        return diagonal
+
+
+def regularised(matrix: Floats) -> Floats:
+    """Return information matrices that can be inverted where columns are exactly collinear."""
+    size = matrix.shape[-1]
+    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)[..., None] * np.eye(size)
+    return matrix + 1e-10 * diagonal + 1e-300 * np.eye(size)

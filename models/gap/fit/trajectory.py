@@ -1,10 +1,10 @@
-"""Path: balls from bounce to bounce, with a kick at each.
+"""Trajectories: balls from bounce to bounce, with a kick at each.
 
-A kick is what one bounce did beyond the law. A kick ``(n, s, c)`` is measured in units of the
-impact's normal speed: the ball leaves faster by ``n`` upwards, ``s`` along the slip of its contact
-point and ``c`` across. The tangential part fades where the slip does, since there friction has
-nothing to scatter, and comes with the spin that the conservation of angular momentum about the
-contact point asks for, ``dw = -3/(2r) ez x dv``.
+A kick is the deviation of one bounce from the law. A kick ``(n, s, c)`` is in units of the impact's
+normal speed: the ball leaves faster by ``n`` upwards, ``s`` along the slip of its contact point and
+``c`` across. The tangential part vanishes with the slip, where friction has nothing to scatter, and
+comes with the spin that the conservation of angular momentum about the contact point requires,
+``dw = -3/(2r) ez x dv``.
 """
 
 from dataclasses import fields
@@ -49,14 +49,6 @@ def fly_with_kicks(
         met[-1][:, rows] = start[:, None] + _contacts(flight)
     smooth, wild = np.concatenate(met, axis=2)
     return states, smooth[:, np.isfinite(smooth).any(axis=0)], np.fmin.reduce(wild, axis=1)
-
-
-def fly_in_any_order(simulator: Simulator, nuisance: Floats, times: Floats) -> Floats:
-    """Return the (B, T, 9) states at times that may fall."""
-    order = np.argsort(times, axis=1, kind="stable")
-    states, _, _ = fly_with_kicks(simulator, nuisance, np.take_along_axis(times, order, axis=1))
-    back = np.argsort(order, axis=1, kind="stable")
-    return np.take_along_axis(states, back[..., None], axis=1)
 
 
 def _contacts(flight: Flight) -> Floats:

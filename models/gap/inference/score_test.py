@@ -1,21 +1,19 @@
-"""Evidence: what the shots say for and against every hypothesis, before any is refitted.
+"""Score tests: what the shots say for and against every hypothesis, before any is refitted.
 
-Each shot, freed of its unknowns, gives for K hypotheses a score ``u_s`` and an information ``A_s``.
-A block k of them is tested beside others that are free, ``n`` (those that the simulator lists are
-always free): with ``theta = A_nn^-1 U_n`` and ``C = A_kn A_nn^-1``,
+Each shot s, its nuisance parameters eliminated, gives for K hypotheses a score ``u_s`` and an
+information ``A_s``. A block of them is tested given others that are free, by its efficient scores
+``e_s`` and their information ``I_s`` (fit/projection.py; Rao 1948, Neyman 1959). With ``U = sum
+e_s`` and ``I = sum I_s``, ``I^-1 U`` is the estimate and ``U'I^-1 U`` the gain of twice the log
+likelihood, by which hypotheses are ranked.
 
-    e_s = (u_k - A_kn theta)_s - C (u_n - A_nn theta)_s,    I = A_kk - C A_nk,
-
-are the efficient scores and their information. ``U = sum e_s`` gives the estimate ``I^-1 U`` and
-the gain of twice the log likelihood ``U'I^-1 U``, by which hypotheses are ranked. Whether a gain is
-significant is left to the shots themselves, whatever correlation the noise has within a shot. Here
-``d_s = e_s - I_s (I - I_s)^-1 (U - e_s)`` is how far a shot is from what the others say of it,
-``I_s`` its part of the information, so that an effect which shots show unequally does not pass for
-their scatter. The variance of U is ``sum d_s d_s'`` with as many degrees of freedom as shots, all
-alike, would say as much, less one. Where that is a handful, their spread may be small by chance; so
-it is averaged with the information, which is the variance by the noise as it was found and counts
-as much as a few shots (an empirical Bayes variance). The test is Hotelling's; of many tests each
-chance is that of the least of as many.
+Significance comes from the spread of the shots themselves, whatever correlation the noise has
+within a shot (a cluster-robust, or sandwich, variance). The leave-one-out residual ``d_s = e_s -
+I_s (I - I_s)^-1 (U - e_s)`` is how far a shot is from the estimate by the others, so that an effect
+which shots show unequally does not count as scatter. The variance of U is ``sum d_s d_s'``, with
+the effective sample size less one as degrees of freedom. Where that is small, it is averaged with
+the information, the variance by the noise as estimated, which counts as much as a few shots (an
+empirical Bayes variance; Smyth 2004). The test is Hotelling's; p-values of many tests are adjusted
+for their number (Sidak 1967).
 """
 
 from collections.abc import Sequence
@@ -29,7 +27,7 @@ from scipy.stats import t as student
 
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised
-from models.gap.fit.projection import eliminate_nuisance
+from models.gap.fit.projection import Projection, eliminate_nuisance, regularised
 from models.gap.fit.variance_components import NoiseEstimate
 from models.gap.hypotheses import Hypothesis
 from models.gap.settings import GapSettings
@@ -180,15 +178,11 @@ class Evidence:
 
     def score_test(self, block: Sequence[int], given: Sequence[int]) -> ScoreTest:
         """Test a block of hypotheses beside others that are free."""
-        k, n = list(block), [one for one in given if one not in block]
-        inner = regularised(self.total[np.ix_(n, n)])
-        free = np.linalg.solve(inner, self.scores[:, n].sum(axis=0))
-        mixing = np.linalg.solve(inner, self.total[np.ix_(n, k)]).T
-        rest = self.scores - self.information[:, :, n] @ free
-        a = self.information
-        across = a[:, k][:, :, n] - mixing @ a[:, n][:, :, n]
-        shares = a[:, k][:, :, k] - mixing @ a[:, n][:, :, k] - across @ mixing.T
-        return ScoreTest(tuple(k), rest[:, k] - rest[:, n] @ mixing.T, shares, self.settings)
+        others = [one for one in given if one not in block]
+        projection = Projection.of(self.total, self.scores, list(block), others)
+        scores = projection.scores(self.scores, self.information)
+        shares = projection.information(self.information)
+        return ScoreTest(tuple(block), scores, shares, self.settings)
 
     def decidable(self, given: Sequence[int], min_size: float | None = None) -> Places:
         """Return the places of hypotheses that the shots can tell from all given ones.
@@ -235,10 +229,3 @@ def familywise_p_values(tests: Sequence[ScoreTest]) -> Floats:
     p_values = np.array([test.p_value for test in tests])
     of_least: Floats = -np.expm1(len(tests) * np.log1p(-np.minimum(p_values, 1 - 1e-12)))
     return of_least
-
-
-def regularised(matrix: Floats) -> Floats:
-    """Return information matrices that can be inverted where hypotheses are exactly alike."""
-    size = matrix.shape[-1]
-    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)[..., None] * np.eye(size)
-    return matrix + 1e-10 * diagonal + 1e-300 * np.eye(size)

@@ -29,7 +29,7 @@ class Term(Hypothesis):
 
 @dataclass(frozen=True)
 class Terms:
-    """Terms and their columns of B shots, like those of the hypotheses (linear.py).
+    """Terms and their columns of B shots, like those of the hypotheses (linearize.py).
 
     Attributes:
         terms: the D terms.

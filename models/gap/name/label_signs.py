@@ -19,7 +19,7 @@ from models.gap.fit.noise import Noise
 from models.gap.fit.refit import RefitResult
 from models.gap.fit.shot_fit import refit_shots
 from models.gap.fit.shots import Shots
-from models.gap.settings import GapSettings
+from models.gap.settings import FitSettings, GapSettings
 from models.gap.types import Bools
 
 
@@ -95,7 +95,7 @@ def find_flipped_labels(shots: Shots, fit: RefitResult, settings: GapSettings) -
 def _flipped(shots: Shots, fit: RefitResult, settings: GapSettings) -> Bools:
     own, labelled = settings.name, shots.labelled.any(axis=1)
     simulator, noise, nuisance = fit.simulator, fit.noise_estimate.noise, fit.linear.nuisance
-    misfit = _misfit(shots, simulator, nuisance, noise)
+    misfit = _misfit(shots, simulator, nuisance, noise, settings.fit)
     rows = shots.valid.sum(axis=1) + shots.labelled.sum(axis=1)
     typical = np.median((misfit / rows)[labelled])
     tried = np.flatnonzero(labelled & (misfit > own.suspect_misfit * typical * rows))
@@ -105,18 +105,21 @@ def _flipped(shots: Shots, fit: RefitResult, settings: GapSettings) -> Bools:
         start = nuisance[tried].copy()
         start[:, SPIN] *= -1.0
         refitted = refit_shots(negated, simulator, start, noise, settings.fit)
-        other = _misfit(negated, simulator, refitted.nuisance, noise)
+        other = _misfit(negated, simulator, refitted.nuisance, noise, settings.fit)
         better = other < misfit[tried] - own.decisive_gain
         flipped[tried] = better & (other < own.ordinary_misfit * typical * rows[tried])
     return flipped
 
 
-def _misfit(shots: Shots, simulator: Simulator, nuisance: Floats, noise: Noise) -> Floats:
+def _misfit(
+    shots: Shots, simulator: Simulator, nuisance: Floats, noise: Noise, settings: FitSettings
+) -> Floats:
     """Return (B,) twice the negative log likelihoods, where outliers cost no more than they do."""
     linear = linearise(shots, simulator, nuisance, ())
     distance = (linear.positions[..., -1] ** 2).sum(axis=2) / noise.position**2
-    ratio = noise.position / 0.1
-    density = (1 - 0.02) * np.exp(-distance / 2) + 0.02 * ratio**3
+    ratio = noise.position / settings.outlier_spread
+    share = settings.outlier_share
+    density = (1 - share) * np.exp(-distance / 2) + share * ratio**3
     places = -2 * np.where(linear.sampled, np.log(density), 0.0).sum(axis=1)
     count = np.maximum(linear.labelled.sum(axis=1), 1)
     variance = noise.label**2 + count * noise.label_common**2

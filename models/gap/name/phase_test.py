@@ -1,8 +1,8 @@
-"""Phase test: the terms of one phase beside the whole catalogue.
+"""Phase test: the omnibus terms of one phase, given the whole catalogue.
 
-With ``theta`` the catalogue's values and ``C`` what it explains of the terms, the shots' scores of
-the terms beside it are those less both. Terms are tested together, along all directions of which a
-good part is not in the span of the catalogue, and each alone.
+Terms are tested together, along all directions of which enough information is left given the
+catalogue's numbers, and each alone. The numbers may be collinear, so the projection
+(fit/projection.py) uses a pseudo-inverse.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from models.ball.types import Floats
-from models.gap.fit.projection import identifiable_directions
+from models.gap.fit.projection import Projection, identifiable_directions
 from models.gap.inference.score_test import Evidence, ScoreTest
 from models.gap.locate.terms import Term
 
@@ -56,28 +56,22 @@ class PhaseTest:
         return covariance
 
     @cached_property
-    def values(self) -> Floats:
-        """(N,) of the catalogue, by which they differ from the simulator's."""
-        values: Floats = self.spread @ self.evidence.scores[:, self.given].sum(axis=0)
-        return values
-
-    @cached_property
-    def mixing(self) -> Floats:
-        """(D, N) how much of the terms the catalogue explains."""
-        mixing: Floats = self.evidence.total[np.ix_(self.places, self.given)] @ self.spread
-        return mixing
+    def projection(self) -> Projection:
+        """On the terms, given the catalogue's numbers, by their pseudo-inverse."""
+        evidence, spread = self.evidence, self.spread
+        values = spread @ evidence.scores[:, self.given].sum(axis=0)
+        mixing = evidence.total[np.ix_(self.places, self.given)] @ spread
+        return Projection(self.places, self.given, values, mixing)
 
     def scores(self, evidence: Evidence) -> Floats:
-        """Return the (B, D) scores of the terms beside the catalogue with its values."""
-        rest = evidence.scores - evidence.information[:, :, self.given] @ self.values
-        scores: Floats = rest[:, self.places] - rest[:, self.given] @ self.mixing.T
-        return scores
+        """Return the (B, D) scores of the terms, given the catalogue with its values."""
+        return self.projection.scores(evidence.scores, evidence.information)
 
     @cached_property
     def information(self) -> Floats:
         """(D, D) of the terms beside the catalogue."""
         total = self.evidence.total
-        mixed = self.mixing @ total[np.ix_(self.given, self.places)]
+        mixed = self.projection.mixing @ total[np.ix_(self.given, self.places)]
         information: Floats = total[np.ix_(self.places, self.places)] - mixed
         return information
 
@@ -106,10 +100,8 @@ class PhaseTest:
     @cached_property
     def alone(self) -> dict[int, ScoreTest]:
         """Tests of terms of which a good part is their own, each alone, by their numbers."""
-        a, n, k = self.evidence.information, self.given, self.places
-        mixed = np.einsum("dn,bnd->bd", self.mixing, a[:, n][:, :, k])
-        twice = ((a[:, n][:, :, n] @ self.mixing.T) * self.mixing.T).sum(axis=1)
-        shares = np.einsum("bkk->bk", a)[:, k] - 2 * mixed + twice
+        k = self.places
+        shares = self.projection.information_diagonal(self.evidence.information)
         scores = self.scores(self.evidence)
         settings = self.evidence.settings
         least = settings.name.min_term_information
@@ -168,11 +160,10 @@ class PhaseTest:
             terms: (D,) values.
             others: shots about the same simulator.
         """
-        k, n = self.places, self.given
+        k, n, mixing = self.places, self.given, self.projection.mixing
         score = self.scores(others).sum(axis=0) @ terms
-        total = others.total
-        across = total[np.ix_(k, n)] - self.mixing @ total[np.ix_(n, n)]
-        own = total[np.ix_(k, k)] - self.mixing @ total[np.ix_(n, k)] - across @ self.mixing.T
+        across = others.total[np.ix_(k, n)] - mixing @ others.total[np.ix_(n, n)]
+        own = self.projection.information(others.total[None])[0]
         # The catalogue's values err, too, as far as they show on the other shots.
         variance = terms @ (own + across @ self.spread @ across.T) @ terms
         return float(score), float(np.sqrt(max(float(variance), 0.0)))

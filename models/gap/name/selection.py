@@ -20,8 +20,9 @@ from models.ball.types import Floats
 from models.gap.fit.refit import RefitResult
 from models.gap.inference.score_test import Evidence, ScoreTest, familywise_p_values
 from models.gap.inference.set_scores import SetScores
+from models.gap.inference.set_search import SetSearch
 from models.gap.settings import GapSettings, NameSettings
-from models.gap.types import Indices, Places
+from models.gap.types import Places
 
 
 def evidence_about(
@@ -111,35 +112,18 @@ class Explainer:
             excluded: hypotheses that are not.
             most: hypotheses that it may have.
         """
-        free = [k for k in self.candidates if k not in required and k not in set(excluded)]
-        beam, best = np.array([required], dtype=np.int64), required
-        penalised_score = self.gain(required) - self.handicaps[list(required)].sum()
-        for size in range(len(required) + 1, min(most, len(required) + len(free)) + 1):
-            beam, leader = self._extended(beam, free)
-            leader -= self.penalty * (size - len(required))
-            if leader > penalised_score:
-                best, penalised_score = tuple(beam[0].tolist()), leader
-        return best
+        excluded = {*required, *excluded}
+        free = [k for k in self.candidates if k not in excluded]
+        return self.search.best(required, free, most)
 
-    def _extended(self, beam: Indices, free: Sequence[int]) -> tuple[Indices, float]:
-        """Return the best sets of one more hypothesis, best first, and the gain of the first.
+    @cached_property
+    def search(self) -> SetSearch:
+        """Over sets of hypotheses."""
+        return SetSearch(self.set_scores, self.penalty, self.handicaps)
 
-        Gains are those less the handicaps.
-        """
-        handicaps = self.handicaps[beam].sum(axis=1)[:, None] + self.handicaps[free]
-        gains = self.set_scores.gains_with_one_more(beam, free) - handicaps
-        order = np.argsort(-gains, axis=None, kind="stable")
-        parents, further = np.unravel_index(order, gains.shape)
-        sets = np.sort(np.column_stack([beam[parents], np.array(free)[further]]), axis=1)
-        sets = sets[(np.diff(sets, axis=1) > 0).all(axis=1)]
-        width = min(self.settings.beam_width, max(self.settings.beam_work // sets.shape[1], 1))
-        sets = sets[: width * sets.shape[1]]  # a set has as many parents as members, at most
-        _, first = np.unique(sets, axis=0, return_index=True)
-        return sets[np.sort(first)[:width]], float(gains.flat[order[0]])
-
-    def gain(self, one: Places) -> float:
-        """Return what one set of hypotheses gains in twice the log likelihood."""
-        return float(self.set_scores.gains(np.array([one]))[0][0]) if one else 0.0
+    def gain(self, causes: Places) -> float:
+        """Return what a set of hypotheses gains in twice the log likelihood."""
+        return self.search.gain(causes)
 
     def given(self, k: int, causes: Places) -> Places:
         """Return what is free when a hypothesis is tested beside the causes.

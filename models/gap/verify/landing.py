@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.quantities import View
-from models.ball.sensor import sensor_quantity
+from models.ball.sensor import clock_times, delays, measured_positions
 from models.ball.simulator import Simulator
 from models.ball.state import VELOCITY
 from models.ball.types import Floats
@@ -44,8 +43,7 @@ def landings(simulator: Simulator, states: Floats, ends: Floats) -> Landings:
     flight = simulator.fly(states, np.stack([np.zeros(len(ends)), ends], axis=1))
     there, moment, before, _ = first_bounce(flight)
     speed = np.linalg.norm(before[:, VELOCITY], axis=1)
-    delay = sensor_quantity(simulator, "delay", View(speed))
     places, times = np.full((len(states), 2), np.nan), np.full(len(states), np.nan)
-    places[there] = sensor_quantity(simulator, "position_gain") * before[:, ON_TABLE]
-    times[there] = sensor_quantity(simulator, "clock_gain") * (moment + delay)
+    places[there] = measured_positions(simulator, before[:, ON_TABLE])
+    times[there] = clock_times(simulator, moment + delays(simulator, speed))
     return Landings(places, times)

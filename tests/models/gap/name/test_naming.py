@@ -71,7 +71,7 @@ def test_a_clock_that_runs_slow_is_neither_gravity_nor_backward_labels(labels):
     ).significant
     found = name(shots, Question(NOMINAL, SETTINGS))
     assert not found.signs.flipped
-    assert [one.effect for one in found.found.free] == ["clock_rate"]
+    assert [one.effect for one in found.fit.free] == ["clock_rate"]
     assert found.simulator.to_dict()["clock_rate"]["d"] == pytest.approx(-0.18, abs=0.001)
 
 
@@ -96,7 +96,7 @@ def test_backward_labels_are_told_beside_a_cause():
     turn[[2, 5, 11, 17]] = -1.0
     found = name(replace(shots, labels=shots.labels * turn), Question(NOMINAL, SETTINGS))
     assert found.signs.flipped == {2, 5, 11, 17}
-    assert [one.effect for one in found.found.free] == ["gravity"]
+    assert [one.effect for one in found.fit.free] == ["gravity"]
 
 
 @pytest.mark.slow

@@ -28,7 +28,7 @@ def test_an_effect_that_is_not_in_the_catalogue_is_left_over(tilted):
     left = find_unexplained(tilted, SETTINGS, TILT)
     assert left.p_value < 0.003
     assert left.where in ("table", "sensor")
-    assert " x]" in left.lead
+    assert " x]" in left.candidate_formula
 
 
 def test_an_effect_of_the_catalogue_is_not_left_over(tilted):
