@@ -35,12 +35,11 @@ from models.predictors.window_dataset import build_tracks
 from models.segmentation.tables import Segmented
 from pipeline.evaluation.costs import machine
 from pipeline.io.artifacts import read_table, write_csv, write_json
-from pipeline.io.episodes import _episode
+from pipeline.io.episodes import as_episode
 from pipeline.predictors.trainer import train
 from pipeline.runtime.parallel import parallel
-from pipeline.runtime.stage_run import StageRun
+from pipeline.segmentation.cut_recordings import cut_recordings
 from pipeline.sources.gather import gather
-from stages.segment import _cut
 from tests.models.predictors.schooling import balls
 from tests.pipeline.sources.made_up import ARENA
 
@@ -130,9 +129,11 @@ def segmented(root: Path, times: int = 1) -> Segmented:
     """Run `ingest` and `segment` on an arena with a multiple of the shots."""
     shots = {name: times * getattr(SMALL_ARENA, name) for name in ("game_episodes", "cannon_shots")}
     settings = PARAMS.ingest.model_copy(update={"arena": SMALL_ARENA.model_copy(update=shots)})
-    gathered = gather(settings, SEED, root / "artifacts" / "ingest")
-    _, found, _ = _cut(StageRun("segment", root, PARAMS), gathered.manifest, {})
-    return found
+    artifacts = root / "artifacts"
+    gathered = gather(settings, SEED, artifacts / "ingest")
+    recordings = artifacts / "ingest" / "recordings.parquet"
+    samples = artifacts / "segment" / "samples.parquet"
+    return cut_recordings(recordings, samples, gathered.manifest, PARAMS.segment).segmented
 
 
 def measure_training(processes: int, times: int) -> dict[str, Any]:
@@ -166,7 +167,7 @@ def sizes() -> dict[str, float]:
         segmented(Path(root))
         disk = sum(path.stat().st_size for path in Path(root).rglob("*.parquet"))
         samples = read_table(Path(root) / "artifacts" / "segment" / "samples.parquet")
-    episodes = [_episode(rows) for _, rows in samples.groupby("episode_id")]
+    episodes = [as_episode(rows) for _, rows in samples.groupby("episode_id")]
     held = [*episodes, build_tracks(episodes)]  # a training holds both
     arrays = (part for one in held for part in vars(one).values())
     memory = sum(part.nbytes for part in arrays if isinstance(part, np.ndarray | torch.Tensor))

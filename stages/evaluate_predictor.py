@@ -4,7 +4,7 @@ from models.arena.truth import Truth
 from models.predictors.windows import Windows
 from pipeline.evaluation.example_shots import write_shots
 from pipeline.evaluation.forecasts import draw_shots, evaluate, forecast_windows
-from pipeline.evaluation.predictors import ARENA, one_thread, read_predictors
+from pipeline.evaluation.predictors import ARENA, read_predictors
 from pipeline.evaluation.report import (
     MEASURED,
     TRUTH,
@@ -19,6 +19,7 @@ from pipeline.evaluation.report import (
 from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
 from pipeline.io.ground_truth import read_truth, true_windows
 from pipeline.runtime.stage_run import StageRun, run_stage
+from pipeline.runtime.torch_threads import one_thread
 
 
 @one_thread()

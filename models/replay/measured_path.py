@@ -18,7 +18,7 @@ from models.ball.types import Floats, Integers
 from models.policy.incoming_balls import PATH_TIMES
 from models.predictors.physics import POSITION_NOISE
 from models.predictors.windows import Episode
-from models.segmentation.contacts import moved
+from models.segmentation.contacts import extrapolated
 from models.segmentation.smoothing import smooth
 
 FEWEST_SAMPLES = 3  # needed to estimate an arc's velocity
@@ -88,9 +88,15 @@ def _arc(measured: Episode, rows: Integers, begin: float, end: float, before: _A
     times, good = measured.times[span], ~measured.outlier[span]
     means = smooth(times, np.ascontiguousarray(measured.positions[span]), good, POSITION_NOISE)
     if begin < times[0]:
-        times, means = np.r_[begin, times], np.stack([moved(means[0], begin - times[0]), *means])
+        times, means = (
+            np.r_[begin, times],
+            np.stack([extrapolated(means[0], begin - times[0]), *means]),
+        )
     if end > times[-1]:
-        times, means = np.r_[times, end], np.stack([*means, moved(means[-1], end - times[-1])])
+        times, means = (
+            np.r_[times, end],
+            np.stack([*means, extrapolated(means[-1], end - times[-1])]),
+        )
     path = CubicHermiteSpline(times, means[:, 0], means[:, 1])
     return _Arc(begin, end, path, _spin(measured.spins[rows], path, before))
 

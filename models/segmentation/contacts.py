@@ -1,4 +1,4 @@
-"""A contact: where the paths of two arcs meet, and what the ball met there."""
+"""A contact between two arcs: time, position, velocities, and the kind of surface."""
 
 import math
 from dataclasses import dataclass
@@ -7,52 +7,52 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.ball.state import BALL_RADIUS, NET_HEIGHT
-from models.segmentation.flight import drift
+from models.segmentation.flight import predict_mean
 
 Array = NDArray[np.float64]
 
-# A bounce, on whatever level surface: it turns the ball upwards and gives no energy, and friction
-# takes no more along the surface than a share of the blow (mu is 0.15 to 0.35 on tables).
+# A bounce on a horizontal surface reverses the vertical velocity and adds no energy; Coulomb
+# friction limits the tangential velocity change (mu is 0.15 to 0.35 on tables).
 FRICTION = 0.5
 SPEED_ERROR = 1.0  # m/s, of an arc of three samples
 # Measured heights of the table are off by up to 3 cm.
 TABLE_TOLERANCE = 0.06  # m
-# Strokes are played above, floors lie 0.76 m below the table.
+# Strokes are played above, the floor is 0.76 m below the table.
 FLOOR_HEIGHT = -0.5  # m
 NET_TOLERANCE = 0.15  # m, along the table
 TAPE_TOLERANCE = 0.05  # m, along the table and in height
-SLIGHTEST_TOUCH = 0.5  # m/s, where there is something to touch
+MIN_SPEED_CHANGE = 0.5  # m/s, at the table or at the net
 
-NEWTON_STEPS = 5  # the paths are almost straight: two are enough
-SLOWEST_PARTING = 1e-3  # m/s, keeps the step finite where two paths are the same
+NEWTON_STEPS = 5  # the paths are almost straight: two suffice
+MIN_RELATIVE_SPEED = 1e-3  # m/s, keeps the step finite where two paths are equal
 
 
 @dataclass(frozen=True)
 class Contact:
-    """Two arcs' meeting.
+    """The closest approach of two consecutive arcs.
 
     Attributes:
         time: s.
         position: (3,), m.
         before: velocity (3,) just before, m/s.
         after: velocity (3,) just after, m/s.
-        miss: the least distance between the two paths, m.
+        distance: of the two paths at that time, m.
     """
 
     time: float
     position: Array
     before: Array
     after: Array
-    miss: float
+    distance: float
 
     @property
     def speed_change(self) -> float:
-        """Length of the velocity's change, m/s."""
+        """Magnitude of the change of velocity, m/s."""
         return float(np.linalg.norm(self.after - self.before))
 
     @property
     def kind(self) -> str:
-        """What the ball met: ``table``, ``floor``, ``racket`` or ``unknown``."""
+        """The surface: ``table``, ``floor``, ``racket`` or ``unknown``."""
         if self._bounces():
             if abs(self.position[2] - BALL_RADIUS) < TABLE_TOLERANCE:
                 return "table"
@@ -61,16 +61,15 @@ class Contact:
         return "racket" if self._is_struck() else "unknown"
 
     @property
-    def grazes(self) -> bool:
-        """Whether something is there that a ball may touch so lightly: the table or the net."""
-        turns_up = self.before[2] < 0 < self.after[2]
-        skims = self.kind == "table" and turns_up
+    def is_grazing(self) -> bool:
+        """Whether it is a light contact with the table or the net, the only plausible ones."""
+        reverses = self.kind == "table" and self.before[2] < 0 < self.after[2]
         height = self.position[2] - NET_HEIGHT
         at_tape = max(abs(self.position[1]), abs(height)) < TAPE_TOLERANCE
-        return bool(self.speed_change > SLIGHTEST_TOUCH and (skims or at_tape))
+        return bool(self.speed_change > MIN_SPEED_CHANGE and (reverses or at_tape))
 
     def _bounces(self) -> bool:
-        """Whether a level surface can have done this: it gives no energy, and has friction."""
+        """Whether a passive horizontal surface with Coulomb friction can cause the change."""
         change = self.after - self.before
         downwards, upwards = -self.before[2], self.after[2]
         along = math.hypot(change[0], change[1])
@@ -81,7 +80,7 @@ class Contact:
         )
 
     def _is_struck(self) -> bool:
-        """Whether the ball turns back along the table, or gains speed, as only rackets make it."""
+        """Whether the ball reverses along the table, or gains speed: only a racket does this."""
         turns = self.before[1] * self.after[1] < 0 and abs(self.after[1]) > SPEED_ERROR
         gain = float(np.linalg.norm(self.after) - np.linalg.norm(self.before))
         return bool(turns and not self._is_at_net()) or gain > SPEED_ERROR
@@ -91,34 +90,34 @@ class Contact:
         return bool(low and abs(self.position[1]) < NET_TOLERANCE)
 
 
-def meet(
+def closest_approach(
     before: tuple[Array, float], after: tuple[Array, float], earliest: float, latest: float
 ) -> Contact:
-    """Find where two paths come nearest to each other.
+    """Find where two paths are closest to each other.
 
     Args:
-        before: the earlier path's mean (3, 3) at some time (s) near its end.
-        after: the later path's mean at some time near its beginning.
-        earliest: the meeting lies no earlier, s.
-        latest: nor later, s.
+        before: the earlier path's state (3, 3) and its time (s), near the end.
+        after: the later path's state and its time, near the start.
+        earliest: lower bound of the time, s.
+        latest: upper bound of the time, s.
     """
     time = 0.5 * (earliest + latest)
     for _ in range(NEWTON_STEPS):
-        early, late = _at(*before, time), _at(*after, time)
-        apart, parting = early[0] - late[0], early[1] - late[1]
-        time -= float(apart @ parting) / max(float(parting @ parting), SLOWEST_PARTING**2)
+        early, late = _state_at(*before, time), _state_at(*after, time)
+        offset, relative = early[0] - late[0], early[1] - late[1]
+        time -= float(offset @ relative) / max(float(relative @ relative), MIN_RELATIVE_SPEED**2)
         time = min(max(time, earliest), latest)
-    early, late = _at(*before, time), _at(*after, time)
-    miss = float(np.linalg.norm(early[0] - late[0]))
-    return Contact(time, 0.5 * (early[0] + late[0]), early[1], late[1], miss)
+    early, late = _state_at(*before, time), _state_at(*after, time)
+    distance = float(np.linalg.norm(early[0] - late[0]))
+    return Contact(time, 0.5 * (early[0] + late[0]), early[1], late[1], distance)
 
 
-def _at(mean: Array, since: float, time: float) -> Array:
-    return moved(mean, time - since)
+def _state_at(mean: Array, since: float, time: float) -> Array:
+    return extrapolated(mean, time - since)
 
 
-def moved(mean: Array, dt: float) -> Array:
-    """Return a copy of ``mean`` moved ``dt`` seconds along its path."""
+def extrapolated(mean: Array, dt: float) -> Array:
+    """Return the state (3, 3) ``dt`` seconds later."""
     copy = mean.copy()
-    drift(copy, dt)
+    predict_mean(copy, dt)
     return copy

@@ -1,4 +1,4 @@
-"""Where one recording breaks: its flights, the contacts between them, and the gaps."""
+"""Flights of one recording, the contacts between them, and the gaps."""
 
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -6,9 +6,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from models.segmentation.contacts import Contact, meet, moved
-from models.segmentation.partition import UNUSED, follow, partition
-from models.segmentation.residual import flight_errors
+from models.segmentation.contacts import Contact, closest_approach, extrapolated
+from models.segmentation.partition import UNUSED, filter_arc, partition
+from models.segmentation.residual import flight_residuals
 from models.segmentation.settings import SegmentSettings
 from models.segmentation.smoothing import smooth
 
@@ -16,34 +16,34 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-# Paths of two arcs of three samples, carried over 50 ms of dropouts, still meet this closely.
-FARTHEST_MISS = 0.05  # m
+# Paths of two arcs of three samples, extrapolated over 50 ms of dropouts, approach this closely.
+MAX_DISTANCE = 0.05  # m
 
 
 @dataclass(frozen=True)
 class Cuts:
-    """A recording in flights.
+    """Segmentation of one recording.
 
     Attributes:
         flight: (n,) the flight that each sample belongs to, counted from 0; -1 for the samples
-            between two gaps that are too few to tell a flight.
-        velocity: (n, 3) of the smooth path, m/s; not-a-number where ``flight`` is -1.
-        outlier: (n,) whether the path leaves the sample out.
-        error: (n,) distance from the smoothest flight through the samples that are no outliers, m;
+            between two gaps that are too few for a flight.
+        velocity: (n, 3) of the smoothed path, m/s; not-a-number where ``flight`` is -1.
+        outlier: (n,) whether the sample is an outlier.
+        residual: (n,) distance from the least-squares flight (``flight_residuals``), m;
             not-a-number where ``flight`` is -1.
-        contacts: by the number of the flight that begins with it. A flight without one begins the
+        contacts: by the number of the flight that starts with it. A flight without one starts the
             recording or follows a gap.
     """
 
     flight: Indices
     velocity: Array
     outlier: Mask
-    error: Array
+    residual: Array
     contacts: dict[int, Contact] = field(default_factory=dict)
 
     @property
     def flights(self) -> int:
-        """How many flights there are."""
+        """Number of flights."""
         return int(self.flight.max(initial=UNUSED)) + 1
 
 
@@ -56,10 +56,10 @@ class _Arc:
 
 
 def cut(t: Array, x: Array, settings: SegmentSettings) -> Cuts:
-    """Find the flights and contacts of a recording.
+    """Segment a recording into flights and contacts.
 
     Args:
-        t: growing times (n,), s.
+        t: increasing times (n,), s.
         x: positions (n, 3), m.
         settings: noise, costs and limits.
     """
@@ -71,10 +71,11 @@ def cut(t: Array, x: Array, settings: SegmentSettings) -> Cuts:
         here = slice(begin, end)
         arcs = _arcs(t[here], np.ascontiguousarray(x[here]), settings)
         if arcs:
-            _enter(cuts, t[here], begin, arcs, settings)
+            _assign(cuts, t[here], begin, arcs, settings)
     for flight in range(cuts.flights):
-        own = np.flatnonzero(cuts.flight == flight)
-        cuts.error[own] = flight_errors(t[own], x[own], cuts.velocity[own], ~cuts.outlier[own])
+        rows = np.flatnonzero(cuts.flight == flight)
+        used = ~cuts.outlier[rows]
+        cuts.residual[rows] = flight_residuals(t[rows], x[rows], cuts.velocity[rows], used)
     return cuts
 
 
@@ -85,42 +86,44 @@ def _arcs(t: Array, x: Array, settings: SegmentSettings) -> list[_Arc]:
     for first, second, last in zip(*bounds, strict=True):
         times, positions = t[first : last + 1], x[first : last + 1]
         costs, used = np.empty(len(times)), np.empty(len(times), dtype=np.bool_)
-        follow(times, positions, 0, second - first, noise, outlier_cost, costs, used)
+        filter_arc(times, positions, 0, second - first, noise, outlier_cost, costs, used)
         arcs.append(_Arc(first, last, used, smooth(times, positions, used, noise)))
     return arcs
 
 
-def _meeting(t: Array, before: _Arc, after: _Arc) -> Contact:
+def _contact(t: Array, before: _Arc, after: _Arc) -> Contact:
     # The sample next to a contact fits either arc: the contact may lie half a sample beyond it.
     earliest = 0.5 * (t[before.last - 1] + t[before.last])
     latest = 0.5 * (t[after.first] + t[after.first + 1])
     ends = (before.means[-1], t[before.last]), (after.means[0], t[after.first])
-    return meet(*ends, earliest, latest)
+    return closest_approach(*ends, earliest, latest)
 
 
-def _enter(cuts: Cuts, t: Array, begin: int, arcs: list[_Arc], settings: SegmentSettings) -> None:
-    """Enter the arcs of a run of samples, the first of them number ``begin``, into ``cuts``."""
+def _assign(cuts: Cuts, t: Array, offset: int, arcs: list[_Arc], settings: SegmentSettings) -> None:
+    """Assign consecutive samples, the first of them number ``offset``, to the flights of arcs."""
     flight = cuts.flights
-    meetings = [_meeting(t, *pair) for pair in pairwise(arcs)]
-    owners = np.searchsorted([meeting.time for meeting in meetings], t, side="right")
+    contacts = [_contact(t, *pair) for pair in pairwise(arcs)]
+    owner = np.searchsorted([contact.time for contact in contacts], t, side="right")
     for number, arc in enumerate(arcs):
-        if number and _is_contact(meetings[number - 1], settings):
+        if number and _is_contact(contacts[number - 1], settings):
             flight += 1
-            cuts.contacts[flight] = meetings[number - 1]
-        cuts.outlier[begin + arc.first : begin + arc.last + 1] = ~arc.used
-        own = np.flatnonzero(owners == number)
-        cuts.flight[begin + own] = flight
-        cuts.velocity[begin + own] = _velocities(arc, t, own)
+            cuts.contacts[flight] = contacts[number - 1]
+        cuts.outlier[offset + arc.first : offset + arc.last + 1] = ~arc.used
+        members = np.flatnonzero(owner == number)
+        cuts.flight[offset + members] = flight
+        cuts.velocity[offset + members] = _velocities(arc, t, members)
 
 
-def _is_contact(meeting: Contact, settings: SegmentSettings) -> bool:
-    jumps = meeting.speed_change > settings.smallest_jump
-    return meeting.miss < FARTHEST_MISS and (jumps or meeting.grazes)
+def _is_contact(contact: Contact, settings: SegmentSettings) -> bool:
+    is_step = contact.speed_change > settings.smallest_jump
+    return contact.distance < MAX_DISTANCE and (is_step or contact.is_grazing)
 
 
-def _velocities(arc: _Arc, t: Array, own: Indices) -> Array:
-    nearest = np.clip(own, arc.first, arc.last)
+def _velocities(arc: _Arc, t: Array, members: Indices) -> Array:
+    nearest = np.clip(members, arc.first, arc.last)
     velocities: Array = arc.means[nearest - arc.first, 1]
-    for k in np.flatnonzero(own != nearest):  # beyond the arc's ends
-        velocities[k] = moved(arc.means[nearest[k] - arc.first], t[own[k]] - t[nearest[k]])[1]
+    for k in np.flatnonzero(members != nearest):  # extrapolated beyond the ends of the arc
+        velocities[k] = extrapolated(
+            arc.means[nearest[k] - arc.first], t[members[k]] - t[nearest[k]]
+        )[1]
     return velocities

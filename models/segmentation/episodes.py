@@ -1,4 +1,4 @@
-"""Episodes: one ball from a racket contact, or a launch, to the next or to the rally's end."""
+"""Episodes: from a racket contact or a launch to the next racket contact or the rally's end."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -13,29 +13,29 @@ End = Literal["racket", "gap", "recording", "rally_end"]
 
 @dataclass
 class Episode:
-    """The flights that one stroke or launch sets off.
+    """The flights after one stroke or launch.
 
     Attributes:
-        starts_with: what begins it.
+        starts_with: the event at the start.
         flights: the numbers of its flights, one after the other.
-        contacts: those that begin it, lie inside it, or end the rally.
-        ends_with: what ends it.
-        ended_by: the contact that ends it; ``None`` where the samples end.
+        contacts: at its start, inside it, or at the end of the rally.
+        ends_with: the event at the end.
+        end_contact: the contact at the end; ``None`` where the samples end.
     """
 
     starts_with: Start
     flights: list[int]
     contacts: list[Contact] = field(default_factory=list)
     ends_with: End = "recording"
-    ended_by: Contact | None = None
+    end_contact: Contact | None = None
 
     @property
-    def begun_by(self) -> Contact | None:
-        """The racket contact that begins it; ``None`` where the samples begin."""
+    def start_contact(self) -> Contact | None:
+        """The racket contact at the start; ``None`` where the samples start."""
         return self.contacts[0] if self.starts_with == "racket" else None
 
-    def is_over_with(self, contact: Contact) -> bool:
-        """Whether the rally ends with ``contact``: on the floor, or twice on one side."""
+    def ends_rally(self, contact: Contact) -> bool:
+        """Whether ``contact`` ends the rally: the floor, or a second bounce on one side."""
         if contact.kind == "floor":
             return True
         bounces = [earlier for earlier in self.contacts if earlier.kind == "table"]
@@ -45,13 +45,13 @@ class Episode:
 
 
 def episodes(cuts: Cuts, first: Start) -> Iterator[Episode]:
-    """Join flights to episodes.
+    """Join flights into episodes.
 
-    After a rally's end the ball is nobody's until a racket meets it or a gap hides it.
+    After the end of a rally the ball is in no episode until the next racket contact or gap.
 
     Args:
         cuts: a recording's flights and contacts.
-        first: what begins the recording, ``launch`` or ``recording``.
+        first: the event at the start of the recording, ``launch`` or ``recording``.
     """
     current: Episode | None = None
     for flight in range(cuts.flights):
@@ -62,7 +62,7 @@ def episodes(cuts: Cuts, first: Start) -> Iterator[Episode]:
         elif contact.kind == "racket":
             yield from _ended(current, "racket", contact)
             current = Episode("racket", [flight], [contact])
-        elif current and current.is_over_with(contact):
+        elif current and current.ends_rally(contact):
             current.contacts.append(contact)
             yield from _ended(current, "rally_end", contact)
             current = None
@@ -74,5 +74,5 @@ def episodes(cuts: Cuts, first: Start) -> Iterator[Episode]:
 
 def _ended(episode: Episode | None, with_: End, by: Contact | None = None) -> Iterator[Episode]:
     if episode:
-        episode.ends_with, episode.ended_by = with_, by
+        episode.ends_with, episode.end_contact = with_, by
         yield episode

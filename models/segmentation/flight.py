@@ -1,9 +1,9 @@
-"""A ball between two contacts, as a Kalman filter.
+"""Kalman filter of a ball between two contacts.
 
 The state of each axis is position, velocity and the acceleration that gravity and nominal drag
-leave unexplained (Magnus force, a wrong drag coefficient), which wanders as white jerk. Drag enters
-as a known input at the filter's own velocity; its slope is left out of the covariance, so that one
-3 x 3 covariance serves all three axes.
+leave unexplained (Magnus force, a wrong drag coefficient), driven by white jerk. Drag is a known
+input at the filter's own velocity; its Jacobian is left out of the covariance, so that all three
+axes share one 3 x 3 covariance.
 
 Arrays are ``mean (3, 3)`` with rows position (m), velocity (m/s), acceleration (m/s^2) and one
 column an axis, and ``covariance (3, 3)`` over the rows of any one axis. All functions work in
@@ -22,17 +22,17 @@ Array = NDArray[np.float64]
 
 GRAVITY = 9.81  # m/s^2
 DRAG = DRAG_FACTOR * 0.54  # 1/m, the literature's drag coefficient
-# What is known of a ball before it is seen: strokes reach 35 m/s, most stay under 15.
+# Prior of the velocity: strokes reach 35 m/s, most stay under 15.
 SPEED_SPREAD = 15.0  # m/s
 # The Magnus force of 300 rad/s at 10 m/s gives 3 to 10 m/s^2.
 ACCELERATION_SPREAD = 8.0  # m/s^2
-# Lets the unexplained acceleration wander by 3 m/s^2 within half a second.
+# The unexplained acceleration changes by 3 m/s^2 within half a second.
 JERK_DENSITY = 18.0  # (m/s^2)^2/s
 
 
 @compiled
-def start(mean: Array, covariance: Array, position: Array, noise: float) -> None:
-    """Set ``mean`` and ``covariance`` to what an arc's first sample tells.
+def initialise(mean: Array, covariance: Array, position: Array, noise: float) -> None:
+    """Set ``mean`` and ``covariance`` from an arc's first sample and the prior.
 
     Args:
         mean: overwritten.
@@ -50,8 +50,8 @@ def start(mean: Array, covariance: Array, position: Array, noise: float) -> None
 
 
 @compiled
-def drift(mean: Array, dt: float) -> None:
-    """Move the mean ``dt`` seconds on, or back where ``dt`` is negative."""
+def predict_mean(mean: Array, dt: float) -> None:
+    """Predict the mean ``dt`` seconds later, or earlier where ``dt`` is negative."""
     brake = DRAG * math.sqrt(mean[1, 0] ** 2 + mean[1, 1] ** 2 + mean[1, 2] ** 2)
     for axis in range(3):
         acceleration = mean[2, axis] - brake * mean[1, axis]
@@ -61,13 +61,13 @@ def drift(mean: Array, dt: float) -> None:
 
 @compiled
 def transition(dt: float) -> Array:
-    """Return the matrix that carries one axis ``dt`` seconds on."""
+    """Return the transition matrix (3, 3) of one axis over ``dt`` seconds."""
     return np.array([[1.0, dt, 0.5 * dt * dt], [0.0, 1.0, dt], [0.0, 0.0, 1.0]])
 
 
 @compiled
-def spread(covariance: Array, dt: float) -> None:
-    """Let the covariance grow for ``dt`` seconds of flight with white jerk."""
+def predict_covariance(covariance: Array, dt: float) -> None:
+    """Predict the covariance ``dt`` seconds later, with white jerk as process noise."""
     # F P F^T with F = [[1, dt, dt^2/2], [0, 1, dt], [0, 0, 1]]: rows first, then columns.
     for k in range(3):
         covariance[0, k] += dt * covariance[1, k] + 0.5 * dt * dt * covariance[2, k]
@@ -84,8 +84,8 @@ def spread(covariance: Array, dt: float) -> None:
 
 
 @compiled
-def surprise(mean: Array, covariance: Array, position: Array, noise: float) -> float:
-    """Return a sample's negative log-likelihood, less that of a perfectly predicted one (nats)."""
+def negative_log_likelihood(mean: Array, covariance: Array, position: Array, noise: float) -> float:
+    """Return a sample's negative log-likelihood (nats), relative to a perfectly predicted one."""
     variance = covariance[0, 0] + noise**2
     squared = 0.0
     for axis in range(3):
@@ -95,10 +95,10 @@ def surprise(mean: Array, covariance: Array, position: Array, noise: float) -> f
 
 @compiled
 def update(mean: Array, covariance: Array, position: Array, noise: float) -> None:
-    """Take a sample into ``mean`` and ``covariance``."""
+    """Update ``mean`` and ``covariance`` with a sample."""
     p, pv, pa = covariance[0]
     variance = p + noise**2
-    # Last row first: every row needs the error of the position as it was predicted.
+    # Last row first: every row needs the innovation of the predicted position.
     for row in range(2, -1, -1):
         gain = covariance[row, 0] / variance
         for axis in range(3):

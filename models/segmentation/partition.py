@@ -1,26 +1,32 @@
-"""The best partition of a run of samples into ballistic arcs and outliers.
+"""Optimal partition of samples into ballistic arcs and outliers (changepoint detection).
 
-Every arc has a cost: the surprise of its samples under the flight filter, an outlier's fixed cost
-for each one that the filter refuses, and the fixed cost of the contact that began it. Dynamic
-programming finds the partition of least cost among all of them; an arc's costs for all its possible
-ends come from one pass of the filter.
+The cost of an arc is the negative log-likelihood of its samples under the flight filter, a fixed
+cost for each sample that the filter rejects as an outlier, and a fixed cost for the contact at its
+start. Dynamic programming finds the partition of least total cost. One pass of the filter gives the
+costs of an arc for all its possible ends.
 
-A refused sample leaves the filter as it was, so an outlier costs nothing else, except among an
-arc's first two samples, which the filter has nothing to hold against. Every arc is therefore tried
-with several second samples.
+A rejected sample does not change the filter, so an outlier costs nothing else, except among the
+first two samples of an arc, before the filter can predict. Every arc is therefore tried with
+several second samples.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from models.segmentation.compiled import compiled
-from models.segmentation.flight import drift, spread, start, surprise, update
+from models.segmentation.flight import (
+    initialise,
+    negative_log_likelihood,
+    predict_covariance,
+    predict_mean,
+    update,
+)
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-FEWEST_SAMPLES = 3  # two samples always lie on some arc
+FEWEST_SAMPLES = 3  # two samples fit an arc exactly
 SECOND_SAMPLES = 3  # how many candidates for an arc's second sample are tried
 OUTLIERS_IN_A_ROW = 12  # at most; after more an arc has ended
 LONGEST_ARC = 2.0  # s; a lob of 4.9 m. Keeps the work linear where a ball lies still.
@@ -29,50 +35,50 @@ UNUSED = -1  # a sample that is in no arc
 
 
 @compiled
-def follow(
+def filter_arc(
     t: Array,
     x: Array,
-    begin: int,
+    first: int,
     second: int,
     noise: float,
     outlier_cost: float,
     costs: Array,
     used: Mask,
 ) -> int:
-    """Follow the arc that begins with the samples ``begin`` and ``second``.
+    """Filter the arc that starts with the samples ``first`` and ``second``.
 
     Args:
         t: times (n,), s.
         x: positions (n, 3), m.
-        begin: the arc's first sample.
+        first: the arc's first sample.
         second: its second; those between are outliers.
         noise: standard deviation of a sample in each axis, m.
         outlier_cost: nats.
-        costs: filled from ``begin`` on with the cost of the arc that ends with that sample;
+        costs: filled from ``first`` on with the cost of the arc that ends with that sample;
             infinite where it cannot end.
-        used: filled from ``begin`` on with whether the arc takes the sample in.
+        used: filled from ``first`` on with whether the sample is used.
 
     Returns:
         One past the last sample of the longest arc.
     """
     mean, covariance = np.empty((3, 3)), np.empty((3, 3))
-    start(mean, covariance, x[begin], noise)
-    total, taken, refused = 0.0, 1, 0
-    used[begin] = True
-    for k in range(begin + 1, len(t)):
+    initialise(mean, covariance, x[first], noise)
+    total, accepted, rejected = 0.0, 1, 0
+    used[first] = True
+    for k in range(first + 1, len(t)):
         costs[k], used[k] = np.inf, False
-        if t[k] - t[begin] > LONGEST_ARC or refused > OUTLIERS_IN_A_ROW:
+        if t[k] - t[first] > LONGEST_ARC or rejected > OUTLIERS_IN_A_ROW:
             return k
-        drift(mean, t[k] - t[k - 1])
-        spread(covariance, t[k] - t[k - 1])
-        news = surprise(mean, covariance, x[k], noise)
-        if k < second or (k > second and news > outlier_cost):
-            total, refused = total + outlier_cost, refused + 1
+        predict_mean(mean, t[k] - t[k - 1])
+        predict_covariance(covariance, t[k] - t[k - 1])
+        loss = negative_log_likelihood(mean, covariance, x[k], noise)
+        if k < second or (k > second and loss > outlier_cost):
+            total, rejected = total + outlier_cost, rejected + 1
             continue
         update(mean, covariance, x[k], noise)
         used[k] = True
-        total, taken, refused = total + news, taken + 1, 0
-        if taken >= FEWEST_SAMPLES:
+        total, accepted, rejected = total + loss, accepted + 1, 0
+        if accepted >= FEWEST_SAMPLES:
             costs[k] = total
     return len(t)
 
@@ -81,10 +87,10 @@ def follow(
 def partition(
     t: Array, x: Array, noise: float, contact_cost: float, outlier_cost: float
 ) -> tuple[Indices, Indices, Indices]:
-    """Cut a run of samples into the arcs of least total cost.
+    """Partition samples into the arcs of least total cost.
 
     Args:
-        t: growing times (n,), s.
+        t: increasing times (n,), s.
         x: positions (n, 3), m.
         noise: standard deviation of a sample in each axis, m.
         contact_cost: cost of one more arc, nats.
@@ -96,31 +102,31 @@ def partition(
     n = len(t)
     best = np.full(n + 1, np.inf)  # least cost of all samples before this one
     best[0] = 0.0
-    begins = np.full(n + 1, UNUSED)  # of the arc that ends there in the best partition
+    starts = np.full(n + 1, UNUSED)  # of the arc that ends there in the best partition
     seconds = np.full(n + 1, UNUSED)
     costs, used = np.empty(n), np.empty(n, dtype=np.bool_)
     for i in range(n):
         if best[i] + outlier_cost < best[i + 1]:
-            best[i + 1], begins[i + 1] = best[i] + outlier_cost, UNUSED
+            best[i + 1], starts[i + 1] = best[i] + outlier_cost, UNUSED
         for second in range(i + 1, min(i + 1 + SECOND_SAMPLES, n)):
-            beyond = follow(t, x, i, second, noise, outlier_cost, costs, used)
+            beyond = filter_arc(t, x, i, second, noise, outlier_cost, costs, used)
             for k in range(second, beyond):
                 if best[i] + contact_cost + costs[k] < best[k + 1]:
                     best[k + 1] = best[i] + contact_cost + costs[k]
-                    begins[k + 1], seconds[k + 1] = i, second
-    return _trace(begins, seconds)
+                    starts[k + 1], seconds[k + 1] = i, second
+    return _trace(starts, seconds)
 
 
 @compiled
-def _trace(begins: Indices, seconds: Indices) -> tuple[Indices, Indices, Indices]:
-    first, second, last = [0][:0], [0][:0], [0][:0]
-    end = len(begins) - 1
+def _trace(starts: Indices, seconds: Indices) -> tuple[Indices, Indices, Indices]:
+    firsts, middles, lasts = [0][:0], [0][:0], [0][:0]
+    end = len(starts) - 1
     while end > 0:
-        if begins[end] == UNUSED:
+        if starts[end] == UNUSED:
             end -= 1
             continue
-        first.append(begins[end])
-        second.append(seconds[end])
-        last.append(end - 1)
-        end = begins[end]
-    return np.array(first[::-1]), np.array(second[::-1]), np.array(last[::-1])
+        firsts.append(starts[end])
+        middles.append(seconds[end])
+        lasts.append(end - 1)
+        end = starts[end]
+    return np.array(firsts[::-1]), np.array(middles[::-1]), np.array(lasts[::-1])

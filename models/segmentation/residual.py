@@ -1,4 +1,4 @@
-"""How far a flight's samples lie from the smoothest path that a ball can take."""
+"""Residual of a flight: distance of its samples from a least-squares path."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-def flight_errors(t: Array, x: Array, velocity: Array, used: Mask) -> Array:
+def flight_residuals(t: Array, x: Array, velocity: Array, used: Mask) -> Array:
     """Return each sample's distance from a path with nominal drag and one constant acceleration.
 
     The constant stands for gravity, lift and a wrong drag coefficient. It cannot follow a contact,
@@ -20,7 +20,7 @@ def flight_errors(t: Array, x: Array, velocity: Array, used: Mask) -> Array:
         t: times (n,), s.
         x: positions (n, 3), m.
         velocity: (n, 3), m/s, for the drag.
-        used: (n,) which samples the path shall follow.
+        used: (n,) the samples that the path is fitted to.
 
     Returns:
         Distances (n,), m.

@@ -1,4 +1,4 @@
-"""How well segmentation finds contacts, where the truth is known."""
+"""Detection scores of contacts against the truth."""
 
 from dataclasses import dataclass
 
@@ -19,12 +19,12 @@ UNMATCHED = -1
 def in_play(kinds: NDArray[np.str_], y: Floats) -> Mask:
     """Return which contacts of a recording happen while the ball is in play.
 
-    It is from its launch until it touches the floor, or the table a second time on one side; that
-    last touch belongs to the play. What it does afterwards is nobody's business.
+    The ball is in play from its launch to a contact with the floor, or to a second bounce on one
+    side. That last contact is in play; later ones are not.
 
     Args:
-        kinds: of all contacts (k,), in the order of time.
-        y: where along the table they happen (k,), m.
+        kinds: all contacts (k,), in the order of time.
+        y: their positions along the table (k,), m.
     """
     playing = np.zeros(len(kinds), dtype=bool)
     alive, half = False, 0.0
@@ -40,50 +40,50 @@ def in_play(kinds: NDArray[np.str_], y: Floats) -> Mask:
     return playing
 
 
-def can_be_seen(contacts: Floats, samples: Floats, settings: ScoringSettings) -> Mask:
-    """Return at which contacts enough samples lie near on each side, before the next contact.
+def observable(contacts: Floats, samples: Floats, settings: ScoringSettings) -> Mask:
+    """Return which contacts have enough samples on each side, with no other contact between.
 
     Args:
-        contacts: growing times (k,), s.
-        samples: growing times (n,), s.
-        settings: how many are enough, and what is near.
+        contacts: increasing times (k,), s.
+        samples: increasing times (n,), s.
+        settings: minimum number of samples and width of the window.
     """
     reach, fewest = settings.reach, settings.fewest_samples
     before = np.maximum(contacts - reach, np.concatenate([[-np.inf], contacts[:-1]]))
     after = np.minimum(contacts + reach, np.concatenate([contacts[1:], [np.inf]]))
     earliest, at, latest = (np.searchsorted(samples, times) for times in (before, contacts, after))
-    seen: Mask = (at - earliest >= fewest) & (latest - at >= fewest)
-    return seen
+    enough: Mask = (at - earliest >= fewest) & (latest - at >= fewest)
+    return enough
 
 
-def matches(true: Floats, found: Floats, tolerance: float) -> Indices:
-    """Return for every true contact which found one is it, -1 where none is.
+def match_contacts(true: Floats, detected: Floats, tolerance: float) -> Indices:
+    """Return the index of the detected contact that matches each true one, -1 for none.
 
-    Pairs are taken the closest first, and each contact once.
+    Greedy: the closest pair first, each contact once.
 
     Args:
         true: times (k,), s.
-        found: times (m,), s.
-        tolerance: between the two, at most, s.
+        detected: times (m,), s.
+        tolerance: maximum time difference, s.
     """
     matched = np.full(len(true), UNMATCHED)
-    apart = np.abs(true[:, None] - found[None, :])
-    while apart.size and apart.min() < tolerance:
-        row, column = np.unravel_index(np.argmin(apart), apart.shape)
+    difference = np.abs(true[:, None] - detected[None, :])
+    while difference.size and difference.min() < tolerance:
+        row, column = np.unravel_index(np.argmin(difference), difference.shape)
         matched[row] = column
-        apart[row], apart[:, column] = np.inf, np.inf
+        difference[row], difference[:, column] = np.inf, np.inf
     return matched
 
 
 @dataclass(frozen=True)
 class Scored:
-    """How the contacts of recordings were found.
+    """Scores of the contacts of recordings.
 
     Attributes:
-        true: one row a racket contact or table bounce in play: ``recording_id``, ``kind``,
-            ``speed`` (m/s, just after; of a bounce the vertical part), ``seen``, ``found`` and
-            ``error`` (s, not-a-number where it was not found).
-        false: one row a found contact that is none: ``recording_id`` and ``kind``.
+        true: one row per racket contact or table bounce in play: ``recording_id``, ``kind``,
+            ``speed`` (m/s, just after; of a bounce the vertical part), ``observable``,
+            ``detected`` and ``error`` (s, not-a-number where it was not detected).
+        false: one row per false positive: ``recording_id`` and ``kind``.
     """
 
     true: pd.DataFrame
@@ -91,31 +91,34 @@ class Scored:
 
 
 def score(
-    true: pd.DataFrame, found: pd.DataFrame, samples: pd.DataFrame, settings: ScoringSettings
+    true: pd.DataFrame, detected: pd.DataFrame, samples: pd.DataFrame, settings: ScoringSettings
 ) -> Scored:
-    """Compare the contacts that were found in recordings with the true ones.
+    """Compare the detected contacts of recordings with the true ones.
 
-    A found contact that matches a true one of its kind counts once, with that one; whatever else
-    was found is false, wherever it lies.
+    A detected contact matches at most one true one of its kind; all others are false positives,
+    also those outside the play.
 
     Args:
         true: all true contacts: ``recording_id``, ``t``, ``kind``, ``py``, ``vx``, ``vy``, ``vz``.
-        found: those found: ``recording_id``, ``t``, ``kind``.
-        samples: when the ball was measured: ``recording_id``, ``t``.
-        settings: what counts as found, and as seen.
+        detected: detected contacts: ``recording_id``, ``t``, ``kind``.
+        samples: measured samples: ``recording_id``, ``t``.
+        settings: when a contact counts as detected, and as observable.
     """
-    found_ones = dict(tuple(found.groupby("recording_id", sort=False)))
+    by_id = dict(tuple(detected.groupby("recording_id", sort=False)))
     by_recording = samples.groupby("recording_id", sort=False)["t"]
     measured = {name: times.to_numpy() for name, times in by_recording}
     parts, false = [], []
-    # Without any truth, one recording without contacts: tables without rows, but with columns.
+    # Without any true contact, one empty recording gives tables without rows, but with columns.
     for recording_id, contacts in list(true.groupby("recording_id", sort=False)) or [("", true)]:
-        own = found_ones.get(recording_id, found.iloc[:0])
+        of_recording = by_id.get(recording_id, detected.iloc[:0])
         table = _described(contacts, measured.get(recording_id, np.empty(0)), settings)
         for kind in SCORED_KINDS:
-            of_kind, candidates = table[table["kind"] == kind], own[own["kind"] == kind]
+            of_kind, candidates = (
+                table[table["kind"] == kind],
+                of_recording[of_recording["kind"] == kind],
+            )
             times = candidates["t"].to_numpy()
-            matched = matches(of_kind["t"].to_numpy(), times, settings.tolerance)
+            matched = match_contacts(of_kind["t"].to_numpy(), times, settings.tolerance)
             parts.append(_outcomes(of_kind, times, matched))
             unmatched = np.setdiff1d(np.arange(len(candidates)), matched)
             false.append(candidates.iloc[unmatched][["recording_id", "kind"]])
@@ -123,17 +126,17 @@ def score(
 
 
 def _described(contacts: pd.DataFrame, samples: Floats, settings: ScoringSettings) -> pd.DataFrame:
-    """Return what the score needs to know of a recording's true contacts."""
+    """Return speed, observability and play of a recording's true contacts."""
     table = contacts[["recording_id", "kind", "t"]].copy()
     total = np.linalg.norm(contacts[["vx", "vy", "vz"]], axis=1)
     table["speed"] = np.where(contacts["kind"] == "table", contacts["vz"].abs(), total)
-    table["seen"] = can_be_seen(contacts["t"].to_numpy(), samples, settings)
+    table["observable"] = observable(contacts["t"].to_numpy(), samples, settings)
     table["in_play"] = in_play(contacts["kind"].to_numpy(), contacts["py"].to_numpy())
     return table
 
 
-def _outcomes(contacts: pd.DataFrame, found: Floats, matched: Indices) -> pd.DataFrame:
-    table = contacts.assign(found=matched != UNMATCHED, error=np.nan)
-    hits = table["found"].to_numpy()
-    table.loc[hits, "error"] = found[matched[hits]] - table.loc[hits, "t"]
+def _outcomes(contacts: pd.DataFrame, detected: Floats, matched: Indices) -> pd.DataFrame:
+    table = contacts.assign(detected=matched != UNMATCHED, error=np.nan)
+    hits = table["detected"].to_numpy()
+    table.loc[hits, "error"] = detected[matched[hits]] - table.loc[hits, "t"]
     return table[table["in_play"]].drop(columns=["in_play", "t"])

@@ -1,4 +1,4 @@
-"""The few numbers that decide where a recording is cut, and which split it goes to."""
+"""Settings of segmentation, splits and scoring."""
 
 from typing import Annotated
 
@@ -9,7 +9,7 @@ Share = Annotated[float, Field(gt=0, lt=1)]
 
 
 class ReplaySettings(BaseModel):
-    """How many shots towards the robot are kept for replaying them to it."""
+    """Number of shots towards the robot that are reserved for replaying them to it."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -22,7 +22,7 @@ class ReplaySettings(BaseModel):
 
 
 class SplitSettings(BaseModel):
-    """How recordings are shared out among training, validation, test and replay."""
+    """How recordings are assigned to training, validation, test and replay."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -33,31 +33,31 @@ class SplitSettings(BaseModel):
     largest_share: Share = 0.25
     """Share of a group's recordings that tests, and each set to replay, take at most."""
     validation_share: Share = 0.1
-    """Share of the recordings left by which a predictor is chosen; the rest trains it."""
+    """Share of the remaining recordings for validation; the rest is for training."""
 
 
 class SegmentSettings(BaseModel):
     """How recordings are cut into flights and episodes.
 
-    Costs are in nats (log-likelihood), relative to a sample exactly where it is predicted.
+    Costs are in nats (log-likelihood), relative to a sample exactly at its prediction.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     noise: Annotated[float, Field(ge=1e-4, le=0.05)] = 0.003
-    """Standard deviation (m) of a coordinate, errors that change slowly along a path included."""
+    """Standard deviation (m) of a coordinate, slowly varying errors along a path included."""
     longest_gap: Annotated[float, Field(gt=0, le=1)] = 0.1
-    """Time (s) without samples after which an episode ends: too much may have happened in it."""
+    """Time (s) without samples after which an episode ends: a contact may be missed in it."""
     contact_cost: Annotated[float, Field(ge=1, le=100)] = 16.0
-    """What one more arc must explain before it is believed; more finds fewer contacts."""
+    """Cost of one more arc; a higher cost finds fewer contacts."""
     outlier_cost: Annotated[float, Field(ge=1, le=100)] = 16.0
-    """What calling a sample an outlier costs; 16 is a gate of 5.7 standard deviations."""
+    """Cost of an outlier; 16 is a gate of 5.7 standard deviations."""
     smallest_jump: Annotated[float, Field(ge=0, le=20)] = 1.5
-    """Change of velocity (m/s) that makes a break a contact; less is a step of the measurement."""
+    """Change of velocity (m/s) above which a break is a contact; below it is a measurement step."""
     unbroken_ratio: Annotated[float, Field(ge=1, le=10)] = 1.5
-    """An episode is unbroken while its residual is below this many times what noise leaves."""
+    """An episode is unbroken while its residual is below this multiple of the noise level."""
     split: SplitSettings = SplitSettings()
-    """How many recordings train, choose and test a predictor, or are replayed."""
+    """How recordings are assigned to training, validation, test and replay."""
 
     @property
     def unbroken_residual(self) -> float:
@@ -66,13 +66,13 @@ class SegmentSettings(BaseModel):
 
 
 class ScoringSettings(BaseModel):
-    """When a contact counts as found, and when it can be expected to be."""
+    """When a contact counts as detected, and when as observable."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     tolerance: Annotated[float, Field(gt=0, le=0.1)] = 0.005
-    """Time (s) between a contact and what was found of it, at most."""
+    """Maximum time (s) between a true contact and the detected one."""
     reach: Annotated[float, Field(gt=0, le=1)] = 0.025
-    """Time (s) on each side of a contact in which it must have been measured to be seen ..."""
+    """Time (s) on each side of an observable contact that must hold ..."""
     fewest_samples: Annotated[int, Field(ge=1, le=100)] = 3
-    """... so often, in the flights that it ends and begins."""
+    """... this many samples, with no other contact between."""

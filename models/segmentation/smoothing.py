@@ -1,10 +1,16 @@
-"""The smooth path of one arc: position and velocity at every sample."""
+"""Rauch-Tung-Striebel smoother of one arc."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from models.segmentation.compiled import compiled
-from models.segmentation.flight import drift, spread, start, transition, update
+from models.segmentation.flight import (
+    initialise,
+    predict_covariance,
+    predict_mean,
+    transition,
+    update,
+)
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -12,12 +18,12 @@ Mask = NDArray[np.bool_]
 
 @compiled
 def smooth(t: Array, x: Array, used: Mask, noise: float) -> Array:
-    """Return the arc's means at all samples, given all used ones (Rauch-Tung-Striebel).
+    """Return the smoothed means at all samples, given the used ones.
 
     Args:
-        t: growing times (n,), s.
+        t: increasing times (n,), s.
         x: positions (n, 3), m.
-        used: samples (n,) that the path should follow; the first one must be.
+        used: whether a sample (n,) is used; the first one must be.
         noise: standard deviation of a sample in each axis, m.
 
     Returns:
@@ -25,17 +31,17 @@ def smooth(t: Array, x: Array, used: Mask, noise: float) -> Array:
     """
     n = len(t)
     means, covariances = np.empty((n, 3, 3)), np.empty((n, 3, 3))
-    predicted, wider = np.empty((n, 3, 3)), np.empty((n, 3, 3))
-    start(means[0], covariances[0], x[0], noise)
+    predicted, predicted_covariances = np.empty((n, 3, 3)), np.empty((n, 3, 3))
+    initialise(means[0], covariances[0], x[0], noise)
     for k in range(1, n):
-        predicted[k], wider[k] = means[k - 1], covariances[k - 1]
-        drift(predicted[k], t[k] - t[k - 1])
-        spread(wider[k], t[k] - t[k - 1])
-        means[k], covariances[k] = predicted[k], wider[k]
+        predicted[k], predicted_covariances[k] = means[k - 1], covariances[k - 1]
+        predict_mean(predicted[k], t[k] - t[k - 1])
+        predict_covariance(predicted_covariances[k], t[k] - t[k - 1])
+        means[k], covariances[k] = predicted[k], predicted_covariances[k]
         if used[k]:
             update(means[k], covariances[k], x[k], noise)
     for k in range(n - 2, -1, -1):
         forward = transition(t[k + 1] - t[k])
-        gain = np.linalg.solve(wider[k + 1], forward @ covariances[k]).T
+        gain = np.linalg.solve(predicted_covariances[k + 1], forward @ covariances[k]).T
         means[k] += gain @ (means[k + 1] - predicted[k + 1])
     return means

@@ -1,10 +1,10 @@
-"""Which recordings teach a predictor, which choose it, which test it, which a robot replays.
+"""Assignment of recordings to training, validation, test and replay.
 
 A recording is in one split as a whole: its episodes share players, ball and camera errors. The
 recordings of a group are ranked by a hash of the seed and their id, so that a recording's rank
-does not depend on which others there are; each split takes from the top of what is left.
+does not depend on the others; each split takes the first of those that remain.
 
-A shot is an unbroken episode whose ball reached the table: what tests and replays count.
+A shot is an unbroken episode whose ball reaches the table; tests and replays count shots.
 """
 
 import hashlib
@@ -23,12 +23,12 @@ NOT_REPLAYED = "none"
 
 @dataclass(frozen=True)
 class Split:
-    """Where episodes go; the series are in the order of the table of episodes.
+    """Splits of the episodes; the series are in the order of the table of episodes.
 
     Attributes:
         split: ``train``, ``validation``, ``test`` or ``replay``.
         replay_set: ``stroke_pro``, ``stroke_uni``, ``receive`` or ``none``.
-        shortages: a sentence for each set that has fewer shots than asked for.
+        shortages: a message for each set that has fewer shots than requested.
     """
 
     split: "pd.Series[str]"
@@ -39,33 +39,33 @@ class Split:
 def split(
     episodes: pd.DataFrame, contacts: pd.DataFrame, settings: SplitSettings, seed: int
 ) -> Split:
-    """Give every recording to one split.
+    """Assign every recording to one split.
 
     Args:
-        episodes: one row an episode, in the order of time within a recording.
-        contacts: theirs.
-        settings: how many to each.
+        episodes: one row per episode, in the order of time within a recording.
+        contacts: of these episodes.
+        settings: size of each split.
         seed: of the ranks.
     """
     shots = _shots(episodes, contacts)
-    allotment = _Allotment(_recordings(shots, seed), settings)
+    assignment = _Assignment(_recordings(shots, seed), settings)
     for replay_set, groups in STROKE_GROUPS.items():
-        allotment.keep_for_replay(replay_set, groups, "stroke")
-    allotment.keep_for_replay("receive", RECEIVE_GROUPS, "serve")
-    allotment.keep_for_tests()
-    allotment.keep_for_validation()
-    shots["split"] = shots["recording_id"].map(allotment.split)
-    shots["rank"] = shots["recording_id"].map(allotment.ranks())
-    return Split(shots["split"], _replay_sets(shots, settings), allotment.shortages)
+        assignment.assign_replay(replay_set, groups, "stroke")
+    assignment.assign_replay("receive", RECEIVE_GROUPS, "serve")
+    assignment.assign_test()
+    assignment.assign_validation()
+    shots["split"] = shots["recording_id"].map(assignment.split)
+    shots["rank"] = shots["recording_id"].map(assignment.ranks())
+    return Split(shots["split"], _replay_sets(shots, settings), assignment.shortages)
 
 
 def recording_groups(ids: "pd.Series[str]") -> "pd.Series[str]":
-    """Return what stands between source and name in recordings' ids, such as players' level."""
+    """Return the part of recordings' ids between source and name, such as players' level."""
     return ids.str.replace(r"^[^/]*/(?:(.*)/)?[^/]*$", r"\1", regex=True)
 
 
-class _Allotment:
-    """Recordings, the first in rank first, and the splits they were given to."""
+class _Assignment:
+    """Recordings by rank, and the splits that they are assigned to."""
 
     def __init__(self, recordings: pd.DataFrame, settings: SplitSettings) -> None:
         self.recordings, self.settings = recordings, settings
@@ -73,37 +73,37 @@ class _Allotment:
         self.shortages: list[str] = []
 
     def ranks(self) -> "pd.Series[int]":
-        """Return the place in rank of every recording."""
+        """Return the rank of every recording."""
         return pd.Series(range(len(self.recordings)), index=self.recordings.index)
 
-    def keep_for_replay(self, replay_set: str, groups: Sequence[str], kind: str) -> None:
+    def assign_replay(self, replay_set: str, groups: Sequence[str], kind: str) -> None:
         members = self.recordings["group"].isin(groups)
         wanted = getattr(self.settings.replay, replay_set)
-        # Recordings that are kept for one set serve the next one too.
+        # Recordings that are reserved for one set also count for the next.
         kept = self.recordings.loc[members & (self.split == "replay"), kind].sum()
-        found = kept + self._give("replay", members, kind, wanted - kept)
+        found = kept + self._assign("replay", members, kind, wanted - kept)
         if members.any() and found < wanted:
             self.shortages.append(f"{replay_set} has {found} of {wanted} episodes to replay")
 
-    def keep_for_tests(self) -> None:
+    def assign_test(self) -> None:
         for source, members in self.recordings.groupby("source", sort=True):
-            wanted, there = self.settings.test_episodes, members["shot"].sum()
+            wanted, total = self.settings.test_episodes, members["shot"].sum()
             found = 0
-            for group, own in members.groupby("group", sort=True):
-                quota = int(np.ceil(wanted * own["shot"].sum() / max(there, 1)))
+            for group, of_group in members.groupby("group", sort=True):
+                quota = int(np.ceil(wanted * of_group["shot"].sum() / max(total, 1)))
                 here = (self.recordings["source"] == source) & (self.recordings["group"] == group)
-                found += self._give("test", here, "shot", quota)
+                found += self._assign("test", here, "shot", quota)
             if found < wanted:
                 self.shortages.append(f"{source} has {found} of {wanted} shots to test on")
 
-    def keep_for_validation(self) -> None:
-        left = self.recordings[self.split == "train"]
-        for _, members in left.groupby(["source", "group"], sort=True):
+    def assign_validation(self) -> None:
+        remaining = self.recordings[self.split == "train"]
+        for _, members in remaining.groupby(["source", "group"], sort=True):
             number = round(self.settings.validation_share * len(members))
             self.split[members.index[:number]] = "validation"
 
-    def _give(self, name: str, members: "pd.Series[bool]", kind: str, wanted: int) -> int:
-        """Give recordings to a split until it has enough; return how many they hold of a kind."""
+    def _assign(self, name: str, members: "pd.Series[bool]", kind: str, wanted: int) -> int:
+        """Assign recordings to a split until it has enough; return their number of a kind."""
         free = self.recordings.loc[members & (self.split == "train"), kind]
         enough = int(np.searchsorted(free.cumsum(), wanted)) + 1 if wanted > 0 else 0
         taken = free[: min(enough, int(self.settings.largest_share * members.sum()))]
@@ -112,14 +112,14 @@ class _Allotment:
 
 
 def _shots(episodes: pd.DataFrame, contacts: pd.DataFrame) -> pd.DataFrame:
-    """Return which episodes are shots, and which of those a robot could be played."""
+    """Return which episodes are shots, and which of those can be replayed to a robot."""
     shots = episodes[["recording_id", "source"]].copy()
     shots["shot"] = episodes["unbroken"] & (episodes["bounces"] > 0)
-    # A serve is the stroke that meets a ball which nothing touched since it came into sight.
+    # A serve is the first contact of a ball since its first sample.
     before = episodes.groupby("recording_id")[["starts_with", "bounces"]].shift()
-    tossed = before["starts_with"].isin(["gap", "recording"]) & (before["bounces"] == 0)
+    is_toss = before["starts_with"].isin(["gap", "recording"]) & (before["bounces"] == 0)
     towards_robot = shots["shot"] & episodes["episode_id"].isin(_struck_towards_robot(contacts))
-    shots["serve"], shots["stroke"] = towards_robot & tossed, towards_robot & ~tossed
+    shots["serve"], shots["stroke"] = towards_robot & is_toss, towards_robot & ~is_toss
     return shots
 
 
@@ -131,7 +131,7 @@ def _struck_towards_robot(contacts: pd.DataFrame) -> "pd.Series[str]":
 
 
 def _recordings(shots: pd.DataFrame, seed: int) -> pd.DataFrame:
-    """Return what every recording holds, by id, the first in rank first."""
+    """Return counts of every recording, by rank."""
     ids = shots["recording_id"]
     sources = shots.groupby("recording_id")[["source"]].first()
     recordings = sources.join(shots.groupby(ids)[["shot", "stroke", "serve"]].sum())
@@ -149,8 +149,8 @@ def _replay_sets(shots: pd.DataFrame, settings: SplitSettings) -> "pd.Series[str
     replay_sets = pd.Series(NOT_REPLAYED, index=shots.index, dtype="str")
     kept = shots[shots["split"] == "replay"].sort_values("rank", kind="stable")
     groups = recording_groups(kept["recording_id"])
-    for replay_set, own in STROKE_GROUPS.items():
-        strokes = kept.index[kept["stroke"] & groups.isin(own)]
+    for replay_set, levels in STROKE_GROUPS.items():
+        strokes = kept.index[kept["stroke"] & groups.isin(levels)]
         replay_sets[strokes[: getattr(settings.replay, replay_set)]] = replay_set
     serves = kept.index[kept["serve"] & groups.isin(RECEIVE_GROUPS)]
     replay_sets[serves[: settings.replay.receive]] = "receive"

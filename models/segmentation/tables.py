@@ -1,4 +1,4 @@
-"""Recordings in; tables of samples, contacts and episodes out."""
+"""Segmentation of a table of recordings into tables of samples, contacts and episodes."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -45,12 +45,12 @@ EPISODE_TYPES: dict[str, Any] = {
     "unbroken": bool,
 }
 
-NOWHERE = -1  # the episode of a sample that is in none
+NO_EPISODE = -1
 
 
 @dataclass(frozen=True)
 class Segmented:
-    """What recordings are cut into, one row a sample, a contact or an episode."""
+    """Segmented recordings: one row per sample, contact and episode."""
 
     samples: pd.DataFrame
     contacts: pd.DataFrame
@@ -58,36 +58,36 @@ class Segmented:
 
 
 class _Labels:
-    """What segmentation says of each of n samples; arrays, since recordings are many and short."""
+    """Labels of n samples; arrays, since recordings are many and short."""
 
     def __init__(self, n: int) -> None:
-        self.episode = np.full(n, NOWHERE)
+        self.episode = np.full(n, NO_EPISODE)
         self.arc = np.zeros(n, dtype=np.int64)
         self.velocity = np.full((n, 3), np.nan)
         self.outlier = np.zeros(n, dtype=bool)
-        self.error = np.full(n, np.nan)
+        self.residual = np.full(n, np.nan)
 
-    def enter(self, rows: Indices, cuts: Cuts, found: list[Episode], first: int) -> None:
-        """Enter a recording's samples; its episodes are numbered from ``first`` on."""
-        # One more entry, for the samples without a flight: their number -1 is the last index.
-        numbers = np.full(cuts.flights + 1, NOWHERE)
+    def assign(self, rows: Indices, cuts: Cuts, found: list[Episode], first: int) -> None:
+        """Assign a recording's samples; its episodes are numbered from ``first`` on."""
+        # One more entry for the samples without a flight: their index -1 is the last entry.
+        numbers = np.full(cuts.flights + 1, NO_EPISODE)
         arcs = np.zeros(cuts.flights + 1, dtype=np.int64)
         for number, episode in enumerate(found, start=first):
             numbers[episode.flights] = number
             arcs[episode.flights] = range(len(episode.flights))
         self.episode[rows], self.arc[rows] = numbers[cuts.flight], arcs[cuts.flight]
         self.velocity[rows], self.outlier[rows] = cuts.velocity, cuts.outlier
-        self.error[rows] = cuts.error
+        self.residual[rows] = cuts.residual
 
 
 def segment_recordings(
-    recordings: pd.DataFrame, begins_with_launch: Callable[[str], bool], settings: SegmentSettings
+    recordings: pd.DataFrame, starts_with_launch: Callable[[str], bool], settings: SegmentSettings
 ) -> Segmented:
     """Cut recordings into episodes.
 
     Args:
-        recordings: one row a sample: recording_id, t, position, spin; at least one row.
-        begins_with_launch: whether the recording of an id is one shot, seen from its launch on.
+        recordings: one row per sample: recording_id, t, position, spin; at least one row.
+        starts_with_launch: whether the recording with this id is one shot from its launch on.
         settings: noise, costs and limits.
     """
     labels = _Labels(len(recordings))
@@ -96,15 +96,15 @@ def segment_recordings(
     t, positions = recordings["t"].to_numpy(), recordings[POSITION].to_numpy()
     for recording_id, rows in _rows_by_recording(recordings):
         cuts = cut(t[rows], positions[rows], settings)
-        launched = begins_with_launch(recording_id)
+        launched = starts_with_launch(recording_id)
         found = list(episodes(cuts, "launch" if launched else "recording"))
-        labels.enter(rows, cuts, found, len(episode_rows))
+        labels.assign(rows, cuts, found, len(episode_rows))
         for number, episode in enumerate(found):
             name = {"recording_id": recording_id, "episode_id": f"{recording_id}/{number:02d}"}
             contact_rows.extend(name | _contact(contact) for contact in episode.contacts)
             episode_rows.append(name | _episode(episode))
     contacts = pd.DataFrame(contact_rows, columns=list(CONTACT_TYPES)).astype(CONTACT_TYPES)
-    table = _measured(episode_rows, labels, t, settings)
+    table = _with_sample_columns(episode_rows, labels, t, settings)
     return Segmented(_samples(recordings, labels, table["episode_id"]), contacts, table)
 
 
@@ -127,27 +127,29 @@ def _contact(contact: Contact) -> Row:
 
 def _episode(episode: Episode) -> Row:
     return {
-        "start": episode.begun_by.time if episode.begun_by else np.nan,
-        "end": episode.ended_by.time if episode.ended_by else np.nan,
+        "start": episode.start_contact.time if episode.start_contact else np.nan,
+        "end": episode.end_contact.time if episode.end_contact else np.nan,
         "starts_with": episode.starts_with,
         "ends_with": episode.ends_with,
         "bounces": sum(contact.kind == "table" for contact in episode.contacts),
     }
 
 
-def _measured(
+def _with_sample_columns(
     rows: list[Row], labels: _Labels, t: Floats, settings: SegmentSettings
 ) -> pd.DataFrame:
-    """Return the episodes with what their samples tell; those without a contact end with them."""
+    """Add what the samples give: times of ends without a contact, counts and residuals."""
     table = pd.DataFrame(rows, columns=list(EPISODE_TYPES))
     samples = pd.DataFrame(
         {
             "t": t,
             "outlier": labels.outlier,
-            "square": np.where(labels.outlier, np.nan, labels.error) ** 2,
+            "square": np.where(labels.outlier, np.nan, labels.residual) ** 2,
         }
     )
-    grouped = samples[labels.episode != NOWHERE].groupby(labels.episode[labels.episode != NOWHERE])
+    grouped = samples[labels.episode != NO_EPISODE].groupby(
+        labels.episode[labels.episode != NO_EPISODE]
+    )
     table["source"] = table["recording_id"].str.split("/").str[0]
     table["start"] = table["start"].fillna(grouped["t"].first())
     table["end"] = table["end"].fillna(grouped["t"].last())
@@ -158,8 +160,8 @@ def _measured(
 
 
 def _samples(recordings: pd.DataFrame, labels: _Labels, ids: "pd.Series[str]") -> pd.DataFrame:
-    """Return the samples that are in an episode, with what segmentation says of them."""
-    inside = labels.episode != NOWHERE
+    """Return the samples that are in an episode, with their labels."""
+    inside = labels.episode != NO_EPISODE
     samples = recordings[inside].reset_index(drop=True)
     samples["episode_id"] = ids.take(labels.episode[inside]).set_axis(samples.index)
     samples["arc"], samples["outlier"] = labels.arc[inside], labels.outlier[inside]

@@ -18,13 +18,14 @@ from models.predictors.protocol import Forecast
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import run_sets
 from pipeline.evaluation.error_table import NUMBERS
-from pipeline.evaluation.predictors import NamedPredictor, one_thread, read_predictors
+from pipeline.evaluation.predictors import NamedPredictor, read_predictors
 from pipeline.evaluation.test_windows import MeasuredSet
 from pipeline.io.artifacts import write_json
 from pipeline.io.metrics import place, rounded
 from pipeline.params import Params
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.progress import progress
+from pipeline.runtime.torch_threads import one_thread
 
 UNITS = {"position": "mm", "velocity": "m/s", "spin": "rad/s"}
 

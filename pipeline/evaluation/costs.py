@@ -20,13 +20,14 @@ from rich.table import Table
 from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from models.predictors.protocol import History, Predictor
 from pipeline.evaluation.error_table import read_errors
-from pipeline.evaluation.predictors import NamedPredictor, one_thread, read_predictors
+from pipeline.evaluation.predictors import NamedPredictor, read_predictors
 from pipeline.evaluation.test_windows import read_test_sets
 from pipeline.io.artifacts import write_csv, write_json
 from pipeline.params import load_params
 from pipeline.runtime.progress import progress
 from pipeline.runtime.provenance import git_commit
 from pipeline.runtime.scratch import kept_timings
+from pipeline.runtime.torch_threads import one_thread
 
 CALLS, WARM_UP = 500, 50
 ERROR_COLUMNS = [f"position_error_mm_{horizon}ms" for horizon in SHOWN_HORIZONS_MS]

@@ -1,11 +1,8 @@
 """The predictors that are evaluated: physics, amended physics, the oracle and trained networks."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-
-import torch
 
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import Predictor
@@ -45,21 +42,6 @@ class NamedPredictor:
         """Return whether it is evaluated on a set; oracle and amended physics are not on all."""
         known = {ORACLE: (ARENA,), AMENDED: self.trained_on}
         return self.kind not in known or source in known[self.kind]
-
-
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Limit torch to one thread.
-
-    Results then do not depend on the number of cores. More threads share too little work here;
-    on a busy machine they take up to 60 times longer than one.
-    """
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
 
 
 def read_predictors(artifacts: Path, settings: EvaluatePredictorSettings) -> list[NamedPredictor]:

@@ -100,7 +100,7 @@ def _episodes(
     check_columns(path, SAMPLES)
     for samples in read_row_groups(path):
         wanted = checked(samples[samples["episode_id"].isin(chosen["episode_id"])], SAMPLES, path)
-        whole = _episode(wanted)
+        whole = as_episode(wanted)
         for name, rows in wanted.groupby("episode_id", sort=False).indices.items():
             episode_id = str(name)
             bounces = bounce_times.get(episode_id, np.empty(0))
@@ -108,8 +108,8 @@ def _episodes(
             yield episode_id, _part(whole, np.asarray(rows), bounces, label_end)
 
 
-def _episode(samples: pd.DataFrame) -> Episode:
-    """Return samples as if they all were one episode."""
+def as_episode(samples: pd.DataFrame) -> Episode:
+    """Return a table of samples as one episode without bounces."""
     return Episode(
         times=samples["t"].to_numpy(),
         positions=samples[POSITION_COLUMNS].to_numpy(),

@@ -1,1 +1,1 @@
-"""Segmentation on files: figures of contacts found and missed."""
+"""Segmentation of recordings in files, and its report."""

@@ -14,8 +14,8 @@ from models.policy.outcome import with_net
 from models.policy.trial import TrialResult
 from models.predictors.protocol import FUTURE_TIMES
 from models.replay.replayed_balls import Histories, measurement_histories, predict_all
-from pipeline.evaluation.predictors import one_thread
 from pipeline.policies.storage import TrainedPolicy
+from pipeline.runtime.torch_threads import one_thread
 from pipeline.transfer.example_returns import Return, TimedForecast, Track
 from pipeline.transfer.replay_sets import ReplaySet
 from pipeline.transfer.replay_trials import EveryStep, ReplayTrial

@@ -25,11 +25,12 @@ from models.replay.replayed_balls import (
     measurement_histories,
     predict_all,
 )
-from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, one_thread
+from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
 from pipeline.io.amended_simulators import AMENDED
 from pipeline.params import Sim2RealSettings
 from pipeline.policies.storage import TrainedPolicy, load_policies
 from pipeline.runtime.errors import InputError
+from pipeline.runtime.torch_threads import one_thread
 from pipeline.transfer.replay_sets import ARENA_SETS, ReplaySet
 from pipeline.transfer.returns import with_states
 from pipeline.transfer.trials import Played, play_policy

@@ -1,1 +1,1 @@
-"""Figures of segmentation: drawing alone, from tables that others have computed."""
+"""Figures of segmentation, drawn from tables."""

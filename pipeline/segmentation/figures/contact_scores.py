@@ -1,4 +1,4 @@
-"""How well contacts are found: errors of their times, and at which speeds contacts are missed."""
+"""Time errors of detected contacts, and the speeds at which contacts are missed."""
 
 import numpy as np
 import pandas as pd
@@ -6,17 +6,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.io.figure_style import CONTACT_COLOURS, FIGURE_WIDTH
+from pipeline.io.report_items import ReportFigure
 
 LARGEST_ERROR = 5.0  # ms, that is drawn
 ERROR_BINS = np.linspace(-LARGEST_ERROR, LARGEST_ERROR, 101)
 SPEEDS = {"table": "bounce: vertical speed after it", "racket": "racket: speed after it"}
 
 
-def contact_scores_figure(contacts: pd.DataFrame) -> Figure:
-    """Draw the errors of the times of contacts, and over the speed, with those that were missed.
+def contact_scores_figure(contacts: pd.DataFrame) -> ReportFigure:
+    """Draw the time errors of contacts: histogram, and over the speed with the missed contacts.
 
     Args:
-        contacts: true contacts that can be seen: ``kind``, ``speed`` (m/s), ``found``, ``error``
+        contacts: true observable contacts: ``kind``, ``speed`` (m/s), ``detected``, ``error``
             (s); without any the axes stay empty.
     """
     figure = Figure(figsize=(FIGURE_WIDTH, 3.0))
@@ -29,16 +30,22 @@ def contact_scores_figure(contacts: pd.DataFrame) -> Figure:
             errors, ERROR_BINS, weights=weights, histtype="step", lw=1.8, color=colour, label=kind
         )
         _draw_by_speed(speed_axes, members, colour, SPEEDS[str(kind)])
-    share_axes.set(xlabel="time found less true time (ms)", ylabel="share of the contacts")
-    speed_axes.set(xlabel="speed (m/s)", ylabel="time found less true time (ms)")
+    share_axes.set(xlabel="detected - true time (ms)", ylabel="share of contacts")
+    speed_axes.set(xlabel="speed (m/s)", ylabel="detected - true time (ms)")
     speed_axes.set_ylim(-1.1 * LARGEST_ERROR, 1.1 * LARGEST_ERROR)
     if len(contacts):
         share_axes.legend()
         speed_axes.legend(loc="upper right")
-    return figure
+    return ReportFigure(
+        figure,
+        "contact_scores",
+        title="Time errors of detected contacts",
+        caption="Racket contacts and bounces of test recordings. Left: histogram of the time "
+        "errors. Right: time error over the speed; a cross is a contact that is not detected.",
+    )
 
 
 def _draw_by_speed(axes: Axes, contacts: pd.DataFrame, colour: str, label: str) -> None:
-    missed = contacts[~contacts["found"]]
+    missed = contacts[~contacts["detected"]]
     axes.plot(contacts["speed"], 1e3 * contacts["error"], ".", color=colour, label=label, ms=3)
     axes.plot(missed["speed"], np.full(len(missed), -LARGEST_ERROR), "x", color=colour, ms=5)

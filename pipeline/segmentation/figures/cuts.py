@@ -1,4 +1,4 @@
-"""Recordings over time with the contacts that segmentation found, as small multiples."""
+"""Recordings over time with the detected contacts, as small multiples."""
 
 from collections.abc import Sequence
 
@@ -8,25 +8,31 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pipeline.io.figure_style import CONTACT_COLOURS, FIGURE_WIDTH, INK
+from pipeline.io.report_items import ReportFigure
 
 COLUMNS = 4
 CELL_HEIGHT = 2.3  # inch, of one recording: height above, length below
 HEADROOM = 0.5  # inch, for the legend
 OUTLIER_COLOUR = "#c94f6d"
 PALE = "#c2c9ce"
-SHOWN_SECONDS = 4.0  # of each recording; games go on and on
+SHOWN_SECONDS = 4.0  # of each recording
 DRAWN = {"pz": "z (m)", "py": "y (m)"}
 
 
 def cuts_figure(
-    recordings: pd.DataFrame, samples: pd.DataFrame, contacts: pd.DataFrame, chosen: Sequence[str]
-) -> Figure:
-    """Draw how the chosen recordings begin: height and length of every sample, and every contact.
+    source: str,
+    recordings: pd.DataFrame,
+    samples: pd.DataFrame,
+    contacts: pd.DataFrame,
+    chosen: Sequence[str],
+) -> ReportFigure:
+    """Draw the first seconds of the chosen recordings: samples and contacts.
 
     Args:
-        recordings: measured samples, also of recordings that are not chosen.
-        samples: those in an episode; the others are drawn pale.
-        contacts: where paths break.
+        source: of the recordings.
+        recordings: measured samples.
+        samples: samples in an episode; the others are drawn in grey.
+        contacts: detected contacts.
         chosen: ids of the recordings to draw, in the order of drawing; at least one.
     """
     rows = -(-len(chosen) // COLUMNS)
@@ -37,33 +43,40 @@ def cuts_figure(
     for number, recording_id in enumerate(chosen):
         row, column = divmod(number, COLUMNS)
         cell = list(grid[2 * row : 2 * row + 2, column])
-        own = recordings[recordings["recording_id"] == recording_id]
-        end = own["t"].iloc[0] + SHOWN_SECONDS
+        recording = recordings[recordings["recording_id"] == recording_id]
+        end = recording["t"].iloc[0] + SHOWN_SECONDS
         tables = [
             table[(table["recording_id"] == recording_id) & (table["t"] < end)]
-            for table in (own, samples, contacts)
+            for table in (recording, samples, contacts)
         ]
         _draw_recording(cell, *tables)
         cell[0].set_title(recording_id.split("/", 1)[1], fontsize="small")
     for axes in grid[:, 0]:
         axes.yaxis.label.set_visible(True)
-    figure.supxlabel("time since the recording began (s)", fontsize="medium")
+    figure.supxlabel("time since the first sample (s)", fontsize="medium")
     figure.legend(handles=_legend(), loc="outside upper center", ncols=6, handletextpad=0.4)
-    return figure
+    return ReportFigure(
+        figure,
+        f"cuts_{source}",
+        title=f"Contacts in recordings of {source}",
+        caption=f"{len(chosen)} recordings drawn at random: height above the table (z) and "
+        f"position along it (y) in the first {SHOWN_SECONDS:g} s. Vertical lines are "
+        "detected contacts.",
+    )
 
 
 def _draw_recording(
     cell: list[Axes], recording: pd.DataFrame, samples: pd.DataFrame, contacts: pd.DataFrame
 ) -> None:
-    begin = recording["t"].iloc[0]
+    first = recording["t"].iloc[0]
     outliers = samples[samples["outlier"]]
     for axes, (column, label) in zip(cell, DRAWN.items(), strict=True):
         axes.set_axis_on()
         for kind, time in zip(contacts["kind"], contacts["t"], strict=True):
-            axes.axvline(time - begin, color=CONTACT_COLOURS[kind], lw=1.2)
-        axes.plot(recording["t"] - begin, recording[column], ".", color=PALE, ms=2.5, mew=0)
-        axes.plot(samples["t"] - begin, samples[column], ".", color=INK, ms=2.5, mew=0)
-        axes.plot(outliers["t"] - begin, outliers[column], "x", ms=4, color=OUTLIER_COLOUR)
+            axes.axvline(time - first, color=CONTACT_COLOURS[kind], lw=1.2)
+        axes.plot(recording["t"] - first, recording[column], ".", color=PALE, ms=2.5, mew=0)
+        axes.plot(samples["t"] - first, samples[column], ".", color=INK, ms=2.5, mew=0)
+        axes.plot(outliers["t"] - first, outliers[column], "x", ms=4, color=OUTLIER_COLOUR)
         axes.set_ylabel(label, visible=False)
         axes.locator_params(nbins=3)
     cell[0].tick_params(labelbottom=False)

@@ -1,9 +1,9 @@
-"""Where paths meet, and what the ball met."""
+"""Where paths closest_approach, and what the ball met."""
 
 import numpy as np
 import pytest
 
-from models.segmentation.contacts import Contact, meet, moved
+from models.segmentation.contacts import Contact, closest_approach, extrapolated
 
 
 def contact(before, after, position=(0.0, 0.8, 0.02)):
@@ -14,18 +14,18 @@ def contact(before, after, position=(0.0, 0.8, 0.02)):
 def test_paths_meet_where_they_were_made_to_part(time):
     down = np.array([[0.1, 0.8, 0.02], [0.5, 4.0, -3.0], [0.0, 0.0, -9.81]])
     up = np.array([[0.1, 0.8, 0.02], [0.4, 3.5, 2.8], [0.0, 0.0, -9.81]])
-    ends = (moved(down, -0.010), time - 0.010), (moved(up, 0.012), time + 0.012)
-    met = meet(*ends, time - 0.010, time + 0.012)
+    ends = (extrapolated(down, -0.010), time - 0.010), (extrapolated(up, 0.012), time + 0.012)
+    met = closest_approach(*ends, time - 0.010, time + 0.012)
     assert met.time == pytest.approx(time, abs=1e-5)
     np.testing.assert_allclose(met.position, down[0], atol=1e-4)
-    assert met.miss < 1e-4
+    assert met.distance < 1e-4
     assert met.speed_change == pytest.approx(np.linalg.norm(up[1] - down[1]), rel=1e-2)
 
 
 def test_meeting_stays_inside_its_bounds():
     path = np.array([[0.0, 0.0, 0.3], [0.0, 4.0, 0.0], [0.0, 0.0, -9.81]])
     other = np.add(path, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
-    assert meet((path, 0.0), (other, 0.1), 0.0, 0.1).time == 0.0
+    assert closest_approach((path, 0.0), (other, 0.1), 0.0, 0.1).time == 0.0
 
 
 @pytest.mark.parametrize(

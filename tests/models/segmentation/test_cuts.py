@@ -103,7 +103,7 @@ def test_step_of_the_measurement_is_no_contact_but_leaves_a_residual():
     x[30:, 0] += 0.08
     cuts = cut(t, x, SETTINGS)
     assert cuts.flights == 1
-    assert np.sqrt(np.mean(cuts.error**2)) > SETTINGS.unbroken_residual
+    assert np.sqrt(np.mean(cuts.residual**2)) > SETTINGS.unbroken_residual
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,10 @@ from scipy.integrate import quad_vec, solve_ivp
 from models.segmentation.flight import (
     DRAG,
     JERK_DENSITY,
-    drift,
-    spread,
-    start,
-    surprise,
+    initialise,
+    negative_log_likelihood,
+    predict_covariance,
+    predict_mean,
     transition,
     update,
 )
@@ -31,30 +31,30 @@ def rng():
 
 
 @pytest.mark.parametrize("dt", [0.005, -0.005])
-def test_drift_follows_a_ball_with_drag(dt):
+def test_predicted_mean_follows_a_ball_with_drag(dt):
     def motion(_, state):
         return [*state[3:], *(MEAN[2] - DRAG * np.linalg.norm(state[3:]) * state[3:])]
 
     exact = solve_ivp(motion, (0, dt), MEAN[:2].ravel(), rtol=1e-10, atol=1e-12).y[:, -1]
     mean = MEAN.copy()
-    drift(mean, dt)
+    predict_mean(mean, dt)
     np.testing.assert_allclose(mean[0], exact[:3], atol=1e-6)
     np.testing.assert_allclose(mean[1], exact[3:], atol=1e-3)
 
 
-def test_spread_adds_the_integral_of_white_jerk(covariance):
+def test_predicted_covariance_adds_the_integral_of_white_jerk(covariance):
     dt, jerk = 0.03, np.array([0.0, 0.0, 1.0])
     grown = quad_vec(lambda s: np.outer(transition(s) @ jerk, transition(s) @ jerk), 0, dt)[0]
     expected = transition(dt) @ covariance @ transition(dt).T + JERK_DENSITY * grown
-    spread(covariance, dt)
+    predict_covariance(covariance, dt)
     np.testing.assert_allclose(covariance, expected, rtol=1e-12)
 
 
-def test_spreading_in_two_steps_is_spreading_in_one(covariance):
+def test_two_predictions_of_the_covariance_equal_one(covariance):
     twice = covariance.copy()
-    spread(covariance, 0.05)
-    spread(twice, 0.02)
-    spread(twice, 0.03)
+    predict_covariance(covariance, 0.05)
+    predict_covariance(twice, 0.02)
+    predict_covariance(twice, 0.03)
     np.testing.assert_allclose(twice, covariance, rtol=1e-12)
 
 
@@ -68,16 +68,16 @@ def test_update_is_the_kalman_update(covariance, rng):
     np.testing.assert_allclose(covariance, expected[1], rtol=1e-9, atol=1e-12)
 
 
-def test_surprise_is_zero_for_a_certain_prediction_and_grows_with_the_error():
+def test_negative_log_likelihood_is_zero_for_a_certain_prediction_and_grows_with_the_error():
     sample = np.zeros(3)
     mean, covariance = np.zeros((3, 3)), np.zeros((3, 3))
-    assert surprise(mean, covariance, sample, NOISE) == 0
+    assert negative_log_likelihood(mean, covariance, sample, NOISE) == 0
     mean[0] = [0, 0, 4 * NOISE]
-    assert surprise(mean, covariance, sample, NOISE) == pytest.approx(8)
+    assert negative_log_likelihood(mean, covariance, sample, NOISE) == pytest.approx(8)
 
 
 def test_first_sample_is_where_the_ball_is_to_the_noise():
     mean, covariance = np.empty((3, 3)), np.empty((3, 3))
-    start(mean, covariance, MEAN[0], NOISE)
+    initialise(mean, covariance, MEAN[0], NOISE)
     np.testing.assert_array_equal(mean[0], MEAN[0])
     assert covariance[0, 0] == NOISE**2

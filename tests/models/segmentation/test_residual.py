@@ -4,7 +4,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from models.segmentation.flight import DRAG
-from models.segmentation.residual import flight_errors
+from models.segmentation.residual import flight_residuals
 
 T = 0.005 * np.arange(100)
 ALL = np.ones(100, dtype=bool)
@@ -20,17 +20,17 @@ def flown(lift=(0.0, 2.0, -9.81 - 3.0)):
 
 
 def test_flight_with_drag_and_constant_lift_leaves_nothing():
-    assert flight_errors(T, *flown(), ALL).max() < 1e-4
+    assert flight_residuals(T, *flown(), ALL).max() < 1e-4
 
 
 def test_missed_contact_leaves_centimetres():
     x, velocity = flown()
     x[50:] += (T[50:, None] - T[50]) * [0, -1.0, 4.0]
-    assert np.sqrt(np.mean(flight_errors(T, x, velocity, ALL) ** 2)) > 0.03
+    assert np.sqrt(np.mean(flight_residuals(T, x, velocity, ALL) ** 2)) > 0.03
 
 
 def test_outlier_is_measured_but_not_followed():
     x, velocity = flown()
     x[40] += [0.0, 0.3, 0.4]
-    errors = flight_errors(T, x, velocity, np.arange(100) != 40)
+    errors = flight_residuals(T, x, velocity, np.arange(100) != 40)
     np.testing.assert_allclose(errors, np.where(np.arange(100) == 40, 0.5, 0), atol=1e-4)

@@ -4,13 +4,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.segmentation.scoring import can_be_seen, in_play, matches, score
+from models.segmentation.scoring import in_play, match_contacts, observable, score
 from models.segmentation.settings import ScoringSettings
 
 SETTINGS = ScoringSettings()
 
 
-def contacts(*rows, recording_id="hall/1"):
+def contacts(*rows, recording_id="arena/1"):
     table = pd.DataFrame(rows, columns=["t", "kind", "py"])
     velocity = {"vx": 0.0, "vy": 3.0, "vz": 4.0}
     return table.assign(recording_id=recording_id, **velocity)
@@ -19,7 +19,7 @@ def contacts(*rows, recording_id="hall/1"):
 TRUE = contacts(
     (0.0, "launch", 1.5), (0.5, "racket", 1.5), (0.7, "table", 0.7), (1.0, "table", -0.7)
 )
-SAMPLES = pd.DataFrame({"recording_id": "hall/1", "t": np.arange(0.0, 1.5, 0.005)})
+SAMPLES = pd.DataFrame({"recording_id": "arena/1", "t": np.arange(0.0, 1.5, 0.005)})
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ def test_next_launch_begins_play_again():
 
 
 @pytest.mark.parametrize(
-    ("samples", "seen"),
+    ("samples", "expected"),
     [
         ([0.98, 0.985, 0.99, 1.01, 1.015, 1.02], True),
         ([0.98, 0.985, 1.01, 1.015, 1.02], False),
@@ -50,20 +50,20 @@ def test_next_launch_begins_play_again():
         ([0.98, 0.985, 0.99, 1.01, 1.02, 1.024], False),  # the last is beyond the next contact
     ],
 )
-def test_contact_is_seen_with_three_samples_on_each_side(samples, seen):
+def test_contact_is_observable_with_three_samples_on_each_side(samples, expected):
     contact_times = np.array([1.0, 1.022])
-    assert can_be_seen(contact_times, np.array(samples), SETTINGS)[0] == seen
+    assert observable(contact_times, np.array(samples), SETTINGS)[0] == expected
 
 
 def test_closest_pairs_match_first_and_only_once():
     true, found = np.array([1.0, 1.004, 2.0]), np.array([1.003, 1.9, 2.001])
-    assert matches(true, found, 0.005).tolist() == [-1, 0, 2]
+    assert match_contacts(true, found, 0.005).tolist() == [-1, 0, 2]
 
 
 def test_perfect_finding_is_perfect():
     scored = score(TRUE, TRUE[TRUE["kind"] != "launch"], SAMPLES, SETTINGS)
     assert scored.true["kind"].tolist() == ["racket", "table", "table"]
-    assert scored.true[["seen", "found"]].all(axis=None)
+    assert scored.true[["observable", "detected"]].all(axis=None)
     assert (scored.true["error"] == 0).all()
     assert scored.true["speed"].tolist() == [5.0, 4.0, 4.0]
     assert scored.false.empty
@@ -72,15 +72,15 @@ def test_perfect_finding_is_perfect():
 def test_wrong_kind_late_and_invented_contacts_are_false():
     found = contacts((0.5, "table", 1.5), (0.706, "table", 0.7), (1.002, "table", -0.7))
     scored = score(TRUE, found, SAMPLES, SETTINGS)
-    assert scored.true["found"].tolist() == [False, False, True]
+    assert scored.true["detected"].tolist() == [False, False, True]
     assert scored.true["error"].iloc[2] == pytest.approx(0.002)
     assert scored.false["kind"].tolist() == ["table", "table"]
 
 
 def test_contacts_match_only_within_their_recording():
-    elsewhere = contacts((0.5, "racket", 1.5), recording_id="hall/2")
+    elsewhere = contacts((0.5, "racket", 1.5), recording_id="arena/2")
     scored = score(TRUE, elsewhere, SAMPLES, SETTINGS)
-    assert not scored.true["found"].any()
+    assert not scored.true["detected"].any()
 
 
 def test_without_truth_there_is_nothing_to_score():

@@ -22,11 +22,11 @@ def batch(t, z, used):
         aims.append(root @ aim)
 
     mean, covariance = np.empty((3, 3)), np.empty((3, 3))
-    flight.start(mean, covariance, np.array([0.0, 0.0, z[0]]), NOISE)
+    flight.initialise(mean, covariance, np.array([0.0, 0.0, z[0]]), NOISE)
     add([(0, np.eye(3))], covariance, mean[:, 2])
     for k in range(1, n):
         jerk = np.zeros((3, 3))
-        flight.spread(jerk, t[k] - t[k - 1])
+        flight.predict_covariance(jerk, t[k] - t[k - 1])
         step = flight.transition(t[k] - t[k - 1])
         add([(k - 1, -step), (k, np.eye(3))], jerk, np.zeros(3))
         if used[k]:

@@ -42,10 +42,10 @@ def tables(parts):
     return pd.DataFrame(episodes), pd.DataFrame(contacts, columns=columns)
 
 
-def hall(games=12, strokes=8, shots=100):
+def simulated_games(games=12, strokes=8, shots=100):
     """Games of all levels and shots of a cannon."""
-    parts = [game(f"hall/{level}/{k}", strokes) for level in GROUPS[1:] for k in range(games)]
-    return tables(parts + [shot(f"hall/cannon/{k}") for k in range(shots)])
+    parts = [game(f"arena/{level}/{k}", strokes) for level in GROUPS[1:] for k in range(games)]
+    return tables(parts + [shot(f"arena/cannon/{k}") for k in range(shots)])
 
 
 def shared(episodes, contacts, seed=0, **changes):
@@ -61,7 +61,7 @@ def shared(episodes, contacts, seed=0, **changes):
     seed=st.integers(0, 2**32 - 1),
 )
 def test_no_recording_is_in_two_splits(counts, test, replay, seed):
-    parts = [game(f"hall/{group}/{k}", strokes) for k, (group, strokes) in enumerate(counts)]
+    parts = [game(f"arena/{group}/{k}", strokes) for k, (group, strokes) in enumerate(counts)]
     sets = ReplaySettings(stroke_pro=replay, stroke_uni=replay, receive=replay)
     episodes, _ = shared(*tables(parts), seed, test_episodes=test, replay=sets)
     assert (episodes.groupby("recording_id")["split"].nunique() == 1).all()
@@ -70,26 +70,26 @@ def test_no_recording_is_in_two_splits(counts, test, replay, seed):
 
 
 def test_same_seed_same_split_and_other_seed_another():
-    one, _ = shared(*hall(), seed=3)
-    again, _ = shared(*hall(), seed=3)
-    other, _ = shared(*hall(), seed=4)
+    one, _ = shared(*simulated_games(), seed=3)
+    again, _ = shared(*simulated_games(), seed=3)
+    other, _ = shared(*simulated_games(), seed=4)
     pd.testing.assert_frame_equal(one, again)
     assert not one["split"].equals(other["split"])
 
 
 def test_split_of_a_source_does_not_depend_on_other_sources():
-    alone = hall()
+    alone = simulated_games()
     more = [shot(f"gun/{k}") for k in range(50)]
     together = [
         pd.concat(pair, ignore_index=True) for pair in zip(alone, tables(more), strict=True)
     ]
     one, _ = shared(*alone)
     other, _ = shared(*together)
-    pd.testing.assert_frame_equal(one, other[other["source"] == "hall"])
+    pd.testing.assert_frame_equal(one, other[other["source"] == "arena"])
 
 
 def test_tests_have_as_many_shots_as_asked_for_in_proportion():
-    episodes, shortages = shared(*hall(), test_episodes=60, replay=NO_REPLAY)
+    episodes, shortages = shared(*simulated_games(), test_episodes=60, replay=NO_REPLAY)
     testing = episodes[(episodes["split"] == "test") & (episodes["bounces"] > 0)]
     of_cannon = recording_groups(testing["recording_id"]) == "cannon"
     # 100 shots of the cannon and 4 x 12 x 8 strokes: a fifth of 60, and whole games for the rest.
@@ -108,7 +108,7 @@ def test_small_source_gives_a_quarter_to_tests_and_says_so():
 
 def test_replayed_shots_are_serves_and_strokes_from_the_far_end():
     sets = ReplaySettings(stroke_pro=5, stroke_uni=9, receive=3)
-    episodes, shortages = shared(*hall(), test_episodes=0, replay=sets)
+    episodes, shortages = shared(*simulated_games(), test_episodes=0, replay=sets)
     chosen = episodes[episodes["replay_set"] != "none"]
     assert chosen["replay_set"].value_counts().to_dict() == sets.model_dump()
     numbers = chosen["episode_id"].str[-2:].astype(int)
@@ -123,14 +123,16 @@ def test_replayed_shots_are_serves_and_strokes_from_the_far_end():
     [("stroke_pro", {"pro"}), ("stroke_uni", {"club", "semi_pro"})],
 )
 def test_replayed_strokes_are_of_their_players(replay_set, groups):
-    episodes, _ = shared(*hall(), replay=ReplaySettings(stroke_pro=6, stroke_uni=12, receive=2))
+    episodes, _ = shared(
+        *simulated_games(), replay=ReplaySettings(stroke_pro=6, stroke_uni=12, receive=2)
+    )
     chosen = episodes[episodes["replay_set"] == replay_set]
     assert set(recording_groups(chosen["recording_id"])) == groups
 
 
 @pytest.mark.parametrize(("column", "value"), [("unbroken", False), ("bounces", 0)])
 def test_broken_strokes_and_those_off_the_table_are_not_replayed(column, value):
-    episodes, contacts = hall()
+    episodes, contacts = simulated_games()
     episodes.loc[episodes["episode_id"].str[-2:].astype(int) > 1, column] = value
     found, shortages = shared(episodes, contacts)
     assert set(found["replay_set"]) == {"none", "receive"}
@@ -138,7 +140,7 @@ def test_broken_strokes_and_those_off_the_table_are_not_replayed(column, value):
 
 
 def test_near_player_s_serves_are_not_replayed():
-    parts = [game(f"hall/pro/{k}", 1, far_first=False) for k in range(20)]
+    parts = [game(f"arena/pro/{k}", 1, far_first=False) for k in range(20)]
     episodes, _ = shared(*tables(parts))
     assert set(episodes["replay_set"]) == {"none"}
 

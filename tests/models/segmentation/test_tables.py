@@ -33,11 +33,11 @@ def recording(name, t, x):
 
 @pytest.fixture(scope="module")
 def recordings():
-    rallies = {f"hall/{seed}": simulated_rally(np.random.default_rng(seed)) for seed in range(3)}
+    rallies = {f"arena/{seed}": simulated_rally(np.random.default_rng(seed)) for seed in range(3)}
     t = 0.005 * np.arange(40)
     shot = np.stack([0 * t, 1 - 5 * t, 0.4 - 4.905 * t**2], axis=1)
     tables = [recording(name, rally.t, rally.x) for name, rally in rallies.items()]
-    lone = recording("hall/lone", t[:2], shot[:2])
+    lone = recording("arena/lone", t[:2], shot[:2])
     return pd.concat([*tables, lone, recording("gun/1", t, shot)], ignore_index=True)
 
 
@@ -53,7 +53,7 @@ def test_tables_keep_their_contracts(found):
 
 
 def test_contracts_hold_where_nothing_is_found(recordings):
-    lone = recordings[recordings["recording_id"] == "hall/lone"]
+    lone = recordings[recordings["recording_id"] == "arena/lone"]
     nothing = segment_recordings(lone, is_shot, SETTINGS)
     for table, contract in [
         (nothing.samples, SAMPLES),
@@ -65,7 +65,7 @@ def test_contracts_hold_where_nothing_is_found(recordings):
 
 def test_samples_are_the_measured_ones(found, recordings):
     columns = ["recording_id", "t", *POSITION]
-    played = recordings[recordings["recording_id"] != "hall/lone"]
+    played = recordings[recordings["recording_id"] != "arena/lone"]
     pd.testing.assert_frame_equal(found.samples[columns], played[columns].reset_index(drop=True))
 
 
@@ -77,8 +77,8 @@ def test_episodes_are_numbered_and_agree_with_their_samples_and_contacts(found):
         assert contacts["t"].between(row["start"], row["end"]).all()
         assert (row["samples"], row["outliers"]) == (len(samples), samples["outlier"].sum())
         assert row["bounces"] == (contacts["kind"] == "table").sum()
-    first = found.episodes[found.episodes["recording_id"] == "hall/0"]["episode_id"]
-    assert first.tolist() == [f"hall/0/{number:02d}" for number in range(len(first))]
+    first = found.episodes[found.episodes["recording_id"] == "arena/0"]["episode_id"]
+    assert first.tolist() == [f"arena/0/{number:02d}" for number in range(len(first))]
 
 
 def test_arc_counts_the_contacts_inside_an_episode(found):

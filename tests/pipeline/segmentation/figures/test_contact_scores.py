@@ -1,4 +1,4 @@
-"""The figure of contacts found and missed."""
+"""The figure of detected and missed contacts."""
 
 import numpy as np
 import pandas as pd
@@ -10,7 +10,7 @@ CONTACTS = pd.DataFrame(
     {
         "kind": ["table", "table", "racket", "racket"],
         "speed": [1.0, 2.0, 8.0, 20.0],
-        "found": [True, False, True, True],
+        "detected": [True, False, True, True],
         "error": [0.001, np.nan, -0.002, 0.0],
     }
 )
@@ -18,7 +18,7 @@ CONTACTS = pd.DataFrame(
 
 @pytest.fixture
 def axes():
-    return contact_scores_figure(CONTACTS).axes[1]
+    return contact_scores_figure(CONTACTS).figure.axes[1]
 
 
 def test_errors_are_drawn_over_the_speed_in_milliseconds(axes):
@@ -32,5 +32,5 @@ def test_missed_contacts_are_crosses_at_their_speed(axes):
 
 
 def test_without_contacts_the_figure_is_empty():
-    figure = contact_scores_figure(CONTACTS.iloc[:0])
+    figure = contact_scores_figure(CONTACTS.iloc[:0]).figure
     assert [len(axes.lines) for axes in figure.axes] == [0, 0]

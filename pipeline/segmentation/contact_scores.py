@@ -1,0 +1,121 @@
+"""Precision and recall of the contacts that segmentation detects in simulated recordings."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from models.segmentation.scoring import SCORED_KINDS, Scored, score
+from models.segmentation.settings import ScoringSettings
+from models.segmentation.split import recording_groups
+from pipeline.io.artifacts import read_row_groups
+from pipeline.io.report_items import ReportTable
+from pipeline.io.schemas import (
+    CONTACTS,
+    EPISODES,
+    RECORDINGS,
+    TRUE_CONTACTS,
+    check_columns,
+    read_checked,
+)
+
+ALL = "all"
+COLUMNS = ["kind", "level", "contacts", "precision", "recall", "time error rms (ms)"]
+COLUMNS += ["hidden", "hidden recall"]
+
+
+def score_test_recordings(
+    ingested: Path, segmented: Path, true: pd.DataFrame, settings: ScoringSettings
+) -> Scored:
+    """Compare the contacts detected in the test recordings with the true ones.
+
+    Args:
+        ingested: folder with the recordings.
+        segmented: folder with episodes and detected contacts.
+        true: contacts of all simulated recordings.
+        settings: when a contact counts as detected.
+
+    Raises:
+        InputError: a table is missing or breaks its data contract.
+    """
+    episodes = read_checked(segmented / "episodes.parquet", EPISODES)
+    testing = episodes.loc[episodes["split"] == "test", "recording_id"].drop_duplicates()
+    detected = read_checked(segmented / "contacts.parquet", CONTACTS)
+    path = ingested / "recordings.parquet"
+    check_columns(path, RECORDINGS)
+    samples = pd.concat(
+        part.loc[part["recording_id"].isin(testing), ["recording_id", "t"]]
+        for part in read_row_groups(path)
+    )
+    true, detected = (table[table["recording_id"].isin(testing)] for table in (true, detected))
+    return score(true, detected, samples, settings)
+
+
+def read_true_contacts(path: Path) -> pd.DataFrame:
+    """Return the contacts of all simulated recordings.
+
+    Raises:
+        InputError: the table is missing or breaks its data contract.
+    """
+    return read_checked(path, TRUE_CONTACTS)
+
+
+def contacts_table(scored: Scored, settings: ScoringSettings) -> ReportTable:
+    """Return precision and recall of each kind of contact, by players' level and for all levels."""
+    return ReportTable(
+        pd.DataFrame(_rows(scored), columns=COLUMNS),
+        "contacts",
+        title="Detected contacts",
+        caption="Contacts of test recordings while the ball is in play. A contact is detected if "
+        f"one of the same kind is detected within {1e3 * settings.tolerance:g} ms. Precision and "
+        f"recall count contacts with at least {settings.fewest_samples} samples within "
+        f"{1e3 * settings.reach:g} ms on each side and no other contact between; the others are "
+        "listed as hidden.",
+    )
+
+
+def contact_metrics(table: pd.DataFrame) -> dict[str, Any]:
+    """Return precision, recall, time error and count of each kind and level."""
+    metrics: dict[str, Any] = {}
+    for row in table.to_dict("records"):
+        values = {
+            "precision": row["precision"],
+            "recall": row["recall"],
+            "time_error_rms_ms": row["time error rms (ms)"],
+            "contacts": row["contacts"],
+        }
+        finite = {name: round(value, 4) for name, value in values.items() if np.isfinite(value)}
+        metrics.setdefault(row["kind"], {})[row["level"]] = finite
+    return metrics
+
+
+def _rows(scored: Scored) -> Iterator[dict[str, Any]]:
+    groups = recording_groups(scored.true["recording_id"])
+    false_groups = recording_groups(scored.false["recording_id"])
+    for kind in SCORED_KINDS:
+        true, false = scored.true["kind"] == kind, scored.false["kind"] == kind
+        for level in [*sorted(groups[true].unique()), ALL]:
+            of_level = true & ((groups == level) | (level == ALL))
+            false_positives = false & ((false_groups == level) | (level == ALL))
+            if of_level.any():
+                row = _row(scored.true[of_level], int(false_positives.sum()))
+                yield {"kind": kind, "level": level, **row}
+
+
+def _row(contacts: pd.DataFrame, false_positives: int) -> dict[str, Any]:
+    observable, hidden = contacts[contacts["observable"]], contacts[~contacts["observable"]]
+    true_positives = int(observable["detected"].sum())
+    return {
+        "contacts": len(observable),
+        "precision": _share(true_positives, true_positives + false_positives),
+        "recall": _share(true_positives, len(observable)),
+        "time error rms (ms)": 1e3 * np.sqrt((observable["error"] ** 2).mean()),
+        "hidden": len(hidden),
+        "hidden recall": _share(int(hidden["detected"].sum()), len(hidden)),
+    }
+
+
+def _share(part: int, whole: int) -> float:
+    return part / whole if whole else np.nan

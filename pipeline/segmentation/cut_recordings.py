@@ -1,0 +1,138 @@
+"""Cutting the table of recordings, one row group at a time."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from models.segmentation.settings import SegmentSettings
+from models.segmentation.split import recording_groups
+from models.segmentation.tables import Segmented, segment_recordings
+from pipeline.io.artifacts import (
+    count_row_groups,
+    read_row_group,
+    read_row_groups,
+    table_writer,
+)
+from pipeline.io.schemas import RECORDINGS, SAMPLES, check_columns, checked, empty
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.parallel import parallel
+from pipeline.runtime.progress import progress_bar
+from pipeline.sources.manifest import Manifest
+
+DRAWN_RECORDINGS = 20  # of each source
+
+
+@dataclass(frozen=True)
+class CutRecordings:
+    """Recordings and what they are cut into.
+
+    Attributes:
+        measured: measured samples of the recordings to draw.
+        segmented: all contacts and episodes, and the samples of the recordings to draw.
+        gaps: the recording of every gap.
+    """
+
+    measured: pd.DataFrame
+    segmented: Segmented
+    gaps: "pd.Series[str]"
+
+
+@dataclass(frozen=True)
+class _RowGroup:
+    path: Path
+    number: int
+    manifest: Manifest
+    settings: SegmentSettings
+    drawn: Sequence[str]
+
+    def cut(self) -> CutRecordings:
+        """Cut the recordings of this row group; ``segmented`` has all their samples."""
+        recordings = checked(read_row_group(self.path, self.number), RECORDINGS, self.path)
+        found = segment_recordings(recordings, self.manifest.begins_with_launch, self.settings)
+        checked(found.samples, SAMPLES)
+        measured = recordings[recordings["recording_id"].isin(self.drawn)]
+        return CutRecordings(measured, found, _gaps(recordings, self.settings.longest_gap))
+
+
+def count_samples(path: Path) -> "pd.Series[int]":
+    """Return the number of samples of every recording, by id.
+
+    Raises:
+        InputError: the table is missing, or holds no recording.
+    """
+    check_columns(path, RECORDINGS)
+    counts = [part["recording_id"].value_counts() for part in read_row_groups(path)]
+    if not sum(map(len, counts)):
+        raise InputError(path, "holds no recording; add a source that has some to ingest.sources")
+    return pd.concat(counts).sort_index()
+
+
+def draw_recordings(samples: "pd.Series[int]", seed: int) -> dict[str, list[str]]:
+    """Draw up to ``DRAWN_RECORDINGS`` ids of each source at random, from its groups in turn.
+
+    Args:
+        samples: the number of samples of every recording, by id.
+        seed: of the draw.
+    """
+    ids = samples.index.to_series()
+    ids = ids.sample(frac=1, random_state=np.random.default_rng(seed))
+    turns = ids.groupby(recording_groups(ids)).cumcount().sort_values(kind="stable")
+    ids = ids.loc[turns.index]
+    return {
+        str(source): sorted(members[:DRAWN_RECORDINGS])
+        for source, members in ids.groupby(ids.str.partition("/")[0], sort=True)
+    }
+
+
+def cut_recordings(
+    recordings: Path,
+    samples: Path,
+    manifest: Manifest,
+    settings: SegmentSettings,
+    drawn: Sequence[str] = (),
+) -> CutRecordings:
+    """Cut all recordings in parallel, and write their samples.
+
+    Args:
+        recordings: the table of recordings.
+        samples: the table of samples to write.
+        manifest: of the sources; tells which recordings start with a launch.
+        settings: of the segmentation.
+        drawn: ids of the recordings whose samples are returned.
+
+    Raises:
+        InputError: the recordings break their data contract.
+    """
+    numbers = range(count_row_groups(recordings))
+    groups = [_RowGroup(recordings, number, manifest, settings, drawn) for number in numbers]
+    cuts = []
+    with (
+        table_writer(samples, empty(SAMPLES)) as write,
+        progress_bar("parts of the recordings", len(groups)) as advance,
+    ):
+        for cut in parallel([group.cut for group in groups]):
+            table = cut.segmented.samples
+            write(table)
+            kept = table[table["recording_id"].isin(drawn)]
+            segmented = Segmented(kept, cut.segmented.contacts, cut.segmented.episodes)
+            cuts.append(CutRecordings(cut.measured, segmented, cut.gaps))
+            advance()
+    return _joined(cuts)
+
+
+def _joined(cuts: Sequence[CutRecordings]) -> CutRecordings:
+    segmented = Segmented(
+        pd.concat([cut.segmented.samples for cut in cuts], ignore_index=True),
+        pd.concat([cut.segmented.contacts for cut in cuts], ignore_index=True),
+        pd.concat([cut.segmented.episodes for cut in cuts], ignore_index=True),
+    )
+    measured = pd.concat([cut.measured for cut in cuts])
+    return CutRecordings(measured, segmented, pd.concat([cut.gaps for cut in cuts]))
+
+
+def _gaps(recordings: pd.DataFrame, longest: float) -> "pd.Series[str]":
+    ids = recordings["recording_id"]
+    return ids[(recordings["t"].diff() > longest) & (ids == ids.shift())]
