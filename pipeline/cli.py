@@ -5,7 +5,7 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,6 +15,9 @@ from pipeline.runtime.errors import InputError
 from pipeline.runtime.extras import missing_extra, require
 from pipeline.runtime.guard import disks_named
 from pipeline.runtime.paths import clone, clone_with_run
+
+if TYPE_CHECKING:
+    from pipeline.gap.summary import Findings
 
 # Of MLflow's server: no telemetry, and none of the processes that run jobs, which nobody submits.
 LEAN = {
@@ -91,11 +94,14 @@ def diagnose(
 
     findings = diagnose_folder(data, source, simulator, level, out, say=typer.echo)
     typer.echo()
-    for sentence in findings.sentences:
-        typer.echo(sentence)
-    for limitation in findings.verdict.limitations:
-        typer.echo(f"Limitation: {limitation}.")
-    typer.echo(f"Report: {out / 'report.html'}")
+    for line in findings_lines(findings, out):
+        typer.echo(line)
+
+
+def findings_lines(findings: "Findings", out: Path) -> list[str]:
+    """Return what the terminal shows of a verdict whose files are in a folder."""
+    limitations = [f"Limitation: {one}." for one in findings.verdict.limitations]
+    return [*findings.sentences, *limitations, f"Report: {out / 'report.html'}"]
 
 
 @app.command(rich_help_panel=GAP)

@@ -82,3 +82,13 @@ def _comparison_row(one: dict[str, Any]) -> str:
     bound = "more than " if one["lower_bound"] and one["ratio"] is not None else ""
     values = f"{one['rallygap']:,.0f} | {one['peer']} | {one['peer_value']:,.0f}"
     return f"| {one['measure']} | {values} | {bound}{ratio} |"
+
+
+def reproduction_time(root: Path) -> str:
+    """Return how long `make reproduce` took on a clean clone, and what it changed."""
+    measured = read_json(root / "reports/costs/reproduce.json")
+    minutes = f"{measured['seconds'] / 60:.0f} minutes on {measured['cores']} cores"
+    changed = "left every committed byte unchanged"
+    if measured["changed"]:
+        changed = f"changed {len(measured['changed'])} committed files"
+    return f"`make reproduce` took {minutes}, set-up included, and {changed}."

@@ -13,13 +13,19 @@ from pathlib import Path
 
 from pipeline.documentation import deviations
 from pipeline.documentation.command_page import command_page
-from pipeline.documentation.cost_tables import benchmarks_table, extrapolation_table, scale_table
+from pipeline.documentation.cost_tables import (
+    benchmarks_table,
+    extrapolation_table,
+    reproduction_time,
+    scale_table,
+)
+from pipeline.documentation.diagnose_example import diagnose_example
 from pipeline.documentation.effects_page import catalogue_page
-from pipeline.documentation.kept_runs import kept_runs
+from pipeline.documentation.kept_runs import age_of, kept_runs
 from pipeline.documentation.physics_tables import constants_table, quantities_table
 from pipeline.documentation.tables import gap, predictors, transfer
 from pipeline.exam.page import questions_table
-from pipeline.paper.page import paper_page
+from pipeline.paper.page import claims_table, paper_page
 from pipeline.runtime.errors import InputError
 
 Writer = Callable[[Path], str]  # takes the repository's root, returns Markdown
@@ -58,6 +64,11 @@ BLOCKS: dict[str, Writer] = {
     "sim2real-real": transfer.real_swap,
     "longer-trainings": transfer.longer_trainings,
     "kept-runs": kept_runs,
+    "age-paper": partial(age_of, run="paper"),
+    "age-real": partial(age_of, run="real"),
+    "paper-claims": claims_table,
+    "diagnose-example": diagnose_example,
+    "reproduction-time": reproduction_time,
 }
 
 _START = "<!-- generated:"
@@ -87,7 +98,7 @@ def _with_blocks(path: Path, root: Path) -> str:
         if name not in BLOCKS:
             problem = f"names an unknown block, {name}; known are {', '.join(sorted(BLOCKS))}"
             raise InputError(path, problem)
-        margin = "\n\n" if block["text"].startswith("\n") else ""
+        margin = "\n" if block["text"].startswith("\n") else ""
         return f"{block['start']}{margin}{BLOCKS[name](root).strip()}{margin}<!-- end -->"
 
     text, count = _BLOCK.subn(written, path.read_text(encoding="utf-8"))
