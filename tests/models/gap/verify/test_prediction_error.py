@@ -88,7 +88,7 @@ def test_the_share_is_a_ratio_of_sums():
     assert found.horizons_ms == (100, 200)
     assert found.before_mm == (5.0, 5.0)
     assert found.removable_closed == pytest.approx(0.5)
-    assert found.interval == pytest.approx((0.5, 0.5))
+    assert found.removable_closed_interval == pytest.approx((0.5, 0.5))
 
 
 def test_landings_are_compared_shot_by_shot():
