@@ -1,4 +1,4 @@
-"""Aim: the launch velocity that brings a ball over the net to a place on the table."""
+"""Launch velocities that bring a ball over the net to a target on the table."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,13 +9,13 @@ from models.ball.state import BALL_RADIUS, NET_HEIGHT, STATE_SIZE
 
 Floats = NDArray[np.float64]
 
-CORRECTIONS = 5  # leave millimetres: players are not more exact than that
-LOOKS = 16  # along a flight, for its height over the net
-LONGER = 1.12  # factor on the time of a flight that would not clear the net
-MOST_LENGTHENINGS = 8
+CORRECTIONS = 5  # iterations; millimetres remain, less than the players' errors
+PATH_SAMPLES = 16  # points of a flight at which its height over the net is taken
+LENGTHENING = 1.12  # factor on the time of a flight that would not clear the net
+MAX_LENGTHENINGS = 8
 
 
-def aimed(
+def aim_launches(
     simulator: Simulator,
     positions: Floats,
     spins: Floats,
@@ -23,32 +23,32 @@ def aimed(
     times: Floats,
     clearances: Floats,
 ) -> Floats:
-    """Return launches that reach their targets, after a longer flight where the net asks for it.
+    """Return launches that reach their targets, with longer flights where the net is in the way.
 
     Args:
-        simulator: the hall in which the players practise.
-        positions: (B, 3) where the balls are struck.
-        spins: (B, 3) that they get.
-        targets: (B, 2) places on the table.
-        times: (B,) s in which the balls should get there.
-        clearances: (B,) m between ball and net, at least.
+        simulator: physics that the players know.
+        positions: (B, 3) racket contacts, m.
+        spins: (B, 3) after the stroke, rad/s.
+        targets: (B, 2) on the table, m.
+        times: (B,) durations of the flights, s.
+        clearances: (B,) smallest distances between ball and net, m.
 
     Returns:
-        (B, 9) launch states. Where no arc clears the net, the highest that was tried.
+        (B, 9) launch states; the last one tried where no flight clears the net.
     """
-    air, times = in_air(simulator), times.copy()
+    air, times = without_surfaces(simulator), times.copy()
     launches = _reaching(air, positions, spins, targets, times)
-    for _ in range(MOST_LENGTHENINGS):
+    for _ in range(MAX_LENGTHENINGS):
         low = np.flatnonzero(_above_net(air, launches, times) < clearances)
         if not len(low):
             break
-        times[low] *= LONGER
+        times[low] *= LENGTHENING
         launches[low] = _reaching(air, positions[low], spins[low], targets[low], times[low])
     return launches
 
 
-def in_air(simulator: Simulator) -> Simulator:
-    """Return a hall without table and net."""
+def without_surfaces(simulator: Simulator) -> Simulator:
+    """Return the simulator with its effects of flight only, without table and net."""
     kinds = catalogue()
     return Simulator(
         {n: values for n, values in simulator.effects.items() if kinds[n].acts == "flight"}
@@ -58,7 +58,7 @@ def in_air(simulator: Simulator) -> Simulator:
 def _reaching(
     air: Simulator, positions: Floats, spins: Floats, targets: Floats, times: Floats
 ) -> Floats:
-    """Return launches that are at their targets at given times (fixed-point iteration)."""
+    """Return launches that reach their targets at given times (fixed-point iteration)."""
     ends = np.column_stack([targets, np.full(len(targets), BALL_RADIUS)])
     span = times[:, None]
     launches = np.empty((len(positions), STATE_SIZE))
@@ -72,7 +72,7 @@ def _reaching(
 
 def _above_net(air: Simulator, launches: Floats, times: Floats) -> Floats:
     """Return how far above the net balls pass (m)."""
-    paths = air.fly(launches, times[:, None] * np.linspace(0, 1, LOOKS)).states
+    paths = air.fly(launches, times[:, None] * np.linspace(0, 1, PATH_SAMPLES)).states
     y, z = paths[..., 1] * np.sign(launches[:, 4:5]), paths[..., 2]
     ahead = np.clip((y >= 0).argmax(axis=1), 1, None)
     rows = np.arange(len(paths))

@@ -1,8 +1,8 @@
-"""Scatter: no two bounces off a real table are alike.
+"""Random deviations of table bounces from the contact law.
 
-A simulator bounces every ball by the same law. Here each bounce keeps its law, but deviates from
-it: the rebound's normal speed by one factor, the tangential impulse, and the spin that goes with
-it, by another. The angular momentum about the contact point stays, and energy never grows.
+Each bounce follows the law of the simulator, with two random factors: one on the normal speed of
+the rebound, one on the tangential impulse and the change of spin that belongs to it. The angular
+momentum about the contact point is conserved, and the energy does not grow.
 """
 
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BounceScatter:
-    """How far bounces off the table deviate.
+    """Size of the deviations of table bounces.
 
     Attributes:
         restitution: standard deviation of the factor on the normal speed of the rebound.
@@ -36,31 +36,31 @@ class BounceScatter:
     restitution: float
     friction: float
 
-    def deviated(
+    def apply(
         self, simulator: Simulator, before: Floats, after: Floats, random: np.random.Generator
     ) -> Floats:
-        """Return what this once became of bounces off the table.
+        """Return table bounces with random deviations.
 
         Args:
-            simulator: by whose law the balls bounced.
+            simulator: whose contact law the bounces follow.
             before: (B, 9) states just before.
             after: (B, 9) states just after, by the law.
-            random: where the deviations come from, two a ball.
+            random: two draws per ball.
 
         Returns:
-            (B, 9) states just after.
+            (B, 9) states just after, with deviations.
         """
         normal = table_normals(simulator, before[:, POSITION])
         deviations = random.standard_normal((len(before), 2))
         bounce = 1 + self.restitution * deviations[:, 0]
         grip = np.maximum(1 + self.friction * deviations[:, 1], 0)
         into, out = -_dot(before[:, VELOCITY], normal), _dot(after[:, VELOCITY], normal)
-        out_now = np.clip(out * bounce, 0, np.maximum(into, out))
+        scattered_out = np.clip(out * bounce, 0, np.maximum(into, out))
         change = after - before
         along = change[:, VELOCITY] - _dot(change[:, VELOCITY], normal)[:, None] * normal
         extra = np.minimum(grip, _most_grip(before, along, normal)) - 1
         scattered = after.copy()
-        scattered[:, VELOCITY] += extra[:, None] * along + (out_now - out)[:, None] * normal
+        scattered[:, VELOCITY] += extra[:, None] * along + (scattered_out - out)[:, None] * normal
         scattered[:, SPIN] += extra[:, None] * change[:, SPIN]
         return scattered
 
@@ -82,7 +82,7 @@ def table_normals(simulator: Simulator, positions: Floats) -> Floats:
 
 
 def _most_grip(before: Floats, along: Floats, normal: Floats) -> Floats:
-    """Return the factor on the tangential impulse at which a ball leaves rolling, at least 1."""
+    """Return the factor on the tangential impulse after which a ball rolls, at least 1."""
     slip = before[:, VELOCITY] - _dot(before[:, VELOCITY], normal)[:, None] * normal
     slip = slip - BALL_RADIUS * np.cross(before[:, SPIN], normal)
     impulse = np.linalg.norm(along, axis=1)

@@ -1,4 +1,4 @@
-"""Cameras: what a tracking system makes of a ball's true path."""
+"""Measurement errors of a camera system: noise, slow errors, dropouts and outliers."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from models.ball.state import POSITION, SPIN
 
 Floats = NDArray[np.float64]
 
-OUTLIER_DISTANCE = (0.05, 0.30)  # m between the ball and what is taken for it
+OUTLIER_DISTANCE = (0.05, 0.30)  # m between the ball and a false detection
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class SlowError:
 
     Attributes:
         share: of the variance of the whole error.
-        time: in which its correlation falls to 1/e (s).
+        time: correlation time, after which the correlation is 1/e (s).
     """
 
     share: float
@@ -33,8 +33,8 @@ class Cameras:
     Attributes:
         position_noise: standard deviation of a coordinate (m), the slow part included.
         spin_noise: standard deviation of a spin component, as a share of the spin.
-        dropouts: share of the samples that are missed.
-        outliers: share of the samples where something else is taken for the ball.
+        dropouts: share of missing samples.
+        outliers: share of samples with a false detection.
         slow_error: how much of the position error changes slowly.
         interval: s between two samples.
     """
@@ -53,10 +53,10 @@ class Cameras:
 
         Args:
             states: (T, 9) true states, ``interval`` apart.
-            random: where the noise comes from.
+            random: of the noise.
 
         Returns:
-            Positions (T, 3), spins (T, 3) and which of the samples were seen (T,).
+            Positions (T, 3), spins (T, 3) and whether each sample exists (T,).
         """
         count = len(states)
         positions = states[:, POSITION] + self.position_noise * self._errors(count, random)
@@ -67,7 +67,7 @@ class Cameras:
         return positions, spins, random.random(count) >= self.dropouts
 
     def _errors(self, count: int, random: np.random.Generator) -> Floats:
-        """Return (count, 3) errors of unit variance: white ones plus slow ones."""
+        """Return (count, 3) errors of unit variance: white noise plus slow errors."""
         white, kicks = random.standard_normal((2, count, 3))
         memory = np.exp(-self.interval / self.slow_error.time)
         kicks[1:] *= np.sqrt(1 - memory**2)

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arena.contacts import KINDS, Touches, touches
-from models.arena.observation import Ball
+from models.arena.contacts import KINDS, ContactSequence, follow_contacts
+from models.arena.observation import TrackedBall
 from models.arena.recording import TrueContacts
 from models.arena.truth import Truth
 from models.ball.contact_laws import TABLE
@@ -23,47 +23,47 @@ TOPSPIN = (-300.0, -150.0, 0.0, 150.0, 300.0, 500.0)  # rad/s, negative is backs
 SIDESPIN = (-200.0, 0.0, 200.0)  # rad/s about the vertical
 GRID = (*(MUZZLE_ACROSS, MUZZLE_ALONG, MUZZLE_HEIGHT), YAW, PITCH, SPEED, TOPSPIN, SIDESPIN)
 
-# What a cannon sets is not quite what it does; standard deviations.
+# Standard deviations of a launch from the setting.
 ANGLE_SPREAD = 0.3  # degrees
 SPEED_SPREAD = 0.02  # share
 SPIN_SPREAD = 0.03  # share
 
-MISSES = 0.01  # share of the settings that do not land and are shot all the same
-DRAWN = 4000  # settings tried at once
-FEWEST_LANDING = 0.005  # share of them
-LANDING_TIME = np.arange(0.0, 1.2, 0.02)  # s, in which every shot of the grid lands
-MOST_CONTACTS = 2  # that are followed of a shot
-SEEN_AFTER = 0.15  # s that a shot is seen after them
+MISS_SHARE = 0.01  # share of the settings that do not land and are kept
+SETTINGS_PER_DRAW = 4000  # settings drawn at once
+MIN_LANDING_SHARE = 0.005  # smallest share of landing settings
+LANDING_TIME = np.arange(0.0, 1.2, 0.02)  # s; every shot of the grid lands within it
+MAX_CONTACTS = 2  # simulated per shot
+VISIBLE_AFTER = 0.15  # s that a shot is recorded after its last contact
 
 
-def cannon_balls(truth: Truth, shots: int, random: np.random.Generator) -> list[Ball]:
+def cannon_balls(truth: Truth, shots: int, random: np.random.Generator) -> list[TrackedBall]:
     """Return the balls of a session, each on its own clock, which starts just before the launch.
 
     Raises:
-        ValueError: hardly any shot of the grid lands in this hall.
+        ValueError: hardly any shot of the grid lands under this physics.
     """
     launches = cannon_launches(truth.simulator, shots, random)
-    flown = touches(truth, launches, MOST_CONTACTS, random)
+    flown = follow_contacts(truth, launches, MAX_CONTACTS, random)
     starts = random.uniform(0.0, 0.005, shots)
     return [_ball(launches[shot], flown, shot, starts[shot]) for shot in range(shots)]
 
 
 def cannon_launches(simulator: Simulator, shots: int, random: np.random.Generator) -> Floats:
-    """Return (shots, 9) launch states, drawn from the settings of the grid that are of use.
+    """Return (shots, 9) launch states, drawn from the grid of settings.
 
-    Those are the ones that land on the near half, and a few that do not.
+    Settings that do not land on the near half are dropped, except for ``MISS_SHARE`` of them.
 
     Raises:
         ValueError: hardly any shot of the grid lands in this simulator.
     """
     session = np.empty((0, STATE_SIZE))
     while len(session) < shots:
-        settings = np.stack([random.choice(values, DRAWN) for values in GRID], axis=1)
+        settings = np.stack([random.choice(values, SETTINGS_PER_DRAW) for values in GRID], axis=1)
         launches = launch_states(_scattered(settings, random))
         landed = _lands(simulator, launches)
-        if landed.mean() < FEWEST_LANDING:
+        if landed.mean() < MIN_LANDING_SHARE:
             raise ValueError("hardly any shot of the cannon lands on the table in this simulator")
-        used = landed | (random.random(DRAWN) < MISSES)
+        used = landed | (random.random(SETTINGS_PER_DRAW) < MISS_SHARE)
         session = np.concatenate([session, launches[used]])
     return session[:shots]
 
@@ -84,21 +84,21 @@ def launch_states(settings: Floats) -> Floats:
     states[:, VELOCITY] = speed[:, None] * (
         np.cos(pitch)[:, None] * ahead + np.sin(pitch)[:, None] * up
     )
-    # Topspin turns the ball's upper side ahead: about the horizontal axis up x ahead.
+    # Topspin moves the top of the ball forwards: about the horizontal axis up x ahead.
     states[:, SPIN] = topspin[:, None] * np.cross(up, ahead) + sidespin[:, None] * up
     return states
 
 
-def _ball(launch: Floats, flown: Touches, shot: int, start: float) -> Ball:
-    """Return one shot, seen until shortly after its last contact."""
-    gone = min(flown.gone[shot], flown.times[shot, -1] + SEEN_AFTER)
-    met = flown.times[shot] < gone
+def _ball(launch: Floats, flown: ContactSequence, shot: int, start: float) -> TrackedBall:
+    """Return one shot until shortly after its last contact."""
+    last_visible = min(flown.last_visible[shot], flown.times[shot, -1] + VISIBLE_AFTER)
+    met = flown.times[shot] < last_visible
     contacts = TrueContacts(
         start + np.concatenate([[0.0], flown.times[shot, met]]),
         np.array(["launch", *(KINDS[surface] for surface in flown.surfaces[shot, met])]),
         np.concatenate([launch[None], flown.states[shot, met]]),
     )
-    return Ball(contacts, start + gone)
+    return TrackedBall(contacts, start + last_visible)
 
 
 def _lands(simulator: Simulator, states: Floats) -> NDArray[np.bool_]:

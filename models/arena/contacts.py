@@ -1,11 +1,11 @@
-"""From contact to contact: where balls meet table, net and floor, each bounce with its scatter."""
+"""Contacts of balls with table, net and floor, with scatter of the table bounces."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arena.environment import FLOOR, floor_bounced, in_sight
+from models.arena.environment import FLOOR, bounce_off_floor, in_view
 from models.arena.truth import Truth
 from models.ball.contact_laws import NET, NONE, TABLE
 from models.ball.state import BALL_RADIUS, STATE_SIZE
@@ -13,17 +13,17 @@ from models.ball.state import BALL_RADIUS, STATE_SIZE
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# The surfaces of models.ball.contact_laws, and the floor, which no simulator of the ball knows.
+# The surfaces of models.ball.contact_laws, and the floor, which ball simulators do not have.
 FLOOR_SURFACE = 3
 KINDS = {TABLE: "table", NET: "net", FLOOR_SURFACE: "floor"}
 
-LOOK = 0.01  # s between two looks at where a ball is
-LONGEST_ARC = 1.6  # s without a contact: more than a ball needs that is lobbed 2.5 m high
+SCAN_STEP = 0.01  # s between two samples of a path that are checked for floor and view
+MAX_ARC = 1.6  # s; a ball lobbed 2.5 m high comes down sooner
 
 
 @dataclass(frozen=True)
 class Arcs:
-    """How the arcs end that B balls fly.
+    """The ends of the arcs of B balls, from one contact to the next.
 
     Attributes:
         times: (B,) s until the next contact, infinite where there is none.
@@ -41,78 +41,82 @@ class Arcs:
 
 
 @dataclass(frozen=True)
-class Touches:
-    """What each of B balls touches, at most K times, until cameras lose it.
+class ContactSequence:
+    """The contacts of B balls, at most K each, until the cameras lose them.
 
     Attributes:
         times: (B, K) s after the first state, infinite beyond the last.
         surfaces: (B, K) numbers of surfaces, ``NONE`` beyond the last.
         states: (B, K, 9) just after.
-        gone: (B,) s after which the ball is out of sight, or its touches are not followed.
+        last_visible: (B,) s after which the ball is out of view, or its contacts are not simulated.
     """
 
     times: Floats
     surfaces: Integers
     states: Floats
-    gone: Floats
+    last_visible: Floats
 
-    def take(self, rows: Integers) -> "Touches":
-        """Return what some of the balls touch."""
-        return Touches(self.times[rows], self.surfaces[rows], self.states[rows], self.gone[rows])
+    def take(self, rows: Integers) -> "ContactSequence":
+        """Return the contacts of some of the balls."""
+        return ContactSequence(
+            self.times[rows], self.surfaces[rows], self.states[rows], self.last_visible[rows]
+        )
 
 
-def touches(truth: Truth, states: Floats, most: int, random: np.random.Generator) -> Touches:
-    """Follow balls through their first contacts.
+def follow_contacts(
+    truth: Truth, states: Floats, most: int, random: np.random.Generator
+) -> ContactSequence:
+    """Simulate balls up to a number of contacts.
 
     Args:
-        truth: the hall's physics.
+        truth: the hidden physics.
         states: (B, 9) states to start from.
-        most: contacts followed a ball (K).
-        random: where the scatter of the bounces comes from.
+        most: contacts per ball (K).
+        random: of the scatter of bounces.
     """
     count = len(states)
-    times, gone = np.full((count, most), np.inf), np.zeros(count)
+    times, last_visible = np.full((count, most), np.inf), np.zeros(count)
     surfaces, after = np.full((count, most), NONE), np.full((count, most, STATE_SIZE), np.nan)
     going, now, current = np.arange(count), np.zeros(count), states
     for k in range(most + 1):
-        arcs = arcs_from(truth, current)
-        gone[going] = now + np.minimum(arcs.times, arcs.lost)
+        arcs = fly_to_contact(truth, current)
+        last_visible[going] = now + np.minimum(arcs.times, arcs.lost)
         on = (arcs.times < arcs.lost) & (k < most)
         if not on.any():
             break
         current = _scattered(truth, arcs, random)[on]
         going, now = going[on], (now + arcs.times)[on]
         times[going, k], surfaces[going, k], after[going, k] = now, arcs.surfaces[on], current
-    return Touches(times, surfaces, after, gone)
+    return ContactSequence(times, surfaces, after, last_visible)
 
 
-def arcs_from(truth: Truth, states: Floats) -> Arcs:
+def fly_to_contact(truth: Truth, states: Floats) -> Arcs:
     """Fly (B, 9) states to their next contacts."""
-    looks = np.arange(0.0, LONGEST_ARC, LOOK)
-    flight = truth.simulator.fly(states, looks)
+    scan_times = np.arange(0.0, MAX_ARC, SCAN_STEP)
+    flight = truth.simulator.fly(states, scan_times)
     met = flight.contacts
     times = np.where(met.count > 0, met.time[:, 0], np.inf)
-    floor, on_floor = _floor(truth, flight.states, looks)
+    floor, on_floor = _floor(truth, flight.states, scan_times)
     first = floor < times
     times = np.where(first, floor, times)
-    away = ~in_sight(flight.states) & (looks < times[:, None])
+    away = ~in_view(flight.states) & (scan_times < times[:, None])
     return Arcs(
         times,
         np.where(first, FLOOR_SURFACE, met.surface[:, 0]),
         np.where(first[:, None], on_floor, met.before[:, 0]),
-        np.where(first[:, None], floor_bounced(on_floor), met.after[:, 0]),
-        np.where(away.any(axis=1), looks[np.maximum(away.argmax(axis=1) - 1, 0)], LONGEST_ARC),
+        np.where(first[:, None], bounce_off_floor(on_floor), met.after[:, 0]),
+        np.where(away.any(axis=1), scan_times[np.maximum(away.argmax(axis=1) - 1, 0)], MAX_ARC),
     )
 
 
 def _scattered(truth: Truth, arcs: Arcs, random: np.random.Generator) -> Floats:
     after, bounced = arcs.after.copy(), arcs.surfaces == TABLE
     before = arcs.before[bounced]
-    after[bounced] = truth.scatter.deviated(truth.simulator, before, after[bounced], random)
+    after[bounced] = truth.scatter.apply(truth.simulator, before, after[bounced], random)
     return after
 
 
-def _floor(truth: Truth, paths: Floats, looks: Floats) -> tuple[Floats, Floats]:
+def _floor(truth: Truth, paths: Floats, scan_times: Floats) -> tuple[Floats, Floats]:
     """Return when balls meet the floor (infinite: not) and their states there (Newton)."""
     level = FLOOR + BALL_RADIUS
     below = (paths[..., 2] < level) & (paths[..., 5] < 0)
@@ -122,6 +126,6 @@ def _floor(truth: Truth, paths: Floats, looks: Floats) -> tuple[Floats, Floats]:
     state, passed = start.copy(), np.zeros(len(paths))
     for _ in range(4):
         speed = np.minimum(state[:, 5], -1e-3)
-        passed = np.clip(passed + (level - state[:, 2]) / speed, 0.0, LOOK)
+        passed = np.clip(passed + (level - state[:, 2]) / speed, 0.0, SCAN_STEP)
         state[falls] = truth.simulator.fly(start[falls], passed[falls, None]).states[:, 0]
-    return np.where(falls, looks[last] + passed, np.inf), state
+    return np.where(falls, scan_times[last] + passed, np.inf), state

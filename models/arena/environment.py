@@ -1,4 +1,4 @@
-"""The hall around the table: a floor that ends every flight, and the space that cameras see."""
+"""The surroundings of the table: the floor, and the volume that the cameras see."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,24 +9,24 @@ from models.ball.state import BALL_RADIUS, POSITION, SPIN, VELOCITY
 Floats = NDArray[np.float64]
 
 FLOOR = -0.76  # m: a table is 76 cm high (ITTF Law 2.1.2)
-FLOOR_RESTITUTION = 0.80  # assumption for a sports floor over which rubber is laid
+FLOOR_RESTITUTION = 0.80  # assumption for a rubber sports floor
 FLOOR_FRICTION = 0.40  # assumption
 
-SEEN_HALF_WIDTH = 2.5  # m to each side of the table's middle
-SEEN_HALF_LENGTH = 4.5  # m
+VIEW_HALF_WIDTH = 2.5  # m to each side of the table's middle
+VIEW_HALF_LENGTH = 4.5  # m
 
 
-def in_sight(states: Floats) -> NDArray[np.bool_]:
+def in_view(states: Floats) -> NDArray[np.bool_]:
     """Return for (..., 9) states whether the cameras see the ball."""
     x, y, z = np.moveaxis(states[..., POSITION], -1, 0)
     seen: NDArray[np.bool_] = (
-        (np.abs(x) < SEEN_HALF_WIDTH) & (np.abs(y) < SEEN_HALF_LENGTH) & (z > FLOOR)
+        (np.abs(x) < VIEW_HALF_WIDTH) & (np.abs(y) < VIEW_HALF_LENGTH) & (z > FLOOR)
     )
     return seen
 
 
-def floor_bounced(states: Floats) -> Floats:
-    """Return (B, 9) states just after the floor, by the law of the table (Nakashima 2010)."""
+def bounce_off_floor(states: Floats) -> Floats:
+    """Return (B, 9) states just after the floor, by the table's contact law (Nakashima 2010)."""
     after = states.copy()
     vx, vy, vz = states[:, VELOCITY].T
     wx, wy, _ = states[:, SPIN].T

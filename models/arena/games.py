@@ -1,4 +1,4 @@
-"""Games: excerpts of matches, a few points between the same two players."""
+"""Recordings of games: a few points of a match between the same two players."""
 
 from collections.abc import Iterator, Sequence
 
@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.arena.cameras import Cameras
-from models.arena.event_log import Log
+from models.arena.event_log import EventLog
 from models.arena.levels import LEVELS
-from models.arena.observation import Ball, Samples, observe
+from models.arena.observation import Samples, TrackedBall, observe
 from models.arena.rallies import Rallies
 from models.arena.recording import ArenaRecording, Point, TrueContacts
 from models.arena.sides import SIDES
@@ -17,7 +17,7 @@ from models.arena.truth import Truth
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-POINTS = 2  # in a recording
+POINTS = 2  # per recording
 SERVES = 2  # in a row (ITTF Law 2.13.3)
 PAUSE = (0.7, 1.5)  # s without a ball before a point
 
@@ -25,7 +25,7 @@ PAUSE = (0.7, 1.5)  # s without a ball before a point
 def games(
     truth: Truth, cameras: Cameras, level: str, matches: range, random: np.random.Generator
 ) -> Iterator[ArenaRecording]:
-    """Play and measure an excerpt of each of some matches between two players of a level."""
+    """Simulate and measure a few points of each match between two players of a level."""
     count = len(matches)
     servers = _servers(count, random)
     players = LEVELS[level].individuals(2 * count, random)
@@ -42,21 +42,21 @@ def games(
 
 
 def _servers(matches: int, random: np.random.Generator) -> Integers:
-    """Return the serving side of each point; an excerpt starts anywhere in a match."""
+    """Return the serving side of each point; the server's first point is random."""
     first = random.integers(2 * SERVES, size=matches)
-    served: Integers = ((first[:, None] + np.arange(POINTS)) // SERVES % 2).ravel()
-    return served
+    sides: Integers = ((first[:, None] + np.arange(POINTS)) // SERVES % 2).ravel()
+    return sides
 
 
-def _starts(log: Log, random: np.random.Generator) -> Floats:
+def _starts(log: EventLog, random: np.random.Generator) -> Floats:
     """Return when each point starts on the clock of its recording."""
-    pauses = random.uniform(*PAUSE, (len(log.gone) // POINTS, POINTS))
-    gone = log.gone.reshape(pauses.shape)
-    starts: Floats = np.cumsum(pauses, axis=1) + np.cumsum(gone, axis=1) - gone
+    pauses = random.uniform(*PAUSE, (len(log.last_visible) // POINTS, POINTS))
+    last_visible = log.last_visible.reshape(pauses.shape)
+    starts: Floats = np.cumsum(pauses, axis=1) + np.cumsum(last_visible, axis=1) - last_visible
     return starts.ravel()
 
 
-def _balls(log: Log, starts: Floats) -> list[Ball]:
+def _balls(log: EventLog, starts: Floats) -> list[TrackedBall]:
     points, times, kinds, states = (np.concatenate(part) for part in zip(*log.events, strict=True))
     order = np.lexsort([times, points])
     points, times, kinds, states = points[order], times[order], kinds[order], states[order]
@@ -65,11 +65,11 @@ def _balls(log: Log, starts: Floats) -> list[Ball]:
     for number, start in enumerate(starts):
         rows = slice(borders[number], borders[number + 1])
         contacts = TrueContacts(start + times[rows], kinds[rows], states[rows])
-        balls.append(Ball(contacts, start + log.gone[number]))
+        balls.append(TrackedBall(contacts, start + log.last_visible[number]))
     return balls
 
 
-def _point(log: Log, number: int, starts: Floats, servers: Integers) -> Point:
+def _point(log: EventLog, number: int, starts: Floats, servers: Integers) -> Point:
     return Point(
         start=float(starts[number]),
         end=float(starts[number] + log.end[number]),
@@ -81,7 +81,7 @@ def _point(log: Log, number: int, starts: Floats, servers: Integers) -> Point:
 
 
 def _recording(
-    name: str, samples: Sequence[Samples], balls: Sequence[Ball], points: tuple[Point, ...]
+    name: str, samples: Sequence[Samples], balls: Sequence[TrackedBall], points: tuple[Point, ...]
 ) -> ArenaRecording:
     contacts = TrueContacts(
         np.concatenate([ball.contacts.times for ball in balls]),

@@ -1,10 +1,10 @@
-"""Players of four levels, as numbers.
+"""Parameters of players of four levels.
 
 Amateur and club strokes follow the ball states that D'Ambrosio et al. (2025, arXiv 2408.03906)
-published: 10,487 launches in rallies and 2,168 serves. Said of a number: *public* where it was
-fitted to them (speeds by a regression of the mean speed along the table on place, height and
-landing place, spin by component). Semi-professionals and professionals are assumptions, made from
-what is known of their game: balls of 10-20 m/s, loops of 300-600 rad/s, reactions near 0.2 s.
+published: 10,487 launches in rallies and 2,168 serves. Constants marked *public* are fitted to
+them (speeds by a regression of the mean speed along the table on place, height and landing place,
+spin by component). Semi-professionals and professionals are assumptions from what is known of their
+game: balls of 10-20 m/s, loops of 300-600 rad/s, reactions near 0.2 s.
 """
 
 from dataclasses import dataclass, fields
@@ -16,25 +16,25 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Number = TypeVar("Number", float, NDArray[np.float64])
 
-PERSONAL_SPREAD = 0.08  # by which a player's traits differ from the level's, as a share
+PERSONAL_SPREAD = 0.08  # standard deviation of log(trait of a player / trait of the level)
 
 
 @dataclass(frozen=True)
 class Traits(Generic[Number]):
-    """What a player can do; numbers of a level, or (B,) of individual players.
+    """Skills of a player: numbers for a level, or (B,) arrays for individual players.
 
     Attributes:
         reaction: s until the player moves after the opponent's stroke.
         movement: m/s.
-        reach: m around where the player stands ready.
+        reach: m around the ready position.
         timing: preferred moment of contact, as a share of the time from bounce to apex.
         pace: factor on the speed of strokes.
-        attack: how often a comfortable, high enough ball is attacked.
+        attack: probability to attack a ball that is high and close enough.
         attack_pace: factor on the speed of an attack.
-        topspin: rad/s of strokes that are no attack.
+        topspin: rad/s of strokes other than attacks.
         attack_topspin: rad/s of a loop.
         sidespin: rad/s, scale of side- and corkscrew spin.
-        backspin: how often a low or distant ball is pushed with backspin.
+        backspin: probability to push with backspin where the ball is not attacked.
         angle_error: degrees, of a stroke at rest.
         speed_error: share, of a stroke at rest.
         spin_error: share.
@@ -65,8 +65,8 @@ class Traits(Generic[Number]):
         """Draw players around this level."""
         spread = np.exp(PERSONAL_SPREAD * random.standard_normal((len(fields(self)), count)))
         names = [field.name for field in fields(self)]
-        own = {name: getattr(self, name) * s for name, s in zip(names, spread, strict=True)}
-        return Traits(**own)
+        traits = {name: getattr(self, name) * s for name, s in zip(names, spread, strict=True)}
+        return Traits(**traits)
 
     def take(self: "Traits[Floats]", rows: NDArray[np.int64]) -> "Traits[Floats]":
         """Return the traits of some of the players."""

@@ -1,4 +1,4 @@
-"""From true contacts to recordings: the paths between them, as the cameras measure them."""
+"""Camera samples of balls, from their true contacts."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -15,21 +15,21 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Ball:
+class TrackedBall:
     """One ball from its launch until the cameras lose it.
 
     Attributes:
-        contacts: all that changed it, its launch first.
-        gone: when it is seen for the last time (s, on the clock of the contacts).
+        contacts: its launch and all contacts after it.
+        last_visible: time of the last possible sample (s, on the clock of the contacts).
     """
 
     contacts: TrueContacts
-    gone: float
+    last_visible: float
 
 
 @dataclass(frozen=True)
 class Samples:
-    """What the cameras measured of one ball: times (n,), positions and spins (n, 3)."""
+    """The samples of one ball: times (n,) in s, positions (n, 3) in m, spins (n, 3) in rad/s."""
 
     times: Floats
     positions: Floats
@@ -37,9 +37,9 @@ class Samples:
 
 
 def observe(
-    truth: Truth, cameras: Cameras, balls: Sequence[Ball], random: np.random.Generator
+    truth: Truth, cameras: Cameras, balls: Sequence[TrackedBall], random: np.random.Generator
 ) -> Iterator[Samples]:
-    """Measure balls with cameras whose frames fall at multiples of their interval."""
+    """Measure balls at multiples of the cameras' interval."""
     frames = [_frames(ball, cameras.interval) for ball in balls]
     arcs, elapsed, first = [], [], 0
     for ball, times in zip(balls, frames, strict=True):
@@ -51,11 +51,11 @@ def observe(
     paths = along_arcs(truth.simulator, starts, np.concatenate(arcs), np.concatenate(elapsed))
     borders = np.cumsum([len(times) for times in frames])[:-1]
     for times, path in zip(frames, np.split(paths, borders), strict=True):
-        positions, spins, seen = cameras.measure(path, random)
-        yield Samples(times[seen], positions[seen], spins[seen])
+        positions, spins, exists = cameras.measure(path, random)
+        yield Samples(times[exists], positions[exists], spins[exists])
 
 
-def _frames(ball: Ball, interval: float) -> Floats:
-    """Return the times of the frames that show a ball, none of them just before its launch."""
+def _frames(ball: TrackedBall, interval: float) -> Floats:
+    """Return the times of the frames between launch and last visibility."""
     first = np.ceil(ball.contacts.times[0] / interval)
-    return np.arange(first, np.floor(ball.gone / interval) + 1) * interval
+    return np.arange(first, np.floor(ball.last_visible / interval) + 1) * interval

@@ -1,4 +1,4 @@
-"""What the arena hands out: what the cameras measured, and the sealed truth beside it."""
+"""Recordings of the arena: camera samples, the umpire's record and the sealed truth."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TrueContacts:
-    """All that changed a ball, in order of time.
+    """Launches and contacts of a ball, in order of time.
 
     Attributes:
         times: (k,) s on the recording's clock.
@@ -26,7 +26,7 @@ class TrueContacts:
 
 @dataclass(frozen=True)
 class Point:
-    """A point as the umpire notes it; ``near`` is the player at y < 0.
+    """The umpire's record of a point; ``near`` is the player at y < 0.
 
     Attributes:
         start: when the ball leaves the server's palm (s).
@@ -47,14 +47,14 @@ class Point:
 
 @dataclass(frozen=True)
 class ArenaRecording:
-    """What the cameras saw: one shot of the cannon, or a few points of a match.
+    """One shot of the cannon, or a few points of a match.
 
     Attributes:
         name: ``<group>/<number>``.
         times: (n,) s.
         positions: (n, 3) measured, m.
         spins: (n, 3) measured, rad/s.
-        contacts: the truth.
+        contacts: the true contacts (sealed).
         points: the umpire's record, empty for the cannon.
     """
 

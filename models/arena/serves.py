@@ -1,15 +1,15 @@
 """Serves: the toss, and a stroke that bounces on both sides.
 
-All states are in the frame of the server, at y < 0 and playing towards +y, except where the hall
-flies them: it is not the same in both directions.
+States are in the frame of the server, at y < 0 and playing towards +y. They are turned into the
+table frame for simulation, because the physics (wind, tilt) depends on the direction.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from models.arena.levels import Players
-from models.arena.sides import turned
-from models.arena.strokes import SIDE_TAIL, spin_vectors, with_errors
+from models.arena.sides import switch_frame
+from models.arena.strokes import SIDE_TAIL, add_execution_errors, spin_vectors
 from models.ball.contact_laws import TABLE
 from models.ball.simulator import Simulator
 from models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
@@ -24,7 +24,7 @@ STRIKE_HEIGHT = (0.26, 0.085)  # m
 
 # The toss: upwards from an open palm, at least 16 cm, struck as it falls (ITTF Law 2.6).
 TOSS_HEIGHT = 0.19  # m at least
-TOSS_MORE = (0.12, 0.7)  # m, median, and spread of its logarithm; assumption
+TOSS_EXTRA = (0.12, 0.7)  # m, median, and spread of its logarithm; assumption
 LOWEST_PALM = 0.06  # m above the table's level
 TOSS_DRIFT = 0.05  # m/s
 TOSS_TIMES = np.arange(0.0, 1.6, 0.005)  # s
@@ -39,25 +39,25 @@ LANDING_LENGTH = 0.5  # m
 TOPSPIN = (3.0, 17.0)  # rad/s, mean and spread
 CORKSCREW, SIDESPIN = 10.0, 12.0  # rad/s, scales of Student's t
 
-IDEAS = 16  # serves like these, of which players choose one that works in this hall
+CANDIDATES = 16  # drawn per serve; the first valid one is played
 MARGIN = 0.08  # m inside the lines
-DIFFICULTY = 1.0  # a serve is struck at one's own leisure
+DIFFICULTY = 1.0  # of a serve; see ``add_execution_errors``
 
 
-def tossed(
-    air: Simulator, ways: Floats, random: np.random.Generator
+def toss(
+    air: Simulator, directions: Floats, random: np.random.Generator
 ) -> tuple[Floats, Floats, Floats]:
     """Toss balls.
 
     Args:
-        air: a hall without table and net.
-        ways: (B,) 1 for servers at y < 0, -1 for the others.
-        random: where the variety comes from.
+        air: simulator without table and net.
+        directions: (B,) 1 for servers at y < 0, -1 for the others.
+        random: of all random choices.
 
     Returns:
         (B, 9) states at the palm, (B,) s until the strike and (B, 9) states just before it.
     """
-    count = len(ways)
+    count = len(directions)
     side, length, height, more = random.standard_normal((4, count))
     forehand = np.where(random.random(count) < FOREHAND_SIDE, 1, -1)
     palms = np.zeros((count, 9))
@@ -65,64 +65,64 @@ def tossed(
     palms[:, 1] = np.minimum(STRIKE_LENGTH[0] + STRIKE_LENGTH[1] * length, -1.39)
     strike_height = np.clip(STRIKE_HEIGHT[0] + STRIKE_HEIGHT[1] * height, 0.12, 0.6)
     palms[:, 2] = np.maximum(strike_height - random.uniform(0, 0.1, count), LOWEST_PALM)
-    rise = TOSS_HEIGHT + TOSS_MORE[0] * np.exp(np.clip(TOSS_MORE[1] * more, -2, 2))
+    rise = TOSS_HEIGHT + TOSS_EXTRA[0] * np.exp(np.clip(TOSS_EXTRA[1] * more, -2, 2))
     palms[:, 5] = np.sqrt(2 * 9.81 * rise)
     palms[:, 3:5] = TOSS_DRIFT * random.standard_normal((count, 2))
     palms[:, 4] = -np.abs(palms[:, 4])  # away from the table: the rules want the strike there
-    paths = turned(air.fly(turned(palms, ways), TOSS_TIMES).states, ways)
+    paths = switch_frame(air.fly(switch_frame(palms, directions), TOSS_TIMES).states, directions)
     falling = (paths[..., 5] < 0) & (paths[..., 2] <= strike_height[:, None])
     strike = falling.argmax(axis=1)
     return palms, TOSS_TIMES[strike], paths[np.arange(count), strike]
 
 
-def served(
+def plan_serves(
     simulator: Simulator,
     balls: Floats,
-    ways: Floats,
+    directions: Floats,
     players: Players,
     random: np.random.Generator,
 ) -> Floats:
-    """Return (B, 9) launches of serves from balls that fall to (B, 9)."""
+    """Return (B, 9) launches of serves of falling balls (B, 9)."""
     count = len(balls)
-    ideas = _ideas(balls, players, random)
-    flat = turned(ideas.reshape(-1, 9), np.repeat(ways, IDEAS))
-    good = _works(simulator, flat, np.repeat(ways, IDEAS)).reshape(count, IDEAS)
-    chosen = ideas[np.arange(count), good.argmax(axis=1)]
-    return with_errors(chosen, np.full(count, DIFFICULTY), players, random)
+    candidates = _candidates(balls, players, random)
+    flat = switch_frame(candidates.reshape(-1, 9), np.repeat(directions, CANDIDATES))
+    good = _works(simulator, flat, np.repeat(directions, CANDIDATES)).reshape(count, CANDIDATES)
+    chosen = candidates[np.arange(count), good.argmax(axis=1)]
+    return add_execution_errors(chosen, np.full(count, DIFFICULTY), players, random)
 
 
-def _ideas(balls: Floats, players: Players, random: np.random.Generator) -> Floats:
-    """Return (B, IDEAS, 9) launches."""
-    shape = (len(balls), IDEAS)
+def _candidates(balls: Floats, players: Players, random: np.random.Generator) -> Floats:
+    """Return (B, CANDIDATES, 9) launches."""
+    shape = (len(balls), CANDIDATES)
     pace, elevation, side, topspin = random.standard_normal((4, *shape))
     corkscrew, sidespin = random.standard_t(SIDE_TAIL, (2, *shape)).clip(-6, 6)
     height = balls[:, 2:3] - STRIKE_HEIGHT[0]
     speed = SPEED * players.serve_pace[:, None]
     speed = speed * np.exp(SPEED_OF_HEIGHT * height + SPEED_SPREAD * pace)
-    ways = np.stack(
+    directions = np.stack(
         [
             LANDING_SIDE * side - balls[:, 0:1],
             np.broadcast_to(LANDING_LENGTH - balls[:, 1:2], shape),
         ],
         axis=-1,
     )
-    ahead = ways / np.linalg.norm(ways, axis=-1, keepdims=True)
+    ahead = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
     angle = np.radians(ELEVATION[0] + ELEVATION[1] * elevation)
-    ideas = np.empty((*shape, 9))
-    ideas[..., :3] = balls[:, None, :3]
-    ideas[..., 3:5] = (speed * np.cos(angle))[..., None] * ahead
-    ideas[..., 5] = speed * np.sin(angle)
+    candidates = np.empty((*shape, 9))
+    candidates[..., :3] = balls[:, None, :3]
+    candidates[..., 3:5] = (speed * np.cos(angle))[..., None] * ahead
+    candidates[..., 5] = speed * np.sin(angle)
     gain = players.serve_spin[:, None]
     spins = [TOPSPIN[0] + TOPSPIN[1] * topspin, CORKSCREW * corkscrew, SIDESPIN * sidespin]
     flat = [(gain * spin).ravel() for spin in spins]
-    ideas[..., 6:] = spin_vectors(ways.reshape(-1, 2), *flat).reshape(*shape, 3)
-    return ideas
+    candidates[..., 6:] = spin_vectors(directions.reshape(-1, 2), *flat).reshape(*shape, 3)
+    return candidates
 
 
-def _works(simulator: Simulator, launches: Floats, ways: Floats) -> NDArray[np.bool_]:
-    """Return whether serves bounce once on either side, without the net."""
+def _works(simulator: Simulator, launches: Floats, directions: Floats) -> NDArray[np.bool_]:
+    """Return whether serves bounce once on each side, without touching the net."""
     contacts = simulator.fly(launches, np.array([0.0, 0.9])).contacts
-    x, y = contacts.before[:, :2, 0], contacts.before[:, :2, 1] * ways[:, None]
+    x, y = contacts.before[:, :2, 0], contacts.before[:, :2, 1] * directions[:, None]
     clean = (contacts.surface[:, :2] == TABLE).all(axis=1)
     inside = (np.abs(x) < TABLE_HALF_WIDTH - MARGIN).all(axis=1)
     inside &= (y[:, 0] < -MARGIN) & (y[:, 0] > -TABLE_HALF_LENGTH + MARGIN)

@@ -1,7 +1,8 @@
-"""A session: recordings of games and of the cannon, streamed in a fixed order.
+"""Sessions of the arena: recordings of the cannon and of games, streamed in a fixed order.
 
-Everything is simulated in batches of a fixed size, each with a generator of its own, so that
-a longer session begins with the recordings of a shorter one, wherever batches are simulated.
+Everything is simulated in batches of a fixed size, each with its own random generator. The result
+therefore does not depend on where batches run, and a longer session starts with the recordings of
+a shorter one.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -22,51 +23,53 @@ from models.arena.truth import Truth
 
 CANNON_STREAM = 0
 CANNON_BATCH = 250  # shots
-GAME_STREAMS = 1  # and one more for each further level
+GAME_STREAMS = 1  # one stream per level from here on
 MATCH_BATCH = 25  # matches
-ROUND = 100  # batches that are shared out at once: so many may wait in memory for their turn
+ROUND = 100  # batches submitted at once; so many may wait in memory
 
 Batch = list[ArenaRecording]
-Share = Callable[[Sequence[Callable[[], Batch]]], Iterable[Batch]]
+RunTasks = Callable[[Sequence[Callable[[], Batch]]], Iterable[Batch]]
 
 
-def one_by_one(tasks: Sequence[Callable[[], Batch]]) -> Iterator[Batch]:
-    """Simulate batches here, each when it is asked for."""
+def run_sequentially(tasks: Sequence[Callable[[], Batch]]) -> Iterator[Batch]:
+    """Run tasks in this process, each when its result is requested."""
     return (task() for task in tasks)
 
 
 def recordings(
-    settings: ArenaSettings, truth: Truth, seed: int, share: Share = one_by_one
+    settings: ArenaSettings, truth: Truth, seed: int, run_tasks: RunTasks = run_sequentially
 ) -> Iterator[ArenaRecording]:
-    """Stream a session: the cannon's shots, then games of all levels in turn.
+    """Stream a session: shots of the cannon, then games, one level after the other.
 
     Args:
-        settings: how much, and how well it is seen.
-        truth: the hall's physics.
+        settings: size of the session and camera errors.
+        truth: the hidden physics.
         seed: of the session; the same seed gives the same recordings.
-        share: does the tasks of a round, and gives what they return in their order.
+        run_tasks: runs the tasks of a round and yields their results in order.
     """
-    hall = Hall(truth, _cameras(settings, truth), seed)
-    yield from _cannon(hall, settings.cannon_shots, share)
-    yield from _games(hall, settings.game_episodes, share)
+    simulator = BatchSimulator(truth, _cameras(settings, truth), seed)
+    yield from _cannon(simulator, settings.cannon_shots, run_tasks)
+    yield from _games(simulator, settings.game_episodes, run_tasks)
 
 
 @dataclass(frozen=True)
-class Hall:
-    """Where batches of a session are simulated, each on its own."""
+class BatchSimulator:
+    """Simulates batches of a session independently of each other."""
 
     truth: Truth
     cameras: Cameras
     seed: int
 
     def cannon(self, shots: range) -> Batch:
-        """Simulate a batch of the cannon's shots; the last one may want fewer than it has."""
+        """Simulate a batch of the cannon's shots; the last batch may be cut."""
         random = self._random(CANNON_STREAM, shots.start // CANNON_BATCH)
         balls = cannon_balls(self.truth, CANNON_BATCH, random)
-        seen = observe(self.truth, self.cameras, balls, random)
+        samples = observe(self.truth, self.cameras, balls, random)
         return [
-            ArenaRecording(f"cannon/{shot:05d}", one.times, one.positions, one.spins, ball.contacts)
-            for shot, ball, one in zip(shots, balls, seen, strict=False)
+            ArenaRecording(
+                f"cannon/{shot:05d}", part.times, part.positions, part.spins, ball.contacts
+            )
+            for shot, ball, part in zip(shots, balls, samples, strict=False)
         ]
 
     def games(self, level: str, batch: int) -> Batch:
@@ -79,30 +82,38 @@ class Hall:
         return np.random.default_rng([self.seed, stream, batch])
 
 
-def _cannon(hall: Hall, shots: int, share: Share) -> Iterator[ArenaRecording]:
+def _cannon(simulator: BatchSimulator, shots: int, run_tasks: RunTasks) -> Iterator[ArenaRecording]:
     firsts = range(0, shots, CANNON_BATCH)
-    tasks = [partial(hall.cannon, range(shots)[one : one + CANNON_BATCH]) for one in firsts]
+    tasks = [
+        partial(simulator.cannon, range(shots)[first : first + CANNON_BATCH]) for first in firsts
+    ]
     for done in range(0, len(tasks), ROUND):
-        for batch in share(tasks[done : done + ROUND]):
+        for batch in run_tasks(tasks[done : done + ROUND]):
             yield from batch
 
 
-def _games(hall: Hall, episodes: int, share: Share) -> Iterator[ArenaRecording]:
+def _games(
+    simulator: BatchSimulator, episodes: int, run_tasks: RunTasks
+) -> Iterator[ArenaRecording]:
     strokes = played = 0
     while strokes < episodes:
-        # Only playing tells how many strokes a batch of every level has.
+        # The number of strokes of a batch is known only after it is simulated.
         missing = ceil((episodes - strokes) * played / strokes) if played else 1
         numbers = range(played, played + min(missing, ROUND // len(LEVELS)))
-        for turn in _turns(hall, numbers, share):
+        for turn in _turns(simulator, numbers, run_tasks):
             if strokes < episodes:
                 strokes += sum(point.strokes for game in turn for point in game.points)
                 yield from turn
         played = numbers.stop
 
 
-def _turns(hall: Hall, numbers: range, share: Share) -> Iterator[tuple[ArenaRecording, ...]]:
+def _turns(
+    simulator: BatchSimulator, numbers: range, run_tasks: RunTasks
+) -> Iterator[tuple[ArenaRecording, ...]]:
     """Yield a recording of every level at a time, from batches with these numbers."""
-    batches = iter(share([partial(hall.games, one, n) for n in numbers for one in LEVELS]))
+    batches = iter(
+        run_tasks([partial(simulator.games, level, n) for n in numbers for level in LEVELS])
+    )
     for of_levels in zip(*[batches] * len(LEVELS), strict=True):
         yield from zip(*of_levels, strict=True)
 

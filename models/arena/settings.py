@@ -1,4 +1,4 @@
-"""How much the arena records, and how well its cameras see."""
+"""Settings of the arena: size of a session and camera errors."""
 
 from typing import Annotated
 
@@ -8,12 +8,12 @@ Share = Annotated[float, Field(ge=0, le=0.5)]
 
 
 class ArenaSettings(BaseModel):
-    """A session of the arena."""
+    """Size of a session and camera errors."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     game_episodes: Annotated[int, Field(ge=0)]
-    """Strokes in games, at least so many: a recording is never cut short."""
+    """Smallest number of strokes in games; recordings are kept whole."""
     cannon_shots: Annotated[int, Field(ge=0)]
     """Shots of the ball cannon."""
     rate_hz: Annotated[float, Field(ge=50, le=1000)]
@@ -23,6 +23,6 @@ class ArenaSettings(BaseModel):
     spin_noise: Share
     """Standard deviation of a spin component, as a share of the spin."""
     dropouts: Share
-    """Share of the frames in which the ball is missed."""
+    """Share of the frames without a detection."""
     outliers: Share
-    """Share of the frames in which something else is taken for the ball."""
+    """Share of the frames with a false detection."""

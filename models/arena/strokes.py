@@ -1,4 +1,4 @@
-"""Strokes: what a player makes of the ball that comes.
+"""Strokes: the player's plan, and its execution with errors.
 
 All states are in the frame of the player who strikes, at y < 0 and playing towards +y.
 """
@@ -15,20 +15,20 @@ from models.ball.state import SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH, VELOCIT
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 
-# Mean speed along the table (m/s) of public rally launches, a regression in logarithms on y and z
-# of the launch and y of the landing; what it leaves has a standard deviation of 0.17.
+# Mean speed along the table (m/s) of public rally launches: regression of its logarithm on y and z
+# of the launch and y of the landing, with a residual standard deviation of 0.17.
 SPEED_AT = (-1.22, 0.42, 0.81)  # m, medians
 MEAN_SPEED = 4.35
 SPEED_SLOPES = (-0.25, -0.44, 0.30)  # 1/m
-SPEED_SPREAD = 0.13  # errors, attacks and pushes add the rest
-FASTEST = 20.0  # m/s along the table, assumption: what an arm gives
+SPEED_SPREAD = 0.13  # below 0.17: errors, attacks and pushes add the rest
+FASTEST = 20.0  # m/s along the table, assumption
 
 # Where public rally launches land: y, and x with its slope on x of the launch.
 LANDING_LENGTH = 0.80  # m
 LANDING_SPREAD = 0.27  # m
 LANDING_SIDE = 0.28  # m, spread
 LANDING_SLOPE = 0.13
-LANDING_MARGIN = 0.12  # m from the lines, that a player keeps
+LANDING_MARGIN = 0.12  # m from the lines
 ATTACK_LENGTH, ATTACK_SIDE = 0.95, 0.42  # m; assumption: attacks are placed away from the player
 
 PUBLIC_TOPSPIN = 41.0  # rad/s, median
@@ -42,32 +42,32 @@ SMASH_HEIGHT = (0.50, 0.06)
 SMASH_PACE, SMASH_SPIN = 1.25, 0.3  # of a loop's, of a stroke's
 PUSH_PACE, PUSH_SPIN = 0.85, -0.6  # of a stroke's
 
-# Assumptions about errors: what adds as much as there is at rest.
+# Assumptions about errors: values at which a term adds as much as the error at rest.
 ERROR_OF_STRETCH = 2.0  # times that, at full stretch
 ERROR_OF_SPEED = 10.0  # m/s of the incoming ball
 ERROR_OF_SPIN = 400.0  # rad/s of the incoming ball
-ERROR_OF_OWN_SPEED = 14.0  # m/s of the stroke
+ERROR_OF_STROKE_SPEED = 14.0  # m/s of the stroke
 
 
 @dataclass(frozen=True)
-class Intention:
-    """What players want: landing places (B, 2) m, spins (B, 3) rad/s, flight times (B,) s."""
+class StrokePlan:
+    """Planned landing points (B, 2) m, spins (B, 3) rad/s and flight times (B,) s."""
 
     targets: Floats
     spins: Floats
     times: Floats
 
 
-def intended(
+def plan_strokes(
     balls: Floats, stretch: Floats, players: Players, random: np.random.Generator
-) -> Intention:
-    """Choose strokes.
+) -> StrokePlan:
+    """Choose strokes at random, by height of the ball and stretch.
 
     Args:
         balls: (B, 9) incoming states at the contact.
-        stretch: (B,) share of a player's range that the ball asks for, from 0 to 1.
-        players: (B,) who strike.
-        random: what makes one stroke differ from the next.
+        stretch: (B,) needed share of the player's range, from 0 to 1.
+        players: (B,) striking players.
+        random: of all random choices.
     """
     attacks, smashes, pushes = _kinds(balls[:, 2], stretch, players, random)
     targets = _targets(balls[:, 0], attacks, random)
@@ -81,19 +81,19 @@ def intended(
     topspin = topspin * _factor(pushes, PUSH_SPIN) * _factor(smashes, SMASH_SPIN)
     topspin = topspin + TOPSPIN_OF_SPEED * noise
     spins = _spins(targets - balls[:, :2], topspin, players, random)
-    return Intention(targets, spins, (targets[:, 1] - balls[:, 1]) / speed)
+    return StrokePlan(targets, spins, (targets[:, 1] - balls[:, 1]) / speed)
 
 
-def executed(
+def execute_strokes(
     launches: Floats,
     balls: Floats,
     stretch: Floats,
     players: Players,
     random: np.random.Generator,
 ) -> Floats:
-    """Return (B, 9) launches as they become, with the errors of a hand.
+    """Return (B, 9) launches with execution errors.
 
-    Errors are a player's own, and grow with the speed and spin of the ball that comes, with the
+    Errors depend on the player and grow with the speed and spin of the incoming ball, with the
     stretch and with the speed of the stroke.
     """
     speeds = np.linalg.norm(launches[:, VELOCITY], axis=1)
@@ -102,15 +102,15 @@ def executed(
         + ERROR_OF_STRETCH * stretch**3
         + np.linalg.norm(balls[:, VELOCITY], axis=1) / ERROR_OF_SPEED
         + np.linalg.norm(balls[:, SPIN], axis=1) / ERROR_OF_SPIN
-        + (speeds / ERROR_OF_OWN_SPEED) ** 2
+        + (speeds / ERROR_OF_STROKE_SPEED) ** 2
     )
-    return with_errors(launches, difficulty, players, random)
+    return add_execution_errors(launches, difficulty, players, random)
 
 
-def with_errors(
+def add_execution_errors(
     launches: Floats, difficulty: Floats, players: Players, random: np.random.Generator
 ) -> Floats:
-    """Return launches with a player's errors of direction, speed and spin, times a difficulty."""
+    """Return launches with errors of direction, speed and spin, scaled by (B,) ``difficulty``."""
     count = len(launches)
     struck = launches.copy()
     turns = np.radians(players.angle_error) * difficulty * random.standard_normal((3, count))
@@ -122,9 +122,11 @@ def with_errors(
     return struck
 
 
-def spin_vectors(ways: Floats, topspin: Floats, corkscrew: Floats, sidespin: Floats) -> Floats:
-    """Return (B, 3) spins: topspin turns the upper side to (B, 2) ways, corkscrew about them."""
-    ahead = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+def spin_vectors(
+    directions: Floats, topspin: Floats, corkscrew: Floats, sidespin: Floats
+) -> Floats:
+    """Return (B, 3) spins: topspin across (B, 2) directions of flight, corkscrew along them."""
+    ahead = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     x = -topspin * ahead[:, 1] + corkscrew * ahead[:, 0]
     y = topspin * ahead[:, 0] + corkscrew * ahead[:, 1]
     return np.column_stack([x, y, sidespin])
@@ -134,9 +136,9 @@ def _kinds(
     heights: Floats, stretch: Floats, players: Players, random: np.random.Generator
 ) -> tuple[Booleans, Booleans, Booleans]:
     """Return which balls are attacked, which of these are smashed, and which are pushed."""
-    chance, other = random.random((2, len(heights)))
+    uniform, other = random.random((2, len(heights)))
     ease = np.clip(1.4 * (1 - stretch), 0, 1)
-    attacks = chance < players.attack * ease * _above(heights, *ATTACK_HEIGHT)
+    attacks = uniform < players.attack * ease * _above(heights, *ATTACK_HEIGHT)
     smashes = attacks & (other < _above(heights, *SMASH_HEIGHT))
     pushes = ~attacks & (other < players.backspin)
     return attacks, smashes, pushes
@@ -151,11 +153,15 @@ def _targets(across: Floats, attacks: Booleans, random: np.random.Generator) -> 
     return np.column_stack([np.clip(x, -side, side), np.clip(y, 0.25, end)])
 
 
-def _spins(ways: Floats, topspin: Floats, players: Players, random: np.random.Generator) -> Floats:
-    count = len(ways)
+def _spins(
+    directions: Floats, topspin: Floats, players: Players, random: np.random.Generator
+) -> Floats:
+    count = len(directions)
     spread = TOPSPIN_SPREAD * np.sqrt(np.maximum(players.topspin / PUBLIC_TOPSPIN, 1.0))
     corkscrew, sidespin = players.sidespin * random.standard_t(SIDE_TAIL, (2, count)).clip(-6, 6)
-    return spin_vectors(ways, topspin + spread * random.standard_normal(count), corkscrew, sidespin)
+    return spin_vectors(
+        directions, topspin + spread * random.standard_normal(count), corkscrew, sidespin
+    )
 
 
 def _above(heights: Floats, middle: float, width: float) -> Floats:

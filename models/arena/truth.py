@@ -1,4 +1,4 @@
-"""The hidden physics of a hall, drawn by seed: what simulators and predictors have to find."""
+"""The hidden physics of the arena, drawn by the seed."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -10,16 +10,16 @@ from models.arena.bounce_scatter import BounceScatter
 from models.arena.cameras import SlowError
 from models.ball.simulator import Simulator
 
-STREAM = 1_000_000  # keeps the draw of the truth apart from those of the recordings
+STREAM = 1_000_000  # random stream of the truth, apart from those of the recordings
 
 
 @dataclass(frozen=True)
 class Truth:
-    """All that is hidden about a hall.
+    """The hidden physics of the arena.
 
     Attributes:
-        simulator: the mean behaviour of ball, table and net.
-        scatter: what every bounce adds of its own.
+        simulator: mean behaviour of ball, table and net.
+        scatter: random deviations of bounces.
         slow_error: the part of the cameras' error that changes slowly.
     """
 
@@ -28,7 +28,7 @@ class Truth:
     slow_error: SlowError
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain numbers, for a file."""
+        """Return a description that can be written as JSON."""
         return {
             "simulator": self.simulator.to_dict(),
             "scatter": asdict(self.scatter),
@@ -37,7 +37,7 @@ class Truth:
 
     @classmethod
     def from_dict(cls, description: Mapping[str, Any]) -> "Truth":
-        """Return what ``to_dict`` described."""
+        """Build it from what ``to_dict`` returns."""
         return cls(
             Simulator.from_dict(description["simulator"]),
             BounceScatter(**description["scatter"]),
@@ -46,11 +46,11 @@ class Truth:
 
 
 def draw_truth(seed: int) -> Truth:
-    """Draw the hidden physics of a hall.
+    """Draw the hidden physics of the arena.
 
-    All ranges are what real set-ups show (``seen`` in the catalogue of effects). Effects that no
-    shipped simulator has are always there and never small, so that the truth differs from each of
-    them in several ways at once.
+    All ranges are those of real set-ups (``observed`` in the catalogue of effects). Effects that no
+    shipped simulator has are always present and never small, so that the truth differs from every
+    shipped simulator in several effects.
     """
     random = np.random.default_rng([seed, STREAM])
     scatter = BounceScatter(

@@ -1,9 +1,9 @@
-"""The true path of a ball: from what changed it, by flying on from there."""
+"""The true path of a ball, simulated from its true contacts."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arena.contacts import arcs_from
+from models.arena.contacts import fly_to_contact
 from models.arena.recording import TrueContacts
 from models.arena.truth import Truth
 from models.ball.simulator import Simulator
@@ -11,7 +11,7 @@ from models.ball.state import STATE_SIZE
 
 Floats = NDArray[np.float64]
 
-TOGETHER = 256  # arcs flown at once; arcs of similar length share their padding
+ARCS_PER_BATCH = 256  # arcs flown at once; arcs of similar length share their padding
 ROUNDING = 1e-9  # s
 
 
@@ -19,19 +19,19 @@ def true_states(truth: Truth, contacts: TrueContacts, times: Floats) -> Floats:
     """Return the true states at any times.
 
     Args:
-        truth: the hall's physics.
-        contacts: what changed the ball.
+        truth: the hidden physics.
+        contacts: launches and contacts of the ball.
         times: (n,) s, not falling.
 
     Returns:
-        (n, 9) states, NaN where no ball is in play: before the first contact, and from where the
-        cameras lost it, or it met what the contacts do not tell of, to the next contact.
+        (n, 9) states. NaN before the first contact, and between the time when the ball leaves the
+        view or has a contact that is not listed, and the next listed contact.
     """
     moments = np.asarray(times, dtype=np.float64)
     states = np.full((len(moments), STATE_SIZE), np.nan)
     arcs = np.searchsorted(contacts.times, moments, side="right") - 1
     elapsed = moments - contacts.times[arcs]
-    ends = arcs_from(truth, contacts.states)
+    ends = fly_to_contact(truth, contacts.states)
     known = elapsed <= np.minimum(ends.times, ends.lost)[arcs] + ROUNDING
     playing = (arcs >= 0) & known
     states[playing] = along_arcs(truth.simulator, contacts.states, arcs[playing], elapsed[playing])
@@ -44,7 +44,7 @@ def along_arcs(
     """Return states along many arcs.
 
     Args:
-        simulator: flies the ball.
+        simulator: of the flight.
         starts: (A, 9) states at the arcs' starts.
         arcs: (n,) the arc of each moment, not falling.
         elapsed: (n,) s since the arc's start, not falling within an arc.
@@ -55,8 +55,8 @@ def along_arcs(
     used, first, counts = np.unique(arcs, return_index=True, return_counts=True)
     states = np.empty((len(arcs), STATE_SIZE))
     by_length = np.argsort(counts, kind="stable")
-    for start in range(0, len(used), TOGETHER):
-        some = by_length[start : start + TOGETHER]
+    for start in range(0, len(used), ARCS_PER_BATCH):
+        some = by_length[start : start + ARCS_PER_BATCH]
         steps = np.arange(counts[some].max())
         rows = first[some, None] + np.minimum(steps, counts[some, None] - 1)
         states[rows] = simulator.fly(starts[used[some]], elapsed[rows]).states

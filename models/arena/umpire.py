@@ -1,6 +1,6 @@
-"""The umpire: what the contacts of a ball mean by the rules.
+"""Decisions of the umpire, from the contacts of the ball.
 
-Deviation from the rules: a serve that touches the net and lands is played on, not repeated.
+Deviation from the rules: after a serve that touches the net and lands, play goes on.
 """
 
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arena.contacts import Touches
+from models.arena.contacts import ContactSequence
 from models.ball.contact_laws import NET, NONE, TABLE
 
 Floats = NDArray[np.float64]
@@ -17,12 +17,12 @@ Booleans = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
-class Call:
-    """What became of B strokes.
+class Ruling:
+    """The outcome of B strokes.
 
     Attributes:
-        good: (B,) whether the ball landed on the other side, as it must.
-        landing: (B,) number of the touch that decided.
+        good: (B,) whether the ball landed on the opponent's side.
+        landing: (B,) index of the deciding contact.
         decided: (B,) s after the stroke at which a faulty stroke ends the point.
         fault: (B,) ``net`` or ``out``, of faulty strokes.
     """
@@ -33,10 +33,10 @@ class Call:
     fault: NDArray[np.str_]
 
 
-def called(flight: Touches, ways: Floats, serve: bool) -> Call:
-    """Judge what (B,) strokes towards ``ways`` touched first."""
-    rows, order = np.arange(len(ways)), np.arange(flight.times.shape[1])
-    lengths = flight.states[..., 1] * ways[:, None]
+def judge_strokes(flight: ContactSequence, directions: Floats, serve: bool) -> Ruling:
+    """Judge strokes towards (B,) ``directions`` by their first contacts."""
+    rows, order = np.arange(len(directions)), np.arange(flight.times.shape[1])
+    lengths = flight.states[..., 1] * directions[:, None]
     on_top = (flight.surfaces == TABLE) & (flight.states[..., 2] > 0)
     net = flight.surfaces == NET
     allowed = net.copy()
@@ -47,21 +47,23 @@ def called(flight: Touches, ways: Floats, serve: bool) -> Call:
     if serve:
         good &= allowed[:, 0]
     netted = (net & (order <= landing[:, None])).any(axis=1)
-    decided = np.minimum(flight.times[rows, landing], flight.gone)
-    return Call(good, landing, decided, np.where(netted, "net", "out"))
+    decided = np.minimum(flight.times[rows, landing], flight.last_visible)
+    return Ruling(good, landing, decided, np.where(netted, "net", "out"))
 
 
-def lost_by(flight: Touches, landing: Integers) -> tuple[Floats, NDArray[np.str_]]:
-    """Return when balls that nobody returned ended the point, and how."""
+def unreturned_outcome(
+    flight: ContactSequence, landing: Integers
+) -> tuple[Floats, NDArray[np.str_]]:
+    """Return when unreturned balls end the point (B,) s, and how (B,)."""
     time, surface = after_landing(flight, landing)
     return time, np.where(surface == TABLE, "double_bounce", "missed")
 
 
-def after_landing(flight: Touches, landing: Integers) -> tuple[Floats, Integers]:
-    """Return when balls are lost after their landing, and which surface they then touch."""
+def after_landing(flight: ContactSequence, landing: Integers) -> tuple[Floats, Integers]:
+    """Return when balls are lost after their landing (B,) s, and the surface touched then."""
     rows, last = np.arange(len(landing)), flight.times.shape[1] - 1
     following = np.minimum(landing + 1, last)
     beyond = landing >= last
     time = np.where(beyond, np.inf, flight.times[rows, following])
     surface = np.where(beyond, NONE, flight.surfaces[rows, following])
-    return np.minimum(time, flight.gone), surface
+    return np.minimum(time, flight.last_visible), surface

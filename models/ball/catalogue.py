@@ -1,6 +1,6 @@
-"""The catalogue of effects: every file of ``effects/``, then what other packages offer.
+"""The catalogue of effects: every module of ``effects/`` and of the entry point group.
 
-A package adds its own effects by the entry point group ``rallygap.effects``; each entry point is
+A package adds effects by the entry point group ``rallygap.effects``; each entry point is
 a module with an ``effect``, like the modules of ``effects/``.
 """
 
@@ -32,7 +32,7 @@ def catalogue() -> dict[str, Effect]:
 
 @cache
 def parameter_columns() -> dict[tuple[str, str], int]:
-    """Return the place of every (effect, parameter) in the vector that compiled functions take."""
+    """Return the index of every (effect, parameter) in the vector that compiled functions take."""
     names = [(e.name, p.name) for e in catalogue().values() for p in e.parameters]
     return {name: column for column, name in enumerate(names)}
 

@@ -1,7 +1,7 @@
-"""From the catalogue to compiled functions: one function a quantity, all effects inside.
+"""Compilation of the catalogue: one function per quantity, with all effects.
 
-Every effect takes part in every call, absent ones at their neutral value, so that any combination
-of effects runs on one compilation.
+Every effect takes part in every call, absent ones at their neutral value, so that one compilation
+serves any combination of effects.
 """
 
 import inspect
@@ -31,7 +31,7 @@ def composed() -> dict[str, Any]:
 
 
 def _source(quantity: Quantity) -> str:
-    """Write the function of one quantity: its start, plus all that adds, times all that scales."""
+    """Write the function of one quantity: its start, plus all added terms, times all factors."""
     arguments = "p" if quantity.context is None else "context, p"
     lines = ["@njit", f"def {quantity.name}({arguments}):"]
     lines += [f"    q{i} = {quantity.start}" for i in range(quantity.size)]

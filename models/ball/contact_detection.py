@@ -1,8 +1,8 @@
-"""Touch: when and where a ball first meets the table or the net within a step of flight.
+"""Detection of the first contact with table or net within a step of flight.
 
-A step that comes near a surface is scanned along its cubic, each look as far ahead as the gap
-allows, and the touch is then located on the Runge-Kutta step itself, so that the contact time
-carries the accuracy of the flight.
+A step near a surface is scanned along its cubic interpolation, with steps as long as the gap
+allows. The contact is then located on the Runge-Kutta step itself, so that the contact time has the
+accuracy of the flight.
 """
 
 import math
@@ -11,28 +11,28 @@ from models.ball.compose import compiled
 from models.ball.contact_laws import NET, NONE, TABLE, net_gap, table_gap
 from models.ball.flight import step
 from models.ball.state import BALL_RADIUS, NET_HEIGHT, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.ball.types import Hall, Parameters, Scene, State, Vector
+from models.ball.types import Environment, Parameters, Scene, State, Vector
 
-SCAN_DISTANCE = 0.002  # m that the ball travels at least between two looks for a touch
+SCAN_DISTANCE = 0.002  # m, shortest distance between two samples of the scan
 MARGIN = 0.006  # m by which a step's path may leave its chord
 TIME_TOLERANCE = 1e-14  # s
-TIE = 1e-12  # s; contacts nearer than this are at once
+TIE = 1e-12  # s; contacts closer than this are simultaneous
 
 
 @compiled
 def near(a: State, b: State, scene: Scene) -> bool:
     """Return whether the box around a step's end points comes near the table or the net.
 
-    Nearly every step is told apart by one comparison, so what the rest needs is computed late.
+    One comparison decides nearly every step, so the other terms are computed only when needed.
     """
     has_table, has_net, height, up = scene
     reach = BALL_RADIUS + MARGIN
     if has_table:
         slope = (abs(up[0]) * TABLE_HALF_WIDTH + abs(up[1]) * TABLE_HALF_LENGTH) / up[2]
         if min(a[2], b[2]) < height + slope + reach and max(a[2], b[2]) > height - slope - reach:
-            beside = min(abs(a[0]), abs(b[0])) > TABLE_HALF_WIDTH + reach
-            beyond = min(abs(a[1]), abs(b[1])) > TABLE_HALF_LENGTH + reach
-            if not beside and not beyond:
+            outside_x = min(abs(a[0]), abs(b[0])) > TABLE_HALF_WIDTH + reach
+            outside_y = min(abs(a[1]), abs(b[1])) > TABLE_HALF_LENGTH + reach
+            if not outside_x and not outside_y:
                 return True
     if has_net and min(a[1], b[1]) < reach and max(a[1], b[1]) > -reach:
         above = height + NET_HEIGHT + reach
@@ -42,7 +42,7 @@ def near(a: State, b: State, scene: Scene) -> bool:
 
 @compiled
 def gap_to(surface: int, x: float, y: float, z: float, scene: Scene) -> tuple[float, Vector]:
-    """Return the gap to a surface and its normal; a surface that is not there is never near."""
+    """Return the gap to a surface and its normal; infinite for an absent surface."""
     has_table, has_net, height, up = scene
     if surface == TABLE and has_table:
         return table_gap(x, y, z, height, up)
@@ -91,7 +91,7 @@ def _cubic(a: State, b: State, h: float, s: float) -> Vector:
 
 @compiled
 def first_touch(
-    a: State, b: State, h: float, p: Parameters, air: Hall, scene: Scene
+    a: State, b: State, h: float, p: Parameters, environment: Environment, scene: Scene
 ) -> tuple[float, float]:
     """Return a bracket (before, after) in seconds of the first touch, or (h, h) without one."""
     speed = max(math.sqrt(max(squared_speed(a), squared_speed(b))), 1e-3)
@@ -102,7 +102,7 @@ def first_touch(
         x, y, z = _cubic(a, b, h, now / h)
         gap = _clearance(x, y, z, scene)
         if gap < 0.0:
-            state = b if now == h else step(a, now, p, air)
+            state = b if now == h else step(a, now, p, environment)
             if enters(TABLE, state, scene) or enters(NET, state, scene):
                 return clear, now
         else:
@@ -112,11 +112,17 @@ def first_touch(
 
 @compiled
 def _locate(
-    a: State, before: float, after: float, surface: int, p: Parameters, air: Hall, scene: Scene
+    a: State,
+    before: float,
+    after: float,
+    surface: int,
+    p: Parameters,
+    environment: Environment,
+    scene: Scene,
 ) -> tuple[State, float]:
-    """Return the state at the touch inside a bracket, and its time: Newton, kept by bisection."""
+    """Return state and time of the touch inside a bracket (Newton's method with bisection)."""
     moment = after
-    state = step(a, moment, p, air)
+    state = step(a, moment, p, environment)
     for _ in range(60):
         gap, normal = gap_to(surface, state[0], state[1], state[2], scene)
         speed = approach(state, normal)
@@ -129,7 +135,7 @@ def _locate(
             guess = 0.5 * (before + after)
         shift = abs(guess - moment)
         moment = guess
-        state = step(a, moment, p, air)
+        state = step(a, moment, p, environment)
         if shift < TIME_TOLERANCE:
             break
     return state, moment
@@ -137,18 +143,18 @@ def _locate(
 
 @compiled
 def first_contact(
-    a: State, before: float, after: float, p: Parameters, air: Hall, scene: Scene
+    a: State, before: float, after: float, p: Parameters, environment: Environment, scene: Scene
 ) -> tuple[State, float, Vector, int]:
     """Return state, time, normal and surface of the first contact inside a bracket.
 
-    A tie goes to the surface that it meets faster: one on which it rests it meets all the time.
+    Of two simultaneous contacts, the faster one counts: a ball at rest touches its surface always.
     """
-    end = step(a, after, p, air)
+    end = step(a, after, p, environment)
     contact, moment, along, surface = end, math.inf, (0.0, 0.0, 1.0), NONE
     for candidate in (TABLE, NET):
         if not enters(candidate, end, scene):
             continue
-        state, touched = _locate(a, before, after, candidate, p, air, scene)
+        state, touched = _locate(a, before, after, candidate, p, environment, scene)
         _, normal = gap_to(candidate, state[0], state[1], state[2], scene)
         faster = approach(state, normal) < approach(contact, along)
         if touched < moment - TIE or (touched < moment + TIE and faster):

@@ -1,4 +1,4 @@
-"""Contact: the impulse laws of table, net and racket, and how near the ball is to a surface.
+"""Contact laws of table, net and racket, and the gap between ball and surface.
 
 All three surfaces follow one law in the frame of their normal ``n`` (Nakashima 2010, 2011): with
 the velocity of the ball's contact point ``v_b = v_t - r (w x n)``,
@@ -47,7 +47,7 @@ def _unit(value: float) -> float:
 
 @compiled
 def _impact(state: State, normal: Vector) -> tuple[float, Vector, Impact]:
-    """Return the normal velocity, the slip velocity of the contact point and the hooks' view."""
+    """Return normal velocity, slip velocity of the contact point and the hooks' context."""
     _, _, _, vx, vy, vz, wx, wy, wz = state
     nx, ny, nz = normal
     along = vx * nx + vy * ny + vz * nz
@@ -56,12 +56,12 @@ def _impact(state: State, normal: Vector) -> tuple[float, Vector, Impact]:
     slip_z = vz - along * nz - BALL_RADIUS * (wx * ny - wy * nx)
     slip = math.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
     twist = wx * nx + wy * ny + wz * nz
-    rest = max(wx * wx + wy * wy + wz * wz - twist * twist, 0.0)
-    return along, (slip_x, slip_y, slip_z), Impact(-along, slip, BALL_RADIUS * math.sqrt(rest))
+    in_plane = max(wx * wx + wy * wy + wz * wz - twist * twist, 0.0)
+    return along, (slip_x, slip_y, slip_z), Impact(-along, slip, BALL_RADIUS * math.sqrt(in_plane))
 
 
 @compiled
-def _struck(
+def _apply_impulse(
     state: State, normal: Vector, along: float, slip: Vector, restitution: float, alpha: float
 ) -> State:
     px, py, pz, vx, vy, vz, wx, wy, wz = state
@@ -83,11 +83,11 @@ def _struck(
 
 
 @compiled
-def bounced(state: State, normal: Vector, surface: int, p: Parameters) -> State:
+def bounce(state: State, normal: Vector, surface: int, p: Parameters) -> State:
     """Return the state just after a contact with the table or the net.
 
     ``alpha = mu (1 + e) |v_n| / |v_b|`` while the ball slides, at most ``2/5 (1 + e_t)``. A ball
-    that moves away from the surface is left as it is.
+    that moves away from the surface is unchanged.
     """
     along, slip, impact = _impact(state, normal)
     if along >= 0.0:
@@ -102,11 +102,11 @@ def bounced(state: State, normal: Vector, surface: int, p: Parameters) -> State:
         limit = ROLLING
     grip = friction * (1.0 + restitution) * impact.normal_speed
     alpha = limit if grip >= limit * impact.slip else grip / impact.slip
-    return _struck(state, normal, along, slip, restitution, alpha)
+    return _apply_impulse(state, normal, along, slip, restitution, alpha)
 
 
 @compiled
-def struck(state: State, normal: Vector, velocity: Vector, p: Parameters) -> State:
+def racket_contact(state: State, normal: Vector, velocity: Vector, p: Parameters) -> State:
     """Return the state just after a contact with a racket that moves at ``velocity``.
 
     ``normal`` points from the racket to the ball. A ball that moves away from the racket, or a
@@ -119,7 +119,7 @@ def struck(state: State, normal: Vector, velocity: Vector, p: Parameters) -> Sta
     if along >= 0.0 or not surface_present(_racket_restitution(AT_REST, p)):
         return state
     restitution = _unit(_racket_restitution(impact, p))
-    after = _struck(relative, normal, along, slip, restitution, _racket_grip(impact, p))
+    after = _apply_impulse(relative, normal, along, slip, restitution, _racket_grip(impact, p))
     px, py, pz, vx, vy, vz, wx, wy, wz = after
     return (px, py, pz, vx + rx, vy + ry, vz + rz, wx, wy, wz)
 

@@ -1,9 +1,8 @@
-"""What an effect is: a name, an equation, parameters, and the quantities of the ball it changes.
+"""Effects: a name, an equation, parameters and the changed quantities of the model.
 
-An effect never integrates or collides a ball. It says how it changes one of the *quantities* that
-the equations of motion, the contact laws and the sensor are written in (``quantities.py``): it
-adds to the quantity or scales it. So effects combine in any number, their order does not matter,
-and one compilation serves every combination.
+An effect does not integrate or collide a ball. It adds to one of the *quantities* in which the
+equations of motion, the contact laws and the sensor are written (``quantities.py``), or scales it.
+So effects combine in any number and order, and one compilation serves every combination.
 """
 
 from collections.abc import Callable
@@ -15,23 +14,23 @@ Hook = Callable[..., Any]
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number of an effect.
+    """One parameter of an effect.
 
     Attributes:
-        name: as people write it in a simulator's YAML.
-        unit: SI unit, ``1`` where it has none.
+        name: as written in a simulator's YAML.
+        unit: SI unit, ``1`` for none.
         neutral: the value at which the effect changes nothing. A neutral value outside ``bounds``
             means that the parameter has no default and must be given.
-        bounds: least and greatest value that makes physical sense.
-        seen: what real set-ups show.
-        source: where form and numbers come from.
+        bounds: smallest and largest plausible value.
+        observed: values in real set-ups.
+        source: of the equation and the numbers.
     """
 
     name: str
     unit: str
     neutral: float
     bounds: tuple[float, float]
-    seen: str
+    observed: str
     source: str
 
     @property
@@ -51,14 +50,14 @@ class Change:
 
 @dataclass(frozen=True)
 class Effect:
-    """A physical or measurement effect under the name that people use for it.
+    """A physical or measurement effect.
 
     Attributes:
         name: identifier in YAML files, verdicts and reports.
         title: what happens, in a few words.
         equation: its exact form.
         acts: where it acts.
-        parameters: its numbers, in the order in which the hooks take them.
+        parameters: in the order of the arguments of the hooks.
         changes: filled by the decorators ``adds`` and ``scales``.
     """
 

@@ -1,4 +1,4 @@
-"""Flight: the equations of motion and one Runge-Kutta step of them.
+"""Equations of motion in flight, and a Runge-Kutta step.
 
 A state is a tuple of nine floats here ``(p, v, w)``: tuples stay in registers.
 """
@@ -8,7 +8,7 @@ import math
 from models.ball.compose import compiled, composed
 from models.ball.quantities import Air
 from models.ball.state import BALL_RADIUS, DRAG_FACTOR, MAGNUS_FACTOR
-from models.ball.types import Hall, Parameters, State
+from models.ball.types import Environment, Parameters, State
 
 _wind = composed()["wind"]
 _gravity = composed()["gravity"]
@@ -21,8 +21,8 @@ _spin_damping = composed()["spin_damping"]
 
 
 @compiled
-def hall(p: Parameters) -> Hall:
-    """Return what is the same everywhere in flight: wind (3) and the pull of gravity (3)."""
+def flight_environment(p: Parameters) -> Environment:
+    """Return wind (3) and gravitational acceleration (3), constant in flight."""
     tilt_x, tilt_y = _gravity_tilt(p)
     g = _gravity(p)
     down = math.sqrt(1.0 - tilt_x * tilt_x - tilt_y * tilt_y)
@@ -30,20 +30,20 @@ def hall(p: Parameters) -> Hall:
 
 
 @compiled
-def derivative(state: State, p: Parameters, hall: Hall) -> State:
+def derivative(state: State, p: Parameters, environment: Environment) -> State:
     """Return the time derivative of a state.
 
     ``dv/dt = [g - kD |u| u + kM (w x u) + f] / inertia`` and ``dw/dt = -c |u| w`` with ``u`` the
     velocity relative to the air (Nakashima 2010, extended by the quantities of the catalogue). A
-    drag coefficient that its effects push below zero counts as zero: air never drives a ball.
+    drag coefficient below zero counts as zero: drag never accelerates a ball.
 
     Args:
         state: nine floats.
         p: parameter vector of the simulator.
-        hall: what ``hall(p)`` returns.
+        environment: what ``flight_environment(p)`` returns.
     """
     _, _, _, vx, vy, vz, wx, wy, wz = state
-    (wind_x, wind_y, wind_z), (gx, gy, gz) = hall
+    (wind_x, wind_y, wind_z), (gx, gy, gz) = environment
     ux, uy, uz = vx - wind_x, vy - wind_y, vz - wind_z
     speed = math.sqrt(ux * ux + uy * uy + uz * uz)
     surface_speed = BALL_RADIUS * math.sqrt(wx * wx + wy * wy + wz * wz)
@@ -71,7 +71,7 @@ def derivative(state: State, p: Parameters, hall: Hall) -> State:
 
 
 @compiled
-def moved(state: State, slope: State, h: float) -> State:
+def advance(state: State, slope: State, h: float) -> State:
     """Return the state after ``h`` seconds at a constant slope."""
     return (
         state[0] + h * slope[0],
@@ -87,11 +87,11 @@ def moved(state: State, slope: State, h: float) -> State:
 
 
 @compiled
-def step(state: State, h: float, p: Parameters, hall: Hall) -> State:
+def step(state: State, h: float, p: Parameters, environment: Environment) -> State:
     """Return the state after ``h`` seconds of free flight: one classical Runge-Kutta step."""
-    k1 = derivative(state, p, hall)
-    k2 = derivative(moved(state, k1, h / 2), p, hall)
-    k3 = derivative(moved(state, k2, h / 2), p, hall)
-    k4 = derivative(moved(state, k3, h), p, hall)
-    half = moved(moved(state, k1, h / 6), k2, h / 3)
-    return moved(moved(half, k3, h / 3), k4, h / 6)
+    k1 = derivative(state, p, environment)
+    k2 = derivative(advance(state, k1, h / 2), p, environment)
+    k3 = derivative(advance(state, k2, h / 2), p, environment)
+    k4 = derivative(advance(state, k3, h), p, environment)
+    half = advance(advance(state, k1, h / 6), k2, h / 3)
+    return advance(advance(half, k3, h / 3), k4, h / 6)

@@ -1,7 +1,7 @@
-"""The quantities that effects change, and the contexts that their hooks see.
+"""The quantities that effects change, and the arguments of their hooks.
 
-Every quantity starts from a value at which it does nothing; a surface with a restitution of -1
-lets the ball through unchanged, so that is where restitutions start.
+Every quantity starts at a value at which it changes nothing. Restitutions start at -1: such a
+surface lets the ball through unchanged.
 """
 
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ class Impact(NamedTuple):
 
 
 class View(NamedTuple):
-    """The true ball where a camera sees it: its speed, m/s (arrays of any shape)."""
+    """The true ball at a measurement: its speed, m/s (arrays of any shape)."""
 
     speed: float | NDArray[np.float64]
 
@@ -54,10 +54,10 @@ class Quantity:
     """One quantity of the model.
 
     Attributes:
-        name: how equations and hooks call it.
+        name: identifier for hooks.
         acts: where it acts.
-        context: what its hooks see as their first argument; None for a property of the hall, whose
-            hooks take their parameters alone and are evaluated once a roll-out.
+        context: type of the first argument of its hooks; None for a property of the environment,
+            whose hooks take only their parameters and are evaluated once per roll-out.
         start: its value without any effect, in every component.
         size: number of components.
         meaning: with unit.

@@ -1,15 +1,15 @@
-"""Resting: a ball that hardly leaves a surface slides on along it, without rolling friction."""
+"""Resting contact: a ball that hardly rebounds slides on, without rolling friction."""
 
 import math
 
 from models.ball.compose import compiled
 from models.ball.contact_detection import approach, gap_to, squared_speed
 from models.ball.contact_laws import NET, TABLE
-from models.ball.flight import derivative, moved
-from models.ball.types import Hall, Parameters, Scene, State, Vector
+from models.ball.flight import advance, derivative
+from models.ball.types import Environment, Parameters, Scene, State, Vector
 
 REST_SPEED = 5e-4  # m/s: a slower rebound comes back within 0.1 ms and counts as resting
-SLIDE_DISTANCE = 0.005  # m that a resting ball slides at most before the next look
+SLIDE_DISTANCE = 0.005  # m, longest slide of a resting ball per step
 
 
 @compiled
@@ -20,17 +20,17 @@ def _along_surface(state: State, slope: State, normal: Vector, h: float) -> Stat
     v = vx * nx + vy * ny + vz * nz
     a = ax * nx + ay * ny + az * nz
     flat = (vx - v * nx, vy - v * ny, vz - v * nz, ax - a * nx, ay - a * ny, az - a * nz)
-    return moved(state, (*flat, wx, wy, wz), h)
+    return advance(state, (*flat, wx, wy, wz), h)
 
 
 @compiled
-def rest(
+def slide(
     state: State,
     normal: Vector,
     surface: int,
     longest: float,
     p: Parameters,
-    air: Hall,
+    environment: Environment,
     scene: Scene,
 ) -> tuple[State, float]:
     """Return the state of a ball that rests on a surface a moment later, and that moment.
@@ -50,29 +50,31 @@ def rest(
         state[8],
     )
     h = min(longest, SLIDE_DISTANCE / max(math.sqrt(squared_speed(state)), 1e-3))
-    half = _along_surface(state, derivative(state, p, air), normal, 0.5 * h)
-    state = _along_surface(state, derivative(half, p, air), normal, h)
+    half = _along_surface(state, derivative(state, p, environment), normal, 0.5 * h)
+    state = _along_surface(state, derivative(half, p, environment), normal, h)
     other = NET if surface == TABLE else TABLE
-    return _lifted(other, state, p, air, scene), h
+    return _push_out(other, state, p, environment, scene), h
 
 
 @compiled
-def _lifted(surface: int, state: State, p: Parameters, air: Hall, scene: Scene) -> State:
-    """Return a ball that slid into a surface just outside of it, slowed by what the way cost."""
+def _push_out(
+    surface: int, state: State, p: Parameters, environment: Environment, scene: Scene
+) -> State:
+    """Move a ball that slid into a surface just outside of it, at the same total energy."""
     gap, normal = gap_to(surface, state[0], state[1], state[2], scene)
     if gap >= 0.0:
         return state
     nx, ny, nz = normal
-    pull = min(approach(derivative(state, p, air), normal), 0.0)
+    pull = min(approach(derivative(state, p, environment), normal), 0.0)
     along = approach(state, normal)
     slower = -math.sqrt(max(along * along + 2.0 * pull * -gap, 0.0)) if along < 0.0 else along
     kick = slower - along
     shift = (-gap * nx, -gap * ny, -gap * nz, kick * nx, kick * ny, kick * nz, 0.0, 0.0, 0.0)
-    return moved(state, shift, 1.0)
+    return advance(state, shift, 1.0)
 
 
 @compiled
-def rests(state: State, normal: Vector, p: Parameters, air: Hall) -> bool:
+def is_resting(state: State, normal: Vector, p: Parameters, environment: Environment) -> bool:
     """Return whether a ball hardly leaves a surface against which it is pressed."""
-    pull = approach(derivative(state, p, air), normal)
+    pull = approach(derivative(state, p, environment), normal)
     return approach(state, normal) < REST_SPEED and pull <= 0.0

@@ -1,4 +1,4 @@
-"""Roll-out: flight in steps of at most 5 ms, from contact to contact."""
+"""Roll-outs: flight in steps of at most 5 ms, with all contacts."""
 
 import math
 
@@ -6,24 +6,24 @@ import numpy as np
 
 from models.ball.compose import compiled
 from models.ball.contact_detection import approach, enters, first_contact, first_touch, gap_to, near
-from models.ball.contact_laws import NET, TABLE, bounced, struck, surfaces
-from models.ball.flight import hall, step
-from models.ball.resting_contact import REST_SPEED, rest, rests
-from models.ball.types import Floats, Hall, Integers, Parameters, Record, Scene, State
+from models.ball.contact_laws import NET, TABLE, bounce, racket_contact, surfaces
+from models.ball.flight import flight_environment, step
+from models.ball.resting_contact import REST_SPEED, is_resting, slide
+from models.ball.types import Environment, Floats, Integers, Parameters, Record, Scene, State
 
-LONGEST_STEP = 0.005  # s; with Runge-Kutta 5e-9 m at 20 m/s and 600 rad/s
-MOST_REBOUNDS = 100  # within a step; a ball pressed to a surface that hard counts as resting, too
+MAX_STEP = 0.005  # s; with Runge-Kutta 5e-9 m at 20 m/s and 600 rad/s
+MAX_REBOUNDS = 100  # within a step; a ball pressed to a surface that hard counts as resting, too
 MAX_CONTACTS = 8  # contacts recorded a shot; further ones still happen
 
 
 @compiled
-def _through(
+def _fly_through_contacts(
     state: State,
     ahead: State,
     h: float,
     start: float,
     p: Parameters,
-    air: Hall,
+    environment: Environment,
     scene: Scene,
     log: int,
     record: Record,
@@ -35,11 +35,13 @@ def _through(
     times, kinds, before, after = record
     left, rebounds = h, 0
     while True:
-        clear, touched = first_touch(state, ahead, left, p, air, scene)
+        clear, touched = first_touch(state, ahead, left, p, environment, scene)
         if clear == left:
             return ahead, log
-        contact, moment, normal, surface = first_contact(state, clear, touched, p, air, scene)
-        state = bounced(contact, normal, surface, p)
+        contact, moment, normal, surface = first_contact(
+            state, clear, touched, p, environment, scene
+        )
+        state = bounce(contact, normal, surface, p)
         if approach(contact, normal) < -REST_SPEED:
             if log < MAX_CONTACTS:
                 times[log], kinds[log] = start + h - left + moment, surface
@@ -48,28 +50,28 @@ def _through(
             log += 1
         left -= moment
         rebounds += 1
-        if rebounds > MOST_REBOUNDS or rests(state, normal, p, air):
-            state, passed = rest(state, normal, surface, left, p, air, scene)
+        if rebounds > MAX_REBOUNDS or is_resting(state, normal, p, environment):
+            state, passed = slide(state, normal, surface, left, p, environment, scene)
             left -= passed
-        ahead = step(state, left, p, air)
+        ahead = step(state, left, p, environment)
 
 
 @compiled
-def _released(state: State, p: Parameters, scene: Scene) -> State:
+def _bounce_if_inside(state: State, p: Parameters, scene: Scene) -> State:
     """Return the first state; one measured a little inside a surface bounces at once."""
     for surface in (TABLE, NET):
         if enters(surface, state, scene):
             _, normal = gap_to(surface, state[0], state[1], state[2], scene)
-            state = bounced(state, normal, surface, p)
+            state = bounce(state, normal, surface, p)
     return state
 
 
 @compiled
-def _backwards(state: State, span: float, p: Parameters, air: Hall) -> State:
+def _fly_backwards(state: State, span: float, p: Parameters, environment: Environment) -> State:
     """Return where a ball in free flight was ``-span`` seconds before."""
-    pieces = math.ceil(-span / LONGEST_STEP)
+    pieces = math.ceil(-span / MAX_STEP)
     for _ in range(pieces):
-        state = step(state, span / pieces, p, air)
+        state = step(state, span / pieces, p, environment)
     return state
 
 
@@ -78,7 +80,7 @@ def _fly_one(
     state: State,
     moments: Floats,
     p: Parameters,
-    air: Hall,
+    environment: Environment,
     scene: Scene,
     states: Floats,
     record: Record,
@@ -87,17 +89,19 @@ def _fly_one(
     for k in range(len(moments)):
         span = moments[k] - now
         if span < 0.0:
-            _store(_backwards(state, span, p, air), states[k])
+            _store(_fly_backwards(state, span, p, environment), states[k])
             continue
         if now == 0.0 and span > 0.0:
-            state = _released(state, p, scene)
-        pieces = max(math.ceil(span / LONGEST_STEP - 1e-9), 1)
+            state = _bounce_if_inside(state, p, scene)
+        pieces = max(math.ceil(span / MAX_STEP - 1e-9), 1)
         for piece in range(pieces):
             h = span / pieces
-            ahead = step(state, h, p, air)
+            ahead = step(state, h, p, environment)
             if near(state, ahead, scene):
                 start = now + piece * h
-                state, log = _through(state, ahead, h, start, p, air, scene, log, record)
+                state, log = _fly_through_contacts(
+                    state, ahead, h, start, p, environment, scene, log, record
+                )
             else:
                 state = ahead
         now = moments[k]
@@ -138,11 +142,13 @@ def fly(
     kinds = np.zeros((count, MAX_CONTACTS), dtype=np.int64)
     before = np.full((count, MAX_CONTACTS, 9), np.nan)
     after = np.full((count, MAX_CONTACTS, 9), np.nan)
-    air = hall(p)
+    environment = flight_environment(p)
     scene = surfaces(p)
     for b in range(count):
         record = (times[b], kinds[b], before[b], after[b])
-        contacts[b] = _fly_one(_load(first[b]), moments[b], p, air, scene, states[b], record)
+        contacts[b] = _fly_one(
+            _load(first[b]), moments[b], p, environment, scene, states[b], record
+        )
     return states, contacts, times, kinds, before, after
 
 
@@ -152,6 +158,6 @@ def strike(states: Floats, normals: Floats, velocities: Floats, p: Parameters) -
     from_racket = np.empty_like(states)
     for b in range(len(states)):
         n, v = normals[b], velocities[b]
-        after = struck(_load(states[b]), (n[0], n[1], n[2]), (v[0], v[1], v[2]), p)
+        after = racket_contact(_load(states[b]), (n[0], n[1], n[2]), (v[0], v[1], v[2]), p)
         _store(after, from_racket[b])
     return from_racket

@@ -1,6 +1,6 @@
-"""The sensor: what cameras make of the true path.
+"""The sensor: systematic errors of measured positions, times and spin labels.
 
-Sensor effects are numpy functions of the true ball; they act once a measurement, not once a step.
+Sensor effects are numpy functions of the true ball, applied once per measurement.
 Every simulated or predicted measurement goes through the functions here.
 """
 
@@ -24,10 +24,10 @@ _SENSOR = {quantity.name: quantity for quantity in QUANTITIES if quantity.acts =
 def measured(
     simulator: Simulator, states: Floats, times: Floats, generator: np.random.Generator
 ) -> tuple[Floats, Floats]:
-    """Return what the simulator's sensor effects make of B balls, without noise.
+    """Return measurements of B balls with the simulator's sensor effects, without noise.
 
     Args:
-        simulator: flies the balls; its sensor effects distort what is seen.
+        simulator: of the flight and of the sensor.
         states: (B, 9) true states at time zero.
         times: (T,) s on the sensor's own clock.
         generator: draws which shots have a negated spin label.
@@ -80,7 +80,7 @@ def measured_spins(simulator: Simulator, spins: Floats) -> Floats:
 
 
 def in_rising_order(fly: Callable[[Floats], Floats], times: Floats) -> Floats:
-    """Return states at (B, T) times that may fall, as a delay that grows with speed makes them.
+    """Return states at (B, T) times in any order; a delay that grows with speed may reorder them.
 
     Args:
         fly: gives (B, T, 9) states at (B, T) rising times.
@@ -100,12 +100,12 @@ def _with_flips(simulator: Simulator, labels: Floats, generator: np.random.Gener
 
 
 def sensor_quantity(simulator: Simulator, name: str, view: View | None = None) -> Any:
-    """Return a quantity of the sensor: its start, plus all that adds, times all that scales.
+    """Return a quantity of the sensor: its start, plus all added terms, times all factors.
 
     Args:
-        simulator: whose sensor effects change it.
+        simulator: with the sensor effects.
         name: of a quantity of the sensor.
-        view: the balls as they are when they are measured, for effects that look at them.
+        view: the balls at the measurement, for effects that depend on them.
     """
     quantity = _SENSOR[name]
     value: Any = quantity.start if quantity.size == 1 else np.full(quantity.size, quantity.start)

@@ -1,4 +1,4 @@
-"""The simulator: a value, an ordered list of named effects with their parameters."""
+"""The ball simulator: a list of named effects with their parameters."""
 
 import math
 from collections.abc import Mapping
@@ -17,17 +17,17 @@ from models.support.suggestion import suggestion
 
 
 class SimulatorError(ValueError):
-    """A simulator that cannot be: an unknown effect or parameter, or an impossible value."""
+    """Invalid simulator: an unknown effect or parameter, or an impossible value."""
 
 
 @dataclass(frozen=True)
 class Contacts:
-    """What the balls of a roll-out touched, at most ``K`` contacts a ball.
+    """Contacts of the balls of a roll-out, at most ``K`` per ball.
 
     Attributes:
         count: (B,) contacts of each ball; those beyond K happened but are not recorded.
         time: (B, K) s, NaN beyond the last contact.
-        surface: (B, K) ``contact.TABLE``, ``contact.NET`` or ``contact.NONE``.
+        surface: (B, K) ``TABLE``, ``NET`` or ``NONE`` of ``contact_laws``.
         before: (B, K, 9) states just before.
         after: (B, K, 9) states just after.
     """
@@ -49,13 +49,13 @@ class Flight:
 
 @dataclass(frozen=True)
 class Simulator:
-    """A ball simulator: effect name -> parameter name -> value, complete and checked."""
+    """A ball simulator: effect name -> parameter name -> value, complete and validated."""
 
     effects: Mapping[str, Mapping[str, float]]
 
     @classmethod
     def from_dict(cls, description: Mapping[str, Any]) -> "Simulator":
-        """Build a simulator from what its YAML says.
+        """Build a simulator from the content of its YAML.
 
         A parameter that is left out takes its neutral value, where it has one.
 
@@ -89,8 +89,8 @@ class Simulator:
 
         Args:
             states: (B, 9) or (9,) states at time zero.
-            times: (T,) or (B, T) s after that, not falling. Times before zero are allowed; there
-                the ball flies freely.
+            times: (T,) or (B, T) s after that, not decreasing. At negative times the ball is in
+                free flight.
 
         Returns:
             The flight, always with the batch dimension.
@@ -115,7 +115,7 @@ class Simulator:
         return Flight(reached, Contacts(count, time, surface, before, after))
 
     def strike(self, states: ArrayLike, normals: ArrayLike, velocities: ArrayLike) -> Floats:
-        """Return the (B, 9) states just after rackets met the balls.
+        """Return the (B, 9) states just after racket contacts.
 
         Args:
             states: (B, 9) just before the contact.

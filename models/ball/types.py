@@ -10,11 +10,11 @@ Bools = NDArray[np.bool_]
 Vector = tuple[float, float, float]
 # Position, velocity, spin.
 State = tuple[float, float, float, float, float, float, float, float, float]
-# A number for each parameter of the catalogue, neutral where its effect is not in the list.
+# One value per parameter of the catalogue, neutral where the simulator lacks the effect.
 Parameters = Floats
-# Wind and the pull of gravity: what is the same everywhere in flight.
-Hall = tuple[Vector, Vector]
-# Whether table and net are there, the surface's height and its unit normal.
+# Wind (m/s) and gravitational acceleration (m/s^2), constant in flight.
+Environment = tuple[Vector, Vector]
+# Whether table and net exist, the height of the surface and its unit normal.
 Scene = tuple[bool, bool, float, Vector]
-# Where the contacts of one ball are noted: times, surfaces, states before and after.
+# Contacts of one ball: times, surfaces, states before and after.
 Record = tuple[Floats, Integers, Floats, Floats]

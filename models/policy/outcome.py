@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arena.aim import in_air
-from models.arena.contacts import Touches
-from models.arena.umpire import called
+from models.arena.aim import without_surfaces
+from models.arena.contacts import ContactSequence
+from models.arena.umpire import judge_strokes
 from models.ball.simulator import Flight, Simulator
 from models.ball.state import BALL_RADIUS, VELOCITY
 from models.ball.types import Bools, Floats
@@ -55,7 +55,7 @@ def judge(simulator: Simulator, after: Floats, goals: Goals) -> Outcome:
         goals: (B,) of the returns.
     """
     flight = with_net(simulator).fly(after, [LONGEST_FLIGHT])
-    call = called(_touches(flight), np.ones(len(after)), serve=False)
+    call = judge_strokes(_touches(flight), np.ones(len(after)), serve=False)
     over_net, down = _without_net(simulator, after)
     touched = flight.contacts.before[np.arange(len(after)), call.landing]
     landing = np.where(call.good[:, None], touched[:, :2], down[:, :2])
@@ -84,15 +84,15 @@ def topspin(states: Floats) -> Floats:
     return rate
 
 
-def _touches(flight: Flight) -> Touches:
+def _touches(flight: Flight) -> ContactSequence:
     met = flight.contacts
     times = np.where(np.isnan(met.time), np.inf, met.time)
-    return Touches(times, met.surface, met.after, np.full(len(times), LONGEST_FLIGHT))
+    return ContactSequence(times, met.surface, met.after, np.full(len(times), LONGEST_FLIGHT))
 
 
 def _without_net(simulator: Simulator, after: Floats) -> tuple[Floats, Floats]:
     """Return where balls pass the net's plane and where they come down, (B, 3) each."""
-    paths = in_air(simulator).fly(after, SAMPLE_TIMES).states
+    paths = without_surfaces(simulator).fly(after, SAMPLE_TIMES).states
     above = paths[..., 2] - BALL_RADIUS
     rising = paths[..., 5] >= 0
     return (

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from models.arena.sides import turned
+from models.arena.sides import switch_frame
 from models.ball.types import Floats, Integers
 from models.predictors.windows import Episode
 
@@ -37,7 +37,7 @@ def landing(episode: Episode) -> tuple[Floats, float] | None:
     if bounce is None or len(first) < NET_SAMPLES:
         return None
     direction = stroke_direction(episode)
-    states = turned(_states(episode, first)[None], np.array([direction]))[0]
+    states = switch_frame(_states(episode, first)[None], np.array([direction]))[0]
     landed = _propagated(states[-1:], bounce - episode.times[first[-1:]])[0]
     landed[6:] = states[:, 6:].mean(axis=0)
     nearest = np.argsort(np.abs(states[:, 1]), kind="stable")[:NET_SAMPLES]

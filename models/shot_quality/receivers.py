@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.arena.event_log import Log
+from models.arena.event_log import EventLog
 from models.arena.levels import LEVELS, Players
 from models.arena.rallies import Rallies
 from models.arena.truth import Truth
@@ -80,7 +80,7 @@ def _changed(players: Players, receiver: Receiver, points: int) -> Players:
     return replace(players, reach=players.reach * np.where(far, receiver.reach, 1.0), **errors)
 
 
-def _near_strokes(log: Log) -> tuple[Floats, Integers]:
+def _near_strokes(log: EventLog) -> tuple[Floats, Integers]:
     """Return the (B, 9) states just after strokes towards +y and their (B,) points, in order."""
     points, times, kinds, states = (np.concatenate(part) for part in zip(*log.events, strict=True))
     near = np.flatnonzero((kinds == "racket") & (states[:, 4] > 0))

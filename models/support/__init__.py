@@ -1,1 +1,1 @@
-"""What the models' code needs: compilation kept on disk, and plugins found by being there."""
+"""Shared by all models: cached compilation, discovery of plugins, hints for unknown names."""

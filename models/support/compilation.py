@@ -1,8 +1,7 @@
-"""Compiling with numba, kept on disk and never stale.
+"""Numba compilation with a cache on disk that is never stale.
 
-Numba keeps what it compiled by the time stamp of the function's own file, and cannot see that a
-function or a constant it took from elsewhere has changed. Here the folder of the stored binaries is
-named after the content of everything that goes into them.
+Numba's cache checks the time stamp of the function's file only, not functions and constants from
+other files. Here the folder of the cache is named after the content of all source files.
 """
 
 import getpass
@@ -21,7 +20,7 @@ Compiled = TypeVar("Compiled", bound=Callable[..., Any])
 
 
 def compiler(sources: Iterable[Path], more: str = "") -> Callable[[Compiled], Compiled]:
-    """Return a decorator for functions that depend on nothing but ``sources`` and ``more``."""
+    """Return a decorator for functions that depend only on ``sources`` and ``more``."""
     digest = hashlib.sha256(f"{numba.__version__} {more}".encode())
     for path in sources:
         digest.update(path.read_bytes())
@@ -42,10 +41,14 @@ def compiler(sources: Iterable[Path], more: str = "") -> Callable[[Compiled], Co
 def _writable_cache() -> Path:
     """Return the user's cache, or where the home cannot be written to a temporary one."""
     home = Path(platformdirs.user_cache_dir("rallygap"))
-    return home if _own(home) else Path(tempfile.gettempdir()) / f"rallygap-{getpass.getuser()}"
+    return (
+        home
+        if _is_writable(home)
+        else Path(tempfile.gettempdir()) / f"rallygap-{getpass.getuser()}"
+    )
 
 
-def _own(folder: Path) -> bool:
+def _is_writable(folder: Path) -> bool:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:

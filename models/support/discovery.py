@@ -1,4 +1,4 @@
-"""Things that are found by being there: modules of a package, and entry points of others."""
+"""Discovery of plugins: modules of a package and entry points of other packages."""
 
 import importlib
 import pkgutil
@@ -8,12 +8,12 @@ from typing import Any
 
 
 def discovered(package: ModuleType, attribute: str, group: str) -> list[Any]:
-    """Return the ``attribute`` of every module of a package, then of every offered module.
+    """Return the ``attribute`` of every module of a package and of its entry points.
 
     Args:
-        package: whose modules each have the attribute.
-        attribute: its name.
-        group: the entry points by which other packages offer such modules.
+        package: its modules each have the attribute.
+        attribute: name of the plugin object.
+        group: entry point group for modules of other packages.
     """
     names = sorted(module.name for module in pkgutil.iter_modules(package.__path__))
     modules = [importlib.import_module(f"{package.__name__}.{name}") for name in names]

@@ -24,11 +24,11 @@ PLACES = {
 
 
 def catalogue_page() -> str:
-    """Return the catalogue as Markdown: a table a place, a row a parameter."""
+    """Return the catalogue as Markdown: one table per place, one row per parameter."""
     parts = [PREAMBLE]
     for place, title in PLACES.items():
         parts.append(f"## {title}\n\n| effect | what happens | exact form | parameter | neutral | "
-                     "bounds | seen | source |\n|---|---|---|---|---|---|---|---|")  # fmt: skip
+                     "bounds | observed | source |\n|---|---|---|---|---|---|---|---|")  # fmt: skip
         for effect in catalogue().values():
             if effect.acts == place:
                 parts.extend(_row(effect, parameter) for parameter in effect.parameters)
@@ -47,7 +47,7 @@ def _row(effect: Effect, parameter: Parameter) -> str:
         f"`{parameter.name}`{unit}",
         neutral,
         f"{low:g} to {high:g}",
-        parameter.seen,
+        parameter.observed,
         parameter.source,
     ]
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"

@@ -1,1 +1,1 @@
-"""The catalogue: one file an effect. A file put here is found by itself."""
+"""The effects, one module each. A new module is found without registration."""

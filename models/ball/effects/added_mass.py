@@ -15,7 +15,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(-5.0, 5.0),
-            seen="physically 1, that is 0.74 percent of every acceleration",
+            observed="physically 1, that is 0.74 percent of every acceleration",
             source="potential flow about a sphere",
         ),
     ),

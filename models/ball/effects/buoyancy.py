@@ -14,7 +14,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(-5.0, 5.0),
-            seen="physically 1, that is 1.5 percent of g",
+            observed="physically 1, that is 1.5 percent of g",
             source="Archimedes",
         ),
     ),

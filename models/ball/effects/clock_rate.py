@@ -14,7 +14,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(-0.2, 0.2),
-            seen="1e-4; 1e-2 for a wrong frame rate",
+            observed="1e-4; 1e-2 for a wrong frame rate",
             source="definition",
         ),
     ),

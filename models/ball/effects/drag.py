@@ -14,7 +14,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(0.0, 1.5),
-            seen="0.40-0.56",
+            observed="0.40-0.56",
             source="Nakashima 2010: 0.54",
         ),
     ),

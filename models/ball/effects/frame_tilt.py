@@ -15,7 +15,7 @@ effect = Effect(
             unit="rad",
             neutral=0.0,
             bounds=(-0.2, 0.2),
-            seen="0.1-1 degree",
+            observed="0.1-1 degree",
             source="definition",
         )
         for axis in "xy"

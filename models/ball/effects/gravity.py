@@ -13,7 +13,7 @@ effect = Effect(
             unit="m/s^2",
             neutral=0.0,
             bounds=(0.0, 30.0),
-            seen="9.78-9.83 over the earth",
+            observed="9.78-9.83 over the earth",
             source="Nakashima 2010",
         ),
     ),

@@ -16,7 +16,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(0.0, 3.0),
-            seen="to zero or negative lift above 11 m/s",
+            observed="to zero or negative lift above 11 m/s",
             source="after Miyazaki 2017",
         ),
     ),

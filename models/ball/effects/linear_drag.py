@@ -14,7 +14,7 @@ effect = Effect(
             unit="1/s",
             neutral=0.0,
             bounds=(-2.0, 2.0),
-            seen="not physical at these Reynolds numbers",
+            observed="not physical at these Reynolds numbers",
             source="Stokes drag",
         ),
     ),

@@ -14,7 +14,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(-1.0, 1.0),
-            seen="pooled fits 0.07-0.12; 0.09-0.33 where lift is not saturated",
+            observed="pooled fits 0.07-0.12; 0.09-0.33 where lift is not saturated",
             source="Nakashima 2010: 0.069",
         ),
     ),

@@ -14,7 +14,7 @@ effect = Effect(
             unit="1",
             neutral=-1.0,
             bounds=(0.0, 1.0),
-            seen="not reported; a net gives way",
+            observed="not reported; a net gives way",
             source="assumption: 0.2",
         ),
         Parameter(
@@ -22,7 +22,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(0.0, 2.0),
-            seen="not reported",
+            observed="not reported",
             source="assumption: 0.5",
         ),
     ),

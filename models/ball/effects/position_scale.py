@@ -14,7 +14,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(-0.1, 0.1),
-            seen="0.1-1 percent",
+            observed="0.1-1 percent",
             source="definition",
         ),
     ),

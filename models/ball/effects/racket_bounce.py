@@ -15,7 +15,7 @@ effect = Effect(
             unit="1",
             neutral=-1.0,
             bounds=(0.0, 1.0),
-            seen="0.878",
+            observed="0.878",
             source="fits of racket contacts",
         ),
         Parameter(
@@ -23,7 +23,7 @@ effect = Effect(
             unit="s/m",
             neutral=0.0,
             bounds=(0.0, 0.1),
-            seen="0.020",
+            observed="0.020",
             source="fits of racket contacts",
         ),
         Parameter(
@@ -31,7 +31,7 @@ effect = Effect(
             unit="kg",
             neutral=0.0,
             bounds=(0.0, 2.16e-3),
-            seen="1.9e-3, a tangential restitution of 0.76",
+            observed="1.9e-3, a tangential restitution of 0.76",
             source="Nakashima 2010; the 0.019 in print is ten times too large",
         ),
     ),

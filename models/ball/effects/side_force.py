@@ -17,7 +17,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(-0.5, 0.5),
-            seen="to 0.05 on a knuckle ball",
+            observed="to 0.05 on a knuckle ball",
             source="definition",
         ),
     ),

@@ -14,7 +14,7 @@ effect = Effect(
             unit="s/m",
             neutral=0.0,
             bounds=(-0.2, 0.2),
-            seen="mu rises from 0.16 to 0.20 with slip in cannon shots",
+            observed="mu rises from 0.16 to 0.20 with slip in cannon shots",
             source="fits of cannon shots",
         ),
     ),

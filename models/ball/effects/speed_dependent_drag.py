@@ -14,7 +14,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(-0.5, 0.5),
-            seen="about -0.06",
+            observed="about -0.06",
             source="fits of cannon shots; the drag crisis of smooth spheres",
         ),
     ),

@@ -17,7 +17,7 @@ effect = Effect(
             unit="s^2/m",
             neutral=0.0,
             bounds=(-0.002, 0.002),
-            seen="1-5 ms per 10 m/s",
+            observed="1-5 ms per 10 m/s",
             source="definition",
         ),
     ),

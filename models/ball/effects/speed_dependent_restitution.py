@@ -14,7 +14,7 @@ effect = Effect(
             unit="s/m",
             neutral=0.0,
             bounds=(-0.1, 0.1),
-            seen="0.02 at high speed, none below 4 m/s",
+            observed="0.02 at high speed, none below 4 m/s",
             source="drop and cannon tests",
         ),
     ),

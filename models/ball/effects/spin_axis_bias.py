@@ -14,7 +14,7 @@ effect = Effect(
             unit="rad",
             neutral=0.0,
             bounds=(-0.8, 0.8),
-            seen="1-3 degrees",
+            observed="1-3 degrees",
             source="definition",
         )
         for axis in "xyz"

@@ -14,7 +14,7 @@ effect = Effect(
             unit="1/m",
             neutral=0.0,
             bounds=(0.0, 0.2),
-            seen="about 0.004",
+            observed="about 0.004",
             source="skin friction of a rotating sphere",
         ),
     ),

@@ -14,7 +14,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(-0.5, 0.5),
-            seen="0.05-0.1",
+            observed="0.05-0.1",
             source="wind-tunnel data on spinning spheres",
         ),
     ),

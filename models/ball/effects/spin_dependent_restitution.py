@@ -14,7 +14,7 @@ effect = Effect(
             unit="s/m",
             neutral=0.0,
             bounds=(-0.1, 0.1),
-            seen="not reported",
+            observed="not reported",
             source="definition",
         ),
     ),

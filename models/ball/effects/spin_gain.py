@@ -14,7 +14,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(-0.5, 0.5),
-            seen="5 percent",
+            observed="5 percent",
             source="definition",
         ),
     ),

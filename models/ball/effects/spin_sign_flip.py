@@ -14,7 +14,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(0.0, 1.0),
-            seen="14 percent in one public set",
+            observed="14 percent in one public set",
             source="definition",
         ),
     ),

@@ -14,7 +14,7 @@ effect = Effect(
             unit="1",
             neutral=-1.0,
             bounds=(0.0, 1.0),
-            seen="0.866-0.960",
+            observed="0.866-0.960",
             source="Nakashima 2010: 0.93",
         ),
         Parameter(
@@ -22,7 +22,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(0.0, 2.0),
-            seen="0.15-0.35",
+            observed="0.15-0.35",
             source="Nakashima 2010: 0.25",
         ),
     ),

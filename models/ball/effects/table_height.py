@@ -13,7 +13,7 @@ effect = Effect(
             unit="m",
             neutral=0.0,
             bounds=(-0.2, 0.2),
-            seen="1-3 mm; one public set 22 mm",
+            observed="1-3 mm; one public set 22 mm",
             source="definition",
         ),
     ),

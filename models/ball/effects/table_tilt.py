@@ -15,7 +15,7 @@ effect = Effect(
             unit="rad",
             neutral=0.0,
             bounds=(-0.1, 0.1),
-            seen="0.05-0.3 degrees",
+            observed="0.05-0.3 degrees",
             source="definition",
         )
         for axis in "xy"

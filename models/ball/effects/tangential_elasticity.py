@@ -14,7 +14,7 @@ effect = Effect(
             unit="1",
             neutral=0.0,
             bounds=(0.0, 1.0),
-            seen="0 on wood",
+            observed="0 on wood",
             source="Maw, Barber, Fawcett 1976",
         ),
     ),

@@ -14,7 +14,7 @@ effect = Effect(
             unit="s",
             neutral=0.0,
             bounds=(-0.1, 0.1),
-            seen="cannot be seen from the ball alone",
+            observed="not visible in the ball's path",
             source="definition",
         ),
     ),

@@ -14,7 +14,7 @@ effect = Effect(
             unit="m/s",
             neutral=0.0,
             bounds=(-10.0, 10.0),
-            seen="0.1-0.5 from air conditioning",
+            observed="0.1-0.5 from air conditioning",
             source="definition",
         )
         for axis in "xyz"

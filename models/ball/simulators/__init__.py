@@ -1,4 +1,4 @@
-"""The simulators that come with rallygap, as YAML."""
+"""The simulators shipped with rallygap, as YAML."""
 
 from importlib.resources import files
 

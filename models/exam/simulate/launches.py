@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.arena.sides import turned
+from models.arena.sides import switch_frame
 from models.ball.simulator import Contacts, Simulator
 from models.ball.state import (
     BALL_RADIUS,
@@ -66,7 +66,7 @@ def launches(
     ways = -np.ones(shots)
     if directions == 2:
         ways[random.permutation(shots)[: shots // 2]] = 1.0
-    return Launches(turned(states, ways), durations)
+    return Launches(switch_frame(states, ways), durations)
 
 
 def _drawn(simulator: Simulator, random: np.random.Generator) -> tuple[Floats, Floats]:

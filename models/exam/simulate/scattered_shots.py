@@ -93,7 +93,7 @@ def scattered_shots(
         before[going, k], after[going, k] = met.before[on, 0], met.after[on, 0]
         times[going, k], surfaces[going, k] = now[going], met.surface[on, 0]
         table = going[surfaces[going, k] == TABLE]
-        after[table, k] = scatter.deviated(simulator, before[table, k], after[table, k], random)
+        after[table, k] = scatter.apply(simulator, before[table, k], after[table, k], random)
         current = after[going, k]
     count = (surfaces != NONE).sum(axis=1)
     contacts = Contacts(count, times, surfaces, before, after)

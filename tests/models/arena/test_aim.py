@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from models.arena.aim import aimed, in_air
-from tests.models.arena.halls import TRUTH
+from models.arena.aim import aim_launches, without_surfaces
+from tests.models.arena.sessions import TRUTH
 
-AIR = in_air(TRUTH.simulator)
+AIR = without_surfaces(TRUTH.simulator)
 
 
 def aim(height=0.3, seconds=0.5, spin=(-100.0, 0.0, 50.0), clearance=0.02):
-    return aimed(
+    return aim_launches(
         TRUTH.simulator,
         np.array([[0.2, -1.4, height]]),
         np.array([spin]),

@@ -6,7 +6,7 @@ import pytest
 from models.arena.bounce_scatter import BounceScatter, table_normals
 from models.ball.simulator import Simulator
 from models.ball.state import BALL_RADIUS
-from tests.models.arena.halls import TRUTH, energy, flying
+from tests.models.arena.sessions import TRUTH, energy, flying
 
 SCATTER = BounceScatter(restitution=0.012, friction=0.05)
 
@@ -20,14 +20,14 @@ def bounces(count=3000, seed=0, simulator=TRUTH.simulator, **limits):
     return contacts.before[met, 0], contacts.after[met, 0]
 
 
-def deviated(before, after, scatter=SCATTER, simulator=TRUTH.simulator):
-    return scatter.deviated(simulator, before, after, np.random.default_rng(1))
+def apply(before, after, scatter=SCATTER, simulator=TRUTH.simulator):
+    return scatter.apply(simulator, before, after, np.random.default_rng(1))
 
 
 def test_without_size_it_does_nothing():
     before, after = bounces()
 
-    assert deviated(before, after, BounceScatter(0.0, 0.0)) == pytest.approx(after, abs=1e-12)
+    assert apply(before, after, BounceScatter(0.0, 0.0)) == pytest.approx(after, abs=1e-12)
 
 
 def test_the_normal_rebound_deviates_by_the_stated_share():
@@ -36,7 +36,7 @@ def test_the_normal_rebound_deviates_by_the_stated_share():
     )
     before, after = bounces(simulator=level, fastest=10.0)
 
-    factor = deviated(before, after, simulator=level)[:, 5] / after[:, 5]
+    factor = apply(before, after, simulator=level)[:, 5] / after[:, 5]
 
     assert factor.mean() == pytest.approx(1.0, abs=0.001)
     assert factor.std() == pytest.approx(0.012, rel=0.05)
@@ -46,7 +46,7 @@ def test_the_tangential_impulse_of_sliding_balls_deviates_by_the_stated_share():
     before, after = bounces(fastest=20.0, most_spin=50.0)
     sliding = np.linalg.norm(before[:, 3:5], axis=1) > 2 * np.abs(before[:, 5])
 
-    spun = (deviated(before, after) - before)[sliding, 6:8]
+    spun = (apply(before, after) - before)[sliding, 6:8]
     factor = np.linalg.norm(spun, axis=1) / np.linalg.norm((after - before)[sliding, 6:8], axis=1)
 
     assert sliding.sum() > 300
@@ -58,7 +58,7 @@ def test_angular_momentum_about_the_contact_point_is_kept():
     before, after = bounces()
     normal = table_normals(TRUTH.simulator, before[:, :3])
 
-    change = deviated(before, after) - before
+    change = apply(before, after) - before
 
     twist = np.cross(BALL_RADIUS * normal, change[:, 3:6]) + 2 / 3 * BALL_RADIUS**2 * change[:, 6:]
     assert np.abs(twist).max() < 1e-9
@@ -67,7 +67,7 @@ def test_angular_momentum_about_the_contact_point_is_kept():
 def test_energy_never_grows_even_at_extremes():
     before, after = bounces()
 
-    scattered = deviated(before, after, BounceScatter(restitution=0.2, friction=0.5))
+    scattered = apply(before, after, BounceScatter(restitution=0.2, friction=0.5))
 
     assert (energy(scattered) <= energy(before) * (1 + 1e-12)).all()
     assert (scattered[:, 5] > -1e-9).all()

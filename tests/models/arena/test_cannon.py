@@ -7,7 +7,7 @@ from models.arena.cannon import cannon_balls, cannon_launches, launch_states
 from models.ball.contact_laws import TABLE
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, VELOCITY
-from tests.models.arena.halls import TRUTH, of_group
+from tests.models.arena.sessions import TRUTH, of_group
 
 SIMULATOR = TRUTH.simulator
 

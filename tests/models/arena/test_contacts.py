@@ -1,17 +1,17 @@
-"""Contacts: in order of time, on their surfaces, and known until the ball is gone."""
+"""Contacts: in order of time, on their surfaces, and known until the ball is out of view."""
 
 import numpy as np
 import pytest
 
-from models.arena.contacts import FLOOR_SURFACE, touches
-from models.arena.environment import FLOOR, floor_bounced, in_sight
+from models.arena.contacts import FLOOR_SURFACE, follow_contacts
+from models.arena.environment import FLOOR, bounce_off_floor, in_view
 from models.ball.contact_laws import TABLE
 from models.ball.state import BALL_RADIUS
-from tests.models.arena.halls import TRUTH, energy, flying
+from tests.models.arena.sessions import TRUTH, energy, flying
 
 
 def followed(states, most=5, seed=0):
-    return touches(TRUTH, np.atleast_2d(states), most, np.random.default_rng(seed))
+    return follow_contacts(TRUTH, np.atleast_2d(states), most, np.random.default_rng(seed))
 
 
 def test_a_dropped_ball_bounces_on_its_spot_lower_and_lower():
@@ -36,8 +36,10 @@ def test_a_ball_that_flies_off_is_gone_when_it_leaves_the_cameras_sight():
     flight = followed([0.0, 0.0, 1.0, 0, 10.0, 0, 0, 0, 0])
 
     assert np.isinf(flight.times).all()
-    end = TRUTH.simulator.fly([0, 0, 1, 0, 10, 0, 0, 0, 0], [flight.gone[0], flight.gone[0] + 0.02])
-    assert in_sight(end.states[0]).tolist() == [True, False]
+    end = TRUTH.simulator.fly(
+        [0, 0, 1, 0, 10, 0, 0, 0, 0], [flight.last_visible[0], flight.last_visible[0] + 0.02]
+    )
+    assert in_view(end.states[0]).tolist() == [True, False]
 
 
 def test_two_balls_alike_part_at_their_first_bounce():
@@ -50,10 +52,10 @@ def test_two_balls_alike_part_at_their_first_bounce():
 def test_the_floor_takes_energy_and_turns_a_sliding_ball():
     before = flying(500, np.random.default_rng(0))
 
-    after = floor_bounced(before)
+    after = bounce_off_floor(before)
 
     assert (energy(after) < energy(before)).all()
-    slid = floor_bounced(np.array([[0, 0, FLOOR, 0, 5.0, -1.0, 0, 0, 0]]))[0]
+    slid = bounce_off_floor(np.array([[0, 0, FLOOR, 0, 5.0, -1.0, 0, 0, 0]]))[0]
     assert slid[4] < 5.0
     assert slid[6] < 0  # forward roll along +y
 
@@ -64,5 +66,5 @@ def test_extreme_balls_stay_finite():
 
     found = np.isfinite(flight.times)
     assert np.isfinite(flight.states[found]).all()
-    assert np.isfinite(flight.gone).all()
+    assert np.isfinite(flight.last_visible).all()
     assert found[:, 0].mean() > 0.9

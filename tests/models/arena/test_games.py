@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.models.arena.halls import LEVELS, games, of_group
+from tests.models.arena.sessions import LEVELS, games, of_group
 
 
 def points_of(level=None):
@@ -36,11 +36,11 @@ def shots(level):
 def test_a_point_is_the_strokes_of_two_players_in_turn():
     for recording, point in points_of():
         kinds, states = contacts_of(recording, point)
-        ways = np.sign(states[[kind == "racket" for kind in kinds], 4])
+        directions = np.sign(states[[kind == "racket" for kind in kinds], 4])
         assert kinds[:2] == ["launch", "racket"]
-        assert len(ways) == point.strokes
-        assert ways[0] == (1 if point.server == "near" else -1)
-        assert (ways[1:] == -ways[:-1]).all()
+        assert len(directions) == point.strokes
+        assert directions[0] == (1 if point.server == "near" else -1)
+        assert (directions[1:] == -directions[:-1]).all()
 
 
 def test_every_stroke_that_is_answered_bounced_once_on_the_other_side():

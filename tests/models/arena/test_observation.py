@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from models.arena.cameras import Cameras, SlowError
-from models.arena.contacts import touches
-from models.arena.observation import Ball, observe
+from models.arena.contacts import follow_contacts
+from models.arena.observation import TrackedBall, observe
 from models.arena.recording import TrueContacts
-from tests.models.arena.halls import TRUTH, flying
+from tests.models.arena.sessions import TRUTH, flying
 
 CAMERAS = Cameras(0.003, 0.05, 0.02, 0.01, SlowError(0.3, 0.05), interval=0.005)
 
@@ -15,12 +15,12 @@ CAMERAS = Cameras(0.003, 0.05, 0.02, 0.01, SlowError(0.3, 0.05), interval=0.005)
 def balls(count, random):
     """Return balls that start at the extremes of the game, until their second contact."""
     launches = flying(count, random)
-    flight = touches(TRUTH, launches, 1, random)
+    flight = follow_contacts(TRUTH, launches, 1, random)
     return [
-        Ball(
+        TrackedBall(
             TrueContacts(np.array([0.001]), np.array(["launch"]), launches[None, row]), 0.001 + end
         )
-        for row, end in enumerate(np.minimum(flight.times[:, 0], flight.gone))
+        for row, end in enumerate(np.minimum(flight.times[:, 0], flight.last_visible))
     ]
 
 
@@ -32,7 +32,7 @@ def test_frames_lie_on_the_grid_between_launch_and_end():
         steps = samples.times / 0.005
         assert steps == pytest.approx(np.round(steps))
         assert (samples.times >= 0.001).all()
-        assert (samples.times <= ball.gone).all()
+        assert (samples.times <= ball.last_visible).all()
 
 
 def test_balls_of_35_metres_a_second_and_1000_radians_a_second_are_measured():
@@ -40,13 +40,15 @@ def test_balls_of_35_metres_a_second_and_1000_radians_a_second_are_measured():
     launches = flying(300, random)
     launches[:, 3:6] *= 35 / np.linalg.norm(launches[:, 3:6], axis=1, keepdims=True)
     launches[:, 6:] *= 1000 / np.linalg.norm(launches[:, 6:], axis=1, keepdims=True)
-    flight = touches(TRUTH, launches, 3, random)
+    flight = follow_contacts(TRUTH, launches, 3, random)
 
     for row in np.flatnonzero(np.isfinite(flight.times[:, 0])):
         met = np.isfinite(flight.times[row])
         contacts = TrueContacts(
             flight.times[row, met], flight.surfaces[row, met], flight.states[row, met]
         )
-        (samples,) = observe(TRUTH, CAMERAS, [Ball(contacts, flight.gone[row])], random)
+        (samples,) = observe(
+            TRUTH, CAMERAS, [TrackedBall(contacts, flight.last_visible[row])], random
+        )
         assert np.isfinite(samples.positions).all()
         assert np.isfinite(samples.spins).all()

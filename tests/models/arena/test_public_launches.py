@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import ks_2samp
 
-from tests.models.arena.halls import games
+from tests.models.arena.sessions import games
 
 KEYS = [f"{part}_{axis}" for part in ("pos", "vel", "w_vel") for axis in "xyz"]
 
@@ -38,10 +38,10 @@ def arena_launches():
     launches = {"serves": [], "rallies": []}
     for game in games():
         if game.name.split("/")[0] in ("amateur", "club"):
-            tossed = np.append(False, game.contacts.kinds[:-1] == "launch")
+            toss = np.append(False, game.contacts.kinds[:-1] == "launch")
             struck = game.contacts.kinds == "racket"
-            launches["serves"].append(game.contacts.states[struck & tossed])
-            launches["rallies"].append(game.contacts.states[struck & ~tossed])
+            launches["serves"].append(game.contacts.states[struck & toss])
+            launches["rallies"].append(game.contacts.states[struck & ~toss])
     return {name: np.concatenate(parts) for name, parts in launches.items()}
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from models.arena.session import one_by_one, recordings
-from tests.models.arena.halls import LEVELS, TRUTH, games, session, settings
+from models.arena.session import recordings, run_sequentially
+from tests.models.arena.sessions import LEVELS, TRUTH, games, session, settings
 
 
 def flattened(recording):
@@ -48,7 +48,7 @@ def test_no_more_than_a_round_is_shared_out_at_once(
 
     def share(tasks):
         shared.append(len(tasks))
-        return one_by_one(tasks)
+        return run_sequentially(tasks)
 
     found = islice(recordings(settings(**wanted), TRUTH, 0, share), recordings_taken)
     assert len({recording.name for recording in found}) == recordings_taken

@@ -8,7 +8,7 @@ import pytest
 from models.arena.truth import Truth, draw_truth
 from models.ball.catalogue import catalogue
 from models.ball.simulators import shipped, shipped_names
-from tests.models.arena.halls import energy, flying
+from tests.models.arena.sessions import energy, flying
 
 SEEDS = range(40)
 

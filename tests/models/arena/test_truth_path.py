@@ -5,7 +5,7 @@ import pytest
 
 from models.arena.session import recordings
 from models.arena.truth_path import true_states
-from tests.models.arena.halls import TRUTH, games, session, settings
+from tests.models.arena.sessions import TRUTH, games, session, settings
 
 
 def test_perfect_cameras_see_the_true_path():

@@ -1,10 +1,10 @@
-"""The umpire: what the touches of a ball mean."""
+"""The umpire: decisions from the contacts of a ball."""
 
 import numpy as np
 import pytest
 
-from models.arena.contacts import FLOOR_SURFACE, Touches
-from models.arena.umpire import called, lost_by
+from models.arena.contacts import FLOOR_SURFACE, ContactSequence
+from models.arena.umpire import judge_strokes, unreturned_outcome
 from models.ball.contact_laws import NET, TABLE
 
 OWN, OTHER = (TABLE, -0.8), (TABLE, 0.8)
@@ -12,17 +12,17 @@ CORD, FLOOR = (NET, 0.0), (FLOOR_SURFACE, 2.0)
 
 
 def flight(*met, most=4):
-    """Return the touches of one ball struck towards +y, a tenth of a second apart."""
+    """Return the contacts of one ball struck towards +y, a tenth of a second apart."""
     states = np.full((1, most, 9), np.nan)
     times, surfaces = np.full((1, most), np.inf), np.zeros((1, most), dtype=np.int64)
     for k, (surface, y) in enumerate(met):
         states[0, k] = [0, y, 0.02, 0, 0, 0, 0, 0, 0]
         times[0, k], surfaces[0, k] = 0.1 * (k + 1), surface
-    return Touches(times, surfaces, states, np.array([0.1 * len(met) + 0.5]))
+    return ContactSequence(times, surfaces, states, np.array([0.1 * len(met) + 0.5]))
 
 
 def call(*met, serve=False):
-    return called(flight(*met), np.array([1.0]), serve)
+    return judge_strokes(flight(*met), np.array([1.0]), serve)
 
 
 @pytest.mark.parametrize(
@@ -56,14 +56,14 @@ def test_the_sides_are_judged_alike():
     seen = flight(OTHER, FLOOR)
     seen.states[..., 1] *= -1
 
-    assert called(seen, np.array([-1.0]), serve=False).good[0]
+    assert judge_strokes(seen, np.array([-1.0]), serve=False).good[0]
 
 
 @pytest.mark.parametrize(
     ("then", "how", "when"), [(OTHER, "double_bounce", 0.2), (FLOOR, "missed", 0.2)]
 )
 def test_a_ball_that_nobody_returns_ends_the_point(then, how, when):
-    end, ended_by = lost_by(flight(OTHER, then), np.array([0]))
+    end, ended_by = unreturned_outcome(flight(OTHER, then), np.array([0]))
 
     assert ended_by[0] == how
     assert end[0] == pytest.approx(when)

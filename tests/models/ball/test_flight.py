@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.ball.flight import hall, step
+from models.ball.flight import flight_environment, step
 from models.ball.state import DRAG_FACTOR, MAGNUS_FACTOR
 from tests.models.ball.balls import NOMINAL, simulator
 
@@ -51,7 +51,7 @@ def test_the_step_converges_with_order_four(along):
     def end(steps):
         state = start
         for _ in range(steps):
-            state = step(state, 0.32 / steps, p, hall(p))
+            state = step(state, 0.32 / steps, p, flight_environment(p))
         return np.array(state)
 
     errors = [np.abs(end(n) - end(1024)).max() for n in (8, 16, 32)]

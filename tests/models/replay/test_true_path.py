@@ -8,7 +8,7 @@ from models.policy.incoming_balls import PATH_TIMES
 from models.replay.replayed_balls import fly_on
 from models.replay.shots import Shot
 from models.replay.true_path import true_path
-from tests.models.arena.halls import TRUTH, games, session
+from tests.models.arena.sessions import TRUTH, games, session
 
 
 def rallies():

@@ -1,4 +1,4 @@
-"""What the tests of the arena share: halls, settings and a small session."""
+"""Shared by the tests of the arena: truth, settings and a small session."""
 
 from functools import cache
 
