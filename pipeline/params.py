@@ -14,9 +14,6 @@ from pydantic import (
     ValidationError,
     model_validator,
 )
-from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
-from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent
 
 from models.policy.settings import (
     GoalSettings,
@@ -29,6 +26,7 @@ from models.predictors.settings import NetworkSettings, TrainingSettings
 from models.segmentation.settings import ScoringSettings, SegmentSettings
 from models.shot_quality.settings import ForestSettings
 from models.support.suggestion import suggestion
+from models.support.yaml_file import YamlFileError, load_yaml
 from pipeline.runtime.errors import InputError
 from pipeline.sources.settings import IngestSettings
 
@@ -36,8 +34,6 @@ from pipeline.sources.settings import IngestSettings
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
 
 
-MOST_ALIASES = 20  # of a YAML file; a few lines of them may repeat themselves without end
-DEEPEST = 100  # parts of YAML that one part may stand in
 LONGEST_SHOWN = 100  # characters of a refused value in a message
 
 
@@ -262,39 +258,16 @@ class ParameterError(InputError):
         self.args = ("\n".join(str(problem) for problem in problems),)
 
 
-def parse_yaml(text: str) -> Any:
-    """Parse YAML the way DVC does: version 1.2, where ``1e-3`` is a number, no key twice.
-
-    Raises:
-        YAMLError: it is not YAML.
-        ValueError: a value is none, or parts repeat others too often or are nested too deeply.
-    """
-    aliases = depth = 0
-    for event in YAML(typ="safe").parse(text):
-        aliases += isinstance(event, AliasEvent)
-        depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
-        if aliases > MOST_ALIASES:
-            raise ValueError(f"parts repeat others; write out all but {MOST_ALIASES}")
-        if depth > DEEPEST:
-            raise ValueError(f"parts stand in more than {DEEPEST} others")
-    return YAML(typ="safe").load(text)
-
-
 def read_yaml(path: Path) -> Any:
-    """Read a YAML file; see ``parse_yaml``.
+    """Read a YAML file.
 
     Raises:
         InputError: the file is missing or is not YAML.
     """
     try:
-        return parse_yaml(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(path, "there is no such file") from None
-    except OSError as error:
-        raise InputError(path, f"cannot be read: {error.strerror}") from None
-    except (YAMLError, ValueError, RecursionError) as error:  # such as a date in a month 99
-        reason = " ".join(str(error).split())
-        raise InputError(path, f"is not YAML: {reason}") from None
+        return load_yaml(path)
+    except YamlFileError as error:
+        raise InputError(path, str(error)) from None
 
 
 def as_json(content: Any, path: Path) -> str:

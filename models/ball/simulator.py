@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,20 @@ from models.ball.effect import Effect, Parameter
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats, Integers
 from models.support.suggestion import suggestion
+from models.support.yaml_file import YamlFileError, load_yaml
 
 
 class SimulatorError(ValueError):
-    """Invalid simulator: an unknown effect or parameter, or an impossible value."""
+    """An unknown effect or parameter, or an impossible value.
+
+    Args:
+        problem: what is wrong and what is allowed, naming effect and parameter.
+        path: of the simulator's file, if it is from one.
+    """
+
+    def __init__(self, problem: str, path: Path | str | None = None) -> None:
+        super().__init__(problem if path is None else f"{path}: {problem}")
+        self.problem = problem
 
 
 @dataclass(frozen=True)
@@ -65,6 +76,20 @@ class Simulator:
         if not isinstance(description, Mapping):
             raise SimulatorError("a simulator is a list of effects, each with its parameters")
         return cls({name: _checked(name, values) for name, values in description.items()})
+
+    @classmethod
+    def load(cls, path: Path | str) -> "Simulator":
+        """Read a simulator from a YAML file: a list of effects, each with its parameters.
+
+        Raises:
+            SimulatorError: naming the file, the effect, the parameter and what is allowed.
+        """
+        try:
+            return cls.from_dict(load_yaml(Path(path)))
+        except SimulatorError as error:
+            raise SimulatorError(error.problem, path) from None
+        except YamlFileError as error:
+            raise SimulatorError(str(error), path) from None
 
     def to_dict(self) -> dict[str, dict[str, float]]:
         """Return what ``from_dict`` takes, every parameter spelled out."""
@@ -155,7 +180,8 @@ def _checked(name: str, values: Any) -> dict[str, float]:
         raise SimulatorError(f"{name}: give its parameters by name, not {values!r}")
     known = [parameter.name for parameter in effect.parameters]
     for unknown in [key for key in values if key not in known]:
-        raise SimulatorError(f"{name} has no parameter {unknown!r}; it has: {', '.join(known)}")
+        hint = suggestion(unknown, known)
+        raise SimulatorError(f"{name} has no parameter {unknown!r}; {hint}")
     return {parameter.name: _value(name, parameter, values) for parameter in effect.parameters}
 
 

@@ -60,7 +60,7 @@ class MeasuredShots:
     noise: float
 
 
-def read_shots(folder: Path, source: str) -> MeasuredShots:
+def read_shots(folder: Path | str, source: str) -> MeasuredShots:
     """Read the recordings of a folder and cut them into shots.
 
     Args:
@@ -71,7 +71,7 @@ def read_shots(folder: Path, source: str) -> MeasuredShots:
         InputError: there is no such folder or source, a file is not what the source reads, or
             there are launches without a path.
     """
-    parts, manifest = _recordings(folder, _source(source))
+    parts, manifest = _recordings(Path(folder), _source(source))
     settings = SegmentSettings(noise=_noise(parts))
     episodes = _episodes(parts, manifest, settings)
     record = next(iter(manifest.sources.values()))

@@ -1,10 +1,7 @@
 """Simulators by name or by file."""
 
-from pathlib import Path
-
 from models.ball.simulator import Simulator, SimulatorError
 from models.ball.simulators import shipped
-from pipeline.params import read_yaml
 from pipeline.runtime.errors import InputError
 
 
@@ -16,7 +13,7 @@ def load_simulator(name: str) -> Simulator:
     """
     try:
         if name.endswith((".yaml", ".yml")):
-            return Simulator.from_dict(read_yaml(Path(name)))
+            return Simulator.load(name)
         return shipped(name)
     except SimulatorError as error:
-        raise InputError(name, str(error)) from None
+        raise InputError(name, error.problem) from None

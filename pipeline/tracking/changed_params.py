@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.params import parse_yaml, read_yaml
+from models.support.yaml_file import parse_yaml
+from pipeline.params import read_yaml
 
 LONGEST_VALUE = 250  # characters of a parameter that every MLflow store takes
 

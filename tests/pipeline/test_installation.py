@@ -1,6 +1,8 @@
 """The base installation diagnoses; what it lacks is named with the extra that brings it."""
 
 import json
+import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -16,7 +18,7 @@ from models.ball.simulators import shipped
 
 ROOT = Path(__file__).parents[2]
 
-# Runs the command line where every package that the base installation lacks cannot be imported.
+# Runs Python code where every package that the base installation lacks cannot be imported.
 BASE_ONLY = """
 import sys
 from importlib.metadata import PackageNotFoundError
@@ -27,9 +29,8 @@ class Absent:
             raise ModuleNotFoundError(f"No module named {name!r}", name=name)
 
 sys.meta_path.insert(0, Absent())
-from pipeline.cli import main
-main()
 """
+COMMAND_LINE = "from pipeline.cli import main; main()"
 
 
 def base_distributions():
@@ -50,7 +51,7 @@ def base_distributions():
 
 @pytest.fixture(scope="module")
 def base_only(tmp_path_factory):
-    """Run rallygap as it is in the base installation."""
+    """Run rallygap, or any code, as in the base installation."""
     base = base_distributions()
     absent = {
         package
@@ -62,10 +63,10 @@ def base_only(tmp_path_factory):
 
     home = str(tmp_path_factory.mktemp("home"))
 
-    def run(*words):
-        command = [sys.executable, "-c", script, *map(str, words)]
+    def run(*words, code=COMMAND_LINE, cwd=ROOT):
+        command = [sys.executable, "-c", script + code, *map(str, words)]
         environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": home}
-        return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+        return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True)
 
     return run
 
@@ -94,6 +95,16 @@ def test_the_base_installation_diagnoses_a_folder(base_only, recordings, tmp_pat
     assert ended.returncode == 0, ended.stderr
     verdict = json.loads((tmp_path / "verdict" / "verdict.json").read_text())
     assert verdict["verdict"] != "no_gap"
+
+
+def test_the_code_of_the_python_api_page_runs_as_pasted(base_only, recordings, tmp_path):
+    literature = ROOT / "models" / "ball" / "simulators" / "literature.yaml"
+    shutil.copy(literature, tmp_path / "simulator.yaml")
+    page = (ROOT / "docs" / "python-api.md").read_text()
+    code = "\n".join(re.findall(r"```python\n(.*?)```", page, re.DOTALL))
+    ended = base_only(code=code, cwd=recordings.parent)
+    assert ended.returncode == 0, ended.stderr
+    assert "drag.cd" in ended.stdout
 
 
 @pytest.mark.parametrize("words", [["sweep", "quick"], ["ui"], ["real", "."]])

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pipeline.params import check_params, load_params, parse_yaml, read_yaml
+from models.support.yaml_file import parse_yaml
+from pipeline.params import check_params, load_params, read_yaml
 from pipeline.runtime.errors import InputError
 
 ROOT = Path(__file__).parents[2]

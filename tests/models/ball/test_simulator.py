@@ -1,6 +1,7 @@
 """The simulator as a value: what it accepts, and what it says when it does not."""
 
 import itertools
+import re
 import subprocess
 import sys
 
@@ -45,7 +46,7 @@ def test_an_unknown_simulator_is_named_with_those_that_exist():
     ("description", "says"),
     [
         ({"dragg": {"cd": 0.4}}, "did you mean drag"),
-        ({"drag": {"c_d": 0.4}}, "it has: cd"),
+        ({"drag": {"c_d": 0.4}}, "did you mean cd"),
         ({"drag": {"cd": "much"}}, "a number from 0 to 1.5"),
         ({"drag": {"cd": float("nan")}}, "a number from 0 to 1.5"),
         ({"drag": {"cd": True}}, "a number from 0 to 1.5"),
@@ -58,6 +59,25 @@ def test_an_unknown_simulator_is_named_with_those_that_exist():
 def test_an_impossible_simulator_says_what_is_allowed(description, says):
     with pytest.raises(SimulatorError, match=says):
         Simulator.from_dict(description)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("dragg: {cd: 0.4}", "there is no effect called 'dragg'; did you mean drag?"),
+        ("table_bounce: {restitutoin: 0.9}", "did you mean restitution?"),
+        ("drag: {cd: 2}", "drag.cd is 2; give a number from 0 to 1.5 (1)"),
+        ("drag: {cd: 0.4", "is not YAML"),
+        (None, "there is no such file"),
+    ],
+)
+def test_a_file_that_is_no_simulator_is_named_with_what_is_wrong(tmp_path, text, says):
+    path = tmp_path / "simulator.yaml"
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(SimulatorError, match=re.escape(says)) as caught:
+        Simulator.load(path)
+    assert str(caught.value).startswith(f"{path}: ")
 
 
 def test_left_out_parameters_are_neutral():
