@@ -11,7 +11,7 @@ class Growth:
     """The discrepancy against one covariate, in K bins.
 
     Attributes:
-        axis: name of the covariate.
+        covariate: its name.
         unit: of its values, empty for categories.
         centres: (K,) medians of the covariate in the bins, or numbers of categories.
         kinds: (K,) names of the bins where they are categories.
@@ -23,7 +23,7 @@ class Growth:
         p_value: probability that any covariate explains as much where none has an influence.
     """
 
-    axis: str
+    covariate: str
     unit: str
     centres: Floats
     kinds: tuple[str, ...]

@@ -122,10 +122,10 @@ class Landing(_Part):
         shots: number of shots that land.
         before_mm: of places, by the nominal simulator.
         after_mm: by the amended simulator.
-        floor_mm: by a simulator without fault.
+        floor_mm: by a correct simulator (prediction floor).
         before_ms: of times, by the nominal simulator.
         after_ms: by the amended simulator.
-        floor_ms: by a simulator without fault.
+        floor_ms: by a correct simulator (prediction floor).
         reduction_mm: 95 % interval of before less after, paired bootstrap over shots.
         reduction_ms: the same of times.
     """
@@ -157,7 +157,7 @@ class Gap(_Part):
         horizons_ms: after the last sample that a prediction uses.
         before_mm: root mean square error of the nominal simulator.
         after_mm: of the amended simulator.
-        floor_mm: of a simulator without fault, with the launches, scatter and noise found.
+        floor_mm: of a correct simulator, with the estimated launches, scatter and noise.
         removable_closed: share of the difference between before and floor that was closed; None
             where there is no difference.
         removable_closed_interval: 95 % interval, bootstrap over shots.

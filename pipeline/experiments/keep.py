@@ -8,10 +8,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from models.support.yaml_file import parse_yaml
 from pipeline.experiments.profiles import flags
 from pipeline.io.artifacts import replacing_folder, write_json, write_text
 from pipeline.io.report_manifest import read_contents
-from pipeline.params import parse_yaml
 from pipeline.runtime.console import warn
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.scratch import kept_timings

@@ -1,6 +1,6 @@
 """A verdict in sentences, for the terminal and the top of the page."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from models.ball.catalogue import catalogue
@@ -12,6 +12,7 @@ from pipeline.gap.measured_shots import MeasuredShots
 from pipeline.gap.wording import PLACES, interval_text, number, p_text, percent, with_unit
 
 TYPICAL_MS = 200  # the horizon of the summary, where shots are that long
+MOST_LISTED = 3  # identities in a sentence; the limitations list all
 SIGNIFICANT = 0.05  # p-value up to which a covariate is reported
 
 
@@ -54,15 +55,15 @@ class Findings:
     def _answer(self) -> str:
         shots = f"{len(self.measured.shots)} shots of {self.measured.name}"
         count = len(self.verdict.causes)
-        several = "one cause" if count == 1 else f"{count} causes"
+        causes = "one cause" if count == 1 else f"{count} causes"
+        differ = f"{shots} differ from the simulator {self.simulator_name}"
         return {
-            "no_gap": f"No gap: {shots} agree with {self.simulator_name} within their errors.",
-            "named": f"Named: {several} for the difference between {shots} and "
-            f"{self.simulator_name}.",
-            "ambiguous": f"Ambiguous: {several} for the difference between {shots} and "
-            f"{self.simulator_name}; these shots do not single out each cause.",
-            "unknown": f"Unknown: {shots} differ from {self.simulator_name}, and the effects of "
-            "the catalogue do not explain it.",
+            "no_gap": f"No gap: {shots} agree with the simulator {self.simulator_name} within "
+            "measurement noise.",
+            "named": f"Named: {differ}; {causes} identified.",
+            "ambiguous": f"Ambiguous: {differ}; {causes} found, but not all are identified "
+            "uniquely.",
+            "unknown": f"Unknown: {differ}; no effect of the catalogue explains the difference.",
         }[self.verdict.verdict]
 
     def _cause(self, cause: Cause) -> str:
@@ -78,14 +79,13 @@ class Findings:
         )
         if not cause.alternatives:
             return text
-        others = ", ".join(cause.alternatives)
-        return f"{text} It could also be {others}; to decide, {self.separating_experiment(cause)}."
+        return f"{text} Not separable from {_listed(cause.alternatives)}."
 
     def _rejected(self) -> Iterator[str]:
         if self.verdict.gap and self.verdict.gap.worse and self.verdict.causes:
             yield (
-                "With these causes the simulator predicts held-out shots worse, so they are "
-                "rejected: amended.yaml is the unchanged simulator."
+                "The amended simulator predicts held-out shots worse than the nominal one. The "
+                "causes are rejected; amended.yaml is the nominal simulator."
             )
 
     def _unexplained(self) -> Iterator[str]:
@@ -93,7 +93,7 @@ class Findings:
         if unexplained.phase:
             place = PLACES[unexplained.phase]
             yield f"Unexplained structure {place}: {percent(unexplained.share)} of the gap."
-            yield f"Candidate formula for it (not a cause): {unexplained.formula}."
+            yield f"Candidate formula for it, not a cause: {unexplained.formula}."
 
     def _phases(self) -> Iterator[str]:
         shares = self.verdict.phases
@@ -106,7 +106,7 @@ class Findings:
         if located and located.growth and located.growth[0].p_value <= SIGNIFICANT:
             first = located.growth[0]
             yield (
-                f"The trajectory discrepancy depends most on {first.axis}, which explains "
+                f"The trajectory discrepancy depends most on {first.covariate}, which explains "
                 f"{percent(first.share)} of its variance ({p_text(first.p_value)})."
             )
 
@@ -117,20 +117,20 @@ class Findings:
         yield self._compared(f"Prediction error on held-out shots, {gap.horizons_ms[k]} ms", *sizes)
         if gap.landing:
             sizes = [f"{place:.1f} mm and {time:.2f} ms" for place, time in gap.landing.sizes]
-            yield self._compared("Error of the predicted landing, place and time", *sizes)
+            yield self._compared("Landing prediction error (position and time)", *sizes)
 
     def _compared(self, what: str, before: str, after: str, floor: str) -> str:
         if not self.verdict.causes:
-            return f"{what}: {before}; a simulator without fault has {floor}."
+            return f"{what}: {before} with the nominal simulator; prediction floor {floor}."
         return (
-            f"{what}: {before} with the nominal simulator, {after} with the amended one; a "
-            f"simulator without fault has {floor}."
+            f"{what}: {before} with the nominal simulator, {after} with the amended one; "
+            f"prediction floor {floor}."
         )
 
     def _detection(self) -> str:
         shown, hidden = len(self.verdict.minimum_detectable), self.verdict.not_identifiable
-        text = f"These shots identify {shown} of {shown + len(hidden)} parameters"
-        return f"{text}, but not {', '.join(hidden)}." if hidden else f"{text}."
+        text = f"Identifiable from these shots: {shown} of {shown + len(hidden)} parameters"
+        return f"{text}; not {', '.join(hidden)}." if hidden else f"{text}."
 
 
 def title(identity: str) -> str:
@@ -138,13 +138,18 @@ def title(identity: str) -> str:
     return catalogue()[Hypothesis.from_identity(identity).effect].title
 
 
+def _listed(identities: Sequence[str]) -> str:
+    if len(identities) > MOST_LISTED:
+        return f"{len(identities)} other parameters"
+    return ", ".join(identities)
+
+
 def detection_lines(measured: MeasuredShots, limits: DetectionLimits) -> Iterator[str]:
     """Yield the detection limits as lines of text, before causes are searched for."""
     sizes = limits.minimum_detectable
     width = max(map(len, sizes), default=0)
-    yield f"Minimum detectable effects (5.8 sigma) in {len(measured.shots)} shots of " + (
-        f"{measured.name}:"
-    )
+    shots = f"{len(measured.shots)} shots of {measured.name}"
+    yield f"Minimum detectable effects (5.8 sigma) in {shots}:"
     for identity, size in sizes.items():
         unit = Hypothesis.from_identity(identity).declaration.unit
         yield f"  {identity:<{width}}  {with_unit(size, unit)}"

@@ -44,7 +44,7 @@ def report_tables(diagnosed: Sequence[Diagnosed], settings: CloseGapSettings) ->
             "removable_closed: share of the difference between the nominal simulator's error and "
             "the floor that was closed on held-out shots, with its 95 % interval, bootstrap over "
             "shots. reduction: 95 % interval of the nominal error less the amended one, mean over "
-            "horizons. landing: root mean square error of the predicted landing on the table.",
+            "horizons. landing: root mean square error of the predicted landing position.",
         ),
         ReportTable(
             stability_table(diagnosed),
@@ -68,8 +68,8 @@ def report_tables(diagnosed: Sequence[Diagnosed], settings: CloseGapSettings) ->
             title="Prediction errors before and after",
             caption="Root mean square distance to measured positions on held-out shots, each "
             "predicted from its first twelve samples, with the nominal (before) and the amended "
-            "(after) simulator. low and high: 95 %, bootstrap over shots. floor_mm: a simulator "
-            "without fault, with the launch errors, scatter and sensor noise found.",
+            "(after) simulator. low and high: 95 %, bootstrap over shots. floor_mm: error of a "
+            "correct simulator, with the estimated launch errors, bounce scatter and sensor noise.",
         ),
     ]
 
@@ -89,18 +89,18 @@ def metrics(diagnosed: Sequence[Diagnosed]) -> dict[str, Any]:
 
 
 def verdict_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
-    """Return one row a case: the verdict, with its causes in text."""
+    """Return one row per case: the verdict, with its causes in text."""
     return pd.DataFrame([{**_case(one), **_verdict(one)} for one in diagnosed])
 
 
 def cause_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
-    """Return one row a cause of a case."""
+    """Return one row per case and cause."""
     rows = [{**_case(one), **_cause(cause)} for one in diagnosed for cause in one.verdict.causes]
     return pd.DataFrame(rows, columns=[*CASE, *CAUSE, "possible"])
 
 
 def error_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
-    """Return one row a case and horizon: errors on held-out shots."""
+    """Return one row per case and horizon: errors on held-out shots."""
     rows = [
         {**_case(one), **row}
         for one in diagnosed
@@ -112,7 +112,7 @@ def error_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
 
 
 def stability_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
-    """Return one row a source, simulator and cause: in how many splits, and its estimates.
+    """Return one row per source, simulator and cause: in how many splits, and its estimates.
 
     ``verdicts`` counts the splits' verdicts; a source and simulator without any cause has one row.
     """

@@ -75,14 +75,14 @@ def _causes(findings: Findings) -> dict[str, list[str]]:
         "95 % interval ": [interval_text(one.interval) for one in causes],
         "p ": [_p_cell(one.p_value) for one in causes],
         "share of the gap ": [percent(one.gap_share) for one in causes],
-        "possible causes": [", ".join(one.possible) for one in causes],
-        "deciding experiment": [findings.separating_experiment(one) or "–" for one in causes],
+        "not separable from": [", ".join(one.alternatives) or "–" for one in causes],
+        "recommended experiment": [findings.separating_experiment(one) or "–" for one in causes],
     }
 
 
 def _growth(located: Located) -> dict[str, list[str]]:
     return {
-        "covariate": [one.axis for one in located.growth],
+        "covariate": [one.covariate for one in located.growth],
         "bins ": [str(len(one.counts)) for one in located.growth],
         "share of the variance ": [percent(one.share) for one in located.growth],
         "p ": [_p_cell(one.p_value) for one in located.growth],
@@ -98,14 +98,14 @@ def _errors(gap: Gap) -> dict[str, list[str]]:
     ]
     if gap.landing:
         places, times = zip(*gap.landing.sizes, strict=True)
-        rows.append(("place of landing", *(f"{size:.1f} mm" for size in places)))
-        rows.append(("time of landing", *(f"{size:.2f} ms" for size in times)))
-    names = ("prediction of", "before ", "after ", "floor ")
+        rows.append(("landing position", *(f"{size:.1f} mm" for size in places)))
+        rows.append(("landing time", *(f"{size:.2f} ms" for size in times)))
+    names = ("prediction of", "nominal ", "amended ", "floor ")
     return dict(zip(names, map(list, zip(*rows, strict=True)), strict=True))
 
 
 def _reduction(gap: Gap) -> str:
-    """Return how much the error at landing is reduced, as a sentence."""
+    """Return the reduction of the landing error as a sentence."""
     if not gap.landing:
         return ""
     low, high = gap.landing.reduction_mm

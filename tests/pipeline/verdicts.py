@@ -37,11 +37,11 @@ GAP = Gap(
 SPEEDS = np.array([5.0, 7.0, 9.0])
 
 
-def growth(axis="speed at launch", kinds=(), p_value=2e-4, centres=SPEEDS):
+def growth(covariate="speed at launch", kinds=(), p_value=2e-4, centres=SPEEDS):
     """Made-up growth: 1 mm along, 2 across and 3 up a bin."""
     means = 0.001 * np.outer(np.arange(len(centres)), [1, 2, 3])
     return Growth(
-        axis=axis,
+        covariate=covariate,
         unit="" if kinds else "m/s",
         centres=centres,
         kinds=kinds,
@@ -100,7 +100,7 @@ def verdict(answer="named", causes=(WIND,), **changes):
         "gap": GAP,
         "minimum_detectable": {"wind.x": 0.04, "gravity.g": 0.06, "table_bounce.friction": 0.012},
         "not_identifiable": ("buoyancy.b", "spin_decay.c"),
-        "limitations": ("all shots go one way: shoot both ways",),
+        "limitations": ("all shots go in one direction",),
         "located": LOCATED if causes else None,
     }
     return Verdict(verdict=answer, causes=tuple(causes), **{**parts, **changes})

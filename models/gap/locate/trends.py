@@ -64,7 +64,7 @@ def over_time(
     observed = np.abs(filled.sum(axis=0) / size).max()
     means, errors = _means(discrepancies)
     return Growth(
-        axis=TIME,
+        covariate=TIME,
         unit="ms",
         centres=1000 * horizons,
         kinds=(),
@@ -96,7 +96,7 @@ def _growth(axis: Axis, bins: list[Floats], discrepancies: Floats, p_value: floa
     moments = [_means(discrepancies[mask]) for mask in masks]
     centres = np.array([np.median(axis.values[mask]) for mask in masks])
     return Growth(
-        axis=axis.name,
+        covariate=axis.name,
         unit=axis.unit,
         centres=centres,
         kinds=tuple(axis.kinds[int(one)] for one in centres) if axis.kinds else (),

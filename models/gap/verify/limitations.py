@@ -12,7 +12,7 @@ FEW = 20  # shots
 BOUNCE = {"table_bounce.restitution", "table_bounce.friction"}
 ONE_WAY = 0.9  # share of the shots in the same direction
 UNSETTLED = (
-    "the causes do not converge: with those found in the simulator, others are found. The shots "
+    "the causes do not converge: with them in the simulator, other causes are found. The shots "
     "show that the simulator is wrong, but not why. Record more shots at other speeds and spins, "
     "and measure spins"
 )
@@ -52,35 +52,36 @@ def experiment(cause: Cause, shots: Shots) -> str:
     """Return the experiment that separates the possible causes of a class."""
     phases = {catalogue()[identity.partition(".")[0]].acts for identity in cause.possible}
     if "sensor" in phases:
-        return "film a scale, a clock or a ball of known spin with the same cameras"
+        return "record a scale, a clock or a ball of known spin with the same cameras"
     if _one_way(shots):
-        return "shoot in both directions"
+        return "record shots in both directions"
     if not shots.labelled.any():
         return "measure the spin"
     if (shots.labelled.sum(axis=1) <= 1).all():
-        return "measure the spin after the bounce, too"
+        return "measure the spin after the bounce as well"
     if phases == {"contact"}:
-        return "let balls bounce at a wider range of falls, slips and spins"
+        return "record bounces over a wider range of impact speeds, slip and spin"
     if "gravity.g" in cause.possible:
-        return "weigh the ball, and drop one without spin"
-    return "shoot at a wider range of speeds and spins"
+        return "weigh the ball, and record the fall of one without spin"
+    return "record shots over a wider range of speeds and spins"
 
 
 def _of_shots(shots: Shots) -> Iterator[str]:
     if len(shots) < FEW:
         yield f"{len(shots)} shots: small effects are not detected; record {FEW} or more"
     if not shots.labelled.any():
-        yield "no spin labels: spin sensors cannot be judged, and lift only by curved paths"
+        yield "no spin labels: errors of spin labels are not identifiable, lift only by curvature"
     if _one_way(shots):
-        yield "all shots go in one direction: wind, tilts and drag look alike; shoot in both"
+        yield "all shots go in one direction: wind, tilt and drag look alike; record shots in both"
 
 
 def _to_separate(cause: Cause, shots: Shots) -> str:
-    return f"{' or '.join(cause.possible)}: to separate them, {experiment(cause, shots)}"
+    others = ", ".join(cause.alternatives)
+    return f"{cause.identity} is not separable from {others}: {experiment(cause, shots)}"
 
 
 def _at_bound(cause: Cause) -> str:
-    """Return that an estimate is at its bound, which is where an interval ends at it."""
+    """Return the limitation of a cause whose estimate is at its bound."""
     size = f"{cause.estimate:.4g}" + (f" {cause.unit}" if cause.unit != "1" else "")
     return (
         f"{cause.identity}: {size} is the bound of physically plausible values; the cause may be "
@@ -91,8 +92,8 @@ def _at_bound(cause: Cause) -> str:
 def _rejection(gap: Gap) -> str:
     before, after = (np.mean(sizes) for sizes in (gap.before_mm, gap.after_mm))
     return (
-        f"the amended simulator's error on held-out shots is {after:.1f} mm, and "
-        f"{before:.1f} mm without the causes: they are rejected, and the simulator is not amended. "
+        f"the error on held-out shots is {after:.1f} mm with the amended simulator and "
+        f"{before:.1f} mm with the nominal one: the causes are rejected, nothing is amended. "
         "Record more shots at other speeds and spins, and measure spins"
     )
 

@@ -17,7 +17,7 @@ PHASE_COLOURS: dict[Phase, str] = {"flight": "#0f7fc4", "table": "#009988", "sen
 DIRECTIONS = {"along": "#d55e00", "across": "#0f7fc4", "up": "#009988"}
 MOST_AXES = 4
 ROW_HEIGHT = 1.45  # inch
-HEADROOM = 0.75  # inch, for titles and the axis' names
+HEADROOM = 0.75  # inch, for titles and axis labels
 
 
 def discrepancy_figure(located: Located) -> ReportFigure:
@@ -46,11 +46,11 @@ def discrepancy_figure(located: Located) -> ReportFigure:
         figure,
         "discrepancy",
         title="Discrepancy between simulated and measured trajectories",
-        caption="Simulated and measured trajectories start alike at the twelfth sample; noise and "
-        "scatter are removed. Left: a band is what vanishes when flight, table or measurement of "
-        "the simulator is replaced by the measured one; the legend has its share of the area. "
-        "Right: mean along the ball's horizontal course, across it (positive to the right) and "
-        "up, with 95 % intervals.",
+        caption="Simulated and measured trajectories have the same state at the twelfth sample; "
+        "noise and bounce scatter are removed. Left: a band is the part that vanishes when the "
+        "simulator's flight, table or measurement is replaced by the fitted one; the legend gives "
+        "its share of the area. Right: mean along the horizontal direction of flight, across it "
+        "(positive to the right) and up, with 95 % intervals.",
     )
 
 
@@ -71,12 +71,12 @@ def growth_figure(located: Located) -> ReportFigure:
         figure,
         "growth",
         title="Discrepancy against covariates",
-        caption=f"Discrepancy {1000 * located.trend_horizon:.0f} ms ahead along the ball's "
-        "course, across it and up, estimated shot by shot without a law: bin means with 95 % "
-        "intervals, against the most informative covariates. Titles: share of the variance between "
-        "shots that the covariate explains, and the probability that any covariate explains as "
-        "much by chance (pale above 5 %). Correlated covariates, such as place and direction, "
-        "explain the same variance.",
+        caption=f"Discrepancy {1000 * located.trend_horizon:.0f} ms ahead along the direction of "
+        "flight, across it and up, estimated for each shot without assuming an effect: bin means "
+        "with 95 % intervals, against the most informative covariates. Titles: share of the "
+        "variance between shots that the covariate explains, and the p-value over all covariates "
+        "(grey above 5 %). Correlated covariates, such as position and direction, explain the same "
+        "variance.",
     )
 
 
@@ -110,7 +110,7 @@ def _draw_growth(axes: Axes, growth: Growth, direction: int) -> None:
 
 def _label_axis(axes: Axes, growth: Growth) -> None:
     unit = f" ({growth.unit})" if growth.unit else ""
-    axes.set_xlabel(f"{growth.axis}{unit}")
+    axes.set_xlabel(f"{growth.covariate}{unit}")
     if growth.kinds:
         names = [name.replace(" ", "\n") for name in growth.kinds]
         axes.set_xticks(_places(growth), names, fontsize=7)

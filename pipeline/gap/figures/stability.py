@@ -20,7 +20,7 @@ SPREAD = 0.5  # of the marks of a row, which are 1 apart
 
 
 def closing_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
-    """Draw the errors over the horizon, a panel a simulator and a line a split.
+    """Draw the errors over the horizon, a panel per simulator and a line per split.
 
     Args:
         diagnosed: verdicts on the shots of one source.
@@ -41,13 +41,13 @@ def closing_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
         f"errors_{source}",
         title=f"Prediction error on {source} before and after",
         caption="Root mean square error over the prediction horizon on held-out shots, with the "
-        "nominal simulator, the amended one and one without fault. One line a split; bands: 95 %, "
-        "bootstrap over shots.",
+        "nominal and the amended simulator; prediction floor: error of a correct simulator. One "
+        "line per split; bands: 95 %, bootstrap over shots.",
     )
 
 
 def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
-    """Draw the departure of every cause, a panel a simulator and a mark a split.
+    """Draw the departure of every cause, a panel per simulator and a mark per split.
 
     Args:
         diagnosed: verdicts on the shots of one source, at least one with a cause.
@@ -58,7 +58,7 @@ def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
     panels = figure.subplots(1, len(simulators), sharex=True, sharey=True, squeeze=False)[0]
     for axes, simulator in zip(panels, simulators, strict=True):
         _draw_causes(axes, [d for d in diagnosed if d.case.simulator_name == simulator], names)
-        axes.set(title=_title(simulator), xlabel="departure (minimum detectable effects)")
+        axes.set(title=_title(simulator), xlabel="estimate − simulator (min. detectable effects)")
     panels[0].set_yticks(range(len(names)), names)
     panels[0].set_ylim(len(names) - 0.5, -0.5)
     _add_legend(figure, panels)
@@ -66,9 +66,9 @@ def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
         figure,
         f"causes_{source}",
         title=f"Causes of the gap to {source}",
-        caption="Estimates with 95 % intervals, one mark a split, less the simulator's value, in "
+        caption="Estimates with 95 % intervals, one mark per split, less the simulator's value, in "
         "minimum detectable effects (5.8 standard errors with the simulator's own parameters "
-        "free); causes without one are not drawn. The axis is linear in the pale band and "
+        "free); causes without one are not drawn. The axis is linear in the shaded band and "
         "logarithmic beyond.",
     )
 

@@ -21,7 +21,7 @@ LINES = {
 LINE_NAMES = {
     "before": "nominal simulator",
     "after": "amended simulator",
-    "floor": "simulator without fault",
+    "floor": "prediction floor",
 }
 HIDDEN = "#e9edf0"  # departures below the minimum detectable effect
 BELOW_MINIMUM = "below the minimum detectable effect"
@@ -59,10 +59,10 @@ def causes_figure(verdict: Verdict) -> ReportFigure:
     return ReportFigure(
         figure,
         "causes",
-        title="Departure of the causes from the simulator",
+        title="Estimated causes",
         caption="Estimate and 95 % interval of every cause, less the simulator's value, in "
         "minimum detectable effects (5.8 standard errors with the simulator's own parameters "
-        "free). Effects in the pale band may not be detected.",
+        "free). Effects in the shaded band may not be detected.",
     )
 
 
@@ -80,8 +80,8 @@ def error_figure(gap: Gap) -> ReportFigure:
         "errors",
         title="Prediction error over the horizon",
         caption="Root mean square error on held-out shots, each predicted from its first twelve "
-        "samples, with the nominal simulator, the amended one and one without fault. Bands: 95 %, "
-        "bootstrap over shots.",
+        "samples, with the nominal and the amended simulator. Bands: 95 %, bootstrap over shots. "
+        "Prediction floor: error of a correct simulator with the same noise and bounce scatter.",
     )
 
 

@@ -167,7 +167,7 @@ def test_causes_that_make_held_out_predictions_worse_are_rejected():
     verdict = rejected_if_worse(VERDICT.model_copy(update={"gap": worse}))
     assert verdict.verdict == "unknown"
     assert verdict.causes == VERDICT.causes
-    assert "11.0 mm, and 9.0 mm without" in verdict.limitations[-1]
+    assert "11.0 mm with the amended simulator and 9.0 mm" in verdict.limitations[-1]
     assert amended(NOMINAL, verdict) == NOMINAL
     assert Simulator.from_dict(yaml.safe_load(amended_yaml(NOMINAL, verdict, "my_data"))) == NOMINAL
 

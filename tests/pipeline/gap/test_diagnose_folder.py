@@ -46,7 +46,7 @@ def test_a_hidden_effect_is_named_on_the_terminal_and_in_the_file(windy):
     limits, found = shown.stdout.split("\n\n")
     assert limits.startswith("Minimum detectable effects (5.8 sigma) in 36 shots of lab:")
     assert "\n  wind.x " in limits
-    assert found.startswith("Named: one cause for the difference between 36 shots of lab and")
+    assert found.startswith("Named: 36 shots of lab differ from")
     content = json.loads((out / "verdict.json").read_text())
     assert [one["identity"] for one in content["causes"]] == ["wind.x"]
     assert content["causes"][0]["estimate"] == pytest.approx(0.6, rel=0.1)

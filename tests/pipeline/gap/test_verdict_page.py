@@ -43,7 +43,7 @@ def test_the_sentences_come_first(rendered):
 def test_causes_have_a_row_with_class_and_experiment(rendered):
     page = rendered(findings(BOTH))
     cells = ["gravity.g", "wrong value", "9.81", "10.3 m/s^2", "10.2 to 10.4", "0.0002"]
-    cells += ["30 %", "gravity.g, buoyancy.b", "shoot in both directions"]
+    cells += ["30 %", "buoyancy.b", "record shots in both directions"]
     row = next(row for row in page.split("<tr>") if row.startswith("<td>gravity.g</td>"))
     assert re.findall(r"<td[^>]*>([^<]*)</td>", row) == cells
 
@@ -60,15 +60,15 @@ def test_errors_are_listed_over_the_horizon_and_at_landing(rendered):
     page = rendered(findings(BOTH))
     rows = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in page.split("<tr>")]
     assert ["position, 200 ms ahead", "21.0 mm", "8.0 mm", "7.0 mm"] in rows
-    assert ["place of landing", "31.0 mm", "14.0 mm", "12.0 mm"] in rows
-    assert ["time of landing", "4.00 ms", "1.90 ms", "1.50 ms"] in rows
+    assert ["landing position", "31.0 mm", "14.0 mm", "12.0 mm"] in rows
+    assert ["landing time", "4.00 ms", "1.90 ms", "1.50 ms"] in rows
     assert "reduced by 11.0 to 24.0 mm and 1.20 to 3.10 ms" in page
 
 
 def test_detection_limits_limitations_data_and_settings_are_listed(rendered):
     page = rendered(findings())
     assert re.search(r"<td>wind.x</td><td>[^<]+</td><td class=\"number\">0.04</td>", page)
-    assert "<li>all shots go one way: shoot both ways</li>" in page
+    assert "<li>all shots go in one direction</li>" in page
     assert "<dt>rows and labels rejected</dt><dd>2 not a number</dd>" in page
     assert "<pre>gravity: {g: 9.81}" in page
 

@@ -76,7 +76,7 @@ def test_the_parting_is_what_predictions_of_exact_shots_err_by():
 
 def test_a_cross_wind_shows_in_the_direction_of_play(windy):
     most = windy.growth[0]
-    assert (most.axis, most.kinds) == ("direction of play", ("towards −y", "towards +y"))
+    assert (most.covariate, most.kinds) == ("direction of play", ("towards −y", "towards +y"))
     assert most.p_value < 0.01
     # The wind blows towards +x: to the left of who looks towards −y.
     assert most.means[0, 1] < -most.errors[0, 1]
@@ -85,9 +85,9 @@ def test_a_cross_wind_shows_in_the_direction_of_play(windy):
 
 def test_too_strong_a_drag_grows_with_speed_and_time():
     found = located(NOMINAL.amended("drag", cd=0.56), count=48)
-    assert found.growth[0].axis == "speed at launch"
+    assert found.growth[0].covariate == "speed at launch"
     assert found.growth[0].means[-1, 0] < 1.5 * found.growth[0].means[0, 0] < 0
-    assert (found.time.axis, found.time.unit) == (TIME, "ms")
+    assert (found.time.covariate, found.time.unit) == (TIME, "ms")
     assert found.time.p_value < 0.001
     assert found.time.means[-1, 0] < 3 * found.time.means[5, 0] < 0
 
@@ -97,4 +97,4 @@ def test_spins_without_a_label_are_no_axis():
     found = locate(
         fit_nuisance(shots, NOMINAL, NOISE, settings=SETTINGS.fit), NOMINAL, settings=SETTINGS
     )
-    assert not {one.axis for one in found.growth} & {"spin at launch", "spin axis"}
+    assert not {one.covariate for one in found.growth} & {"spin at launch", "spin axis"}

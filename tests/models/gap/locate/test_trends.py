@@ -20,7 +20,7 @@ def test_the_axis_that_matters_comes_first_with_its_means():
     axes, discrepancies = drawn(0, count=60)
     discrepancies[:, 1] += 0.01 * axes[3].values
     most, *others = trends_against(axes, discrepancies, settings=SETTINGS.locate)
-    assert (most.axis, most.unit) == ("axis 3", "m")
+    assert (most.covariate, most.unit) == ("axis 3", "m")
     assert most.p_value < 0.001 < min(one.p_value for one in others)
     expected = 0.01 * most.centres
     assert np.all(np.abs(most.means[:, 1] - expected) < 1.5 * most.errors[:, 1])
@@ -68,7 +68,7 @@ def test_shots_without_a_value_and_axes_without_a_difference_are_left_out():
     same = Axis("same", "", np.zeros(40), ("all", "none"))
     discrepancies[0] = np.nan
     (found,) = trends_against([some, same], discrepancies, settings=SETTINGS.locate)
-    assert (found.axis, found.counts.sum()) == ("some", 19)
+    assert (found.covariate, found.counts.sum()) == ("some", 19)
 
 
 def test_three_shots_are_no_bin_and_four_are():

@@ -30,7 +30,7 @@ def test_what_is_missing_is_named():
     said = limitations(shots, [], no_table, True)
     assert [
         any(part in one for one in said)
-        for part in ("12 shots", "no spin", "shoot in both", "no bounces")
+        for part in ("12 shots", "no spin", "one direction", "no bounces")
     ] == [True] * 4
 
 
@@ -54,7 +54,7 @@ def test_estimates_at_their_bounds_are_doubted():
             ("table_bounce.restitution", "table_tilt.x"),
             "rows",
             2,
-            "wider range of falls",
+            "wider range of impact",
         ),
         (("drag.cd", "linear_drag.k1"), "rows", 2, "range of speeds"),
     ],
