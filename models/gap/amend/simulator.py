@@ -38,7 +38,7 @@ def _origin(cause: Cause, verdict: Verdict, data: str) -> str:
     before = f"{cause.nominal:g} before" if cause.kind == "wrong_value" else "missing before"
     low, high = cause.interval
     unit = "" if cause.unit == "1" else f" {cause.unit}"
-    others = f"; could also be {', '.join(cause.alternatives)}" if cause.alternatives else ""
+    others = f"; not separable from {', '.join(cause.alternatives)}" if cause.alternatives else ""
     return (
         f"{cause.identity}: {before}; estimated {cause.estimate:.5g}{unit} from {data} "
         f"(95 % {low:.5g} to {high:.5g}); verdict {verdict.verdict}{others}"
