@@ -40,7 +40,7 @@ from pipeline.predictors.trainer import train
 from pipeline.runtime.parallel import parallel
 from pipeline.segmentation.cut_recordings import cut_recordings
 from pipeline.sources.gather import gather
-from tests.models.predictors.schooling import balls
+from tests.models.predictors.small_training import tracks
 from tests.pipeline.sources.made_up import ARENA
 
 MEASURED = ROOT / "reports" / "costs" / "scale.csv"
@@ -143,7 +143,7 @@ def measure_training(processes: int, times: int) -> dict[str, Any]:
     changed = settings.training.model_copy(update={"epochs": EPOCHS, "devices": processes})
     lightning.seed_everything(SEED, verbose=False)
     training = ForecastTraining(build_network(shape), changed)
-    data = WindowData(balls(times * EPISODES, 0), balls(3, 1), changed, SEED)
+    data = WindowData(tracks(times * EPISODES, 0), tracks(3, 1), changed, SEED)
     data.fit_normaliser(training.network)
     with tempfile.TemporaryDirectory() as folder:
         train(training, data, Path(folder))

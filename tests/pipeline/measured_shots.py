@@ -14,7 +14,7 @@ from pipeline.io.ground_truth import STATE_COLUMNS
 from pipeline.io.schemas import CONTACTS, EPISODES, SAMPLES, TRUE_CONTACTS, checked
 from pipeline.params import PhysicsPredictorSettings, load_params
 from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
-from tests.models.predictors.schooling import BRIEF, TINY, network
+from tests.models.predictors.small_training import BRIEF, TINY, network
 
 TIMES = 0.005 * np.arange(101)
 SIMULATOR = shipped("literature")

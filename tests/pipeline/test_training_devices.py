@@ -12,7 +12,7 @@ import torch
 from models.predictors.training import ForecastTraining
 from pipeline.predictors.trainer import train
 from pipeline.runtime.errors import InputError
-from tests.models.predictors.schooling import BRIEF, changed, data, schooling
+from tests.models.predictors.small_training import BRIEF, changed, data, small_training
 
 
 class Watched(ForecastTraining):
@@ -36,7 +36,7 @@ class KilledOnce(ForecastTraining):
 
 
 def trained(folder, devices, kind=ForecastTraining, **changes):
-    training, windows = schooling(changed(BRIEF, devices=devices, **changes), kind=kind)
+    training, windows = small_training(changed(BRIEF, devices=devices, **changes), kind=kind)
     train(training, windows, folder)
     return training
 
@@ -98,7 +98,7 @@ def test_two_processes_train_what_one_does(tmp_path, batch, matrix_learning_rate
 
 @pytest.mark.slow
 def test_two_processes_print_nothing_and_listen_on_loopback_alone(tmp_path, capfd):
-    training, windows = schooling(changed(BRIEF, devices=2, epochs=1), kind=Watched)
+    training, windows = small_training(changed(BRIEF, devices=2, epochs=1), kind=Watched)
     training.said = tmp_path
     train(training, windows, tmp_path / "checkpoints")
     assert [(tmp_path / rank).read_text() for rank in ("0", "1")] == ["127.0.0.1"] * 2

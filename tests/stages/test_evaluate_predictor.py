@@ -1,4 +1,4 @@
-"""The evaluation on measured balls whose physics is known."""
+"""The stage evaluate_predictor on shots whose physics is known."""
 
 import json
 import shutil
@@ -64,7 +64,7 @@ def test_the_oracle_forecasts_on_the_arena_alone_and_knows_its_physics(whole):
     assert metrics["arena"]["oracle"] == metrics["arena"]["physics_true"]  # the same simulator
 
 
-def test_the_truth_is_met_on_the_same_windows_without_the_cameras_noise(whole):
+def test_errors_against_the_truth_lack_the_measurement_noise(whole):
     _, metrics = whole
     measured, true = (metrics[name]["oracle"]["position"] for name in ("arena", "arena_truth"))
     assert [one["n"] for one in measured.values()] == [one["n"] for one in true.values()]
@@ -85,7 +85,7 @@ def test_every_predictor_that_was_trained_is_evaluated(tmp_path):
     assert tuned["parameters"] > 1000
 
 
-def test_an_amended_simulator_is_evaluated_on_the_balls_that_amended_it(tmp_path):
+def test_an_amended_simulator_is_evaluated_on_its_own_source(tmp_path):
     folder = tmp_path / "artifacts" / "close_gap"
     for source in ("plain", "elsewhere"):
         write_amended(folder, source, "imperfect_c", {"drag": {"cd": 0.54}})
@@ -106,7 +106,7 @@ def test_without_a_trained_predictor_the_stage_to_run_is_named(tmp_path):
         evaluate_predictor(StageRun("evaluate_predictor", tmp_path, params()))
 
 
-def test_trained_predictors_are_compared_with_each_other_one_on_the_same_windows(whole):
+def test_differences_are_paired_on_the_same_windows(whole):
     run, metrics = whole
     rows = table(run, "forecast_error_difference")
     arena = rows[rows.set == "arena"]
@@ -119,7 +119,7 @@ def test_trained_predictors_are_compared_with_each_other_one_on_the_same_windows
     assert row.ci_low <= row["mean"] <= row.ci_high
 
 
-def test_errors_are_told_apart_by_group_of_recordings(whole):
+def test_errors_by_group_of_recordings(whole):
     run, metrics = whole
     rows = table(run, "forecast_error_by_group")
     assert set(rows[rows.set == "arena"].group) == {"cannon", "pro"}
@@ -165,7 +165,7 @@ def test_the_same_inputs_give_the_same_bytes(tmp_path, whole):
         assert path.read_bytes() == (again / path.relative_to(once)).read_bytes()
 
 
-def test_shots_take_turns_between_the_sets(whole):
+def test_example_shots_alternate_between_the_sets(whole):
     run, _ = whole
     shots = read_shots(run.artifact("shots.json"))
     assert [shot.source for shot in shots][:6] == ["arena", "labelled", "plain"] * 2

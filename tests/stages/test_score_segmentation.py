@@ -24,18 +24,18 @@ def run_score(root):
 
 @pytest.fixture
 def root(segmented, tmp_path):
-    """A copy of what the stages before it left."""
+    """A copy of the artefacts of the previous stages."""
     return Path(shutil.copytree(segmented, tmp_path, dirs_exist_ok=True))
 
 
-def put_to_test(root, split="test"):
+def assign_to_split(root, split="test"):
     path = root / "artifacts/segment/episodes.parquet"
     episodes = read_table(path)
     write_table(path, episodes.assign(split=pd.Series(split, index=episodes.index, dtype="str")))
 
 
 def test_bounces_of_test_recordings_are_scored(root):
-    put_to_test(root)
+    assign_to_split(root)
     metrics = read_json(run_score(root).report("metrics.json"))
     true = read_table(root / "artifacts/ingest/true_contacts.parquet")
     assert metrics["table"]["cannon"] == metrics["table"]["all"]
@@ -44,8 +44,8 @@ def test_bounces_of_test_recordings_are_scored(root):
     assert metrics["table"]["all"]["contacts"] <= (true["kind"] == "table").sum()
 
 
-def test_contact_that_is_not_found_lowers_recall(root):
-    put_to_test(root)
+def test_missed_contact_lowers_recall(root):
+    assign_to_split(root)
     path = root / "artifacts/segment/contacts.parquet"
     contacts = read_table(path)
     write_table(path, contacts.drop(contacts.index[contacts["kind"] == "table"][0]))
@@ -55,7 +55,7 @@ def test_contact_that_is_not_found_lowers_recall(root):
 
 
 def test_only_test_recordings_are_scored(root, capsys):
-    put_to_test(root, "train")
+    assign_to_split(root, "train")
     run = run_score(root)
     assert read_json(run.report("metrics.json")) == {}
     assert "no contacts to score" in capsys.readouterr().err
@@ -64,7 +64,7 @@ def test_only_test_recordings_are_scored(root, capsys):
 
 
 def test_table_and_figure_are_in_the_report(root):
-    put_to_test(root)
+    assign_to_split(root)
     run = run_score(root)
     assert [item.file for item in run.items] == ["contacts.csv", "figures/contact_scores.png"]
     assert pd.read_csv(run.report("contacts.csv"))["level"].tolist() == ["cannon", "all"]
@@ -74,7 +74,7 @@ def test_table_and_figure_are_in_the_report(root):
 def test_contacts_of_games_are_found(tmp_path):
     run_ingest(tmp_path, arena=ARENA.model_copy(update={"game_episodes": 1500}), seed=11)
     run_segment(tmp_path)
-    put_to_test(tmp_path)
+    assign_to_split(tmp_path)
     metrics = read_json(run_score(tmp_path).report("metrics.json"))
     for kind in ("racket", "table"):
         assert metrics[kind]["all"]["contacts"] > 1500

@@ -1,4 +1,4 @@
-"""The segment stage, from what ingest left to artefacts and report."""
+"""The stage segment, from ingested recordings to artefacts and report."""
 
 import shutil
 from pathlib import Path
@@ -31,7 +31,7 @@ def copied(root, folder):
     return Path(shutil.copytree(root, folder, dirs_exist_ok=True))
 
 
-def test_tables_are_left_for_the_next_stages(run):
+def test_tables_keep_their_contracts(run):
     tables = {
         name: checked(read_table(run.artifact(f"{name}.parquet")), contract)
         for name, contract in TABLES.items()
@@ -80,7 +80,7 @@ def test_samples_are_those_of_the_algorithm(ingested, run):
     pd.testing.assert_frame_equal(read_table(run.artifact("samples.parquet")), found.samples)
 
 
-def test_running_again_writes_the_same_bytes_and_says_what_is_too_little(run, tmp_path, capsys):
+def test_a_second_run_writes_the_same_bytes_and_warns_of_shortages(run, tmp_path, capsys):
     again = run_segment(copied(run.root, tmp_path))
     assert contents(again.root) == contents(run.root)
     assert len(contents(run.root)) == 6

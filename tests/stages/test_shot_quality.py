@@ -1,4 +1,4 @@
-"""The stage on simulated, segmented games and on constructed returns."""
+"""The stage shot_quality on simulated games and constructed returns."""
 
 import shutil
 

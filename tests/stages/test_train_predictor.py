@@ -1,4 +1,4 @@
-"""Training as a stage: whole predictors, the same ones every time, or one error and nothing."""
+"""The stage train_predictor: complete, reproducible predictors, or one error and no output."""
 
 from itertools import count
 from types import SimpleNamespace
@@ -15,7 +15,7 @@ from pipeline.runtime.errors import InputError
 from pipeline.runtime.stage_run import StageRun
 from stages.train_predictor import train_predictor
 from tests.models.predictors.balls import observed
-from tests.models.predictors.schooling import BRIEF, TINY, TINY_GRU_TAE, TINY_TAE, changed
+from tests.models.predictors.small_training import BRIEF, TINY, TINY_GRU_TAE, TINY_TAE, changed
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs
 
 NETWORKS = {
@@ -36,7 +36,7 @@ def shots(*places, splits=SPLITS):
 
 
 def prepared(root, fine_tuning=(), networks=("small",), splits=SPLITS):
-    """A run of the stage on made-up shots, beside those that are for testing."""
+    """A run of the stage on constructed shots."""
     write_inputs(root, shots=shots("arena/club", "labelled/more", splits=splits))
     tuning = FineTuningSettings(
         sources=list(fine_tuning),
@@ -83,7 +83,7 @@ def written(run):
     return {path.relative_to(run.root): path.read_bytes() for path in files}
 
 
-def test_every_network_is_left_as_a_predictor_that_forecasts(whole):
+def test_every_network_is_saved_as_a_predictor(whole):
     history, _ = observed()
     for name, settings in NETWORKS.items():
         described = read_description(whole.artifact(name))
@@ -94,7 +94,7 @@ def test_every_network_is_left_as_a_predictor_that_forecasts(whole):
         assert load_predictor(whole.artifact(name)).predict(history).states.shape == (3, 60, 9)
 
 
-def test_fine_tuning_goes_on_from_the_trained_weights_with_its_own_balls(whole):
+def test_fine_tuning_starts_from_the_trained_weights(whole):
     described = read_description(whole.artifact("small_fine_tuned"))
     assert (described.sources, described.starts_from) == (["labelled"], "small")
     assert described.learning.settings == changed(
@@ -113,7 +113,7 @@ def test_fine_tuning_goes_on_from_the_trained_weights_with_its_own_balls(whole):
     assert not any(moved[name] for name in moved if name.startswith("normaliser."))
 
 
-def test_without_balls_to_tune_on_there_is_no_tuned_predictor(tmp_path):
+def test_without_sources_there_is_no_fine_tuned_predictor(tmp_path):
     run = trained(tmp_path)
     assert "small" in run.timings
     assert not list(run.artifact(".").glob("*_fine_tuned"))
@@ -133,7 +133,7 @@ def test_the_report_has_the_losses_of_every_epoch(whole):
     assert [item.file for item in whole.items] == ["figures/training.png", "training.csv"]
 
 
-def test_the_same_inputs_give_the_same_bytes_however_long_it_took(whole, tmp_path, monkeypatch):
+def test_the_same_inputs_give_the_same_bytes(whole, tmp_path, monkeypatch):
     clock = SimpleNamespace(monotonic=count().__next__)  # a second at every look
     monkeypatch.setattr("models.predictors.training.time", clock)
     again = trained(tmp_path, fine_tuning=["labelled"], networks=NETWORKS)
@@ -141,27 +141,25 @@ def test_the_same_inputs_give_the_same_bytes_however_long_it_took(whole, tmp_pat
     assert written(again) == written(whole)
 
 
-def test_networks_trained_side_by_side_have_the_same_bytes_as_one_after_the_other(
-    whole, tmp_path, monkeypatch, capfd
-):
+def test_parallel_training_gives_the_same_bytes(whole, tmp_path, monkeypatch, capfd):
     monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "2")
-    beside = trained(tmp_path, fine_tuning=["labelled"], networks=reversed(NETWORKS))
+    parallel = trained(tmp_path, fine_tuning=["labelled"], networks=reversed(NETWORKS))
     for name in (*NETWORKS, *(f"{name}_fine_tuned" for name in NETWORKS)):
         for path in whole.artifact(name).iterdir():
-            assert path.read_bytes() == beside.artifact(f"{name}/{path.name}").read_bytes()
+            assert path.read_bytes() == parallel.artifact(f"{name}/{path.name}").read_bytes()
     assert capfd.readouterr() == ("", "")
 
 
-def test_balls_to_test_on_and_those_of_other_sources_teach_nothing(whole, tmp_path):
+def test_test_episodes_and_other_sources_do_not_affect_training(whole, tmp_path):
     write_inputs(tmp_path, shots=shots("arena/club"), sources=("arena",))
     run = StageRun("train_predictor", tmp_path, prepared(tmp_path / "settings").params)
     train_predictor(run)
-    alone, beside = (load_network(one.artifact("small")).state_dict() for one in (run, whole))
-    assert all(torch.equal(alone[name], beside[name]) for name in alone)
+    alone, whole_run = (load_network(one.artifact("small")).state_dict() for one in (run, whole))
+    assert all(torch.equal(alone[name], whole_run[name]) for name in alone)
 
 
 @pytest.mark.parametrize("split", ["train", "validation"])
-def test_a_split_with_nothing_to_learn_from_is_an_error_that_names_it(tmp_path, split):
+def test_a_split_without_windows_is_an_error_that_names_it(tmp_path, split):
     left = [one for one in SPLITS if one != split]
     run = prepared(tmp_path, networks=("wide",), splits=left)
     with pytest.raises(InputError, match=f"no episode has a window.*: split {split} of arena"):
@@ -169,7 +167,7 @@ def test_a_split_with_nothing_to_learn_from_is_an_error_that_names_it(tmp_path, 
     assert not run.artifact("wide").exists()
 
 
-def test_a_run_that_was_killed_is_taken_up_to_the_same_bytes(whole, tmp_path, monkeypatch):
+def test_a_resumed_run_gives_the_same_bytes(whole, tmp_path, monkeypatch):
     run = prepared(tmp_path, fine_tuning=["labelled"], networks=NETWORKS)
     with monkeypatch.context() as patch, pytest.raises(RuntimeError, match="killed"):
         patch.setattr(ForecastTraining, "on_train_epoch_start", killed_in_the_last_epoch)

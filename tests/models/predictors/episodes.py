@@ -1,4 +1,4 @@
-"""Measured episodes for the tests of learned predictors: flown, then measured imperfectly."""
+"""Simulated episodes for the tests of learned predictors, with noise and lost samples."""
 
 import numpy as np
 
@@ -25,7 +25,7 @@ def flown(first=FIRST[0], times=GRID, noise=0.0, spin_noise=0.0, seed=0):
     )
 
 
-def spoilt(episode, seed=0, lost=0.1, outliers=0.05, unlabelled=0.2):
+def degraded(episode, seed=0, lost=0.1, outliers=0.05, unlabelled=0.2):
     """The episode with samples lost (not the first), outliers, and spins without a label."""
     random = np.random.default_rng(seed)
     kept = random.random(len(episode.times)) >= lost

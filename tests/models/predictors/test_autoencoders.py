@@ -1,50 +1,43 @@
-"""The trajectory autoencoders: their layers written out, what is hidden from them, their sizes."""
+"""The trajectory autoencoders against explicit equations, masks, and parameter counts."""
 
-from dataclasses import replace
-
-import numpy as np
 import pytest
 import torch
 from torch import nn
 
 from models.predictors.gru_tae import RecurrentAutoencoder
 from models.predictors.learned import LearnedPredictor
-from models.predictors.protocol import History
 from models.predictors.tae import TrajectoryAutoencoder
-from models.predictors.training import ForecastTraining, WindowData
-from models.predictors.window_dataset import build_tracks
-from tests.models.predictors.balls import FIRST, observed
-from tests.models.predictors.episodes import flown
-from tests.models.predictors.schooling import (
+from tests.models.predictors.balls import observed
+from tests.models.predictors.small_training import (
     BRIEF,
     TINY_GRU_TAE,
     TINY_TAE,
     changed,
     fit,
     network,
-    schooling,
+    small_training,
 )
 
 SETTINGS = [TINY_TAE, TINY_GRU_TAE]
 KINDS = [settings.kind for settings in SETTINGS]
 
 
-@pytest.fixture(params=[False, True], ids=["plain", "told of uniform motion"])
-def told(request):
-    """Whether a network is told of uniform motion."""
+@pytest.fixture(params=[False, True], ids=["plain", "uniform motion"])
+def uniform_motion(request):
+    """Whether a network is uniform motion."""
     return request.param
 
 
 @pytest.fixture
-def tae(told):
+def tae(uniform_motion):
     """A small autoencoder whose every weight is random."""
-    return randomised(TrajectoryAutoencoder(20, 14, 8, 24, told))
+    return randomised(TrajectoryAutoencoder(20, 14, 8, 24, uniform_motion))
 
 
 @pytest.fixture
-def gru_tae(told):
+def gru_tae(uniform_motion):
     """A small recurrent autoencoder whose every weight is random."""
-    return randomised(RecurrentAutoencoder(14, 8, 20, told))
+    return randomised(RecurrentAutoencoder(14, 8, 20, uniform_motion))
 
 
 @pytest.fixture(params=KINDS)
@@ -74,13 +67,13 @@ def linear(weights, name, numbers):
     return numbers @ weights[f"{name}.weight"].T + weights[f"{name}.bias"]
 
 
-def rows(told, history, seen, residual):
+def rows(uniform_motion, history, seen, residual):
     """(B, 12, 12 or 15) what is read of a row."""
-    return torch.cat([history, seen.double(), *([residual] if told else [])], dim=2)
+    return torch.cat([history, seen.double(), *([residual] if uniform_motion else [])], dim=2)
 
 
-def test_the_forward_of_the_autoencoder_is_its_layers_written_out(tae, told, balls):
-    weights, read = tae.state_dict(), rows(told, *balls[:3]).reshape(3, -1)
+def test_autoencoder_equals_its_explicit_equations(tae, uniform_motion, balls):
+    weights, read = tae.state_dict(), rows(uniform_motion, *balls[:3]).reshape(3, -1)
     features = {}
     for name in ("encoder", "decoder"):
         wide = linear(weights, f"{name}.projection", read).clamp(min=0)
@@ -91,17 +84,17 @@ def test_the_forward_of_the_autoencoder_is_its_layers_written_out(tae, told, bal
     torch.testing.assert_close(tae(*balls), expected, rtol=0, atol=1e-12)
 
 
-def test_the_forward_of_the_recurrent_one_is_its_gates_written_out(gru_tae, told, balls):
-    weights, read = gru_tae.state_dict(), rows(told, *balls[:3])
+def test_recurrent_autoencoder_equals_its_explicit_equations(gru_tae, uniform_motion, balls):
+    weights, read = gru_tae.state_dict(), rows(uniform_motion, *balls[:3])
     for unit in ("encoder.0.projections", "encoder.1.projections"):
-        read = unit_written_out(weights, unit, read)
+        read = explicit_gru(weights, unit, read)
     dense = linear(weights, "decoder", read[:, -1])
     dense = torch.where(dense > 0, dense, dense.exp() - 1)
     expected = linear(weights, "projection", dense).reshape(3, 60, 9)
     torch.testing.assert_close(gru_tae(*balls), expected, rtol=0, atol=1e-12)
 
 
-def unit_written_out(weights, unit, read):
+def explicit_gru(weights, unit, read):
     """Cho 2014, with the candidate's own bias inside the reset, as torch and Keras have it."""
     new, old = (
         (weights[f"{unit}.weight_{part}_l0"], weights[f"{unit}.bias_{part}_l0"])
@@ -119,31 +112,8 @@ def unit_written_out(weights, unit, read):
     return torch.stack(after, 1)
 
 
-def dense(inputs, outputs):
-    return (inputs + 1) * outputs
-
-
-def test_in_its_authors_size_the_autoencoder_has_as_many_numbers_as_counted_by_hand():
-    reading = dense(12 * 12, 512) + dense(512, 128)
-    whole = 2 * reading + dense(128, 64) + dense(128 + 64, 1024) + dense(1024, 60 * 9)
-    assert sum(one.numel() for one in authors_size("tae").parameters()) == whole == 1_039_196
-
-
-def test_in_its_authors_size_the_recurrent_one_has_as_many_numbers_as_counted_by_hand():
-    units = sum(3 * (dense(inputs, own) + dense(own, own)) for inputs, own in [(12, 64), (64, 16)])
-    whole = units + dense(16, 128) + dense(128, 60 * 9)
-    assert sum(one.numel() for one in authors_size("gru_tae").parameters()) == whole == 90_748
-
-
-def authors_size(kind):
-    with torch.device("meta"):
-        if kind == "tae":
-            return TrajectoryAutoencoder(512, 128, 64, 1024, uniform_motion=False)
-        return RecurrentAutoencoder(64, 16, 128, uniform_motion=False)
-
-
 @pytest.mark.parametrize("settings", SETTINGS, ids=KINDS)
-def test_what_the_mask_hides_changes_no_forecast(settings):
+def test_masked_values_do_not_change_the_forecast(settings):
     predictor = LearnedPredictor(network(settings))
     seen, _ = observed(noise=0.003)
     states, mask = torch.from_numpy(seen.states).float(), torch.from_numpy(seen.mask).clone()
@@ -157,25 +127,32 @@ def test_what_the_mask_hides_changes_no_forecast(settings):
 
 
 @pytest.mark.parametrize("settings", SETTINGS, ids=KINDS)
-def test_a_handful_of_windows_is_learned_by_heart(settings):
-    flights = build_tracks([flown(first) for first in FIRST])
-    one_each = replace(flights, anchors=flights.anchors[flights.bounds[:-1]], bounds=np.arange(4))
-    plain = changed(BRIEF, epochs=6, windows_an_episode=100, batch=6, decay=0.6, hidden_spin=0.0)
-    training = ForecastTraining(network(settings), plain)
-    windows = WindowData(one_each, one_each, plain, seed=0)
-    windows.fit_normaliser(training.network)
-    curve = fit(training, windows).curve
-    history, seen, future, _ = map(np.asarray, one_each.windows(one_each.anchors))
-    forecast = LearnedPredictor(training.network).predict(History(history, seen)).states
-    assert curve[-1]["validation"] < 0.01  # a network that says nothing loses 3
-    assert np.linalg.norm((forecast - future)[:, -1, :3], axis=1).max() < 0.06
-
-
-@pytest.mark.parametrize("settings", SETTINGS, ids=KINDS)
-def test_muon_and_adam_share_its_weights_and_both_train(settings):
+def test_every_weight_is_trained_with_muon_and_adam(settings):
     muon = changed(BRIEF, matrix_learning_rate=0.01, epochs=1)
-    training, windows = schooling(muon, shape=settings)
+    training, windows = small_training(muon, shape=settings)
     before = {name: one.clone() for name, one in training.network.named_parameters()}
     fit(training, windows)
     after = dict(training.network.named_parameters())
     assert not any(torch.equal(before[name], after[name]) for name in before)
+
+
+@pytest.mark.parametrize(
+    ("kind", "sizes", "parameters"),
+    [
+        (
+            TrajectoryAutoencoder,
+            (512, 128, 64, 1024),
+            2 * (145 * 512 + 513 * 128) + 129 * 64 + 193 * 1024 + 1025 * 540,
+        ),
+        (
+            RecurrentAutoencoder,
+            (64, 16, 128),
+            3 * (13 + 65) * 64 + 3 * (65 + 17) * 16 + 17 * 128 + 129 * 540,
+        ),
+    ],
+)
+def test_published_sizes_have_the_published_number_of_parameters(kind, sizes, parameters):
+    with torch.device("meta"):
+        network = kind(*sizes, uniform_motion=False)
+    counts = {TrajectoryAutoencoder: 1_039_196, RecurrentAutoencoder: 90_748}
+    assert sum(one.numel() for one in network.parameters()) == parameters == counts[kind]

@@ -8,7 +8,7 @@ from models.predictors.learned import LearnedPredictor
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import FUTURE, History
 from tests.models.predictors.balls import observed
-from tests.models.predictors.schooling import NETWORKS, network
+from tests.models.predictors.small_training import NETWORKS, network
 
 PREDICTORS = {
     "physics": PhysicsPredictor(shipped("imperfect_c")),

@@ -1,6 +1,7 @@
 """Error statistics at known points."""
 
 import numpy as np
+import pytest
 
 from models.predictors.errors import error_norms, error_statistics
 from models.predictors.protocol import Forecast, History
@@ -56,17 +57,10 @@ def test_the_interval_covers_the_truth_nineteen_times_in_twenty():
     assert 0.90 < np.mean(hits) < 0.98
 
 
-def test_nothing_measured_has_no_mean():
-    windows = measured_windows(measured=False)
-    result = error_statistics(
-        error_norms(forecast(windows), windows, "spin"), np.arange(4), 5, np.random.default_rng(0)
-    )
-    assert np.isnan(result.mean).all()
-    assert (result.count == 0).all()
-
-
-def test_no_windows_at_all_have_no_mean():
-    none = np.empty((0, 41))
-    result = error_statistics(none, np.empty(0, dtype=str), 5, np.random.default_rng(0))
+@pytest.mark.parametrize("windows", [4, 0])
+def test_errors_without_a_measurement_have_no_mean(windows):
+    unmeasured = measured_windows(windows, measured=False)
+    errors = error_norms(forecast(unmeasured), unmeasured, "spin")
+    result = error_statistics(errors, np.arange(windows), 5, np.random.default_rng(0))
     assert np.isnan([result.mean, result.low, result.high]).all()
     assert (result.count == 0).all()

@@ -1,4 +1,4 @@
-"""Tables of forecast errors tell what is in the errors they are made of."""
+"""Tables of forecast errors at known errors."""
 
 import numpy as np
 import pytest
@@ -42,8 +42,8 @@ def test_what_was_never_measured_has_no_row():
 
 def test_one_more_predictor_changes_nothing_for_the_others():
     alone = errors(b=2.0).over_horizon()
-    beside = errors(a=0.0, b=2.0).over_horizon().query("predictor == 'b'").reset_index(drop=True)
-    assert alone.equals(beside)
+    together = errors(a=0.0, b=2.0).over_horizon().query("predictor == 'b'").reset_index(drop=True)
+    assert alone.equals(together)
 
 
 def test_a_small_difference_shows_where_windows_differ_much():
@@ -53,12 +53,6 @@ def test_a_small_difference_shows_where_windows_differ_much():
     assert list(rows["horizon_ms"].unique()) == [100, 200, 300]
     interval = errors(a=0.0).over_horizon().iloc[0]
     assert interval["ci_high"] - interval["ci_low"] > 10  # unpaired, it would be lost
-
-
-def test_two_predictors_are_compared_once():
-    rows = errors(a=0.0, b=1.0, physics=3.0).differences(["a", "b"])
-    pairs = dict.fromkeys(zip(rows["predictor"], rows["other"], strict=True))
-    assert list(pairs) == [("a", "physics"), ("a", "b"), ("b", "physics")]
 
 
 def test_the_share_of_horizons_counts_those_at_which_the_mean_is_lower():

@@ -7,30 +7,30 @@ from models.predictors.learned import ForecastNetwork, LearnedPredictor
 from models.predictors.normaliser import uniform_motion
 from models.predictors.protocol import History
 from tests.models.predictors.balls import observed
-from tests.models.predictors.schooling import TINY, network, schooling
+from tests.models.predictors.small_training import TINY, network, small_training
 
 
 class Constant(torch.nn.Module):
-    """A network that always says the same, and keeps what it heard."""
+    """A network with a constant output that stores its inputs."""
 
-    def __init__(self, said):
+    def __init__(self, output):
         super().__init__()
-        self.said = said
+        self.output = output
 
     def forward(self, history, seen, residual, expected):
-        self.heard, self.mask, self.residual, self.expected = history, seen, residual, expected
-        return torch.full((len(history), 60, 9), self.said)
+        self.inputs, self.mask, self.residual, self.expected = history, seen, residual, expected
+        return torch.full((len(history), 60, 9), self.output)
 
 
 def fitted(inner):
     """``inner`` between the halves of a normaliser that was fitted to balls."""
     outer = ForecastNetwork(inner)
-    training, _ = schooling()
+    training, _ = small_training()
     outer.normaliser.load_state_dict(training.network.normaliser.state_dict())
     return outer
 
 
-def test_it_forecasts_uniform_motion_and_the_deviation_that_its_network_says():
+def test_forecast_is_uniform_motion_plus_network_output():
     history, _ = observed(noise=0.003)
     predictor = LearnedPredictor(fitted(Constant(2.0)))
     normaliser = predictor.network.normaliser
@@ -41,28 +41,28 @@ def test_it_forecasts_uniform_motion_and_the_deviation_that_its_network_says():
     )  # fmt: skip
 
 
-def test_its_network_hears_standardised_measurements_and_what_uniform_motion_expects():
+def test_network_inputs_are_normalised():
     history, _ = observed(labelled=False)
     inner = Constant(0.0)
     outer = fitted(inner)
     LearnedPredictor(outer).predict(history)
     measured = torch.from_numpy(history.states).float(), torch.from_numpy(history.mask)
     motion = uniform_motion(*measured)
-    assert torch.equal(inner.heard, outer.normaliser.normalised(*measured, motion))
+    assert torch.equal(inner.inputs, outer.normaliser.normalised(*measured, motion))
     assert torch.equal(inner.mask, measured[1])
     assert torch.equal(inner.residual, outer.normaliser.residual(*measured, motion))
     assert torch.equal(inner.expected, outer.normaliser.expected(motion))
-    assert not inner.heard[..., 3:].any()
+    assert not inner.inputs[..., 3:].any()
 
 
-def test_a_ball_from_the_other_side_is_forecast_alike_to_the_last_bit():
+def test_forecast_is_equivariant_under_a_half_turn():
     history, _ = observed(noise=0.003)
-    predictor = LearnedPredictor(schooling()[0].network)
+    predictor = LearnedPredictor(small_training()[0].network)
     half_turn = np.array([-1, -1, 1])
     twin = History(history.states * np.tile(half_turn, 2), history.mask)
-    forecast, turned = (predictor.predict(one).states for one in (history, twin))
-    np.testing.assert_array_equal(turned, forecast * np.tile(half_turn, 3))
-    assert (forecast[:, 0, 4] < 0).all() and (turned[:, 0, 4] > 0).all()
+    forecast, rotated = (predictor.predict(one).states for one in (history, twin))
+    np.testing.assert_array_equal(rotated, forecast * np.tile(half_turn, 3))
+    assert (forecast[:, 0, 4] < 0).all() and (rotated[:, 0, 4] > 0).all()
 
 
 def test_a_spin_counts_as_measured_when_one_sample_has_all_of_it():

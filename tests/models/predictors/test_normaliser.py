@@ -1,4 +1,4 @@
-"""The normaliser: uniform motion is nothing to it, and what was not measured does not count."""
+"""The normaliser: uniform motion has zero deviation, unmeasured values have no effect."""
 
 import itertools
 
@@ -58,7 +58,7 @@ def test_a_ball_in_uniform_motion_does_not_deviate_from_it(position, velocity, s
 
 @settings(deadline=None, max_examples=50)
 @given(numbers(5), numbers(35), numbers(1000))
-def test_a_network_sees_its_way_magnified_and_its_end_from_behind(position, velocity, spin):
+def test_normalised_history_of_uniform_motion(position, velocity, spin):
     assume(abs(velocity[1]) > 1e-3)
     history, future = moving(position, velocity, spin)
     side = HALF_TURN if velocity[1] > 0 else np.ones(3)
@@ -87,7 +87,7 @@ def test_a_sample_off_uniform_motion_shows_in_units_of_6_mm(position, velocity, 
     np.testing.assert_allclose(residual, expected, rtol=0.01, atol=1e-9)
 
 
-def test_an_outlier_is_never_told_as_more_than_five_of_them():
+def test_residuals_are_clipped_at_five_units():
     history, _ = moving(np.zeros(3), np.array([0.0, -5.0, 0.0]), np.zeros(3))
     motion = uniform_motion(history, ALL)
     history[0, 6, :3] += torch.tensor([0.3, -3.0, 30.0])
@@ -97,7 +97,7 @@ def test_an_outlier_is_never_told_as_more_than_five_of_them():
 
 @settings(deadline=None, max_examples=30)
 @given(arrays(bool, 12), st.integers(0, 100))
-def test_its_velocity_is_the_median_of_all_slopes_between_seen_samples(seen, seed):
+def test_velocity_is_the_theil_sen_estimate(seen, seed):
     heights = np.random.default_rng(seed).normal(size=12)
     pairs = itertools.combinations(np.flatnonzero(seen), 2)
     slopes = [(heights[j] - heights[i]) / (HISTORY_TIMES[j] - HISTORY_TIMES[i]) for i, j in pairs]
@@ -114,9 +114,9 @@ def one_ball():
 
 
 def with_outlier(history, sample):
-    spoilt = history.clone()
-    spoilt[:, sample, :3] += 0.3
-    return spoilt
+    degraded = history.clone()
+    degraded[:, sample, :3] += 0.3
+    return degraded
 
 
 def largest_move(forecast, others):
@@ -126,8 +126,8 @@ def largest_move(forecast, others):
 
 @pytest.mark.parametrize("sample", range(12))
 def test_an_outlier_of_30_cm_moves_uniform_motion_by_3_at_most(sample):
-    history, spoilt = one_ball(), with_outlier(one_ball(), sample)
-    assert largest_move(uniform_motion(spoilt, ALL), uniform_motion(history, ALL)) < 0.03
+    history, degraded = one_ball(), with_outlier(one_ball(), sample)
+    assert largest_move(uniform_motion(degraded, ALL), uniform_motion(history, ALL)) < 0.03
 
 
 @pytest.mark.parametrize("lost", [[0, 1, 2], [4, 6, 7], [9, 10, 11]])
@@ -168,7 +168,7 @@ def moments(values, known):
     return columns.mean(axis=0).data, columns.std(axis=0).data
 
 
-def test_what_was_not_measured_has_no_influence():
+def test_unmeasured_values_have_no_effect():
     history, seen, future, measured = measured_balls()
     plain, filled = Normaliser(), Normaliser()
     nonsense = torch.where(seen, history, 1e6), seen, torch.where(measured, future, 1e6), measured
@@ -194,7 +194,7 @@ def test_a_number_that_never_varies_or_was_never_measured_stays_finite():
 
 
 @pytest.mark.parametrize("seen", [[], [0], [11]])
-def test_a_ball_hardly_seen_is_taken_to_stand_still(seen):
+def test_a_ball_with_fewer_than_two_samples_has_zero_velocity(seen):
     history, _ = moving(np.array([0.1, 0.2, 0.3]), np.array([1.0, 2.0, 3.0]), np.full(3, 50.0))
     known = torch.zeros_like(ALL)
     known[:, seen] = True

@@ -39,7 +39,7 @@ def optimizer_of(layers):
     return MuonAndAdam(layers, RATE, MATRIX_RATE)
 
 
-def test_a_step_turns_a_layers_matrix_in_all_directions_by_about_the_rate():
+def test_a_step_has_singular_values_near_the_rate():
     layers = Layers()
     before = copy.deepcopy(layers.state_dict())
     after = stepped(layers, optimizer_of(layers), [0])
@@ -50,7 +50,7 @@ def test_a_step_turns_a_layers_matrix_in_all_directions_by_about_the_rate():
         assert turned.min() > 0.6 and turned.max() < 1.3
 
 
-def test_matrices_that_are_turned_at_once_turn_as_one_by_one():
+def test_stacked_updates_equal_single_updates():
     torch.manual_seed(0)
     shapes = [(8, 8), (16, 8), (8, 8), (8, 16), (12, 8)]
     ours = [nn.Parameter(torch.randn(shape)) for shape in shapes]
@@ -66,7 +66,7 @@ def test_matrices_that_are_turned_at_once_turn_as_one_by_one():
         assert (one - other).abs().max() < RATE / 10  # after five steps; torch adds in 16 bits
 
 
-def test_biases_and_the_projection_move_as_under_adam_alone():
+def test_biases_and_the_projection_equal_adam_alone():
     layers, other = Layers(), Layers()
     moved = stepped(layers, optimizer_of(layers), [0])
     expected = stepped(other, Adam(other.parameters(), lr=RATE, betas=(0.9, 0.98), fused=True), [0])
@@ -74,15 +74,15 @@ def test_biases_and_the_projection_move_as_under_adam_alone():
         assert torch.equal(moved[name], expected[name])
 
 
-def test_it_goes_on_from_its_state_to_the_last_bit():
+def test_resuming_from_the_state_is_exact():
     layers = Layers()
     optimizer = optimizer_of(layers)
     stepped(layers, optimizer, [0, 1])
     other = copy.deepcopy(layers)
     resumed = optimizer_of(other)
     resumed.load_state_dict(copy.deepcopy(optimizer.state_dict()))
-    undisturbed, continued = stepped(layers, optimizer, [2, 3]), stepped(other, resumed, [2, 3])
-    assert all(torch.equal(undisturbed[name], continued[name]) for name in undisturbed)
+    uninterrupted, continued = stepped(layers, optimizer, [2, 3]), stepped(other, resumed, [2, 3])
+    assert all(torch.equal(uninterrupted[name], continued[name]) for name in uninterrupted)
 
 
 @pytest.mark.parametrize("loaded", [False, True])
@@ -95,14 +95,3 @@ def test_a_schedule_changes_the_rates_of_both(loaded):
     LambdaLR(optimizer, lambda _: 0.0)
     after = stepped(layers, optimizer, [0])
     assert all(torch.equal(before[name], after[name]) for name in before)
-
-
-def test_a_closure_is_called_once_and_its_loss_returned():
-    layers, calls = Layers(), []
-
-    def closure():
-        calls.append(layers.backward())
-        return 3.0
-
-    assert optimizer_of(layers).step(closure) == 3.0
-    assert len(calls) == 1

@@ -1,4 +1,4 @@
-"""The physics predictor: exact where its simulator is true, robust where the cameras are not."""
+"""The physics predictor: exact with the true simulator, robust to outliers and lost samples."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def position_error(forecast, future, at):
     return np.linalg.norm(forecast.states[:, at, :3] - future[:, at, :3], axis=1)
 
 
-def spoilt(history, offsets, lost):
+def degraded(history, offsets, lost):
     """Histories with outliers, ``offsets`` by place, and straight lines where samples were lost."""
     states = history.states.copy()
     for where, offset in offsets.items():
@@ -37,13 +37,6 @@ def test_true_physics_on_clean_measurements_forecasts_to_a_millimetre():
     assert np.abs(forecast.states[..., 6:] - future[..., 6:]).max() < 2.0
 
 
-def test_a_bounce_inside_the_history_does_no_harm():
-    times = np.arange(12) * 0.005
-    assert TRUTH.fly(FIRST[1], times).contacts.count[0] == 1
-    history, future = observed(FIRST[[1]])
-    assert position_error(TRUE_PHYSICS.predict(history), future, -1)[0] < 1e-3
-
-
 def test_noisy_measurements_cost_centimetres_not_decimetres():
     balls = np.tile(FIRST, (30, 1))
     history, future = observed(balls, noise=0.003)
@@ -58,7 +51,7 @@ def test_wrong_drag_forecasts_too_far():
     assert ahead < -0.05
 
 
-def test_the_path_of_an_unlabelled_ball_hints_at_its_spin():
+def test_spin_is_estimated_from_the_path_without_a_label():
     # 55 ms of path at 4 mm leave the spin uncertain by about 1,000 rad/s: a hint, no more.
     topspin, backspin = FIRST[0].copy(), FIRST[0].copy()
     topspin[6:], backspin[6:] = [-400, 0, 0], [400, 0, 0]
@@ -73,30 +66,30 @@ def test_an_outlier_does_not_bend_the_forecast(where):
     history, future = observed(noise=0.001)
     states = history.states.copy()
     states[:, where, :3] += [0.1, 0.05, -0.08]
-    spoilt = History(states, history.mask)
+    degraded = History(states, history.mask)
     clean = position_error(TRUE_PHYSICS.predict(history), future, -1)
-    spoilt_error = position_error(TRUE_PHYSICS.predict(spoilt), future, -1)
+    spoilt_error = position_error(TRUE_PHYSICS.predict(degraded), future, -1)
     assert (spoilt_error < clean + 0.03).all()
 
 
 # A history like one of the arena that once threw the forecast off by metres.
 def test_two_outliers_and_a_lost_measurement_at_the_end_are_no_new_ball():
     history, future = observed(noise=0.003)
-    ending = spoilt(history, {10: [0.05, 0.0, -0.2], 11: [-0.1, 0.0, 0.14]}, lost=[9])
+    ending = degraded(history, {10: [0.05, 0.0, -0.2], 11: [-0.1, 0.0, 0.14]}, lost=[9])
     clean = position_error(TRUE_PHYSICS.predict(history), future, -1)
     assert (position_error(TRUE_PHYSICS.predict(ending), future, -1) < 3 * clean + 0.03).all()
 
 
-@pytest.mark.parametrize("beside", [[-1], [1], [-1, 1], [-2, -1], [1, 2]], ids=str)
+@pytest.mark.parametrize("neighbours", [[-1], [1], [-1, 1], [-2, -1], [1, 2]], ids=str)
 @pytest.mark.parametrize("where", range(12))
-def test_values_interpolated_towards_an_outlier_do_little_harm(where, beside):
-    lost = [place for place in np.add(where, beside) if 0 < place < 11]
+def test_values_interpolated_towards_an_outlier(where, neighbours):
+    lost = [place for place in np.add(where, neighbours) if 0 < place < 11]
     history, future = observed(np.vstack([FIRST, BOUNCING]), noise=0.003, seed=where)
     offsets = np.random.default_rng(where).normal(size=(len(history), 3))
     offsets *= 0.25 / np.linalg.norm(offsets, axis=1, keepdims=True)
-    beguiling = spoilt(history, {where: offsets}, lost)
+    interpolated = degraded(history, {where: offsets}, lost)
     clean = position_error(TRUE_PHYSICS.predict(history), future, -1)
-    assert (position_error(TRUE_PHYSICS.predict(beguiling), future, -1) < 3 * clean + 0.1).all()
+    assert (position_error(TRUE_PHYSICS.predict(interpolated), future, -1) < 3 * clean + 0.1).all()
 
 
 @pytest.mark.parametrize("struck_at", [2, 5, 7])

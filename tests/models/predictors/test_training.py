@@ -1,4 +1,4 @@
-"""Training: the recipe of the paper, and nothing learned from what was not measured."""
+"""Training: learning rates, losses, masks and batches."""
 
 from dataclasses import replace
 
@@ -13,27 +13,31 @@ from models.predictors.training import ForecastTraining, WindowData, cosine
 from models.predictors.window_dataset import build_tracks
 from tests.models.predictors.balls import FIRST
 from tests.models.predictors.episodes import flown
-from tests.models.predictors.schooling import (
+from tests.models.predictors.small_training import (
     BRIEF,
     TINY,
-    balls,
+    TINY_GRU_TAE,
+    TINY_TAE,
     changed,
     data,
     fit,
     network,
-    schooling,
+    small_training,
+    tracks,
 )
 
+WIDER = changed(TINY, width=32, expanded=64)
 
-class Silent(torch.nn.Module):
-    """A network that says nothing."""
+
+class ZeroNetwork(torch.nn.Module):
+    """A network whose output is zero."""
 
     def forward(self, history, *_):
         return history.new_zeros(len(history), 60, 9)
 
 
-class Rates(ForecastTraining):
-    """A training that notes its learning rates."""
+class RecordedRates(ForecastTraining):
+    """A training that records its learning rates."""
 
     def on_train_start(self):
         self.rates = []
@@ -55,27 +59,30 @@ def joined(loader):
     return [np.concatenate(parts) for parts in zip(*batches(loader), strict=True)]
 
 
-def test_a_handful_of_windows_is_learned_by_heart():
+@pytest.mark.parametrize(
+    "shape",
+    [changed(TINY, width=32, expanded=64), TINY_TAE, TINY_GRU_TAE],
+    ids=lambda one: one.kind,
+)
+def test_a_network_overfits_three_windows(shape):
     flights = build_tracks([flown(first) for first in FIRST])
     one_each = replace(flights, anchors=flights.anchors[flights.bounds[:-1]], bounds=np.arange(4))
-    plain = changed(BRIEF, epochs=6, windows_an_episode=100, batch=6, decay=0.6, hidden_spin=0.0)
-    training = ForecastTraining(network(changed(TINY, width=32, expanded=64)), plain)
-    windows = WindowData(one_each, one_each, plain, seed=0)
+    settings = changed(BRIEF, epochs=6, windows_an_episode=100, batch=6, decay=0.6, hidden_spin=0.0)
+    training = ForecastTraining(network(shape), settings)
+    windows = WindowData(one_each, one_each, settings, seed=0)
     windows.fit_normaliser(training.network)
-
     curve = fit(training, windows).curve
-
     history, seen, future, measured = map(np.asarray, one_each.windows(one_each.anchors))
     forecast = LearnedPredictor(training.network).predict(History(history, seen)).states
     assert measured[:, -1].all()
-    assert curve[-1]["validation"] < 0.01  # a network that says nothing loses 3
+    assert curve[-1]["validation"] < 0.01  # a forecast of the mean has a loss of 3
     assert np.linalg.norm((forecast - future)[:, -1, :3], axis=1).max() < 0.06
 
 
-def test_a_network_that_says_nothing_loses_the_variance_of_what_was_measured():
-    train = balls(6, 0)
+def test_the_loss_of_the_mean_forecast_is_the_variance():
+    train = tracks(6, 0)
     batch = train.windows(train.anchors)
-    training = ForecastTraining(ForecastNetwork(Silent()), BRIEF)
+    training = ForecastTraining(ForecastNetwork(ZeroNetwork()), BRIEF)
     training.network.normaliser.fit(*batch)
     motion = uniform_motion(*batch[:2])
     wanted = training.network.normaliser.deviation(batch[2], motion)[batch[3]]
@@ -86,8 +93,8 @@ def test_a_network_that_says_nothing_loses_the_variance_of_what_was_measured():
     assert training._loss(batch)[0].item() == pytest.approx(expected, rel=1e-2)
 
 
-def test_what_was_not_measured_teaches_nothing():
-    training, windows = schooling()
+def test_unmeasured_values_have_no_gradient():
+    training, windows = small_training()
     history, seen, future, measured = next(iter(windows.train_dataloader()))
     assert not seen.all() and not measured.all()
     nonsense = torch.where(seen, history, 1e6), seen, torch.where(measured, future, 1e6), measured
@@ -99,8 +106,8 @@ def test_what_was_not_measured_teaches_nothing():
     assert all(torch.equal(one, other) for one, other in zip(*gradients, strict=True))
 
 
-def test_a_batch_in_which_nothing_was_measured_has_no_loss():
-    training, windows = schooling()
+def test_a_batch_without_measurements_has_zero_loss():
+    training, windows = small_training()
     history, seen, future, measured = next(iter(windows.train_dataloader()))
     assert training._loss((history, seen, future, torch.zeros_like(measured)))[0].item() == 0.0
 
@@ -109,7 +116,7 @@ def hiding(share, **changes):
     return joined(data(changed(BRIEF, hidden_spin=share, **changes)).train_dataloader())
 
 
-def test_hidden_spin_is_neither_shown_nor_asked_for_and_all_else_is():
+def test_hidden_spin_is_masked_in_input_and_loss():
     (history, seen, future, measured), hidden = hiding(0.0), hiding(1.0)
     np.testing.assert_array_equal(hidden[0][..., :3], history[..., :3])
     np.testing.assert_array_equal(hidden[1][..., :3], seen[..., :3])
@@ -120,7 +127,7 @@ def test_hidden_spin_is_neither_shown_nor_asked_for_and_all_else_is():
     assert not hidden[1][..., 3:].any() and not hidden[0][..., 3:].any()
 
 
-def test_where_no_label_was_seen_spin_is_not_asked_for():
+def test_spin_without_a_label_in_the_history_is_masked_in_the_loss():
     late = flown()
     late.spins[:50] = np.nan  # so that some windows see no label, but have one in their future
     settings = changed(BRIEF, hidden_spin=0.0, windows_an_episode=100)
@@ -132,15 +139,15 @@ def test_where_no_label_was_seen_spin_is_not_asked_for():
     assert not measured[~labelled, :, 6:].any()
 
 
-def test_the_share_of_windows_asked_for_hides_its_spin():
+def test_the_requested_share_of_windows_has_hidden_spin():
     whole, some = (hiding(share, windows_an_episode=100)[1][..., 3:] for share in (0.0, 0.3))
     hidden = ~some.any(axis=(1, 2))
     assert hidden.mean() == pytest.approx(0.3, abs=0.06)  # of 600 windows: three deviations
     np.testing.assert_array_equal(some[~hidden], whole[~hidden])
 
 
-def test_an_epoch_has_as_many_windows_of_each_episode_as_asked():
-    train = balls(6, 0)
+def test_an_epoch_has_the_requested_number_of_windows_per_episode():
+    train = tracks(6, 0)
     every = train.windows(train.anchors)[2].numpy()
     owner = np.repeat(np.arange(6), np.diff(train.bounds))
     loader = data().train_dataloader()
@@ -149,22 +156,22 @@ def test_an_epoch_has_as_many_windows_of_each_episode_as_asked():
     assert [len(batch[0]) for batch in loader] == [8, 8, 8]
 
 
-class Watching(ForecastTraining):
-    """A training that notes its batches."""
+class RecordedBatches(ForecastTraining):
+    """A training that records its batches."""
 
     def on_fit_start(self):
-        self.learned, self.watched = [], []
+        self.training_batches, self.validation_batches = [], []
 
     def on_train_batch_start(self, batch, _):
-        self.learned.append(batch[0].numpy())
+        self.training_batches.append(batch[0].numpy())
 
     def on_validation_batch_start(self, batch, *_):
-        self.watched.append(batch[0].numpy())
+        self.validation_batches.append(batch[0].numpy())
 
 
-def test_every_epoch_draws_its_windows_anew_and_validation_never():
-    training = fit(*schooling(kind=Watching))
-    learned, watched = np.split(np.array(training.learned), 3), training.watched
+def test_every_epoch_draws_new_training_windows_and_the_same_validation_windows():
+    training = fit(*small_training(kind=RecordedBatches))
+    learned, watched = np.split(np.array(training.training_batches), 3), training.validation_batches
     assert (learned[0] != learned[1]).any() and (learned[1] != learned[2]).any()
     assert len(watched) == 3
     np.testing.assert_array_equal(watched[0], watched[1])
@@ -172,35 +179,28 @@ def test_every_epoch_draws_its_windows_anew_and_validation_never():
 
 
 def test_validation_changes_no_weight():
-    training, windows = schooling()
-    other, others = schooling()
-    others.validation = balls(5, 7)
+    training, windows = small_training()
+    other, others = small_training()
+    others.validation = tracks(5, 7)
     pairs = zip(weights(fit(training, windows)), weights(fit(other, others)), strict=True)
     assert all(torch.equal(one, same) for one, same in pairs)
     assert training.curve != other.curve
 
 
-def test_the_learning_rate_falls_by_its_factor_every_epoch():
-    training = fit(*schooling(kind=Rates))
+def test_exponential_decay_of_the_learning_rate():
+    training = fit(*small_training(kind=RecordedRates))
     assert training.rates == pytest.approx(np.repeat([0.01, 0.005, 0.0025], 3))
 
 
-def test_without_a_factor_the_learning_rate_rises_and_falls_with_every_step():
+def test_cosine_schedule_of_the_learning_rate():
     settings = changed(BRIEF, decay=None, epochs=10, learning_rate=1e-4)
-    rates = np.array(fit(*schooling(settings, kind=Rates)).rates)
+    rates = np.array(fit(*small_training(settings, kind=RecordedRates)).rates)
     assert rates == pytest.approx([1e-4 * cosine(step / 30) for step in range(30)])
 
 
-def test_the_cosine_is_half_a_wave_behind_a_rise():
+def test_cosine_schedule_has_a_linear_warm_up():
     shares = [0.0, 0.025, 0.05, 0.25, 0.5, 1.0, 1.1]
     falling = (1 + np.cos(np.pi * np.array(shares[:-1]))) / 2
     assert [cosine(share) for share in shares] == pytest.approx(
         [0.0, falling[1] / 2, *falling[2:], 0.0]
     )
-
-
-def test_the_normaliser_learns_nothing():
-    training, windows = schooling()
-    before = {name: one.clone() for name, one in training.network.normaliser.state_dict().items()}
-    after = fit(training, windows).network.normaliser.state_dict()
-    assert all(torch.equal(before[name], after[name]) for name in before)

@@ -1,4 +1,4 @@
-"""The transformer: the paper's equations, restated without a single module."""
+"""The transformer against the paper's equations on plain tensors."""
 
 import itertools
 
@@ -117,12 +117,12 @@ def gelu(numbers):
     return numbers * (1 + torch.erf(numbers / 2**0.5)) / 2
 
 
-def test_its_forward_is_that_of_the_paper_s_equations(network, balls):
+def test_transformer_equals_the_paper_s_equations(network, balls):
     with torch.no_grad():
         torch.testing.assert_close(network(*balls), Restated(network)(*balls), rtol=0, atol=1e-4)
 
 
-def test_but_for_the_rounding_of_the_places_to_the_last_digits(network, balls, monkeypatch):
+def test_transformer_equals_the_equations_in_double_precision(network, balls, monkeypatch):
     for embedding in (network.encoder_embedding, network.decoder_embedding):
         monkeypatch.setitem(embedding._buffers, "positions", places(*embedding.positions.shape))
     with torch.no_grad():
@@ -130,7 +130,7 @@ def test_but_for_the_rounding_of_the_places_to_the_last_digits(network, balls, m
 
 
 @pytest.mark.parametrize("width", [8, 64, 512])
-def test_places_are_told_by_sines_and_cosines(width):
+def test_positional_encoding_is_sinusoidal(width):
     torch.testing.assert_close(sinusoids(72, width), places(72, width).float(), rtol=0, atol=1e-5)
 
 
@@ -163,7 +163,7 @@ def test_every_number_of_the_forecast_depends_on_every_measured_number(network, 
     assert change.abs().min() > 1e-9  # rounding is a millionth of that
 
 
-def test_balls_of_a_batch_do_not_meet(network, balls):
+def test_trajectories_of_a_batch_are_independent(network, balls):
     history, *rest = balls
     others = history.clone().requires_grad_()
     (mixed,) = torch.autograd.grad(network(others, *rest)[1].square().sum(), others)

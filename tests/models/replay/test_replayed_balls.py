@@ -30,7 +30,7 @@ from models.replay.replayed_balls import (
 from tests.models.policy.incoming_balls import HORIZONS, VACUUM, parabola
 from tests.models.policy.replayed_shots import SERVE, STROKE, sampled, shot
 from tests.models.predictors.balls import TRUTH
-from tests.models.predictors.episodes import spoilt
+from tests.models.predictors.episodes import degraded
 
 STEPS = control_times(FIRST_WINDOW)
 
@@ -100,7 +100,7 @@ def test_histories_are_those_of_the_windows_that_predictors_are_evaluated_on():
 
 @pytest.mark.parametrize("rate", [143.0, 179.0, 200.0])
 def test_histories_end_with_the_latest_sample_of_each_tick(rate):
-    measured = spoilt(sampled(rate=rate, noise=0.003), seed=1)
+    measured = degraded(sampled(rate=rate, noise=0.003), seed=1)
     found = measurement_histories([shot(), shot(measured)])
     for k, step in enumerate(STEPS):
         end = measured.times[measured.times <= step + 1e-9][-1]
@@ -117,7 +117,7 @@ def test_histories_end_with_the_latest_sample_of_each_tick(rate):
 @settings(deadline=None, max_examples=30)
 @given(k=st.integers(0, 16), seed=st.integers(0, 99), rate=st.sampled_from([143.0, 200.0]))
 def test_nothing_that_was_measured_after_a_tick_reaches_the_predictor(k, seed, rate):
-    measured = spoilt(sampled(rate=rate), seed)
+    measured = degraded(sampled(rate=rate), seed)
     later = measured.times > STEPS[k] + 1e-9
     other = replace(
         measured,

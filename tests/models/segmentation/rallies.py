@@ -1,4 +1,4 @@
-"""Simulated rallies with known contacts, by scipy and formulas of their own: an oracle."""
+"""Simulated rallies with known contacts, integrated by scipy independently of the models."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ RESTITUTION, FRICTION = 0.92, 0.22
 
 @dataclass
 class Rally:
-    """Measured samples of a rally and what is true of it: contacts, and velocities by sample."""
+    """Measured samples of a rally with its true contacts and velocities."""
 
     t: np.ndarray
     x: np.ndarray
@@ -19,7 +19,7 @@ class Rally:
     velocity: np.ndarray
     outlier: np.ndarray
 
-    def seen(self, time, reach=0.025, fewest=3):
+    def observable(self, time, reach=0.025, fewest=3):
         """Whether enough good samples lie on both sides of a contact, up to the next contact."""
         good, times = self.t[~self.outlier], [contact[0] for contact in self.contacts]
         before = max([time - reach, *(other for other in times if other < time)])
@@ -39,7 +39,7 @@ def simulated_rally(rng, strokes=5, noise=0.003, outliers=0.03, dropouts=0.03, b
         noise: standard deviation of a coordinate, m.
         outliers: share of samples 30 to 500 mm off.
         dropouts: share of samples that are missing.
-        bursts: how often a second 3 to 10 samples in a row are missing.
+        bursts: rate (1/s) of gaps of 3 to 10 samples.
     """
     pieces, contacts = _played(rng, strokes)
     end = pieces[-1][1]
@@ -115,10 +115,10 @@ def _bounced(state):
     """Coulomb friction, until the ball rolls."""
     velocity, spin = state[3:6].copy(), state[6:].copy()
     slip = np.array([velocity[0] - RADIUS * spin[1], velocity[1] + RADIUS * spin[0], 0.0])
-    blow = (1 + RESTITUTION) * -velocity[2]
-    rub = -slip * min(FRICTION * blow / np.linalg.norm(slip), 0.4)
-    spin += 1.5 / RADIUS * np.cross([0, 0, -1], rub)
-    velocity += rub
+    impulse = (1 + RESTITUTION) * -velocity[2]
+    tangential = -slip * min(FRICTION * impulse / np.linalg.norm(slip), 0.4)
+    spin += 1.5 / RADIUS * np.cross([0, 0, -1], tangential)
+    velocity += tangential
     velocity[2] *= -RESTITUTION
     return np.concatenate([state[:3], velocity, spin])
 
@@ -131,7 +131,7 @@ def _state(pieces, time):
 
 
 def scores(pairs, kind, tolerance=0.005):
-    """Precision and recall of contacts of one kind where they can be seen.
+    """Precision and recall of the observable contacts of one kind.
 
     Args:
         pairs: (rally, contacts found).
@@ -140,11 +140,13 @@ def scores(pairs, kind, tolerance=0.005):
     """
     found_true = found_false = missed = 0
     for rally, found in pairs:
-        true = [(time, rally.seen(time)) for time, what in rally.contacts if what == kind]
+        true = [(time, rally.observable(time)) for time, what in rally.contacts if what == kind]
         times = np.array([contact.time for contact in found if contact.kind == kind])
         for time in times:
-            near = [seen for at, seen in true if abs(at - time) < tolerance]
+            near = [observable for at, observable in true if abs(at - time) < tolerance]
             found_true += any(near)
             found_false += not near
-        missed += sum(seen and not np.any(abs(times - at) < tolerance) for at, seen in true)
+        missed += sum(
+            observable and not np.any(abs(times - at) < tolerance) for at, observable in true
+        )
     return found_true / (found_true + found_false), found_true / (found_true + missed)

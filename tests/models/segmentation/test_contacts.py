@@ -11,7 +11,7 @@ def contact(before, after, position=(0.0, 0.8, 0.02)):
 
 
 @pytest.mark.parametrize("time", [-0.004, 0.0, 0.0037])
-def test_paths_meet_where_they_were_made_to_part(time):
+def test_closest_approach_is_the_constructed_contact(time):
     down = np.array([[0.1, 0.8, 0.02], [0.5, 4.0, -3.0], [0.0, 0.0, -9.81]])
     up = np.array([[0.1, 0.8, 0.02], [0.4, 3.5, 2.8], [0.0, 0.0, -9.81]])
     ends = (extrapolated(down, -0.010), time - 0.010), (extrapolated(up, 0.012), time + 0.012)
@@ -22,7 +22,7 @@ def test_paths_meet_where_they_were_made_to_part(time):
     assert met.speed_change == pytest.approx(np.linalg.norm(up[1] - down[1]), rel=1e-2)
 
 
-def test_meeting_stays_inside_its_bounds():
+def test_closest_approach_stays_inside_its_bounds():
     path = np.array([[0.0, 0.0, 0.3], [0.0, 4.0, 0.0], [0.0, 0.0, -9.81]])
     other = np.add(path, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
     assert closest_approach((path, 0.0), (other, 0.1), 0.0, 0.1).time == 0.0
@@ -42,16 +42,16 @@ def test_meeting_stays_inside_its_bounds():
         ([0.5, 8.0, -1.0], [0.4, 0.3, -0.5], 0.30, "unknown"),  # something soft
     ],
 )
-def test_kind_follows_from_what_a_surface_can_do(before, after, height, kind):
+def test_kind_of_contact(before, after, height, kind):
     assert contact(before, after, (0.0, 0.8, height)).kind == kind
 
 
-def test_ball_that_falls_back_from_the_net_was_not_struck():
+def test_ball_that_falls_back_from_the_net_is_no_racket_contact():
     assert contact([0.0, 8.0, 0.0], [0.3, -1.5, 0.0], (0.0, 0.02, 0.1)).kind == "unknown"
 
 
 @pytest.mark.parametrize("mirror", [[-1, 1, 1], [1, -1, 1]])
-def test_kind_is_the_same_in_a_mirror(mirror):
+def test_kind_is_invariant_under_reflection(mirror):
     for after in ([0.4, 4.2, 2.8], [0.2, -7.0, 2.0]):
         one = contact(np.array([0.5, 5.0, -3.0]), np.array(after))
         other = contact(one.before * mirror, one.after * mirror, one.position * mirror)

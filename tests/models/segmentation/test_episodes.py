@@ -1,4 +1,4 @@
-"""Flights joined to episodes."""
+"""Episodes from flights and contacts."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a flight leaves, and what a missed contact leaves."""
+"""Residuals of a flight, with and without a missed contact."""
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -19,17 +19,17 @@ def flown(lift=(0.0, 2.0, -9.81 - 3.0)):
     return states[:, :3], states[:, 3:]
 
 
-def test_flight_with_drag_and_constant_lift_leaves_nothing():
+def test_flight_with_drag_and_constant_lift_has_no_residual():
     assert flight_residuals(T, *flown(), ALL).max() < 1e-4
 
 
-def test_missed_contact_leaves_centimetres():
+def test_missed_contact_has_a_residual_of_centimetres():
     x, velocity = flown()
     x[50:] += (T[50:, None] - T[50]) * [0, -1.0, 4.0]
     assert np.sqrt(np.mean(flight_residuals(T, x, velocity, ALL) ** 2)) > 0.03
 
 
-def test_outlier_is_measured_but_not_followed():
+def test_outlier_has_a_residual_and_does_not_affect_the_fit():
     x, velocity = flown()
     x[40] += [0.0, 0.3, 0.4]
     errors = flight_residuals(T, x, velocity, np.arange(100) != 40)

@@ -1,4 +1,4 @@
-"""The score of contacts whose truth is known."""
+"""Scores of detected contacts against the truth."""
 
 import numpy as np
 import pandas as pd
@@ -60,7 +60,7 @@ def test_closest_pairs_match_first_and_only_once():
     assert match_contacts(true, found, 0.005).tolist() == [-1, 0, 2]
 
 
-def test_perfect_finding_is_perfect():
+def test_perfect_detection():
     scored = score(TRUE, TRUE[TRUE["kind"] != "launch"], SAMPLES, SETTINGS)
     assert scored.true["kind"].tolist() == ["racket", "table", "table"]
     assert scored.true[["observable", "detected"]].all(axis=None)
@@ -69,7 +69,7 @@ def test_perfect_finding_is_perfect():
     assert scored.false.empty
 
 
-def test_wrong_kind_late_and_invented_contacts_are_false():
+def test_wrong_kind_and_late_contacts_are_false_positives():
     found = contacts((0.5, "table", 1.5), (0.706, "table", 0.7), (1.002, "table", -0.7))
     scored = score(TRUE, found, SAMPLES, SETTINGS)
     assert scored.true["detected"].tolist() == [False, False, True]

@@ -1,4 +1,4 @@
-"""Who gets which recordings."""
+"""Assignment of recordings to splits."""
 
 from itertools import chain
 
@@ -48,7 +48,7 @@ def simulated_games(games=12, strokes=8, shots=100):
     return tables(parts + [shot(f"arena/cannon/{k}") for k in range(shots)])
 
 
-def shared(episodes, contacts, seed=0, **changes):
+def assigned(episodes, contacts, seed=0, **changes):
     found = split(episodes, contacts, SplitSettings(**changes), seed)
     return episodes.assign(split=found.split, replay_set=found.replay_set), found.shortages
 
@@ -63,16 +63,16 @@ def shared(episodes, contacts, seed=0, **changes):
 def test_no_recording_is_in_two_splits(counts, test, replay, seed):
     parts = [game(f"arena/{group}/{k}", strokes) for k, (group, strokes) in enumerate(counts)]
     sets = ReplaySettings(stroke_pro=replay, stroke_uni=replay, receive=replay)
-    episodes, _ = shared(*tables(parts), seed, test_episodes=test, replay=sets)
+    episodes, _ = assigned(*tables(parts), seed, test_episodes=test, replay=sets)
     assert (episodes.groupby("recording_id")["split"].nunique() == 1).all()
     assert episodes["split"].isin(["train", "validation", "test", "replay"]).all()
     assert (episodes.loc[episodes["replay_set"] != "none", "split"] == "replay").all()
 
 
 def test_same_seed_same_split_and_other_seed_another():
-    one, _ = shared(*simulated_games(), seed=3)
-    again, _ = shared(*simulated_games(), seed=3)
-    other, _ = shared(*simulated_games(), seed=4)
+    one, _ = assigned(*simulated_games(), seed=3)
+    again, _ = assigned(*simulated_games(), seed=3)
+    other, _ = assigned(*simulated_games(), seed=4)
     pd.testing.assert_frame_equal(one, again)
     assert not one["split"].equals(other["split"])
 
@@ -83,13 +83,13 @@ def test_split_of_a_source_does_not_depend_on_other_sources():
     together = [
         pd.concat(pair, ignore_index=True) for pair in zip(alone, tables(more), strict=True)
     ]
-    one, _ = shared(*alone)
-    other, _ = shared(*together)
+    one, _ = assigned(*alone)
+    other, _ = assigned(*together)
     pd.testing.assert_frame_equal(one, other[other["source"] == "arena"])
 
 
 def test_tests_have_as_many_shots_as_asked_for_in_proportion():
-    episodes, shortages = shared(*simulated_games(), test_episodes=60, replay=NO_REPLAY)
+    episodes, shortages = assigned(*simulated_games(), test_episodes=60, replay=NO_REPLAY)
     testing = episodes[(episodes["split"] == "test") & (episodes["bounces"] > 0)]
     of_cannon = recording_groups(testing["recording_id"]) == "cannon"
     # 100 shots of the cannon and 4 x 12 x 8 strokes: a fifth of 60, and whole games for the rest.
@@ -99,7 +99,7 @@ def test_tests_have_as_many_shots_as_asked_for_in_proportion():
 
 
 def test_small_source_gives_a_quarter_to_tests_and_says_so():
-    episodes, shortages = shared(*tables([shot(f"lab/{k}") for k in range(70)]))
+    episodes, shortages = assigned(*tables([shot(f"lab/{k}") for k in range(70)]))
     assert (episodes["split"] == "test").sum() == 17
     assert (episodes["split"] == "validation").sum() == 5
     assert set(episodes["replay_set"]) == {"none"}
@@ -108,7 +108,7 @@ def test_small_source_gives_a_quarter_to_tests_and_says_so():
 
 def test_replayed_shots_are_serves_and_strokes_from_the_far_end():
     sets = ReplaySettings(stroke_pro=5, stroke_uni=9, receive=3)
-    episodes, shortages = shared(*simulated_games(), test_episodes=0, replay=sets)
+    episodes, shortages = assigned(*simulated_games(), test_episodes=0, replay=sets)
     chosen = episodes[episodes["replay_set"] != "none"]
     assert chosen["replay_set"].value_counts().to_dict() == sets.model_dump()
     numbers = chosen["episode_id"].str[-2:].astype(int)
@@ -123,7 +123,7 @@ def test_replayed_shots_are_serves_and_strokes_from_the_far_end():
     [("stroke_pro", {"pro"}), ("stroke_uni", {"club", "semi_pro"})],
 )
 def test_replayed_strokes_are_of_their_players(replay_set, groups):
-    episodes, _ = shared(
+    episodes, _ = assigned(
         *simulated_games(), replay=ReplaySettings(stroke_pro=6, stroke_uni=12, receive=2)
     )
     chosen = episodes[episodes["replay_set"] == replay_set]
@@ -134,14 +134,14 @@ def test_replayed_strokes_are_of_their_players(replay_set, groups):
 def test_broken_strokes_and_those_off_the_table_are_not_replayed(column, value):
     episodes, contacts = simulated_games()
     episodes.loc[episodes["episode_id"].str[-2:].astype(int) > 1, column] = value
-    found, shortages = shared(episodes, contacts)
+    found, shortages = assigned(episodes, contacts)
     assert set(found["replay_set"]) == {"none", "receive"}
     assert "stroke_pro has 0 of 200 episodes to replay" in shortages
 
 
 def test_near_player_s_serves_are_not_replayed():
     parts = [game(f"arena/pro/{k}", 1, far_first=False) for k in range(20)]
-    episodes, _ = shared(*tables(parts))
+    episodes, _ = assigned(*tables(parts))
     assert set(episodes["replay_set"]) == {"none"}
 
 

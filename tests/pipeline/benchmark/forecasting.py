@@ -21,8 +21,8 @@ def forecasts_of(predictor, exported: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
-class Still:
-    """Forecasts balls that hang in the air."""
+class ZeroPredictor:
+    """Forecasts zero states."""
 
     def predict(self, history):
         """Forecast the origin."""

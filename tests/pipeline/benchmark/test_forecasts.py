@@ -1,4 +1,4 @@
-"""A file of forecasts that cannot be scored is one error: where, and what to do."""
+"""An invalid file of forecasts is one error that names the place."""
 
 import re
 
@@ -11,13 +11,13 @@ import pytest
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import window_ids, window_table
 from pipeline.runtime.errors import InputError
-from tests.pipeline.benchmark.forecasting import Still, forecasts_of
+from tests.pipeline.benchmark.forecasting import ZeroPredictor, forecasts_of
 
 
 @pytest.fixture
 def forecasts(sets):
     """A whole table of forecasts, in the order of the windows' names."""
-    return forecasts_of(Still(), window_table(sets))
+    return forecasts_of(ZeroPredictor(), window_table(sets))
 
 
 def refusal(path, forecasts, sets):
@@ -39,7 +39,7 @@ CHANGES = {
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_a_row_at_fault_is_named_with_its_field(tmp_path, sets, forecasts, change):
+def test_an_invalid_row_is_named_with_its_field(tmp_path, sets, forecasts, change):
     (column, value), expected = CHANGES[change]
     forecasts.loc[6, column] = value
     assert re.match(expected, refusal(tmp_path / "f.parquet", forecasts, sets))
@@ -55,13 +55,13 @@ def test_a_horizon_given_twice_is_named_with_its_row(tmp_path, sets, forecasts):
 def test_a_missing_window_is_named_and_the_others_counted(tmp_path, sets, forecasts):
     gone = window_ids(sets[0])[0]
     left = forecasts[forecasts["window_id"] != gone]
-    said = refusal(tmp_path / "f.parquet", left, sets)
-    assert said.startswith(f": window {gone} has no row for 100 ms, and 40 more are missing")
+    message = refusal(tmp_path / "f.parquet", left, sets)
+    assert message.startswith(f": window {gone} has no row for 100 ms, and 40 more are missing")
 
 
-def test_too_many_rows_are_refused_unread(tmp_path, sets, forecasts):
-    said = refusal(tmp_path / "f.parquet", pd.concat([forecasts, forecasts]), sets)
-    assert f"has {2 * len(forecasts)} rows; all windows have {len(forecasts)} horizons" in said
+def test_too_many_rows_are_refused_before_reading(tmp_path, sets, forecasts):
+    message = refusal(tmp_path / "f.parquet", pd.concat([forecasts, forecasts]), sets)
+    assert f"has {2 * len(forecasts)} rows; all windows have {len(forecasts)} horizons" in message
 
 
 @pytest.mark.parametrize(
@@ -79,7 +79,7 @@ def test_a_table_of_another_shape_is_refused(tmp_path, sets, forecasts, changed,
     assert refusal(tmp_path / "f.parquet", changed(forecasts), sets).startswith(expected)
 
 
-def test_a_long_text_that_packs_well_is_refused_unread(tmp_path, sets, forecasts):
+def test_a_decompression_bomb_is_refused_before_reading(tmp_path, sets, forecasts):
     table = forecasts.assign(window_id="x" * 100_000)
     written = pa.Table.from_pandas(table, preserve_index=False)
     path = tmp_path / "f.parquet"
@@ -89,7 +89,7 @@ def test_a_long_text_that_packs_well_is_refused_unread(tmp_path, sets, forecasts
         read_forecasts(path, sets)
 
 
-def test_numbers_of_32_bits_and_columns_in_any_order_are_taken(tmp_path, sets, forecasts):
+def test_narrow_types_and_any_order_of_columns_are_accepted(tmp_path, sets, forecasts):
     path = tmp_path / "f.parquet"
     narrow = forecasts.astype({"px": "float32", "horizon_ms": "int16", "wx": "int64"})
     narrow[sorted(narrow)].to_parquet(path, index=False)
@@ -100,7 +100,7 @@ def test_numbers_of_32_bits_and_columns_in_any_order_are_taken(tmp_path, sets, f
 
 
 @pytest.mark.parametrize("made", ["missing", "folder", "text", "cut"])
-def test_what_is_no_parquet_file_is_one_error(tmp_path, sets, forecasts, made):
+def test_a_file_that_is_no_parquet_table_is_an_error(tmp_path, sets, forecasts, made):
     path = tmp_path / "f.parquet"
     if made == "folder":
         path.mkdir()

@@ -1,4 +1,4 @@
-"""Forecasts are scored as evaluate_predictor scores ours, to the digit, on one window a flight."""
+"""Scores of forecasts equal those of evaluate_predictor, with one window per flight."""
 
 import io
 import json
@@ -21,7 +21,7 @@ from pipeline.evaluation.predictors import read_predictors
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.stage_run import StageRun
 from stages.evaluate_predictor import evaluate_predictor
-from tests.pipeline.benchmark.forecasting import Still, forecasts_of
+from tests.pipeline.benchmark.forecasting import ZeroPredictor, forecasts_of
 from tests.pipeline.measured_shots import params, write_inputs, write_trained
 from tests.stages.small_runs import run_ingest, run_segment
 
@@ -41,7 +41,7 @@ def scored(root, forecasts, folder):
 
 
 @pytest.mark.parametrize("name", ["physics_c", "tiny"])
-def test_our_own_predictor_exported_and_scored_has_exactly_its_numbers(tmp_path, root, sets, name):
+def test_forecasts_of_our_predictor_have_exactly_its_scores(tmp_path, root, sets, name):
     export_windows(sets, tmp_path)
     exported = pd.read_parquet(tmp_path / "windows.parquet")
     forecasts = forecasts_of(predictor(root, name), exported).sample(frac=1, random_state=0)
@@ -54,15 +54,15 @@ def test_our_own_predictor_exported_and_scored_has_exactly_its_numbers(tmp_path,
         assert len(horizons[0]) > 3 and horizons == horizons[:1] * len(predictors)
 
 
-def test_numbers_are_those_of_evaluate_predictor_where_a_flight_has_one_window(tmp_path):
+def test_scores_equal_evaluate_predictor_where_a_flight_has_one_window(tmp_path):
     write_inputs(tmp_path)
     settings = params().evaluate_predictor.model_copy(update={"window_every_ms": 1000})
-    seldom = params(evaluate_predictor=settings)
-    evaluate_predictor(StageRun("evaluate_predictor", tmp_path, seldom))
+    one_window = params(evaluate_predictor=settings)
+    evaluate_predictor(StageRun("evaluate_predictor", tmp_path, one_window))
     path = tmp_path / "mine.parquet"
-    table = window_table(run_sets(tmp_path, seldom))
-    forecasts_of(Still(), table).to_parquet(path, index=False)
-    scores = score(tmp_path, seldom, path)
+    table = window_table(run_sets(tmp_path, one_window))
+    forecasts_of(ZeroPredictor(), table).to_parquet(path, index=False)
+    scores = score(tmp_path, one_window, path)
     report = pd.read_csv(tmp_path / "reports/evaluate_predictor/forecast_error.csv")
     reported = report.query("against == 'measured' and bounce == 'all'")
     ours = scores.errors[scores.errors["predictor"] != "mine.parquet"]
@@ -73,12 +73,12 @@ def test_numbers_are_those_of_evaluate_predictor_where_a_flight_has_one_window(t
 
 def test_a_set_may_be_left_out_as_a_whole(tmp_path, root, sets):
     table = window_table([one for one in sets if one.name == "plain"])
-    scores = scored(root, forecasts_of(Still(), table), tmp_path)
+    scores = scored(root, forecasts_of(ZeroPredictor(), table), tmp_path)
     assert set(scores.errors["set"]) == {"plain"}
 
 
 def test_the_tables_show_theirs_above_ours(tmp_path, root, sets):
-    scores = scored(root, forecasts_of(Still(), window_table(sets)), tmp_path)
+    scores = scored(root, forecasts_of(ZeroPredictor(), window_table(sets)), tmp_path)
     shown = io.StringIO()
     console = Console(file=shown, width=140)
     for table in score_tables(scores):
@@ -93,7 +93,7 @@ def test_the_tables_show_theirs_above_ours(tmp_path, root, sets):
 
 
 def test_a_narrow_terminal_loses_no_digit(tmp_path, root, sets):
-    scores = scored(root, forecasts_of(Still(), window_table(sets)), tmp_path)
+    scores = scored(root, forecasts_of(ZeroPredictor(), window_table(sets)), tmp_path)
     for table in score_tables(scores):
         wide, narrow = io.StringIO(), io.StringIO()
         Console(file=wide, width=140).print(table)
@@ -103,9 +103,9 @@ def test_a_narrow_terminal_loses_no_digit(tmp_path, root, sets):
         )
 
 
-def test_forecasts_called_as_one_of_ours_are_one_error(tmp_path, root, sets):
+def test_a_file_named_like_one_of_our_predictors_is_an_error(tmp_path, root, sets):
     path = tmp_path / "tiny"
-    forecasts_of(Still(), window_table(sets)).to_parquet(path, index=False)
+    forecasts_of(ZeroPredictor(), window_table(sets)).to_parquet(path, index=False)
     with pytest.raises(InputError, match="is called as a predictor of the run; give it another"):
         score(root, params(), path)
 
@@ -115,7 +115,7 @@ def test_without_a_trained_predictor_the_error_says_what_to_run(tmp_path, root, 
         (tmp_path / "artifacts").mkdir(exist_ok=True)
         (tmp_path / "artifacts" / name).symlink_to(root / "artifacts" / name)
     with pytest.raises(InputError, match="run `dvc repro train_predictor`"):
-        scored(tmp_path, forecasts_of(Still(), window_table(sets)), tmp_path)
+        scored(tmp_path, forecasts_of(ZeroPredictor(), window_table(sets)), tmp_path)
 
 
 @pytest.mark.real
@@ -128,7 +128,7 @@ def test_windows_of_a_public_set_are_exported_and_scored(tmp_path, real_data):
     exported = pd.read_parquet(tmp_path / "windows" / "windows.parquet")
     flights = [one for one in sets[0].episodes if len(cut_windows(one.episode, every=0.05))]
     assert exported["window_id"].nunique() == len(flights) > 10
-    scores = scored(tmp_path, forecasts_of(Still(), exported), tmp_path)
+    scores = scored(tmp_path, forecasts_of(ZeroPredictor(), exported), tmp_path)
     errors = scores.errors.query("quantity == 'position' and horizon_ms == 100")
     by_name = errors.set_index("predictor")["mean"]
     assert by_name["physics_true"] < 0.2 * by_name["mine.parquet"]
@@ -152,7 +152,7 @@ def rallygap(*words, cwd):
     )
 
 
-def test_the_forecaster_of_the_page_works_from_export_to_score(repository):
+def test_the_forecaster_of_the_documentation_runs(repository):
     page = (REPOSITORY / "docs" / "benchmark.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
     assert len([line for line in code.splitlines() if line.strip()]) <= 20
@@ -168,7 +168,7 @@ def test_the_forecaster_of_the_page_works_from_export_to_score(repository):
     assert "physics_c" in finished.stdout
 
 
-def test_what_is_wrong_with_a_file_is_one_line_and_status_2(repository):
+def test_an_invalid_file_is_one_line_and_status_2(repository):
     (repository / "broken.parquet").write_text("not a table")
     refused = rallygap("benchmark", "score", "broken.parquet", cwd=repository)
     assert refused.returncode == 2
@@ -192,9 +192,3 @@ def test_scores_that_cannot_be_written_are_refused_before_any_are_made(repositor
     assert says in refused.stderr
     assert len(refused.stderr.splitlines()) == 1
     assert forecasts.read_text() == "not read at all"
-
-
-def test_forecasts_that_are_not_there_are_one_line(repository):
-    refused = rallygap("benchmark", "score", "nothing.parquet", cwd=repository)
-    assert refused.returncode == 2
-    assert refused.stderr.startswith("rallygap: nothing.parquet: there is no such file")

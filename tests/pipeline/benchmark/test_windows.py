@@ -1,4 +1,4 @@
-"""The exported windows say what was seen, and nothing else."""
+"""The exported windows hold the histories and nothing of the futures."""
 
 import json
 
@@ -32,7 +32,7 @@ def test_the_table_holds_every_history_exactly_and_its_mask(sets):
             assert (window["spin_measured"] == mask[:, 3:].all(axis=1)).all()
 
 
-def test_no_row_shows_what_came_after_any_window(sets):
+def test_no_row_contains_a_future(sets):
     for one in sets:
         given = set(window_table([one])["px"])
         future = one.windows.future[..., 0][one.windows.measured[..., 0]]
@@ -46,7 +46,7 @@ def test_every_flight_has_one_window_of_those_that_are_evaluated(root, sets):
         assert set(window_ids(one)) <= set(window_ids(whole))
 
 
-def test_neither_names_nor_rows_tell_the_order(sets):
+def test_ids_and_rows_do_not_reveal_the_order(sets):
     table = window_table(sets)
     ids = np.concatenate([window_ids(one) for one in sets])
     assert len(set(ids)) == len(ids)
@@ -58,7 +58,7 @@ def test_neither_names_nor_rows_tell_the_order(sets):
     assert table.groupby("window_id")["t"].agg(["min", "max"]).drop_duplicates().shape[0] == 1
 
 
-def test_another_future_is_another_window(tmp_path, root):
+def test_the_id_depends_on_the_future(tmp_path, root):
     write_inputs(tmp_path, sources=("plain",))
     path = tmp_path / "artifacts" / "segment" / "samples.parquet"
     samples = pd.read_parquet(path)
@@ -95,7 +95,7 @@ def test_the_same_run_gives_the_same_bytes(tmp_path, sets):
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
 
 
-def test_a_folder_that_cannot_be_is_one_error(tmp_path, sets):
+def test_a_folder_that_cannot_be_written_is_an_error(tmp_path, sets):
     (tmp_path / "file").write_text("mine")
     with pytest.raises(InputError, match="cannot be written to"):
         export_windows(sets, tmp_path / "file")

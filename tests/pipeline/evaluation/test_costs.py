@@ -1,4 +1,4 @@
-"""What predictors cost: measured, not remembered."""
+"""Costs of predictors: latency, size and training time."""
 
 import io
 import json

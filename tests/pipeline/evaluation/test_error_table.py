@@ -1,4 +1,4 @@
-"""The reported errors are read whole, or one error says what is wrong with them."""
+"""Reading the reported errors, with errors that name the place."""
 
 import shutil
 from pathlib import Path
@@ -27,7 +27,7 @@ def test_the_committed_report_is_read(root):
     assert read.to_dict("records") == plain.to_dict("records")
 
 
-def test_numbers_without_a_point_and_a_set_called_by_a_number_are_taken(root):
+def test_integers_and_a_numeric_set_name_are_accepted(root):
     row = "7,measured,tae,spin,all,100,3,1,9,2,4"
     (root / REPORT).write_text(f"{','.join([*KEYS, *NUMBERS])}\n{row}\n")
     (read,) = read_errors(root).to_dict("records")
@@ -43,7 +43,7 @@ def test_a_column_that_is_missing_is_named_with_the_stage_to_run(root, column):
 
 @pytest.mark.parametrize("value", ["long", "", "inf", "0x7f"])
 @pytest.mark.parametrize("column", ["horizon_ms", *NUMBERS])
-def test_what_is_no_number_is_named(root, column, value):
+def test_an_invalid_number_is_named(root, column, value):
     report = pd.read_csv(root / REPORT).astype({column: object})
     report.loc[2, column] = value
     report.to_csv(root / REPORT, index=False)
@@ -51,7 +51,7 @@ def test_what_is_no_number_is_named(root, column, value):
         read_errors(root)
 
 
-def test_a_row_that_is_there_twice_is_refused(root):
+def test_a_duplicate_row_is_refused(root):
     report = pd.read_csv(root / REPORT)
     pd.concat([report, report.iloc[:1]]).to_csv(root / REPORT, index=False)
     with pytest.raises(InputError, match=rf"forecast_error\.csv, row {len(report) + 1}.*duplicate"):

@@ -1,4 +1,4 @@
-"""Shots to look at: written and read back, or refused by name."""
+"""Example shots: round trip through the file, and errors that name the place."""
 
 import json
 

@@ -13,35 +13,35 @@ from filelock import FileLock
 from models.predictors.training import ForecastTraining
 from pipeline.predictors import parallel_training as predictor_training
 from pipeline.predictors.parallel_training import TrainingJob, train_networks
-from tests.models.predictors.schooling import BRIEF, TINY, TINY_TAE, changed, schooling
+from tests.models.predictors.small_training import BRIEF, TINY, TINY_TAE, changed, small_training
 
 
 def job(folder, shape=TINY, settings=BRIEF):
-    training, data = schooling(settings, shape=shape)
+    training, data = small_training(settings, shape=shape)
     return TrainingJob(f"{shape.kind}", training.network, data, folder / shape.kind)
 
 
 def test_the_steps_of_a_training_are_known_before_it_begins(tmp_path, monkeypatch):
     monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
-    told = []
-    monkeypatch.setattr(predictor_training, "progress_bars", watching(told))
+    totals = []
+    monkeypatch.setattr(predictor_training, "progress_bars", watching(totals))
     train_networks([job(tmp_path, TINY, changed(BRIEF, batch=7)), job(tmp_path, TINY_TAE)])
-    assert told == [{"transformer": 12, "tae": 9}, [12, 9]]
+    assert totals == [{"transformer": 12, "tae": 9}, [12, 9]]
 
 
-def watching(told):
-    """A context that notes what there is to do, and at its end what was done."""
+def watching(totals):
+    """A context that records the total steps, and at its end the completed ones."""
 
     class Watching:
-        def __init__(self, totals, done):
-            told.append(totals)
+        def __init__(self, steps, done):
+            totals.append(steps)
             self.done = done
 
         def __enter__(self):
             return self
 
         def __exit__(self, *_):
-            told.append(self.done())
+            totals.append(self.done())
 
     return Watching
 
@@ -66,7 +66,7 @@ ORPHAN = """
     import sys
     from pathlib import Path
     from pipeline.predictors.parallel_training import train_networks
-    from tests.models.predictors.schooling import BRIEF, TINY, TINY_TAE, changed
+    from tests.models.predictors.small_training import BRIEF, TINY, TINY_TAE, changed
     from tests.pipeline.predictors.test_parallel_training import job
     long = changed(BRIEF, epochs=10_000)
     train_networks([job(Path(sys.argv[1]), shape, long) for shape in (TINY, TINY_TAE)])

@@ -11,7 +11,7 @@ from torch.nn.utils import parameters_to_vector
 
 from models.predictors.training import ForecastTraining
 from pipeline.predictors.trainer import StepReporter, train
-from tests.models.predictors.schooling import BRIEF, changed, schooling
+from tests.models.predictors.small_training import BRIEF, changed, small_training
 
 
 class Killed(ForecastTraining):
@@ -36,14 +36,14 @@ class Counted(ForecastTraining):
 
 
 def trained(checkpoints, seed=0):
-    training, data = schooling(seed=seed, kind=Counted)
+    training, data = small_training(seed=seed, kind=Counted)
     train(training, data, checkpoints)
     return training
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory):
-    return trained(tmp_path_factory.mktemp("undisturbed"))
+def uninterrupted(tmp_path_factory):
+    return trained(tmp_path_factory.mktemp("uninterrupted"))
 
 
 def assert_same(training, other):
@@ -53,45 +53,38 @@ def assert_same(training, other):
     assert training.curve == other.curve
 
 
-def test_the_same_seed_gives_the_same_weights_and_curve(undisturbed, tmp_path):
-    assert_same(trained(tmp_path / "again"), undisturbed)
-
-
-def test_the_curve_has_the_losses_of_every_epoch(undisturbed):
-    assert [set(record) for record in undisturbed.curve] == [
-        {"epoch", "training", "validation"}
-    ] * 3
-    assert [record["epoch"] for record in undisturbed.curve] == [1, 2, 3]
+def test_the_same_seed_gives_the_same_weights_and_curve(uninterrupted, tmp_path):
+    assert_same(trained(tmp_path / "again"), uninterrupted)
 
 
 @pytest.mark.parametrize(("step", "left"), [(0, 9), (2, 9), (3, 6), (8, 3)])
-def test_a_training_that_was_killed_goes_on_to_the_same_result(undisturbed, tmp_path, step, left):
-    killed, data = schooling(kind=Killed)
+def test_a_training_that_was_killed_goes_on_to_the_same_result(uninterrupted, tmp_path, step, left):
+    killed, data = small_training(kind=Killed)
     killed.killed_at = step
     with pytest.raises(RuntimeError, match="killed"):
         train(killed, data, tmp_path / "checkpoints")
 
     resumed = trained(tmp_path / "checkpoints")
 
-    assert_same(resumed, undisturbed)
+    assert_same(resumed, uninterrupted)
     assert resumed.steps == left  # from the last whole epoch, of three steps each
 
 
 @pytest.mark.parametrize("matrix_learning_rate", [None, 0.01])
 def test_a_training_with_another_rate_at_every_step_goes_on_as_well(tmp_path, matrix_learning_rate):
     settings = changed(BRIEF, decay=None, matrix_learning_rate=matrix_learning_rate)
-    killed, data = schooling(settings, kind=Killed)
+    killed, data = small_training(settings, kind=Killed)
     killed.killed_at = 4
     with pytest.raises(RuntimeError, match="killed"):
         train(killed, data, tmp_path / "killed")
-    resumed, undisturbed = schooling(settings), schooling(settings)
+    resumed, uninterrupted = small_training(settings), small_training(settings)
     train(*resumed, tmp_path / "killed")
-    train(*undisturbed, tmp_path / "undisturbed")
-    assert_same(resumed[0], undisturbed[0])
+    train(*uninterrupted, tmp_path / "uninterrupted")
+    assert_same(resumed[0], uninterrupted[0])
 
 
 def test_a_checkpoint_for_which_the_disk_has_no_room_leaves_the_one_before(
-    undisturbed, tmp_path, monkeypatch
+    uninterrupted, tmp_path, monkeypatch
 ):
     write, written = Path.write_bytes, []
 
@@ -105,36 +98,36 @@ def test_a_checkpoint_for_which_the_disk_has_no_room_leaves_the_one_before(
     with pytest.raises(OSError, match="No space left"):
         trained(tmp_path)
     again = trained(tmp_path)
-    assert again.steps == 2 * undisturbed.steps / 3
-    assert_same(again, undisturbed)
+    assert again.steps == 2 * uninterrupted.steps / 3
+    assert_same(again, uninterrupted)
 
 
-class ToldToStop(ForecastTraining):
-    """A training that is told to stop in its second epoch."""
+class Terminated(ForecastTraining):
+    """A training that gets SIGTERM in its second epoch."""
 
     def on_train_epoch_start(self):
         if self.current_epoch == 1:
             os.kill(os.getpid(), signal.SIGTERM)
 
 
-def test_a_training_that_is_told_to_stop_does_not_pass_for_done(undisturbed, tmp_path):
-    training, data = schooling(kind=ToldToStop)
+def test_a_terminated_training_can_be_resumed(uninterrupted, tmp_path):
+    training, data = small_training(kind=Terminated)
     with pytest.raises(SystemExit) as stopped:
         train(training, data, tmp_path / "checkpoints")
     assert stopped.value.code == 143
-    assert_same(trained(tmp_path / "checkpoints"), undisturbed)
+    assert_same(trained(tmp_path / "checkpoints"), uninterrupted)
 
 
-def test_the_steps_done_are_told_at_the_start_and_after_each(tmp_path):
-    told = []
-    killed, data = schooling(kind=Killed)
+def test_completed_steps_are_reported(tmp_path):
+    reported = []
+    killed, data = small_training(kind=Killed)
     killed.killed_at = 5
     with pytest.raises(RuntimeError, match="killed"):
-        train(killed, data, tmp_path, [StepReporter(told.append)])
-    assert told == [0, 1, 2, 3, 4, 5]
-    training, data = schooling()
-    train(training, data, tmp_path, [StepReporter(told.append)])
-    assert told[6:] == [3, 4, 5, 6, 7, 8, 9]
+        train(killed, data, tmp_path, [StepReporter(reported.append)])
+    assert reported == [0, 1, 2, 3, 4, 5]
+    training, data = small_training()
+    train(training, data, tmp_path, [StepReporter(reported.append)])
+    assert reported[6:] == [3, 4, 5, 6, 7, 8, 9]
 
 
 def test_nothing_is_printed(tmp_path, capfd, recwarn):
@@ -162,7 +155,7 @@ class Moved(ForecastTraining):
 
 
 def moves(checkpoints, longest):
-    training, data = schooling(changed(BRIEF, longest_gradient=longest, epochs=1), kind=Moved)
+    training, data = small_training(changed(BRIEF, longest_gradient=longest, epochs=1), kind=Moved)
     train(training, data, checkpoints)
     return training.moves
 
@@ -172,17 +165,17 @@ def test_a_step_s_gradient_is_cut_to_the_longest_where_there_is_one(tmp_path):
     assert min(moves(tmp_path / "whole", None)) > 0.1
 
 
-def test_a_training_that_is_done_is_not_done_again(undisturbed, tmp_path):
+def test_a_training_that_is_done_is_not_done_again(uninterrupted, tmp_path):
     trained(tmp_path / "checkpoints")
     again = trained(tmp_path / "checkpoints")
     assert again.steps == 0
-    assert_same(again, undisturbed)
+    assert_same(again, uninterrupted)
 
 
-def test_half_precision_trains_full_weights(undisturbed, tmp_path):
-    training, data = schooling(changed(BRIEF, precision="bf16-mixed"))
+def test_half_precision_trains_full_weights(uninterrupted, tmp_path):
+    training, data = small_training(changed(BRIEF, precision="bf16-mixed"))
     train(training, data, tmp_path / "checkpoints")
     assert training.curve[-1]["validation"] == pytest.approx(
-        undisturbed.curve[-1]["validation"], 0.05
+        uninterrupted.curve[-1]["validation"], 0.05
     )
     assert {weight.dtype for weight in training.network.parameters()} == {torch.float32}

@@ -17,9 +17,9 @@ from models.predictors.settings import (
 from models.predictors.training import ForecastTraining, WindowData
 from models.predictors.window_dataset import build_tracks
 from tests.models.predictors.balls import FIRST
-from tests.models.predictors.episodes import flown, spoilt
+from tests.models.predictors.episodes import degraded, flown
 
-# Beside other work, two threads wait for one another far longer than they share so little work.
+# With so little work, two threads lose more time waiting for each other than they save.
 torch.set_num_threads(1)
 
 TINY = TransformerSettings(
@@ -49,16 +49,16 @@ def network(settings=TINY, seed=0):
 
 
 @cache
-def balls(count, seed):
-    """Tracks of balls like ``FIRST``, measured imperfectly."""
+def tracks(count, seed):
+    """Tracks of balls like ``FIRST``, with noise, outliers and lost samples."""
     random = np.random.default_rng(seed)
     first = FIRST[np.arange(count) % 3] * random.uniform(0.97, 1.03, (count, 9))
     flights = (flown(one, noise=0.003, spin_noise=10.0, seed=seed) for one in first)
-    return build_tracks([spoilt(flight, number) for number, flight in enumerate(flights)])
+    return build_tracks([degraded(flight, number) for number, flight in enumerate(flights)])
 
 
 def data(settings=BRIEF, seed=0):
-    return WindowData(balls(6, 0), balls(3, 1), settings, seed)
+    return WindowData(tracks(6, 0), tracks(3, 1), settings, seed)
 
 
 @cache
@@ -68,13 +68,13 @@ def _fitted(shape, seed):
     return fresh
 
 
-def schooling(settings=BRIEF, seed=0, kind=ForecastTraining, shape=TINY):
+def small_training(settings=BRIEF, seed=0, kind=ForecastTraining, shape=TINY):
     """A training of a fresh network, and its data."""
     return kind(copy.deepcopy(_fitted(shape, seed)), settings), data(settings, seed)
 
 
 def fit(training, data):
-    """Train without any of what a stage needs."""
+    """Train without checkpoints and reports."""
     trainer = lightning.Trainer(
         max_epochs=training.settings.epochs,
         reload_dataloaders_every_n_epochs=1,
