@@ -41,7 +41,7 @@ def params(**groups):
 
 
 def write_inputs(root, shots=(), sources=tuple(SPIN)):
-    """Write the artefacts of all shots of some sources, and of ``shots`` beside them."""
+    """Write the artefacts of all shots of some sources, and of ``shots``."""
     chosen = [shot for shot in SHOTS if shot[0].split("/")[0] in sources]
     parts = [shot_tables(place, number) for place, number in chosen] + list(shots)
     samples, contacts, episodes, true = zip(*parts, strict=True)

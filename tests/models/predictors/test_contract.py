@@ -56,12 +56,6 @@ def test_a_ball_does_not_depend_on_its_batch(name):
         np.testing.assert_allclose(alone, together[ball], rtol=rounding, atol=rounding)
 
 
-def test_the_same_history_gives_the_same_forecast(predictor):
-    history, _ = observed(noise=0.003)
-    first, second = (predictor.predict(history).states for _ in range(2))
-    np.testing.assert_array_equal(first, second)
-
-
 def test_an_empty_batch_gives_an_empty_forecast(predictor):
     empty = History(np.zeros((0, 12, 6)), np.zeros((0, 12, 6), dtype=bool))
     assert predictor.predict(empty).states.shape == (0, FUTURE, 9)

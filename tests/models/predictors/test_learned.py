@@ -7,7 +7,7 @@ from models.predictors.learned import ForecastNetwork, LearnedPredictor
 from models.predictors.normaliser import uniform_motion
 from models.predictors.protocol import History
 from tests.models.predictors.balls import observed
-from tests.models.predictors.small_training import TINY, network, small_training
+from tests.models.predictors.small_training import network, small_training
 
 
 class Constant(torch.nn.Module):
@@ -73,14 +73,3 @@ def test_a_spin_counts_as_measured_when_one_sample_has_all_of_it():
     mask[2, :, 3:] = False  # none
     forecast = LearnedPredictor(network()).predict(History(history.states * mask, mask))
     assert forecast.spin_measured.tolist() == [True, False, False]
-
-
-def test_its_parameters_are_counted_without_the_normaliser_s_statistics():
-    width, expanded = TINY.width, TINY.expanded
-    embedding, norm = 9 * 3 * width + width, 2 * width
-    attention = 4 * (width**2 + width)
-    block = width * expanded + expanded + expanded * width + width
-    encoder, decoder = attention + block + 2 * norm, 2 * attention + block + 3 * norm
-    projection = TINY.states_a_row * 9 * (width + 1)
-    total = 2 * embedding + encoder + decoder + projection
-    assert network().parameter_count == total

@@ -19,7 +19,7 @@ def stroke(y=1.5):
 
 
 def joined(*contacts, first="recording"):
-    """Episodes of flights that begin with these contacts; ``None`` is a gap."""
+    """Episodes of flights that start with these contacts; ``None`` is a gap."""
     flights = np.arange(len(contacts) + 1)
     found = {number: contact for number, contact in enumerate(contacts, 1) if contact}
     unknown = np.full(len(flights), np.nan)
@@ -27,41 +27,39 @@ def joined(*contacts, first="recording"):
     return [(one.starts_with, one.flights, one.ends_with) for one in episodes(cuts, first)]
 
 
-def test_stroke_ends_an_episode_and_begins_the_next():
-    assert joined(bounce(0.8), stroke(), bounce(-0.8)) == [
-        ("recording", [0, 1], "racket"),
-        ("racket", [2, 3], "recording"),
-    ]
+RALLY_END = [("recording", [0, 1], "rally_end")]
+EPISODES = {
+    "a stroke ends an episode": (
+        [bounce(0.8), stroke(), bounce(-0.8)],
+        [("recording", [0, 1], "racket"), ("racket", [2, 3], "recording")],
+    ),
+    "a serve bounces on both sides": (
+        [stroke(-1.5), bounce(-0.9), bounce(0.8), stroke(1.5)],
+        [
+            ("recording", [0], "racket"),
+            ("racket", [1, 2, 3], "racket"),
+            ("racket", [4], "recording"),
+        ],
+    ),
+    "second bounce on one side": ([bounce(0.5), bounce(1.2), bounce(1.3)], RALLY_END),
+    "floor": ([bounce(0.5), bounce(2.5, height=-0.74), bounce(1.3)], RALLY_END),
+    "a stroke after a rally": (
+        [bounce(0.5), bounce(1.2), stroke(), bounce(-0.5)],
+        [*RALLY_END, ("racket", [3, 4], "recording")],
+    ),
+    "a gap ends an episode": (
+        [bounce(0.5), None, bounce(0.5)],
+        [("recording", [0, 1], "gap"), ("gap", [2, 3], "recording")],
+    ),
+}
 
 
-def test_serve_bounces_on_both_sides():
-    assert joined(stroke(-1.5), bounce(-0.9), bounce(0.8), stroke(1.5)) == [
-        ("recording", [0], "racket"),
-        ("racket", [1, 2, 3], "racket"),
-        ("racket", [4], "recording"),
-    ]
+@pytest.mark.parametrize(("contacts", "expected"), EPISODES.values(), ids=EPISODES)
+def test_contacts_and_gaps_separate_episodes(contacts, expected):
+    assert joined(*contacts) == expected
 
 
-@pytest.mark.parametrize("last", [bounce(1.2), bounce(2.5, height=-0.74)])
-def test_rally_ends_with_a_second_bounce_on_one_side_and_on_the_floor(last):
-    assert joined(bounce(0.5), last, bounce(1.3)) == [("recording", [0, 1], "rally_end")]
-
-
-def test_ball_is_played_again_after_a_rally():
-    assert joined(bounce(0.5), bounce(1.2), stroke(), bounce(-0.5)) == [
-        ("recording", [0, 1], "rally_end"),
-        ("racket", [3, 4], "recording"),
-    ]
-
-
-def test_gap_ends_an_episode():
-    assert joined(bounce(0.5), None, bounce(0.5)) == [
-        ("recording", [0, 1], "gap"),
-        ("gap", [2, 3], "recording"),
-    ]
-
-
-def test_what_begins_a_recording_is_taken_from_its_source():
+def test_a_launched_recording_starts_with_its_launch():
     assert joined(bounce(0.5), first="launch") == [("launch", [0, 1], "recording")]
 
 

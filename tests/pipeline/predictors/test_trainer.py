@@ -53,10 +53,6 @@ def assert_same(training, other):
     assert training.curve == other.curve
 
 
-def test_the_same_seed_gives_the_same_weights_and_curve(uninterrupted, tmp_path):
-    assert_same(trained(tmp_path / "again"), uninterrupted)
-
-
 @pytest.mark.parametrize(("step", "left"), [(0, 9), (2, 9), (3, 6), (8, 3)])
 def test_a_training_that_was_killed_goes_on_to_the_same_result(uninterrupted, tmp_path, step, left):
     killed, data = small_training(kind=Killed)
@@ -131,7 +127,7 @@ def test_completed_steps_are_reported(tmp_path):
 
 
 def test_nothing_is_printed(tmp_path, capfd, recwarn):
-    for _ in range(2):  # anew, and from checkpoints
+    for _ in range(2):  # from the start, and from checkpoints
         trained(tmp_path / "checkpoints")
     assert capfd.readouterr() == ("", "")
     assert [str(warning.message) for warning in recwarn] == []

@@ -34,12 +34,3 @@ def test_losses_are_comparable_between_panels():
     one, other = training_figure(CURVES).axes
     assert one.get_ylim() == other.get_ylim()
     assert one.get_yscale() == other.get_yscale() == "log"
-
-
-def test_more_predictors_than_fit_a_row_go_below():
-    names = ["one", "two", "three", "four"]
-    many = pd.concat([CURVES.iloc[:3].assign(predictor=name) for name in names])
-    axes = training_figure(many).axes
-    assert [panel.get_title(loc="left") for panel in axes] == names
-    assert [bool(panel.get_ylabel()) for panel in axes] == [True, False, False, True]
-    assert axes[3].get_position().y1 < axes[0].get_position().y0
