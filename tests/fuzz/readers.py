@@ -39,7 +39,7 @@ from pipeline.transfer.truth_comparison import NamedCauses
 from tests.fuzz import hostile
 from tests.models.exam.example_records import answer, hidden, named, record
 from tests.models.predictors.balls import observed
-from tests.pipeline.benchmark.forecasting import Still, forecasts_of
+from tests.pipeline.benchmark.forecasting import ZeroPredictor, forecasts_of
 from tests.pipeline.measured_shots import params, source_record, write_inputs, write_trained
 from tests.pipeline.sources import made_up
 from tests.pipeline.trained_policies import save_drawn
@@ -277,7 +277,7 @@ def _windows():
 
 def _write_forecasts(folder: Path) -> Path:
     path = folder / "forecasts.parquet"
-    forecasts_of(Still(), window_table(_windows())).to_parquet(path, index=False)
+    forecasts_of(ZeroPredictor(), window_table(_windows())).to_parquet(path, index=False)
     return path
 
 
