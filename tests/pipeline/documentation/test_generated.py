@@ -29,7 +29,7 @@ def test_generating_the_documentation_again_changes_nothing():
 def test_blocks_are_written_inside_a_line_and_on_lines_of_their_own(page):
     start, end = "<!-- generated: size -->", "<!-- end -->"
     page.write_text(f"| ball | {start}38 mm{end} |\n\n{start}\n{end}\n\nThe end.\n")
-    expected = f"| ball | {start}40 mm{end} |\n\n{start}\n\n40 mm\n\n{end}\n\nThe end.\n"
+    expected = f"| ball | {start}40 mm{end} |\n\n{start}\n40 mm\n{end}\n\nThe end.\n"
     assert regenerate(page.parents[1]) == {page: expected}
     page.write_text(expected)
     assert regenerate(page.parents[1]) == {page: expected}
