@@ -27,7 +27,8 @@ POLL = 2.0  # s, while other machines run the last trials
 def run_sweep(sweep: Sweep, url: str | None, workers: int, wanted: int) -> list[str]:
     """Run trials until the study has as many as wanted, and write the report.
 
-    Trials of killed workers are run again. The same command resumes a killed sweep.
+    Trials of killed workers are run again. The same command resumes a killed sweep. Workers that
+    begin their last trials in the same moment run up to one trial too many each.
 
     Args:
         sweep: the sweep.

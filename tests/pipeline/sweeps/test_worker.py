@@ -146,7 +146,7 @@ def test_a_killed_worker_is_replaced_and_its_trial_retried(tmp_path):
         (tmp_path / "hold").unlink()
         assert process.wait(60) == 0
     study = open_study(sweep, None)
-    assert ended(study) == 8
+    assert ended(study) in (8, 9)  # both workers may begin an eighth
     lost = next(one for one in study.trials if one.state == TrialState.FAIL)
     again = [one for one in study.trials if one.system_attrs.get("failed_trial") == lost.number]
     assert [one.params for one in again] == [lost.params]
@@ -162,6 +162,7 @@ def test_workers_end_with_the_command_and_the_next_one_resumes(tmp_path):
             run_sweep(sweep, None, 1, 2)
         (worker,) = workers_of(process)
         process.kill()
+        process.wait()
         (tmp_path / "hold").unlink()
         worker.wait(60)
     study = open_study(sweep, None)
