@@ -5,6 +5,7 @@ from typing import Any
 import pandas as pd
 
 from pipeline.io.artifacts import read_rows, read_table, write_json
+from pipeline.io.report_items import ReportFigure, ReportTable
 from pipeline.io.schemas import POSITION_COLUMNS, VELOCITY_COLUMNS
 from pipeline.runtime.stage_run import StageRun, run_stage
 from pipeline.sources.figures.launches import (
@@ -33,19 +34,22 @@ def _report_sources(run: StageRun, gathered: Gathered) -> None:
         simulated = run.artifact("recordings.parquet")
         run.log_input(name, gathered.folders.get(name, simulated), record.rows_kept)
     run.write_metrics({name: _metrics(record) for name, record in sources.items()})
-    run.add_figure(
-        measured_balls_figure(_drawn_balls(run, gathered.manifest)),
-        "measured_balls",
-        title="Measured balls",
-        caption="Measured positions in the table frame, outliers too, and launches with the way "
-        "they take in 30 ms; an even choice where a source has many. The robot stands at y < 0.",
-    )
-    run.add_table(
-        _source_table(gathered.manifest),
-        "sources",
-        title="Sources",
-        caption="What was read, what was refused and why; artifacts/ingest/manifest.json has every "
-        "refused row and every file's checksum.",
+    run.add(
+        ReportFigure(
+            measured_balls_figure(_drawn_balls(run, gathered.manifest)),
+            "measured_balls",
+            title="Measured balls",
+            caption="Measured positions in the table frame, outliers too, and launches with the "
+            "way they take in 30 ms; an even choice where a source has many. The robot stands at y "
+            "< 0.",
+        ),
+        ReportTable(
+            _source_table(gathered.manifest),
+            "sources",
+            title="Sources",
+            caption="What was read, what was refused and why; artifacts/ingest/manifest.json has "
+            "every refused row and every file's checksum.",
+        ),
     )
 
 
@@ -54,20 +58,24 @@ def _report_launches(run: StageRun) -> None:
     measured = measured_launches(read_table(run.artifact("launches.parquet")))
     launches = pd.concat([simulated, measured], ignore_index=True)
     if len(launches):
-        run.add_figure(
-            launches_figure(launches),
-            "launches",
-            title="How balls leave racket and cannon",
-            caption="Distribution functions of simulated launches by level, as they truly were, "
-            "and of measured ones where a source has them. Height is above the table; direction "
-            "from straight ahead, to the right of the player who hits the ball.",
+        run.add(
+            ReportFigure(
+                launches_figure(launches),
+                "launches",
+                title="How balls leave racket and cannon",
+                caption="Distribution functions of simulated launches by level, as they truly "
+                "were, and of measured ones where a source has them. Height is above the table; "
+                "direction from straight ahead, to the right of the player who hits the ball.",
+            )
         )
-    run.add_table(
-        launch_distributions(launches),
-        "launch_distributions",
-        title="Launches in numbers",
-        caption="Quantiles, and the largest distance between a group's distribution function and "
-        "that of the measured launches of the same stroke (0 the same, 1 apart).",
+    run.add(
+        ReportTable(
+            launch_distributions(launches),
+            "launch_distributions",
+            title="Launches in numbers",
+            caption="Quantiles, and the largest distance between a group's distribution function "
+            "and that of the measured launches of the same stroke (0 the same, 1 apart).",
+        )
     )
 
 

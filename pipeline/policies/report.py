@@ -1,6 +1,6 @@
 """The report of train_policy: metrics, figures, tables and their captions."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pandas as pd
@@ -9,6 +9,7 @@ from models.policy.scores import scores
 from models.policy.trial import TrialResult
 from models.robot.view import frames
 from pipeline.io.metrics import over_seeds, place, rounded
+from pipeline.io.report_items import ReportAnimation, ReportFigure, ReportTable
 from pipeline.policies.figures.training import achieved_figure, learning_figure
 from pipeline.policies.training import VALIDATION_SHOTS, TrainingResult
 from pipeline.runtime.stage_run import StageRun
@@ -31,7 +32,7 @@ def report_training(
     table = pd.DataFrame(rows)
     run.write_metrics(_metrics(table))
     curves = [one.curve.assign(**one.description.labels) for one in results]
-    run.add_figure(
+    learning = ReportFigure(
         learning_figure(pd.concat(curves)),
         "learning",
         title="Learning curves of the policies",
@@ -39,9 +40,7 @@ def report_training(
         "of its own simulator, without exploration noise. A control step is one action of one "
         "environment.",
     )
-    _add_animation(run, results[0], tests[0])
-    _add_goal_figures(run, results, tests)
-    run.add_table(
+    policies = ReportTable(
         table,
         "policies",
         title="Trained policies",
@@ -50,6 +49,8 @@ def report_training(
         "mean distance of returns from their goals. Slopes: of the speed and the topspin of "
         "returns over their goals, where there are such goals; 1 is perfect.",
     )
+    animation = _animation(results[0], tests[0])
+    run.add(learning, animation, *_goal_figures(run, results, tests), policies)
 
 
 def _metrics(table: pd.DataFrame) -> dict[str, Any]:
@@ -67,32 +68,32 @@ def _metrics(table: pd.DataFrame) -> dict[str, Any]:
     return metrics
 
 
-def _add_animation(run: StageRun, one: TrainingResult, test: TrialResult) -> None:
+def _animation(result: TrainingResult, test: TrialResult) -> ReportAnimation:
     """Show the first return among the recorded shots, or the first shot if there is none."""
     returned = test.table["returned"].to_numpy()[: len(test.motions)]
     shot = int(returned.argmax())
-    run.add_animation(
+    return ReportAnimation(
         frames(test.motions[shot].joints, test.motions[shot].ball),
         "return",
         title="A return" if returned[shot] else "A miss",
-        caption=f"The policy {one.description.name} plays a test shot, at half speed. Bullet "
+        caption=f"The policy {result.description.name} plays a test shot, at half speed. Bullet "
         "simulates the arm, the ball simulator the ball.",
     )
 
 
-def _add_goal_figures(
+def _goal_figures(
     run: StageRun, results: Sequence[TrainingResult], tests: Sequence[TrialResult]
-) -> None:
-    """Add a figure for each group with goals of speed or topspin."""
+) -> Iterator[ReportFigure]:
+    """Yield a figure for each group with goals of speed or topspin."""
     for name, group in run.params.train_policy.groups.items():
         if group.goals.speed is None and group.goals.topspin is None:
             continue
         returns = [
             test.table[test.table["returned"]]
-            for one, test in zip(results, tests, strict=True)
-            if one.description.group == name
+            for result, test in zip(results, tests, strict=True)
+            if result.description.group == name
         ]
-        run.add_figure(
+        yield ReportFigure(
             achieved_figure(pd.concat(returns)),
             f"achieved_{name}",
             title=f"Achieved values over goals: {name.replace('_', ' ')}",

@@ -7,18 +7,13 @@ what they return to the report: ``run.add(item, …)`` takes the figures, animat
 
 import os
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import pandas as pd
-from matplotlib.figure import Figure
-from numpy.typing import NDArray
-
 from pipeline.io.artifacts import write_json
 from pipeline.io.figure_style import apply_style
-from pipeline.io.report_items import ReportAnimation, ReportFigure, ReportItem, ReportTable
+from pipeline.io.report_items import ReportItem
 from pipeline.io.report_manifest import Item
 from pipeline.params import Params, load_params
 from pipeline.runtime.console import refuse
@@ -82,23 +77,9 @@ class StageRun:
 
     def add(self, *items: ReportItem) -> None:
         """Write figures, animations and tables into the report, in this order."""
-        for one in items:
-            one.write(self.report(one.item.file))
-            self.items.append(one.item)
-
-    def add_figure(self, figure: Figure, name: str, *, title: str, caption: str) -> None:
-        """Add a ``ReportFigure``."""
-        self.add(ReportFigure(figure, name, title, caption))
-
-    def add_animation(
-        self, frames: Sequence[NDArray[np.uint8]], name: str, *, title: str, caption: str
-    ) -> None:
-        """Add a ``ReportAnimation``."""
-        self.add(ReportAnimation(frames, name, title, caption))
-
-    def add_table(self, table: pd.DataFrame, name: str, *, title: str, caption: str) -> None:
-        """Add a ``ReportTable``."""
-        self.add(ReportTable(table, name, title, caption))
+        for item in items:
+            item.write(self.report(item.item.file))
+            self.items.append(item.item)
 
     def write_contents(self, origin: Provenance) -> None:
         """Write the report's contents.json: the run that made it and what it holds."""

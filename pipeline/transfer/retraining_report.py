@@ -12,6 +12,7 @@ from pipeline.io.amended_simulators import verdict_path
 from pipeline.io.artifacts import read_as
 from pipeline.io.ground_truth import read_truth
 from pipeline.io.metrics import place, rounded
+from pipeline.io.report_items import ReportFigure, ReportTable
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Sim2RealSettings
 from pipeline.runtime.stage_run import StageRun
@@ -52,32 +53,34 @@ def report_retraining(
         "goals, horizons, seeds and training iterations. All play the shots of sim2real, with "
         "forecasts at every control step."
     )
-    run.add_figure(
-        retraining_figure(table[table["set"].isin(replayed)]),
-        "returns",
-        title="Retraining: return rates on the same shots",
-        caption=caption,
-    )
-    run.add_table(
-        table,
-        "returns",
-        title="Retraining: share of the gap in returns that each change closes",
-        caption=f"{caption} original, physics: the baseline; original with a learned predictor: "
-        "the swap; original, amended: the amended simulator predicts; retrained, amended; and "
-        "both, retrained with a learned predictor. Rates with 95 % intervals (low, high), "
-        "bootstrapped over shots. difference: of the return rate to the baseline's, paired by "
-        "shot (ci_low, ci_high); gained, lost: shots returned more often, or less. gap_closed: "
-        "that difference as a share of the gap between the baseline and the original policy with "
-        "the oracle, or without an oracle its return rate in its own simulator; empty without a "
-        "significant gap.",
-    )
-    run.add_table(
-        own,
-        "own_simulator",
-        title="Policies in their own simulators",
-        caption="Each policy plays test shots of the simulator that it was trained in, with exact "
-        "forecasts; original and retrained policies play as many. 95 % intervals are bootstrapped "
-        "over shots.",
+    run.add(
+        ReportFigure(
+            retraining_figure(table[table["set"].isin(replayed)]),
+            "returns",
+            title="Retraining: return rates on the same shots",
+            caption=caption,
+        ),
+        ReportTable(
+            table,
+            "returns",
+            title="Retraining: share of the gap in returns that each change closes",
+            caption=f"{caption} original, physics: the baseline; original with a learned "
+            "predictor: the swap; original, amended: the amended simulator predicts; retrained, "
+            "amended; and both, retrained with a learned predictor. Rates with 95 % intervals "
+            "(low, high), bootstrapped over shots. difference: of the return rate to the "
+            "baseline's, paired by shot (ci_low, ci_high); gained, lost: shots returned more "
+            "often, or less. gap_closed: that difference as a share of the gap between the "
+            "baseline and the original policy with the oracle, or without an oracle its return "
+            "rate in its own simulator; empty without a significant gap.",
+        ),
+        ReportTable(
+            own,
+            "own_simulator",
+            title="Policies in their own simulators",
+            caption="Each policy plays test shots of the simulator that it was trained in, with "
+            "exact forecasts; original and retrained policies play as many. 95 % intervals are "
+            "bootstrapped over shots.",
+        ),
     )
 
 
@@ -96,13 +99,16 @@ def report_parameters(run: StageRun, nominal: str, simulators: Mapping[str, Simu
         causes = read_as(path, NamedCauses, "close_gap").causes
         known = truth.simulator if truth is not None and source == ARENA else None
         tables[source] = number_table(load_simulator(nominal), amended, causes, known)
-    run.add_table(
-        pd.concat(tables, names=["source"]).reset_index("source"),
-        "numbers",
-        title="Simulator parameters before and after",
-        caption=f"Parameters of {nominal} that were amended from shots of the source, or that "
-        "differ from the truth; empty where a simulator lacks the effect. low, high: 95 % interval "
-        "of amended parameters. The truth is known for the arena only, and hidden from close_gap.",
+    run.add(
+        ReportTable(
+            pd.concat(tables, names=["source"]).reset_index("source"),
+            "numbers",
+            title="Simulator parameters before and after",
+            caption=f"Parameters of {nominal} that were amended from shots of the source, or that "
+            "differ from the truth; empty where a simulator lacks the effect. low, high: 95 % "
+            "interval of amended parameters. The truth is known for the arena only, and hidden "
+            "from close_gap.",
+        )
     )
 
 

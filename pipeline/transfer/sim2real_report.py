@@ -6,6 +6,7 @@ from typing import Any
 import pandas as pd
 
 from pipeline.io.metrics import place, rounded
+from pipeline.io.report_items import ReportFigure, ReportTable
 from pipeline.runtime.stage_run import StageRun
 from pipeline.transfer.figures.sim2real import transfer_figure
 from pipeline.transfer.rates import differences, rates
@@ -24,37 +25,39 @@ def report_transfer(run: StageRun, played: pd.DataFrame, learned: Sequence[str])
     gains = differences(played, SETTING, BASELINE, resamples, run.seed)
     run.write_metrics(_metrics(table, gains))
     caption = _caption(run)
-    run.add_figure(
-        transfer_figure(table),
-        "transfer",
-        title="Sim-to-real: hits and returns of replayed shots",
-        caption=caption,
-    )
-    run.add_table(
-        paper_form_table(table, learned),
-        "transfer",
-        title="Sim-to-real, in the form of the paper's table",
-        caption=f"{caption} Numbers of shots, means over policies that differ only in the seed. "
-        "Physics and the learned predictor both forecast at every control step. The paper has "
-        "other shots, another robot and another policy: only the gains of the learned predictor "
-        "compare.",
-    )
-    run.add_table(
-        table,
-        "rates",
-        title="Sim-to-real: all predictors",
-        caption="Rates over the replayed shots with 95 % intervals (low, high), bootstrapped over "
-        "shots; hits and returns are numbers of shots, means over policies. forecast_error_cm: "
-        "mean distance between forecast and true position at the middle horizon, over all control "
-        "steps before the ball is out of play.",
-    )
-    run.add_table(
-        gains,
-        "difference",
-        title="Sim-to-real: gains over physics at every control step",
-        caption="Difference of the rates with the predictor and with physics, paired by shot, with "
-        "95 % intervals bootstrapped over shots. gained, lost: shots with the outcome more often "
-        "with the predictor, or with physics.",
+    run.add(
+        ReportFigure(
+            transfer_figure(table),
+            "transfer",
+            title="Sim-to-real: hits and returns of replayed shots",
+            caption=caption,
+        ),
+        ReportTable(
+            paper_form_table(table, learned),
+            "transfer",
+            title="Sim-to-real, in the form of the paper's table",
+            caption=f"{caption} Numbers of shots, means over policies that differ only in the "
+            "seed. Physics and the learned predictor both forecast at every control step. The "
+            "paper has other shots, another robot and another policy: only the gains of the "
+            "learned predictor compare.",
+        ),
+        ReportTable(
+            table,
+            "rates",
+            title="Sim-to-real: all predictors",
+            caption="Rates over the replayed shots with 95 % intervals (low, high), bootstrapped "
+            "over shots; hits and returns are numbers of shots, means over policies. "
+            "forecast_error_cm: mean distance between forecast and true position at the middle "
+            "horizon, over all control steps before the ball is out of play.",
+        ),
+        ReportTable(
+            gains,
+            "difference",
+            title="Sim-to-real: gains over physics at every control step",
+            caption="Difference of the rates with the predictor and with physics, paired by shot, "
+            "with 95 % intervals bootstrapped over shots. gained, lost: shots with the outcome "
+            "more often with the predictor, or with physics.",
+        ),
     )
 
 
@@ -72,16 +75,18 @@ def report_sets(run: StageRun, sets: Sequence[ReplaySet]) -> None:
         }
         for one in sets
     ]
-    run.add_table(
-        pd.DataFrame(rows),
-        "replayed",
-        title="Replayed shots",
-        caption="Shots that no predictor was trained on. in_reach: those that pass through the "
-        "racket's workspace; the others are played, too. rotated: those that flew the other way "
-        "and were rotated by half a turn. excluded: with the reason. spin: how it was measured; "
-        "without labels a ball starts without spin, and its bounce changes the spin according to "
-        "the change of velocity. physics: of the flight beyond the measurements and after the "
-        "racket.",
+    run.add(
+        ReportTable(
+            pd.DataFrame(rows),
+            "replayed",
+            title="Replayed shots",
+            caption="Shots that no predictor was trained on. in_reach: those that pass through the "
+            "racket's workspace; the others are played, too. rotated: those that flew the other "
+            "way and were rotated by half a turn. excluded: with the reason. spin: how it was "
+            "measured; without labels a ball starts without spin, and its bounce changes the spin "
+            "according to the change of velocity. physics: of the flight beyond the measurements "
+            "and after the racket.",
+        )
     )
 
 

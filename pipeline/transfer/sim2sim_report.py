@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.io.metrics import over_seeds, place, rounded
+from pipeline.io.report_items import ReportFigure, ReportTable
 from pipeline.runtime.stage_run import StageRun
 from pipeline.transfer.figures.sim2sim import IMPERFECT, PROTOCOLS, sim2sim_figure
 from pipeline.transfer.rates import differences, rates
@@ -25,29 +26,31 @@ def report_sim2sim(run: StageRun, played: pd.DataFrame) -> None:
     gains = gains[gains["outcome"] == "returns"]
     run.write_metrics(_metrics(table, gains))
     caption = _caption(run)
-    run.add_figure(
-        sim2sim_figure(table),
-        "return_rate",
-        title="Sim-to-sim transfer",
-        caption=f"{caption} Whiskers: 95 % intervals, bootstrapped over shots. Dots, if there are "
-        "several policies: policies that differ only in the seed.",
-    )
-    run.add_table(
-        table[[*KEYS, *COLUMNS]],
-        "return_rate",
-        title="Sim-to-sim: returns, hits and forecast errors",
-        caption=f"{caption} Rates over all shots; ci: 95 % interval of the return rate, "
-        "bootstrapped over shots; std: over policies that differ only in the seed; "
-        "forecast_error_m: mean distance between forecast and true position at the middle "
-        "horizon, over all control steps before the ball is out of play.",
-    )
-    run.add_table(
-        gains.drop(columns=["predictor", "outcome"]),
-        "difference",
-        title="Sim-to-sim: gain of the ground truth's predictions",
-        caption="Return rate with the ground truth's predictions minus that with the imperfect "
-        "simulator's, paired by shot, with 95 % intervals bootstrapped over shots. gained, lost: "
-        "shots returned more often with the one, or with the other.",
+    run.add(
+        ReportFigure(
+            sim2sim_figure(table),
+            "return_rate",
+            title="Sim-to-sim transfer",
+            caption=f"{caption} Whiskers: 95 % intervals, bootstrapped over shots. Dots, if there "
+            "are several policies: policies that differ only in the seed.",
+        ),
+        ReportTable(
+            table[[*KEYS, *COLUMNS]],
+            "return_rate",
+            title="Sim-to-sim: returns, hits and forecast errors",
+            caption=f"{caption} Rates over all shots; ci: 95 % interval of the return rate, "
+            "bootstrapped over shots; std: over policies that differ only in the seed; "
+            "forecast_error_m: mean distance between forecast and true position at the middle "
+            "horizon, over all control steps before the ball is out of play.",
+        ),
+        ReportTable(
+            gains.drop(columns=["predictor", "outcome"]),
+            "difference",
+            title="Sim-to-sim: gain of the ground truth's predictions",
+            caption="Return rate with the ground truth's predictions minus that with the imperfect "
+            "simulator's, paired by shot, with 95 % intervals bootstrapped over shots. gained, "
+            "lost: shots returned more often with the one, or with the other.",
+        ),
     )
 
 

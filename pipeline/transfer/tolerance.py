@@ -9,6 +9,7 @@ import pandas as pd
 from models.policy.incoming_balls import IncomingBalls
 from models.policy.policy import Policy
 from models.replay.perturbed_forecasts import ERRORS
+from pipeline.io.report_items import ReportFigure, ReportTable
 from pipeline.policies.storage import TrainedPolicy
 from pipeline.runtime.stage_run import StageRun
 from pipeline.transfer.figures.sim2real import tolerance_figure
@@ -73,5 +74,7 @@ def report_tolerance(run: StageRun, played: pd.DataFrame) -> None:
         "square; no_spin: forecast spin set to zero. 95 % intervals are bootstrapped over shots."
     )
     title = "Tolerated forecast errors"
-    run.add_figure(tolerance_figure(table), "tolerance", title=title, caption=caption)
-    run.add_table(table, "tolerance", title=title, caption=caption)
+    run.add(
+        ReportFigure(tolerance_figure(table), "tolerance", title, caption),
+        ReportTable(table, "tolerance", title, caption),
+    )

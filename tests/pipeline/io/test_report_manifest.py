@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from pipeline.io.report_items import ReportAnimation
 from pipeline.io.report_manifest import (
     read_columns,
     read_contents,
@@ -85,7 +86,9 @@ def test_figure_that_is_no_png_is_refused(tmp_path):
 
 
 def test_first_frame_of_an_animation_stands_still(tmp_path):
-    StageRun("segment", tmp_path, None).add_animation(moving_dot(), "ball", title="", caption="")
+    StageRun("segment", tmp_path, None).add(
+        ReportAnimation(moving_dot(), "ball", title="", caption="")
+    )
 
     shown = read_first_frame(tmp_path / "reports/segment/figures/ball.png")
 

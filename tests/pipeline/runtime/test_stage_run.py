@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from PIL import Image, ImageSequence
 
 from pipeline.io.artifacts import write_table
+from pipeline.io.report_items import ReportAnimation, ReportFigure, ReportTable
 from pipeline.params import load_params
 from pipeline.runtime import stage_run as run_module
 from pipeline.runtime.errors import InputError
@@ -54,9 +55,9 @@ def segment(run: StageRun) -> None:
     write_table(run.artifact("episodes.parquet"), table)
     figure = Figure()
     figure.subplots().plot(table["value"])
-    run.add_figure(figure, "values", title="Values", caption="Of everything.")
-    run.add_animation(FRAMES, "noise", title="Noise", caption="In motion.")
-    run.add_table(table, "values", title="Values", caption="In numbers.")
+    run.add(ReportFigure(figure, "values", title="Values", caption="Of everything."))
+    run.add(ReportAnimation(FRAMES, "noise", title="Noise", caption="In motion."))
+    run.add(ReportTable(table, "values", title="Values", caption="In numbers."))
     run.write_metrics({"a": {"mean": 1 / 3}})
 
 

@@ -8,6 +8,7 @@ import pandas as pd
 from pipeline.evaluation.example_shots import Forecast, Shot, read_shots, write_shots
 from pipeline.evaluation.figures.forecast_error import forecast_error_figure
 from pipeline.io.artifacts import write_json
+from pipeline.io.report_items import ReportAnimation
 from pipeline.io.report_manifest import read_contents
 from pipeline.paper.run_reports import Reports
 from pipeline.runtime.stage_run import StageRun
@@ -120,7 +121,7 @@ def make_reports(root: Path, title: str = "Contacts", shot: str = "spindoe/000/0
     figure = forecast_error_figure(forecast_errors(["position"], ["all"]))
     figure.savefig(reports / "evaluate_predictor" / "figures" / "spindoe.png")
     run = StageRun("evaluate_predictor", root, params=None)
-    run.add_animation(moving_dot(), "ball", title="Ball", caption="")
+    run.add(ReportAnimation(moving_dot(), "ball", title="Ball", caption=""))
     _write_all_contents(root, title)
     write_shots(
         root / "artifacts" / "evaluate_predictor" / "shots.json",
