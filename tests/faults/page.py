@@ -6,17 +6,17 @@ from tests.reliability import REPORT
 
 
 def kills_table(kills: pd.DataFrame) -> str:
-    """One row a stage: how many kills hit it, when, and what came of it."""
+    """One row per stage: number, times and results of the kills."""
     lines = [
-        "| stage | kills that hit | at (% of its time) | came too late | half-written files "
-        "| same hashes |",
+        "| stage | kills | time of kill (% of the stage) | after its end | half-written files "
+        "| identical hashes |",
         "|---|---|---|---|---|---|",
     ]
     for stage, rows in kills.groupby("stage", sort=False):
         hits = rows[rows["hit"]]
-        moments = ", ".join(f"{100 * share:.0f}" for share in sorted(hits["share"]))
+        times = ", ".join(f"{100 * share:.0f}" for share in sorted(hits["share"]))
         lines.append(
-            f"| {stage} | {len(hits)} | {moments} | {len(rows) - len(hits)} "
+            f"| {stage} | {len(hits)} | {times} | {len(rows) - len(hits)} "
             f"| {hits['half_written'].sum()} | {hits['same_hashes'].sum()} of {len(hits)} |"
         )
     hits = kills[kills["hit"]]
@@ -28,8 +28,8 @@ def kills_table(kills: pd.DataFrame) -> str:
 
 
 def faults_table(faults: pd.DataFrame) -> str:
-    """One row a fault: what the run did, what it said, what came of it."""
-    lines = ["| fault | stage | the run | what it said | same hashes |", "|---|---|---|---|---|"]
+    """One row per fault: result and message of the run."""
+    lines = ["| fault | stage | result | message | identical hashes |", "|---|---|---|---|---|"]
     for row in faults.fillna("").itertuples():
         said = row.message.replace("|", "\\|")
         said = f"`{said}`" if said else "–"
