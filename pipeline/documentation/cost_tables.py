@@ -6,6 +6,7 @@ from typing import Any
 import pandas as pd
 
 from pipeline.io.artifacts import read_json
+from pipeline.io.markdown import markdown_table
 from pipeline.params import load_params
 
 COSTS = Path("reports") / "costs"
@@ -22,17 +23,15 @@ def scale_table(root: Path) -> str:
 
 def measured_rows(measured: pd.DataFrame) -> str:
     """Return the measured times as Markdown."""
-    lines = [
-        "| work | unit | units | s | twice the units | s | on two processes (s) | speed-up |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    table = []
     for work, rows in measured.groupby("work", sort=False):
         units = rows["units"].tolist()
         once, twice, shared = rows["seconds"].tolist()
         cells = [f"{units[0]:,}", f"{once:.1f}", f"{units[1]:,}", f"{twice:.1f}", f"{shared:.1f}"]
         cells.append(f"{twice / shared:.2f}")
-        lines.append(f"| {work} | {rows['unit'].iloc[0]} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        table.append([str(work), rows["unit"].iloc[0], *cells])
+    head = ["work", "unit", "units", "s", "twice the units", "s", "on two processes (s)"]
+    return markdown_table([*head, "speed-up"], table)
 
 
 def extrapolation_table(root: Path) -> str:
@@ -57,31 +56,31 @@ def extrapolated_rows(measured: pd.DataFrame, sizes: dict[str, float], root: Pat
         ("the laptop's policies", ticks, "control ticks", "no"),
         ("1,000 verdicts on 100 shots", 1000, "questions of the exam", "no"),
     )
-    lines = ["| work | cost | grows with the shots |", "|---|---|---|"]
     hours = {name: units / single[unit] / 3600 for name, units, unit, _ in works}
-    lines += [f"| {name} | {hours[name]:,.1f} core-hours | {grows} |" for name, *_, grows in works]
+    rows = [[name, f"{hours[name]:,.1f} core-hours", grows] for name, *_, grows in works]
     total = sum(hours.values()) - hours[EPOCH]  # which all epochs contain
-    lines.append(f"| total | {total:,.1f} core-hours | yes |")
-    lines.append(f"| at {CORE_HOUR:.2f} EUR per core-hour | {CORE_HOUR * total:,.2f} EUR | yes |")
     disk, memory = (SHOTS * sizes[name] / GIGABYTE for name in ("disk_bytes", "memory_bytes"))
-    lines.append(f"| tables on disk | {disk:,.0f} GB | yes |")
-    lines.append(f"| memory of every training process | {memory:,.0f} GB | yes |")
-    return "\n".join(lines)
+    rows += [
+        ["total", f"{total:,.1f} core-hours", "yes"],
+        [f"at {CORE_HOUR:.2f} EUR per core-hour", f"{CORE_HOUR * total:,.2f} EUR", "yes"],
+        ["tables on disk", f"{disk:,.0f} GB", "yes"],
+        ["memory of every training process", f"{memory:,.0f} GB", "yes"],
+    ]
+    return markdown_table(["work", "cost", "grows with the shots"], rows)
 
 
 def benchmarks_table(root: Path) -> str:
     """Return the comparisons with peers of the last `make bench`."""
-    lines = ["| measure | rallygap | peer | its value | ratio |", "|---|---|---|---|---|"]
-    for benchmark in read_json(root / COSTS / "benchmarks.json").values():
-        lines += [_comparison_row(one) for one in benchmark["comparisons"]]
-    return "\n".join(lines)
+    benchmarks = read_json(root / COSTS / "benchmarks.json").values()
+    rows = [_comparison_row(one) for benchmark in benchmarks for one in benchmark["comparisons"]]
+    return markdown_table(["measure", "rallygap", "peer", "its value", "ratio"], rows)
 
 
-def _comparison_row(one: dict[str, Any]) -> str:
+def _comparison_row(one: dict[str, Any]) -> list[str]:
     ratio = "not reached" if one["ratio"] is None else f"{one['ratio']:,.1f}"
     bound = "more than " if one["lower_bound"] and one["ratio"] is not None else ""
-    values = f"{one['rallygap']:,.0f} | {one['peer']} | {one['peer_value']:,.0f}"
-    return f"| {one['measure']} | {values} | {bound}{ratio} |"
+    values = [f"{one['rallygap']:,.0f}", one["peer"], f"{one['peer_value']:,.0f}"]
+    return [one["measure"], *values, f"{bound}{ratio}"]
 
 
 def reproduction_time(root: Path) -> str:

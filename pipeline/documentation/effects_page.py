@@ -2,6 +2,7 @@
 
 from models.ball.catalogue import catalogue
 from models.ball.effect import Effect, Parameter
+from pipeline.io.markdown import markdown_table
 
 PREAMBLE = """# The catalogue of effects
 
@@ -16,6 +17,10 @@ which the effect changes nothing; one without a neutral value must be given.
 To add an effect: [how-to](add-an-effect.md).
 """
 
+HEAD = (
+    *("effect", "what happens", "exact form", "parameter"),
+    *("neutral", "bounds", "observed", "source"),
+)
 PLACES = {
     "flight": "In flight",
     "contact": "At the table, the net and the racket",
@@ -27,20 +32,21 @@ def catalogue_page() -> str:
     """Return the catalogue as Markdown: one table per place, one row per parameter."""
     parts = [PREAMBLE]
     for place, title in PLACES.items():
-        parts.append(f"## {title}\n\n| effect | what happens | exact form | parameter | neutral | "
-                     "bounds | observed | source |\n|---|---|---|---|---|---|---|---|")  # fmt: skip
-        for effect in catalogue().values():
-            if effect.acts == place:
-                parts.extend(_row(effect, parameter) for parameter in effect.parameters)
-        parts.append("")
+        rows = [
+            _row(effect, parameter)
+            for effect in catalogue().values()
+            if effect.acts == place
+            for parameter in effect.parameters
+        ]
+        parts.append(f"## {title}\n\n{markdown_table(HEAD, rows)}\n")
     return "\n".join(parts)
 
 
-def _row(effect: Effect, parameter: Parameter) -> str:
+def _row(effect: Effect, parameter: Parameter) -> list[str]:
     low, high = parameter.bounds
     unit = "" if parameter.unit == "1" else f" ({parameter.unit})"
     neutral = "must be given" if parameter.required else f"{parameter.neutral:g}"
-    cells = [
+    return [
         f"`{effect.name}`",
         effect.title,
         f"`{effect.equation}`",
@@ -50,4 +56,3 @@ def _row(effect: Effect, parameter: Parameter) -> str:
         parameter.observed,
         parameter.source,
     ]
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"

@@ -2,6 +2,7 @@
 
 from models.ball import state
 from models.ball.quantities import QUANTITIES
+from pipeline.io.markdown import markdown_table
 
 # Name in models/ball/state.py: symbol, meaning, unit, source.
 CONSTANTS = {
@@ -22,18 +23,16 @@ CONSTANTS = {
 def constants_table() -> str:
     """Return the constants with symbol, value, unit and source."""
     rows = [
-        f"| `{name}` | {symbol} | {meaning} | {getattr(state, name):.6g} | {unit} | {source} |"
+        [f"`{name}`", symbol, meaning, f"{getattr(state, name):.6g}", unit, source]
         for name, (symbol, meaning, unit, source) in CONSTANTS.items()
     ]
-    head = "| name | symbol | meaning | value | unit | source |\n|---|---|---|---|---|---|"
-    return "\n".join([head, *rows])
+    return markdown_table(["name", "symbol", "meaning", "value", "unit", "source"], rows)
 
 
 def quantities_table() -> str:
     """Return the quantities that effects change, as a Markdown table."""
     rows = [
-        f"| `{one.name}` | {one.acts} | {one.meaning} | {one.start:g} | {one.size} |"
+        [f"`{one.name}`", one.acts, one.meaning, f"{one.start:g}", str(one.size)]
         for one in QUANTITIES
     ]
-    head = "| quantity | acts in | meaning | start | components |\n|---|---|---|---|---|"
-    return "\n".join([head, *rows])
+    return markdown_table(["quantity", "acts in", "meaning", "start", "components"], rows)

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from pipeline.io.markdown import markdown_table
+
 GROUPS = {
     "sweep": "one hidden parameter of the catalogue. The base has 3 detection limits, 100 shots "
     "and 3 mm noise; the other cells change one of them",
@@ -21,10 +23,10 @@ def questions_table(root: Path) -> str:
     """Return the groups of questions with their sizes, as Markdown."""
     table = pd.read_csv(root / "reports" / "hidden_effects" / "groups.csv")
     counts = table.groupby("group", sort=False)[["questions", "not_posed"]].sum()
-    lines = ["| group | questions | not posed | content |", "|---|---|---|---|"]
-    lines += [
-        f"| `{group}` | {row.questions:,} | {row.not_posed} | {GROUPS[str(group)]} |"
+    rows = [
+        [f"`{group}`", f"{row.questions:,}", str(row.not_posed), GROUPS[str(group)]]
         for group, row in counts.iterrows()
     ]
     total = counts.sum()
-    return "\n".join([*lines, f"| all | {total.questions:,} | {total.not_posed} | |"])
+    rows.append(["all", f"{total.questions:,}", str(total.not_posed), ""])
+    return markdown_table(["group", "questions", "not posed", "content"], rows)

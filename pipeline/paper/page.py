@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from pipeline.io.markdown import markdown_table
 from pipeline.paper.comparison import NOTHING, Finding, Group, Value, compare, exhibits, groups
 from pipeline.paper.forecast_errors import LEARNED
 from pipeline.paper.run_reports import Reports, laptop_reports, paper_reports
@@ -63,13 +64,6 @@ def claims_table(root: Path) -> str:
         if one.claims
     ]
     return markdown_table(["in the paper", "what", "laptop", "paper's number of shots"], rows)
-
-
-def markdown_table(names: list[str], rows: list[list[str]]) -> str:
-    """Return a table in Markdown."""
-    lines = [f"| {' | '.join(names)} |", "|" + "---|" * len(names)]
-    lines += [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in rows]
-    return "\n".join(lines)
 
 
 def _size(paper: Reports, found: dict[str, Finding]) -> str:

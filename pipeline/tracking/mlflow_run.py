@@ -30,6 +30,7 @@ from mlflow import MlflowClient
 from mlflow.entities import Param, Run
 from mlflow.system_metrics.system_metrics_monitor import SystemMetricsMonitor
 
+from pipeline.io.markdown import markdown_table
 from pipeline.runtime.paths import repository_root
 from pipeline.tracking.changed_params import Change, flat, shortened
 from pipeline.tracking.headlines import headline_metrics, upstream_headlines
@@ -182,8 +183,8 @@ def _created_parent(client: MlflowClient, experiment: str, parent: ParentRun) ->
 
 def description(changed: dict[str, Change]) -> str:
     """The changed parameters as a table in Markdown, which the page of the run shows."""
-    rows = [f"| {key} | {one.committed} | {one.here} |" for key, one in changed.items()]
-    return "\n".join(["| parameter | committed | here |", "|---|---|---|", *rows])
+    rows = [[key, one.committed, one.here] for key, one in changed.items()]
+    return markdown_table(["parameter", "committed", "here"], rows)
 
 
 def batches(items: Sequence[Any], size: int) -> list[Sequence[Any]]:

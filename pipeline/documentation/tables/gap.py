@@ -8,12 +8,12 @@ import pandas as pd
 
 from pipeline.documentation.tables.markdown import (
     NONE,
-    markdown_table,
     number,
     read_report,
     with_interval,
 )
 from pipeline.io.artifacts import read_json
+from pipeline.io.markdown import markdown_table
 
 NOT_TESTED = ("racket_bounce", "net")  # the gap workflow's shots touch neither
 BASES = {"imperfect_c": "C", "without_magnus": "C without lift", "from_literature": "literature"}

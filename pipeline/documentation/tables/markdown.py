@@ -1,6 +1,5 @@
-"""Markdown tables, and values as they are written in their cells."""
+"""Values as they are written in the cells of tables."""
 
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +22,6 @@ PREDICTORS = {
     "gru_tae": "GRU-TAE",
     "gru_tae_fine_tuned": "GRU-TAE, fine-tuned",
 }
-
-
-def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table with these column heads."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
 
 def read_report(root: Path, name: str) -> Any:

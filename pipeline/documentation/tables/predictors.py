@@ -5,10 +5,10 @@ from pathlib import Path
 from pipeline.documentation.tables.markdown import (
     NONE,
     PREDICTORS,
-    markdown_table,
     read_report,
     with_interval,
 )
+from pipeline.io.markdown import markdown_table
 
 HORIZONS_MS = (100, 200, 300)
 

@@ -7,10 +7,10 @@ import pandas as pd
 from pipeline.documentation.tables.markdown import (
     NONE,
     PREDICTORS,
-    markdown_table,
     read_report,
     with_interval,
 )
+from pipeline.io.markdown import markdown_table
 
 HORIZONS = ("115-125", "170-180")
 TRAININGS = (  # what policies observe, the kept run that trained them, their group in it
