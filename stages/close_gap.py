@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from models.gap.amend.simulator import amended_yaml
 from models.gap.fit.split import HELD_OUT
-from pipeline.gap.cases import Diagnosed, cases, diagnose_all
+from pipeline.gap.cases import Diagnosed, cases
 from pipeline.gap.figures.stability import closing_figure, stability_figure
 from pipeline.gap.shots import read_training_shots
 from pipeline.gap.tables import metrics, report_tables
@@ -12,6 +12,7 @@ from pipeline.io.artifacts import write_text
 from pipeline.io.episodes import MeasuredEpisode
 from pipeline.runtime.console import warn
 from pipeline.runtime.errors import InputError
+from pipeline.runtime.parallel import parallel
 from pipeline.runtime.stage_run import StageRun, run_stage
 
 
@@ -19,7 +20,8 @@ def close_gap(run: StageRun) -> None:
     """Diagnose the training shots of every source with every simulator, in several splits."""
     settings = run.params.close_gap
     shots = _enough(run, read_training_shots(run.root / "artifacts"))
-    diagnosed = diagnose_all(list(cases(shots, settings, run.seed)))
+    chosen = list(cases(shots, settings, run.seed))
+    diagnosed = list(parallel([case.diagnose for case in chosen], "verdicts"))
     for one in diagnosed:
         _write(run, one)
     run.write_metrics(metrics(diagnosed))

@@ -72,7 +72,9 @@ def score(root: Path, params: Params, path: Path) -> Scores:
 def _ours(predictors: Sequence[NamedPredictor], one: MeasuredSet) -> dict[str, Forecast]:
     known = [each for each in predictors if each.forecasts(one.name)]
     history = one.windows.history
-    return {each.name: each.predictor.predict(history) for each in progress(known, one.name)}
+    return {
+        each.name: each.predictor.predict(history) for each in progress(known, one.name, len(known))
+    }
 
 
 def _errors(forecasts: dict[str, Forecast], one: MeasuredSet, params: Params) -> pd.DataFrame:

@@ -72,7 +72,8 @@ def measure_costs(root: Path) -> pd.DataFrame:
     histories = _single_histories(first.windows.history)
     with one_core():
         latencies = {
-            one.name: latency(one.predictor, histories) for one in progress(predictors, "latency")
+            one.name: latency(one.predictor, histories)
+            for one in progress(predictors, "latency", len(predictors))
         }
     rows = [_row(one, errors, training, latencies[one.name]) for one in predictors]
     return pd.DataFrame(rows).astype({"parameters": "Int64", "training_s": "Float64"})

@@ -16,7 +16,6 @@ from pipeline.evaluation.test_windows import MeasuredSet
 from pipeline.io.episodes import MeasuredEpisode
 from pipeline.params import EvaluatePredictorSettings
 from pipeline.runtime.parallel import parallel
-from pipeline.runtime.progress import progress_bar
 
 BATCH = 256  # windows
 
@@ -32,11 +31,7 @@ def forecast_windows(
         for one in predictors
         for start in starts
     ]
-    batches = []
-    with progress_bar(f"forecasts on {measured.name}", len(tasks)) as advance:
-        for batch in parallel(tasks):
-            batches.append(batch)
-            advance()
+    batches = list(parallel(tasks, f"forecasts on {measured.name}"))
     return {
         one.name: _concatenate(batches[k * len(starts) : (k + 1) * len(starts)])
         for k, one in enumerate(predictors)

@@ -17,7 +17,6 @@ from pipeline.io.artifacts import read_as, write_text
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Params
 from pipeline.runtime.parallel import parallel
-from pipeline.runtime.progress import progress_bar
 
 Assignment = tuple[Question, Mapping[str, Method]]  # a question, and the methods that answer it
 
@@ -61,9 +60,9 @@ def run_questions(assignments: Sequence[Assignment], folder: Path) -> list[Resul
         for assignment, file in zip(assignments, files, strict=True)
         if not file.exists()
     ]
-    with progress_bar("exam", len(files), len(files) - len(pending)) as advance:
-        for _ in parallel([partial(_run, *arguments) for arguments in pending]):
-            advance()
+    tasks = [partial(_run, *arguments) for arguments in pending]
+    for _ in parallel(tasks, "exam", done=len(files) - len(pending)):
+        pass
     return [read_as(file, Result, "hidden_effects") for file in files]
 
 

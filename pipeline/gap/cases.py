@@ -17,8 +17,6 @@ from pipeline.io.episodes import MeasuredEpisode
 from pipeline.io.simulators import load_simulator
 from pipeline.params import CloseGapSettings, ComparedSimulatorSettings
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import parallel
-from pipeline.runtime.progress import progress_bar
 
 BOUNCE = "table_bounce"
 
@@ -115,13 +113,3 @@ def drawn(members: Sequence[MeasuredEpisode], most: int, random: np.random.Gener
     order = random.permutation(len(members))[:most]
     chosen = shots_of([members[k] for k in order])
     return replace(chosen, groups=pd.factorize(chosen.groups)[0])
-
-
-def diagnose_all(chosen: Sequence[Case]) -> list[Diagnosed]:
-    """Return the verdicts on all cases, in their order, computed in parallel."""
-    found: list[Diagnosed] = []
-    with progress_bar("verdicts", len(chosen)) as advance:
-        for one in parallel([case.diagnose for case in chosen]):
-            found.append(one)
-            advance()
-    return found

@@ -4,7 +4,7 @@ A training that was interrupted resumes after its last complete iteration.
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -21,7 +21,7 @@ from models.policy.trial import TrialResult, play
 from pipeline.io.artifacts import read_json, replacing_folder, write_json
 from pipeline.policies.storage import WEIGHTS, TrainedPolicy
 from pipeline.runtime.parallel import parallel
-from pipeline.runtime.progress import progress_bar
+from pipeline.runtime.progress import progress
 
 VALIDATION_SHOTS = 100  # that a policy plays after every iteration
 RECORD = "record.json"
@@ -38,6 +38,11 @@ class TrainingJob:
     def iteration(self, number: int) -> Path:
         """The folder of an iteration's learner, policy and validation."""
         return self.folder / f"iteration_{number:04d}"
+
+    @property
+    def iterations(self) -> int:
+        """Number of all iterations."""
+        return self.description.learning.iterations
 
     @property
     def iterations_done(self) -> int:
@@ -60,18 +65,18 @@ def train_policies(jobs: Sequence[TrainingJob]) -> list[TrainingResult]:
 
     Results depend on descriptions alone: not on the number of processes, nor on interruptions.
     """
-    iterations = [job.description.learning.iterations for job in jobs]
+    total = sum(job.iterations for job in jobs)
     done = sum(job.iterations_done for job in jobs)
-    with progress_bar("policies", sum(iterations), done) as advance:
-        for number in range(max(iterations)):
-            waiting = [
-                job
-                for job, last in zip(jobs, iterations, strict=True)
-                if job.iterations_done == number < last
-            ]
-            for _ in parallel([partial(learn, job, number) for job in waiting]):
-                advance()
+    for _ in progress(_iterations(jobs), "policies", total, done):
+        pass
     return [_result(job) for job in jobs]
+
+
+def _iterations(jobs: Sequence[TrainingJob]) -> Iterator[None]:
+    """Train all policies for one iteration after the other; yield after each of each policy."""
+    for number in range(max(job.iterations for job in jobs)):
+        waiting = [job for job in jobs if job.iterations_done == number < job.iterations]
+        yield from parallel([partial(learn, job, number) for job in waiting])
 
 
 def play_test_shots(
@@ -159,7 +164,7 @@ def _delete_learner(folder: Path) -> None:
 
 
 def _result(job: TrainingJob) -> TrainingResult:
-    last = job.description.learning.iterations - 1
+    last = job.iterations - 1
     records = [read_json(job.iteration(number) / RECORD) for number in range(last + 1)]
     policy = Policy.from_arrays(load((job.iteration(last) / WEIGHTS).read_bytes()))
     curve = pd.DataFrame(records)

@@ -17,6 +17,7 @@ from joblib import Parallel, cpu_count, delayed
 from threadpoolctl import threadpool_limits
 
 from pipeline.runtime.errors import InputError
+from pipeline.runtime.progress import progress
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -28,7 +29,9 @@ PATIENCE = 30  # s, that a cluster may take to answer
 CODE = ("models", "pipeline", "stages")
 
 
-def parallel(tasks: Sequence[Callable[[], Result]]) -> Iterator[Result]:
+def parallel(
+    tasks: Sequence[Callable[[], Result]], description: str = "", done: int = 0
+) -> Iterator[Result]:
     """Yield what tasks return, in their order.
 
     On a cluster, the task of a worker that dies is done by another. Tasks that leave files want a
@@ -36,12 +39,15 @@ def parallel(tasks: Sequence[Callable[[], Result]]) -> Iterator[Result]:
 
     Args:
         tasks: callables without arguments that can be pickled.
+        description: of a progress bar; there is none without it.
+        done: number of other tasks that an earlier run has done, for the progress bar.
 
     Raises:
         InputError: there is no such cluster, or it is lost, or it would give other results.
     """
     address = os.environ.get(CLUSTER)
-    return _on_cluster(address, tasks) if address else _on_cores(tasks)
+    results = _on_cluster(address, tasks) if address else _on_cores(tasks)
+    return progress(results, description, len(tasks) + done, done) if description else results
 
 
 def _on_cores(tasks: Sequence[Callable[[], Result]]) -> Iterator[Result]:

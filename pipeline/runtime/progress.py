@@ -6,26 +6,28 @@ from threading import Event, Thread
 from typing import TypeVar
 
 from rich.console import Console
-from rich.progress import Progress, TaskID, track
+from rich.progress import Progress, TaskID
 
 Item = TypeVar("Item")
 
 EVERY = 0.5  # s between two looks at what others do
 
 
-def progress(items: Sequence[Item], description: str) -> Iterable[Item]:
-    """Yield the items and draw on stderr how far that has come."""
-    console = Console(stderr=True)
-    return track(items, description, console=console, disable=not console.is_terminal)
+def progress(items: Iterable[Item], description: str, total: int, done: int = 0) -> Iterator[Item]:
+    """Yield the items and draw on stderr how far that has come.
 
-
-@contextmanager
-def progress_bar(description: str, total: int, done: int = 0) -> Iterator[Callable[[], None]]:
-    """Yield a function that counts one item of ``total``, of which some may be ``done``."""
+    Args:
+        items: those that are left to do.
+        description: of the bar.
+        total: number of items, with those that an earlier run has done.
+        done: number of these.
+    """
     console = Console(stderr=True)
     with Progress(console=console, disable=not console.is_terminal) as bar:
         task = bar.add_task(description, total=total, completed=done)
-        yield lambda: bar.advance(task)
+        for item in items:
+            yield item
+            bar.advance(task)
 
 
 @contextmanager

@@ -19,7 +19,6 @@ from pipeline.io.artifacts import (
 from pipeline.io.schemas import RECORDINGS, SAMPLES, check_columns, checked, empty
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.parallel import parallel
-from pipeline.runtime.progress import progress_bar
 from pipeline.sources.manifest import Manifest
 
 DRAWN_RECORDINGS = 20  # of each source
@@ -109,17 +108,13 @@ def cut_recordings(
     numbers = range(count_row_groups(recordings))
     groups = [_RowGroup(recordings, number, manifest, settings, drawn) for number in numbers]
     cuts = []
-    with (
-        table_writer(samples, empty(SAMPLES)) as write,
-        progress_bar("parts of the recordings", len(groups)) as advance,
-    ):
-        for cut in parallel([group.cut for group in groups]):
+    with table_writer(samples, empty(SAMPLES)) as write:
+        for cut in parallel([group.cut for group in groups], "parts of the recordings"):
             table = cut.segmented.samples
             write(table)
             kept = table[table["recording_id"].isin(drawn)]
             segmented = Segmented(kept, cut.segmented.contacts, cut.segmented.episodes)
             cuts.append(CutRecordings(cut.measured, segmented, cut.gaps))
-            advance()
     return _joined(cuts)
 
 

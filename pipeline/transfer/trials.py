@@ -15,7 +15,6 @@ from models.policy.policy import Policy
 from models.policy.trial import TrialResult, play
 from pipeline.policies.storage import TrainedPolicy
 from pipeline.runtime.parallel import parallel
-from pipeline.runtime.progress import progress_bar
 
 
 @dataclass(frozen=True)
@@ -41,12 +40,7 @@ class Trial(Protocol):
 
 def run_trials(trials: Sequence[Trial]) -> list[Played]:
     """Run trials in parallel; return their results in the same order."""
-    results: list[Played] = []
-    with progress_bar("trials", len(trials)) as advance:
-        for result in parallel([trial.run for trial in trials]):
-            results.append(result)
-            advance()
-    return results
+    return list(parallel([trial.run for trial in trials], "trials"))
 
 
 def joined(results: Sequence[Played]) -> pd.DataFrame:
