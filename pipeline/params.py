@@ -15,6 +15,7 @@ from pydantic import (
     model_validator,
 )
 
+from models.arena.settings import ArenaSettings
 from models.policy.settings import (
     GoalSettings,
     HorizonsMs,
@@ -28,11 +29,9 @@ from models.shot_quality.settings import ForestSettings
 from models.support.suggestion import suggestion
 from models.support.yaml_file import YamlFileError, load_yaml
 from pipeline.runtime.errors import InputError
-from pipeline.sources.settings import IngestSettings
 
-# A name that is also a key of metrics, a file name and a legend entry.
+# A name that is also a key of metrics, a folder, a file name and a legend entry.
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
-
 
 LONGEST_SHOWN = 100  # characters of a refused value in a message
 
@@ -41,6 +40,22 @@ class Settings(BaseModel):
     """A group of parameters: no unknown keys, no silent conversions, no infinities."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def _each_once(names: list[str]) -> list[str]:
+    if len(set(names)) < len(names):
+        raise ValueError("give each name once")
+    return names
+
+
+class IngestSettings(Settings):
+    """Which sources to read, and their folder."""
+
+    folder: Path | None
+    """The folder with one folder per source (``spindoe/``, ``tt3d/``, ...); ``None``: that of the
+    environment variable ``RALLYGAP_DATA``."""
+    sources: Annotated[list[Name], Field(min_length=1), AfterValidator(_each_once)]
+    arena: ArenaSettings
 
 
 class PhysicsPredictorSettings(Settings):
@@ -142,12 +157,6 @@ class TrainPolicySettings(Settings):
 Sim2SimProtocol = Literal["first_state", "re_anchored"]
 """What a simulator predicts the ball from: its first state, or its true state at every control
 step."""
-
-
-def _each_once(names: list[str]) -> list[str]:
-    if len(set(names)) < len(names):
-        raise ValueError("give each name once")
-    return names
 
 
 class Sim2SimSettings(Settings):

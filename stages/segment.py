@@ -3,12 +3,12 @@
 from models.segmentation.split import split
 from pipeline.io.artifacts import write_table
 from pipeline.io.schemas import CONTACTS, EPISODES, checked
+from pipeline.io.source_manifest import read_manifest
 from pipeline.runtime.console import warn
 from pipeline.runtime.stage_run import StageRun, run_stage
 from pipeline.segmentation.cut_recordings import count_samples, cut_recordings, draw_recordings
 from pipeline.segmentation.cut_report import segmentation_metrics, splits_table
 from pipeline.segmentation.figures.cuts import cuts_figure
-from pipeline.sources.manifest import read_manifest
 
 
 def segment(run: StageRun) -> None:

@@ -8,9 +8,9 @@ import numpy as np
 
 from models.predictors.windows import Windows, concatenate_windows, cut_windows
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
+from pipeline.io.source_manifest import Manifest, SourceRecord, read_manifest
 from pipeline.runtime.console import warn
 from pipeline.runtime.errors import InputError
-from pipeline.sources.manifest import Manifest, SourceRecord, read_manifest
 
 NO_WINDOW = "155 ms with samples at most 15 ms apart"
 

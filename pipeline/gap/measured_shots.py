@@ -24,12 +24,12 @@ from pipeline.io.schemas import (
     checked,
     empty,
 )
+from pipeline.io.source_manifest import Manifest
+from pipeline.params import IngestSettings
 from pipeline.runtime.errors import InputError
-from pipeline.sources.intake import Intake, in_batches
-from pipeline.sources.manifest import Manifest
 from pipeline.sources.registry import registry
-from pipeline.sources.settings import IngestSettings
 from pipeline.sources.source import Source, SourceContext
+from pipeline.sources.source_import import SourceImport, in_batches
 
 SIMULATED = "arena"  # the one source that reads no files
 DIFFERENCE = np.sqrt(20.0)  # standard deviation of a third difference, in those of its samples
@@ -76,12 +76,11 @@ def read_shots(folder: Path | str, source: str) -> MeasuredShots:
     episodes = _episodes(parts, manifest, settings)
     record = next(iter(manifest.sources.values()))
     chosen = [one for one in episodes if is_shot(one)]
-    refused = {**record.rows_refused, **record.labels_refused}
     return MeasuredShots(
         name=record.name,
         shots=shots_of(chosen),
         recordings=record.recordings,
-        refused={reason: group.count for reason, group in refused.items()},
+        refused=record.refused_counts,
         episodes=len(episodes),
         bounces=sum(bool(one.episode.arc.any()) for one in chosen),
         noise=settings.noise,
@@ -111,11 +110,11 @@ def _recordings(folder: Path, source: Source) -> tuple[list[pd.DataFrame], Manif
     if not folder.is_dir():
         raise InputError(folder, f"is not a folder; give the one with the files of {source.name}")
     data = source.read(_Folder(folder))
-    intake = Intake(data)
-    if intake.is_launches:
+    imported = SourceImport(data)
+    if imported.is_launches:
         raise InputError(folder, f"{source.name} has launches without a path; give recordings")
-    parts = [checked(intake.take(batch), RECORDINGS) for batch in in_batches(data.tables)]
-    return parts, Manifest(sources={data.description.name: intake.record()})
+    parts = [checked(imported.rows(batch), RECORDINGS) for batch in in_batches(data.tables)]
+    return parts, Manifest(sources={data.description.name: imported.record()})
 
 
 def _noise(parts: Sequence[pd.DataFrame]) -> float:
@@ -157,6 +156,6 @@ def _cut(
     """Write the samples of all episodes, and yield their contacts and what they are."""
     with table_writer(folder / "samples.parquet", empty(SAMPLES)) as add:
         for recordings in parts:
-            found = segment_recordings(recordings, manifest.begins_with_launch, settings)
+            found = segment_recordings(recordings, manifest.starts_with_launch, settings)
             add(checked(found.samples, SAMPLES))
             yield found.contacts, found.episodes

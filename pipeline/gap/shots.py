@@ -6,7 +6,7 @@ from pathlib import Path
 from models.gap.fit.shots import Shots
 from models.gap.settings import GapSettings
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
-from pipeline.sources.manifest import read_manifest
+from pipeline.io.source_manifest import read_manifest
 
 
 def read_training_shots(artifacts: Path) -> dict[str, list[MeasuredEpisode]]:

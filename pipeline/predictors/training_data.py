@@ -10,8 +10,8 @@ from models.predictors.settings import NetworkSettings, TrainingSettings
 from models.predictors.training import WindowData
 from models.predictors.window_dataset import build_tracks
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
+from pipeline.io.source_manifest import read_manifest
 from pipeline.runtime.errors import InputError
-from pipeline.sources.manifest import read_manifest
 
 SPLITS = ("train", "validation")
 

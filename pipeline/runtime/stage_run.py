@@ -18,7 +18,6 @@ from pipeline.io.report_manifest import Item
 from pipeline.params import Params, load_params
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import repository_root
 from pipeline.runtime.provenance import Provenance, content_hash, provenance, short
 from pipeline.tracking.recording import InputData, Results, recorded
 
@@ -118,7 +117,7 @@ def run_stage(stage: Callable[[StageRun], None]) -> None:
     os.environ["MPLBACKEND"] = "Agg"
     apply_style()
     try:
-        params = with_data_folder(load_params(Path("params.yaml")))
+        params = load_params(Path("params.yaml"))
         origin = provenance(Path.cwd(), stage.__name__)
         run = StageRun(stage.__name__, Path.cwd(), params, origin.fingerprint)
         own = params.model_dump(mode="json", include={"seed", run.stage})
@@ -133,16 +132,3 @@ def run_stage(stage: Callable[[StageRun], None]) -> None:
                 raise
     except InputError as error:
         refuse(error)
-
-
-def with_data_folder(params: Params) -> Params:
-    """``params`` with the folder of the measured sets on this machine.
-
-    It comes from the environment variable RALLYGAP_DATA, because params.yaml is committed. A
-    relative folder is one of the repository.
-    """
-    folder = params.ingest.folder or os.environ.get("RALLYGAP_DATA")
-    if not folder:
-        return params
-    ingest = params.ingest.model_copy(update={"folder": repository_root() / folder})
-    return params.model_copy(update={"ingest": ingest})

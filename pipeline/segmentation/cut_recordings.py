@@ -17,9 +17,9 @@ from pipeline.io.artifacts import (
     table_writer,
 )
 from pipeline.io.schemas import RECORDINGS, SAMPLES, check_columns, checked, empty
+from pipeline.io.source_manifest import Manifest
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.parallel import parallel
-from pipeline.sources.manifest import Manifest
 
 DRAWN_RECORDINGS = 20  # of each source
 
@@ -50,7 +50,7 @@ class _RowGroup:
     def cut(self) -> CutRecordings:
         """Cut the recordings of this row group; ``segmented`` has all their samples."""
         recordings = checked(read_row_group(self.path, self.number), RECORDINGS, self.path)
-        found = segment_recordings(recordings, self.manifest.begins_with_launch, self.settings)
+        found = segment_recordings(recordings, self.manifest.starts_with_launch, self.settings)
         checked(found.samples, SAMPLES)
         measured = recordings[recordings["recording_id"].isin(self.drawn)]
         return CutRecordings(measured, found, _gaps(recordings, self.settings.longest_gap))

@@ -7,8 +7,8 @@ import pandas as pd
 from models.segmentation.settings import SegmentSettings
 from models.segmentation.split import recording_groups
 from pipeline.io.report_items import ReportTable
+from pipeline.io.source_manifest import Manifest
 from pipeline.segmentation.cut_recordings import CutRecordings
-from pipeline.sources.manifest import Manifest
 
 
 def segmentation_metrics(

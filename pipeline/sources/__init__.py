@@ -1,1 +1,1 @@
-"""Measured balls: one adapter a data set, all ending in the same tables."""
+"""Recordings of every source, read by one adapter per format into the same tables."""

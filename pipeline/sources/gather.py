@@ -1,4 +1,4 @@
-"""From what the sources hold to the tables of measured balls and their manifest."""
+"""From the content of the sources to the tables of recordings and their manifest."""
 
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -12,32 +12,25 @@ from pandera.pandas import DataFrameSchema
 
 from pipeline.io.artifacts import table_writer
 from pipeline.io.schemas import LAUNCHES, POINTS, RECORDINGS, TRUE_CONTACTS, checked, empty
+from pipeline.io.source_manifest import Manifest, SourceRecord
+from pipeline.params import IngestSettings
 from pipeline.runtime.errors import InputError
-from pipeline.sources.intake import Intake, in_batches
-from pipeline.sources.manifest import Manifest, SourceRecord
 from pipeline.sources.registry import find_source
-from pipeline.sources.settings import IngestSettings
-from pipeline.sources.source import RawTable, SourceContext, SourceData
+from pipeline.sources.source import RawTable, SourceContext
+from pipeline.sources.source_import import SourceImport, in_batches
 
-Add = Callable[[pd.DataFrame], None]
-
-TABLES = {
-    "recordings": RECORDINGS,
-    "launches": LAUNCHES,
-    "points": POINTS,
-    "true_contacts": TRUE_CONTACTS,
-}
-BESIDE = ("points", "true_contacts")  # what simulated recordings bring along
+EXTRA_TABLES = {"points": POINTS, "true_contacts": TRUE_CONTACTS}  # of simulated recordings
+TABLES = {"recordings": RECORDINGS, "launches": LAUNCHES, **EXTRA_TABLES}
 
 
 @dataclass(frozen=True)
 class Gathered:
-    """What there is to say about the measured balls of all sources.
+    """What the sources are.
 
     Attributes:
-        manifest: where they come from.
+        manifest: of all sources.
         folders: the folder of every source that reads files.
-        truth: the physics behind the simulated ones; ``None`` if all were measured.
+        truth: the physics of the simulated source; ``None`` if all were measured.
     """
 
     manifest: Manifest
@@ -46,15 +39,15 @@ class Gathered:
 
 
 def gather(settings: IngestSettings, seed: int, folder: Path) -> Gathered:
-    """Read every source that the settings list, and write what they hold as ``TABLES``.
+    """Read every source that the settings list, and write their rows as ``TABLES``.
 
-    Rows go to the files as they come: a source need not fit into memory. A row group of a table
+    Rows are written batch by batch, since a source may not fit into memory. A row group of a table
     has recordings of one source, each of them whole.
 
     Args:
-        settings: which sources to read, and from where.
-        seed: of the simulated ones.
-        folder: where ``<table>.parquet`` go; they are left as they were if anything fails.
+        settings: sources and their folder.
+        seed: of simulated sources.
+        folder: of ``<table>.parquet``, which do not change if anything fails.
 
     Raises:
         InputError: a source is unknown, its folder is missing, or a file as a whole is not what
@@ -65,44 +58,44 @@ def gather(settings: IngestSettings, seed: int, folder: Path) -> Gathered:
     folders: dict[str, Path] = {}
     truth = None
     with ExitStack() as stack:
-        add = {name: _checking(stack, folder, name) for name in TABLES}
+        add = {
+            name: _writer(stack, folder / f"{name}.parquet", schema)
+            for name, schema in TABLES.items()
+        }
         for listed in settings.sources:
             data = find_source(listed).read(context)
             name = data.description.name
             if name in records:
                 problem = f"two sources are called {name}; rename one in its source.yaml"
                 raise InputError("params.yaml", problem, field="ingest.sources")
-            intake = Intake(data)
-            _take_over(data, intake, add)
-            records[name] = intake.record()
-            if intake.folder is not None:
-                folders[name] = intake.folder
+            imported = SourceImport(data)
+            table = "launches" if imported.is_launches else "recordings"
+            for batch in in_batches(data.tables):
+                add[table](imported.rows(batch))
+                for extra in EXTRA_TABLES:
+                    add[extra](_extra_rows(batch, extra, name))
+            records[name] = imported.record()
+            if imported.folder is not None:
+                folders[name] = imported.folder
             truth = data.truth or truth
     return Gathered(Manifest(sources=records), folders, truth)
 
 
-def _checking(stack: ExitStack, folder: Path, name: str) -> Add:
-    """Return a function that adds rows to a table if they keep its contract."""
-    contract: DataFrameSchema = TABLES[name]
-    add = stack.enter_context(table_writer(folder / f"{name}.parquet", empty(contract)))
-    return lambda rows: add(checked(rows, contract))
+def _writer(
+    stack: ExitStack, path: Path, schema: DataFrameSchema
+) -> Callable[[pd.DataFrame], None]:
+    """Return a function that adds rows to a table if they keep its schema."""
+    add = stack.enter_context(table_writer(path, empty(schema)))
+    return lambda rows: add(checked(rows, schema))
 
 
-def _take_over(data: SourceData, intake: Intake, add: dict[str, Add]) -> None:
-    """Add what a source holds to the tables."""
-    table = "launches" if intake.is_launches else "recordings"
-    for batch in in_batches(data.tables):
-        add[table](intake.take(batch))
-        for name in BESIDE:
-            add[name](_beside(batch, name, data.description.name))
-
-
-def _beside(batch: Sequence[RawTable], table: str, source: str) -> pd.DataFrame:
-    """Return the rows that the recordings of a batch bring along for ``table``."""
-    found = {raw.name: raw.beside[table] for raw in batch if table in raw.beside}
-    if not found:
-        return empty(TABLES[table])
-    rows = pd.concat(found.values(), ignore_index=True)
-    ids = np.repeat([f"{source}/{name}" for name in found], [len(part) for part in found.values()])
+def _extra_rows(batch: Sequence[RawTable], table: str, source: str) -> pd.DataFrame:
+    """Return the rows of the recordings of a batch for one of ``EXTRA_TABLES``."""
+    parts = {raw.name: raw.extra_tables[table] for raw in batch if table in raw.extra_tables}
+    nothing = empty(EXTRA_TABLES[table])
+    if not parts:
+        return nothing
+    rows = pd.concat(parts.values(), ignore_index=True)
+    ids = np.repeat([f"{source}/{name}" for name in parts], [len(part) for part in parts.values()])
     rows.insert(0, "recording_id", ids)
-    return rows.astype(empty(TABLES[table]).dtypes)
+    return rows.astype(nothing.dtypes)

@@ -1,4 +1,4 @@
-"""The known sources: every file of ``adapters/``, then what other packages offer.
+"""The known sources: every file of ``adapters/``, then those of other packages.
 
 A package adds its own by the entry point group ``rallygap.sources``; each entry point is a module
 with a ``source``, like the modules of ``adapters``.

@@ -17,12 +17,12 @@ from models.predictors.training import ForecastTraining, WindowData
 from models.predictors.window_dataset import Tracks, build_tracks
 from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
 from pipeline.io.episodes import read_episodes
+from pipeline.io.source_manifest import read_manifest
 from pipeline.params import Params
 from pipeline.predictors.trainer import train
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.parallel import parallel
 from pipeline.runtime.torch_threads import one_thread
-from pipeline.sources.manifest import read_manifest
 from pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
 from pipeline.sweeps.settings import PredictorSweep
 from pipeline.sweeps.trial import Report

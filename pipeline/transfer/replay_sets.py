@@ -32,10 +32,10 @@ from pipeline.evaluation.predictors import ARENA
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
 from pipeline.io.ground_truth import read_contacts, read_truth
 from pipeline.io.schemas import EPISODES, LAUNCHES, STATE_COLUMNS, read_checked
+from pipeline.io.source_manifest import Manifest, read_manifest
 from pipeline.params import Sim2RealSettings
 from pipeline.runtime.console import warn
 from pipeline.runtime.errors import InputError
-from pipeline.sources.manifest import Manifest, read_manifest
 
 LITERATURE = shipped("literature")
 

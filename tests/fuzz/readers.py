@@ -24,13 +24,13 @@ from pipeline.io.ground_truth import read_contacts, read_truth
 from pipeline.io.report_manifest import read_columns, read_contents
 from pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
 from pipeline.io.simulators import load_simulator
+from pipeline.io.source_manifest import read_manifest
 from pipeline.paper.comparison import compare
 from pipeline.paper.run_reports import paper_reports
 from pipeline.params import load_params
 from pipeline.policies.storage import TrainedPolicy, load_policy
 from pipeline.predictors.storage import load_predictor
 from pipeline.runtime.scratch import kept_timings
-from pipeline.sources.manifest import read_manifest
 from pipeline.sweeps.confirm import compared_params
 from pipeline.sweeps.report import BEST
 from pipeline.sweeps.settings import load_sweep

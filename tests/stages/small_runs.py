@@ -3,8 +3,8 @@
 from types import SimpleNamespace
 
 from models.segmentation.settings import SegmentSettings
+from pipeline.params import IngestSettings
 from pipeline.runtime.stage_run import StageRun
-from pipeline.sources.settings import IngestSettings
 from stages.ingest import ingest
 from stages.segment import segment
 from tests.pipeline.sources.made_up import ARENA

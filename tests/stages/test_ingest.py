@@ -7,8 +7,8 @@ import pytest
 
 from pipeline.io.artifacts import read_json, read_table
 from pipeline.io.schemas import LAUNCHES, POINTS, RECORDINGS, TRUE_CONTACTS, checked
+from pipeline.io.source_manifest import read_manifest
 from pipeline.runtime.errors import InputError
-from pipeline.sources.manifest import read_manifest
 from tests.pipeline.sources.made_up import ARENA, WRITERS, write_tt3d
 from tests.stages.small_runs import run_ingest
 

@@ -1,4 +1,4 @@
-"""The arena: a simulated hall with a ball cannon and players. Nothing of it was measured."""
+"""The arena: a simulated environment with a ball cannon and players."""
 
 import numpy as np
 import pandas as pd
@@ -8,8 +8,9 @@ from models.arena.session import recordings
 from models.arena.settings import ArenaSettings
 from models.arena.truth import draw_truth
 from pipeline.io.schemas import POINTS, POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
+from pipeline.io.source_manifest import Description, PathKind
 from pipeline.runtime.parallel import parallel
-from pipeline.sources.source import Description, PathKind, RawTable, SourceContext, SourceData
+from pipeline.sources.source import RawTable, SourceContext, SourceData
 
 KINDS: dict[str, PathKind] = {
     "cannon": "cannon",
@@ -27,10 +28,10 @@ class Arena:
     name = "arena"
 
     def read(self, context: SourceContext) -> SourceData:
-        """Simulate the sessions that the settings describe; the same seed gives the same balls.
+        """Simulate the sessions of the settings; the same seed gives the same recordings.
 
         Raises:
-            InputError: the cluster to simulate on is not there, or is lost on the way.
+            InputError: the cluster does not answer, or its scheduler is lost.
         """
         settings, seed = context.settings.arena, context.seed
         truth = draw_truth(seed)
@@ -42,10 +43,10 @@ def _table(recording: ArenaRecording) -> RawTable:
     numbers = np.arange(1, len(recording.times) + 1)
     samples = np.column_stack([numbers, recording.times, recording.positions, recording.spins])
     rows = pd.DataFrame(samples, columns=["row", "t", *POSITION_COLUMNS, *SPIN_COLUMNS])
-    beside = {"true_contacts": _contacts(recording.contacts)}
+    extra_tables = {"true_contacts": _contacts(recording.contacts)}
     if recording.points:
-        beside["points"] = _points(recording.points)
-    return RawTable(recording.name, rows, beside=beside)
+        extra_tables["points"] = _points(recording.points)
+    return RawTable(recording.name, rows, extra_tables=extra_tables)
 
 
 def _contacts(contacts: TrueContacts) -> pd.DataFrame:

@@ -1,14 +1,16 @@
 """Competitive robot table tennis: ball states just after strokes of people and a robot."""
 
 import json
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from pipeline.io.source_manifest import Description
 from pipeline.runtime.errors import InputError
-from pipeline.sources.files import SourceFile, source_file
-from pipeline.sources.sieve import LAUNCH_COLUMNS
-from pipeline.sources.source import Description, RawTable, Refusal, SourceContext, SourceData
+from pipeline.sources.files import read_text, source_file
+from pipeline.sources.row_checks import LAUNCH_COLUMNS
+from pipeline.sources.source import RawTable, Refusal, SourceContext, SourceData
 
 FILES = ("rallies.json", "serves.json")
 KEYS = [
@@ -42,24 +44,24 @@ class CompetitiveRobotTableTennis:
         return SourceData(DESCRIPTION, [_table(source_file(folder, name)) for name in FILES])
 
 
-def _table(file: SourceFile) -> RawTable:
+def _table(file: Path) -> RawTable:
     states = [_state(entry) for entry in _entries(file)]
     rows = pd.DataFrame(
         [(row, *state) for row, state in enumerate(states, start=1) if state is not None],
         columns=["row", *LAUNCH_COLUMNS],
     )
     faulty = [row for row, state in enumerate(states, start=1) if state is None]
-    refusals = [Refusal(str(file), row, "not a ball state") for row in faulty]
+    refusals = [Refusal(file.name, row, "not a ball state") for row in faulty]
     return RawTable(file.stem, rows, file, refusals=refusals)
 
 
-def _entries(file: SourceFile) -> list[Any]:
+def _entries(file: Path) -> list[Any]:
     try:
-        entries = json.loads(file.text())
+        entries = json.loads(read_text(file))
     except (ValueError, RecursionError) as error:
-        raise InputError(file.path, f"is not JSON: {error}") from None
+        raise InputError(file, f"is not JSON: {error}") from None
     if not isinstance(entries, list):
-        raise InputError(file.path, "must be a JSON list of ball states")
+        raise InputError(file, "must be a JSON list of ball states")
     return entries
 
 

@@ -1,18 +1,17 @@
-"""Your own recordings: a folder of csv files, one a recording, with an optional source.yaml."""
+"""A user's recordings: a folder of csv files, one per recording, with an optional source.yaml."""
 
 from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from pipeline.io.frame import Frame
 from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
-from pipeline.params import as_json, read_yaml
+from pipeline.io.source_manifest import Description
+from pipeline.params import Name, as_json, read_yaml
 from pipeline.runtime.errors import InputError
-from pipeline.sources.files import SourceFile, source_files
-from pipeline.sources.frame import Frame
-from pipeline.sources.separated import check_header, read_separated
-from pipeline.sources.settings import SourceName
-from pipeline.sources.source import Description, RawTable, SourceContext, SourceData
+from pipeline.sources.files import check_header, read_separated, source_files
+from pipeline.sources.source import RawTable, SourceContext, SourceData
 
 HEADER = "t,x,y,z"
 HEADER_WITH_SPIN = "t,x,y,z,wx,wy,wz"
@@ -20,11 +19,11 @@ SETTINGS_FILE = "source.yaml"
 
 
 class CSVSettings(BaseModel):
-    """What source.yaml may say about a folder of csv files."""
+    """The keys of source.yaml."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    name: SourceName = "csv"
+    name: Name = "csv"
     kind: Literal["cannon", "rally"] = "rally"
     licence: str = "not stated"
     rate: Annotated[float, Field(gt=0)] | None = None
@@ -32,12 +31,12 @@ class CSVSettings(BaseModel):
 
 
 class CSV:
-    """A folder that anyone can fill."""
+    """A folder of csv files, with spin or without."""
 
     name = "csv"
 
     def read(self, context: SourceContext) -> SourceData:
-        """Read every csv file as one recording, with spin or without."""
+        """Read every csv file as one recording."""
         folder = context.folder(self.name)
         settings = _read_settings(folder / SETTINGS_FILE)
         tables = [_table(file) for file in source_files(folder, "*.csv")]
@@ -51,11 +50,11 @@ class CSV:
             stated_rate_hz=settings.rate,
             note=f"Read from csv files as {SETTINGS_FILE} describes them.",
         )
-        side_files = [SourceFile(path) for path in [folder / SETTINGS_FILE] if path.is_file()]
+        side_files = [path for path in [folder / SETTINGS_FILE] if path.is_file()]
         return SourceData(description, tables, side_files)
 
 
-def _table(file: SourceFile) -> RawTable:
+def _table(file: Path) -> RawTable:
     header = check_header(file, HEADER, HEADER_WITH_SPIN)
     columns = ["t", *POSITION_COLUMNS, *SPIN_COLUMNS][: header.count(",") + 1]
     rows, refusals = read_separated(file, columns, separator=",", first_line=2)

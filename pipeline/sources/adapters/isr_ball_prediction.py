@@ -1,6 +1,7 @@
-"""ball_prediction of the Intelligent Soft Robots lab: launched balls, many shots an HDF5 file."""
+"""ball_prediction of the Intelligent Soft Robots lab: launched balls, many shots per HDF5 file."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import h5py
@@ -8,17 +9,16 @@ import numpy as np
 import pandas as pd
 
 from models.ball.state import TABLE_HALF_LENGTH
+from pipeline.io.frame import Frame
 from pipeline.io.schemas import POSITION_COLUMNS
+from pipeline.io.source_manifest import Description
 from pipeline.runtime.errors import InputError
-from pipeline.sources.files import SourceFile, source_files
-from pipeline.sources.frame import Frame
-from pipeline.sources.source import Description, RawTable, SourceContext, SourceData
+from pipeline.sources.files import source_files
+from pipeline.sources.source import RawTable, SourceContext, SourceData
 
 GROUP = "originals"
 SURFACE_HEIGHT = 0.74  # m above the set's origin
-MOST_PACKED = (
-    100  # bytes of samples in a byte of file; a small file may say that it holds terabytes
-)
+MOST_PACKED = 100  # bytes of samples per byte of file; a small file may claim to hold terabytes
 
 DESCRIPTION = Description(
     name="isr_ball_prediction",
@@ -46,16 +46,14 @@ class ISRBallPrediction:
         return SourceData(DESCRIPTION, [table for file in files for table in _read_shots(file)])
 
 
-def _read_shots(file: SourceFile) -> list[RawTable]:
+def _read_shots(file: Path) -> list[RawTable]:
     try:
-        with h5py.File(file.path) as content:
-            shots = list(_shots(content, MOST_PACKED * file.path.stat().st_size))
-    except InputError:
-        raise
+        with h5py.File(file) as content:
+            shots = list(_shots(content, MOST_PACKED * file.stat().st_size))
     except Exception as error:
-        # h5py passes on whatever libhdf5 stumbles over in a damaged file, as any kind of error.
+        # For a damaged file, h5py raises errors of many types.
         reason = " ".join(str(error).split())[:200]
-        raise InputError(file.path, f"is no whole HDF5 file with {GROUP}: {reason}") from None
+        raise InputError(file, f"is no whole HDF5 file with {GROUP}: {reason}") from None
     return [_table(file, *shot) for shot in shots]
 
 
@@ -81,7 +79,7 @@ def _shots(content: Any, most: int) -> Iterator[tuple[str, np.ndarray, np.ndarra
         yield key, times, positions
 
 
-def _table(file: SourceFile, key: str, times: np.ndarray, positions: np.ndarray) -> RawTable:
+def _table(file: Path, key: str, times: np.ndarray, positions: np.ndarray) -> RawTable:
     rows = pd.DataFrame(positions, columns=POSITION_COLUMNS)
     rows.insert(0, "t", times)
     rows.insert(0, "row", np.arange(1, len(rows) + 1))

@@ -1,20 +1,13 @@
-"""SpinDOE: shots of a ball cannon, one csv file each, with one spin label a shot in index.csv."""
+"""SpinDOE: shots of a ball cannon, one csv file each; index.csv has one spin label per shot."""
 
 from pathlib import Path
 
 import pandas as pd
 
 from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
-from pipeline.sources.files import SourceFile, source_file, source_files
-from pipeline.sources.separated import check_header, read_separated
-from pipeline.sources.source import (
-    NOT_STATED,
-    Description,
-    RawTable,
-    Refusal,
-    SourceContext,
-    SourceData,
-)
+from pipeline.io.source_manifest import Description
+from pipeline.sources.files import check_header, read_separated, source_file, source_files
+from pipeline.sources.source import NOT_STATED, RawTable, Refusal, SourceContext, SourceData
 
 INDEX = "index.csv"
 INDEX_HEADER = "traj_file,x_spin,y_spin,z_spin"
@@ -51,7 +44,7 @@ class SpinDOE:
         return SourceData(DESCRIPTION, tables, [index], [*refusals, *_without_file(labels, folder)])
 
 
-def _read_labels(index: SourceFile) -> tuple[pd.DataFrame, list[Refusal]]:
+def _read_labels(index: Path) -> tuple[pd.DataFrame, list[Refusal]]:
     """Return the usable labels, named after their files, and the refusals of the others."""
     check_header(index, INDEX_HEADER)
     columns = ["number", *SPIN_COLUMNS]

@@ -1,15 +1,9 @@
-"""TT3D: rallies of two amateurs, seen by several cameras, one csv file a recording."""
+"""TT3D: rallies of two amateurs, seen by several cameras, one csv file per recording."""
 
 from pipeline.io.schemas import POSITION_COLUMNS
-from pipeline.sources.files import source_files
-from pipeline.sources.separated import check_header, read_separated
-from pipeline.sources.source import (
-    NOT_STATED,
-    Description,
-    RawTable,
-    SourceContext,
-    SourceData,
-)
+from pipeline.io.source_manifest import Description
+from pipeline.sources.files import check_header, read_separated, source_files
+from pipeline.sources.source import NOT_STATED, RawTable, SourceContext, SourceData
 
 HEADER = "Timestamp,X,Y,Z"
 

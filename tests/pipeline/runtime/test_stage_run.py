@@ -20,7 +20,7 @@ from pipeline.io.report_items import ReportAnimation, ReportFigure, ReportTable
 from pipeline.params import load_params
 from pipeline.runtime import stage_run as run_module
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun, run_stage, with_data_folder
+from pipeline.runtime.stage_run import StageRun, run_stage
 from pipeline.tracking import recording as tracking
 
 ROOT = Path(__file__).parents[3]
@@ -228,14 +228,3 @@ def test_an_input_data_set_is_noted_with_its_digest(repository):
     run.log_input("code", repository / "code" / "a.py", 7)
     (noted,) = run.results().inputs
     assert (noted.rows, noted.digest) == (7, hashlib.md5(b"1").hexdigest())
-
-
-def test_the_folder_of_the_measured_sets_comes_from_the_environment(repository, monkeypatch):
-    params = load_params(Path("params.yaml"))
-    monkeypatch.setenv("DVC_ROOT", str(repository))
-    monkeypatch.delenv("RALLYGAP_DATA", raising=False)
-    assert with_data_folder(params).ingest.folder is None
-    monkeypatch.setenv("RALLYGAP_DATA", "balls")
-    assert with_data_folder(params).ingest.folder == repository / "balls"
-    monkeypatch.setenv("RALLYGAP_DATA", "/balls")
-    assert with_data_folder(params).ingest.folder == Path("/balls")

@@ -12,9 +12,9 @@ import pandas as pd
 
 from models.arena.settings import ArenaSettings
 from pipeline.io.artifacts import read_table
+from pipeline.io.source_manifest import Manifest
+from pipeline.params import IngestSettings
 from pipeline.sources.gather import TABLES, gather
-from pipeline.sources.manifest import Manifest
-from pipeline.sources.settings import IngestSettings
 
 TIMES = np.array([0.0, 0.007, 0.014, 0.021])
 # A ball towards -y, 5 m/s.
@@ -34,7 +34,7 @@ ARENA = ArenaSettings(
 
 @dataclass(frozen=True)
 class Read:
-    """What sources hold, all of it in memory."""
+    """All tables of some sources."""
 
     manifest: Manifest
     truth: dict[str, Any] | None

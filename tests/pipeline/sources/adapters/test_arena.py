@@ -8,10 +8,10 @@ from models.arena.truth import Truth, draw_truth
 from models.arena.truth_path import true_states
 from models.ball.state import POSITION
 from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
+from pipeline.params import IngestSettings
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.parallel import CLUSTER
 from pipeline.sources.gather import TABLES, gather
-from pipeline.sources.settings import IngestSettings
 from tests.cluster import cluster
 from tests.pipeline.sources.made_up import ARENA, read
 
@@ -41,7 +41,7 @@ def test_it_needs_no_folder_and_says_that_it_is_synthetic(session):
 def test_shots_of_the_cannon_begin_with_a_launch_and_games_do_not(session):
     ids = session.recordings["recording_id"].drop_duplicates()
 
-    launched = ids.map(session.manifest.begins_with_launch)
+    launched = ids.map(session.manifest.starts_with_launch)
 
     assert launched.sum() == ARENA.cannon_shots
     assert ids[launched].str.startswith("arena/cannon/").all()

@@ -93,7 +93,7 @@ def test_a_file_without_shots_is_one_error(tmp_path):
 def test_two_shots_of_one_name_are_one_error(tmp_path):
     write_isr(tmp_path, shots=("1", "01"))
 
-    with pytest.raises(InputError, match=r"/originals/0?1: a recording no_spin_001 was there"):
+    with pytest.raises(InputError, match=r"/originals/0?1: there is another recording no_spin_001"):
         read(tmp_path, "isr_ball_prediction")
 
 

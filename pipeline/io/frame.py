@@ -1,4 +1,4 @@
-"""Where a source's axes lie in the table frame."""
+"""The transformation from a source's axes into the table frame."""
 
 from typing import Annotated, Self
 

@@ -1,0 +1,117 @@
+"""The report of the ingest stage: what was read, where the balls are, how launches differ."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pipeline.io.artifacts import read_rows, read_table
+from pipeline.io.report_items import ReportFigure, ReportItem, ReportTable
+from pipeline.io.schemas import POSITION_COLUMNS, VELOCITY_COLUMNS
+from pipeline.io.source_manifest import Manifest, Refused, SourceRecord
+from pipeline.sources.figures.launches import (
+    launch_distributions,
+    launches_figure,
+    measured_launches,
+    simulated_launches,
+)
+from pipeline.sources.figures.measured_balls import drawn_rows, measured_balls_figure
+
+
+def source_metrics(record: SourceRecord) -> dict[str, Any]:
+    """Return the metrics of a source."""
+    metrics: dict[str, Any] = {
+        "recordings": record.recordings,
+        "launches": record.launches,
+        "rows_read": record.rows_read,
+        "rows_kept": record.rows_kept,
+        "rows_refused": _counts(record.rows_refused),
+        "labels_refused": _counts(record.labels_refused),
+    }
+    return metrics if record.rate_hz is None else {**metrics, "rate_hz": record.rate_hz}
+
+
+def source_items(manifest: Manifest, artifacts: Path) -> list[ReportItem]:
+    """Return the figure of all measured positions and the table of sources.
+
+    Args:
+        manifest: of the sources.
+        artifacts: folder with the tables that ``gather`` wrote.
+    """
+    figure = ReportFigure(
+        measured_balls_figure(_drawn_balls(manifest, artifacts)),
+        "measured_balls",
+        title="Measured balls",
+        caption="Measured positions in the table frame, outliers too, and launches with the way "
+        "they take in 30 ms; an even choice where a source has many. The robot stands at y < 0.",
+    )
+    table = ReportTable(
+        pd.DataFrame([_source_row(record) for record in manifest.sources.values()]),
+        "sources",
+        title="Sources",
+        caption="What was read, what was refused and why; artifacts/ingest/manifest.json has every "
+        "refused row and every file's checksum.",
+    )
+    return [figure, table]
+
+
+def launch_items(artifacts: Path) -> Iterator[ReportItem]:
+    """Yield the distributions of launches as a figure, if there are any, and as a table.
+
+    Args:
+        artifacts: folder with the tables that ``gather`` wrote.
+    """
+    simulated = simulated_launches(read_table(artifacts / "true_contacts.parquet"))
+    measured = measured_launches(read_table(artifacts / "launches.parquet"))
+    launches = pd.concat([simulated, measured], ignore_index=True)
+    if len(launches):
+        yield ReportFigure(
+            launches_figure(launches),
+            "launches",
+            title="How balls leave racket and cannon",
+            caption="Distribution functions of simulated launches by level, as they truly were, "
+            "and of measured ones where a source has them. Height is above the table; direction "
+            "from straight ahead, to the right of the player who hits the ball.",
+        )
+    yield ReportTable(
+        launch_distributions(launches),
+        "launch_distributions",
+        title="Launches in numbers",
+        caption="Quantiles, and the largest distance between a group's distribution function and "
+        "that of the measured launches of the same stroke (0 the same, 1 apart).",
+    )
+
+
+def _drawn_balls(manifest: Manifest, artifacts: Path) -> dict[str, pd.DataFrame]:
+    """Read the rows that the figure draws; the rows of a source are consecutive."""
+    first = dict.fromkeys(["recordings", "launches"], 0)
+    drawn = {}
+    for name, record in manifest.sources.items():
+        is_launches = record.kind == "launches"
+        table = "launches" if is_launches else "recordings"
+        columns = POSITION_COLUMNS + (VELOCITY_COLUMNS if is_launches else [])
+        rows = first[table] + drawn_rows(record.rows_kept, launches=is_launches)
+        drawn[name] = read_rows(artifacts / f"{table}.parquet", rows, columns)
+        first[table] += record.rows_kept
+    return drawn
+
+
+def _counts(refused: dict[str, Refused]) -> dict[str, int]:
+    return {reason: group.count for reason, group in refused.items()}
+
+
+def _source_row(record: SourceRecord) -> dict[str, Any]:
+    kinds = record.kind.values() if isinstance(record.kind, dict) else [record.kind]
+    refused = record.refused_counts
+    return {
+        "source": record.name,
+        "kind": ", ".join(dict.fromkeys(kinds)),
+        "recordings": record.recordings or record.launches,
+        "rows": record.rows_kept,
+        "rate (Hz)": record.rate_hz,
+        "spin": record.spin.replace("_", " "),
+        "refused": ", ".join(f"{count} {reason}" for reason, count in refused.items()),
+        "licence": record.licence,
+        "note": record.note,
+    }
