@@ -1,7 +1,5 @@
 """Evaluate the predictors: forecast error over the horizon, on every set of measured balls."""
 
-from models.arena.truth import Truth
-from models.predictors.windows import Windows
 from pipeline.evaluation.example_shots import write_shots
 from pipeline.evaluation.forecasts import draw_shots, evaluate, forecast_windows
 from pipeline.evaluation.predictors import ARENA, read_predictors
@@ -14,10 +12,11 @@ from pipeline.evaluation.report import (
     group_table,
     horizon_errors,
     metrics,
+    net_table,
     predictor_table,
 )
-from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
-from pipeline.io.ground_truth import read_truth, true_windows
+from pipeline.evaluation.test_windows import read_test_sets
+from pipeline.io.ground_truth import net_contacts, read_contacts, read_truth, true_windows
 from pipeline.runtime.stage_run import StageRun, run_stage
 from pipeline.runtime.torch_threads import one_thread
 
@@ -29,12 +28,16 @@ def evaluate_predictor(run: StageRun) -> None:
     predictors = read_predictors(artifacts, settings)
     truth = read_truth(run.input("ingest", "truth.json"))
     sets = read_test_sets(artifacts, settings.window_every_ms / 1000)
-    results = {}
+    results, met_net = {}, {}
     for one in sets:
         run.log_input(one.name, run.input("segment", "samples.parquet"), len(one.windows))
         forecasts = forecast_windows(one, [each for each in predictors if each.forecasts(one.name)])
-        for against, windows in _references(run, one, truth).items():
-            results[one.name, against] = evaluate(forecasts, windows, one, settings, run.seed)
+        results[one.name, MEASURED] = evaluate(forecasts, one.windows, one, settings, run.seed)
+        if one.name == ARENA and truth is not None:
+            contacts = read_contacts(run.input("ingest", "true_contacts.parquet"), one.recordings)
+            true = true_windows(one.windows, one.recordings, truth, contacts)
+            results[one.name, TRUTH] = evaluate(forecasts, true, one, settings, run.seed)
+            met_net[one.name] = net_contacts(one.windows, one.recordings, contacts)
     errors = horizon_errors(results)
     run.write_metrics(metrics(errors))
     for one in sets:
@@ -43,18 +46,10 @@ def evaluate_predictor(run: StageRun) -> None:
         error_table(errors),
         difference_table(results, predictors),
         group_table(sets, results),
+        net_table(met_net, results),
         predictor_table(predictors),
     )
     write_shots(run.artifact("shots.json"), draw_shots(sets, predictors, run.seed))
-
-
-def _references(run: StageRun, one: MeasuredSet, truth: Truth | None) -> dict[str, Windows]:
-    """Return the set's windows with the measured and, on the arena, the true future."""
-    references = {MEASURED: one.windows}
-    if one.name == ARENA and truth is not None:
-        path = run.input("ingest", "true_contacts.parquet")
-        references[TRUTH] = true_windows(one.windows, one.recordings, truth, path)
-    return references
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """The sealed truth of the arena, read back for the oracle and for scores."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from models.arena.recording import TrueContacts
 from models.arena.truth import Truth
 from models.arena.truth_path import true_states
 from models.ball.simulator import SimulatorError
-from models.predictors.protocol import FUTURE_TIMES
+from models.predictors.protocol import FUTURE_TIMES, Bools
 from models.predictors.windows import Windows
 from pipeline.io.artifacts import read_json, read_row_groups
 from pipeline.io.schemas import STATE_COLUMNS, TRUE_CONTACTS, check_columns, checked
@@ -31,19 +32,17 @@ def read_truth(path: Path) -> Truth | None:
         raise InputError(path, problem) from None
 
 
-def true_windows(windows: Windows, recordings: np.ndarray, truth: Truth, path: Path) -> Windows:
+def true_windows(
+    windows: Windows, recordings: np.ndarray, truth: Truth, contacts: Mapping[str, TrueContacts]
+) -> Windows:
     """Return the same windows with the true future in the place of the measured one.
 
     Args:
         windows: B windows of simulated recordings.
         recordings: (B,) the recording of each.
         truth: the physics behind them.
-        path: of the table of their true contacts.
-
-    Raises:
-        InputError: the table is missing or broken.
+        contacts: of these recordings.
     """
-    contacts = read_contacts(path, recordings)
     future = np.full_like(windows.future, np.nan)
     for name, known in contacts.items():
         rows = recordings == name
@@ -52,6 +51,24 @@ def true_windows(windows: Windows, recordings: np.ndarray, truth: Truth, path: P
         future[rows] = true_states(truth, known, times)[place.reshape(ahead.shape)]
     measured = windows.measured & np.isfinite(future)
     return replace(windows, future=np.where(measured, future, 0.0), measured=measured)
+
+
+def net_contacts(
+    windows: Windows, recordings: np.ndarray, contacts: Mapping[str, TrueContacts]
+) -> Bools:
+    """Return (B,) whether the ball truly meets the net within the forecast of each window.
+
+    Args:
+        windows: B windows of simulated recordings.
+        recordings: (B,) the recording of each.
+        contacts: of these recordings.
+    """
+    met = np.zeros(len(windows), dtype=bool)
+    for name, known in contacts.items():
+        rows = recordings == name
+        ahead = known.times[known.kinds == "net"] - windows.anchors[rows, None]
+        met[rows] = ((ahead > 0) & (ahead <= FUTURE_TIMES[-1])).any(axis=1)
+    return met
 
 
 def read_contacts(path: Path, recordings: np.ndarray) -> dict[str, TrueContacts]:

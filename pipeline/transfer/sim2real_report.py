@@ -11,8 +11,10 @@ from pipeline.runtime.stage_run import StageRun
 from pipeline.transfer.figures.sim2real import transfer_figure
 from pipeline.transfer.rates import differences, rates
 from pipeline.transfer.replay_sets import ReplaySet
-from pipeline.transfer.transfer_table import BASELINE, SETTING, paper_form_table
+from pipeline.transfer.replay_trials import FirstWindow
+from pipeline.transfer.transfer_table import BASELINE, PHYSICS, SETTING, paper_form_table
 
+FIRST_BASELINE = {"predictor": PHYSICS, "protocol": FirstWindow.protocol}
 KEYS = [*SETTING, *BASELINE]  # of an experiment
 
 
@@ -23,6 +25,7 @@ def report_transfer(run: StageRun, played: pd.DataFrame, learned: Sequence[str])
     errors = played.groupby(KEYS, sort=False)["forecast_error_m"].mean()
     table["forecast_error_cm"] = 100 * errors.to_numpy()
     gains = differences(played, SETTING, BASELINE, resamples, run.seed)
+    over_first = differences(played, SETTING, FIRST_BASELINE, resamples, run.seed)
     run.write_metrics(_metrics(table, gains))
     caption = _caption(run)
     run.add(
@@ -57,6 +60,13 @@ def report_transfer(run: StageRun, played: pd.DataFrame, learned: Sequence[str])
             caption="Difference of the rates with the predictor and with physics, paired by shot, "
             "with 95 % intervals bootstrapped over shots. gained, lost: shots with the outcome "
             "more often with the predictor, or with physics.",
+        ),
+        ReportTable(
+            over_first,
+            "difference_first_window",
+            title="Sim-to-real: gains over physics from the first window",
+            caption="As the table before, but the difference to physics that forecasts once, from "
+            "the first window.",
         ),
     )
 

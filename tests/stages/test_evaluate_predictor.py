@@ -123,6 +123,14 @@ def test_errors_by_group_of_recordings(whole):
     assert mean == pytest.approx(metrics["arena"]["oracle"]["position"]["300"]["mean"], rel=1e-4)
 
 
+def test_errors_of_windows_without_net_contact(whole):
+    run, metrics = whole
+    rows = table(run, "forecast_error_by_net")
+    assert set(rows["set"]) == {"arena"} and set(rows["net"]) == {"without"}
+    mean = rows.set_index("predictor")["mean"]["oracle"]
+    assert mean == pytest.approx(metrics["arena"]["oracle"]["position"]["300"]["mean"], rel=1e-4)
+
+
 def test_unlabelled_spin_is_not_evaluated_and_a_label_ends_at_the_bounce(whole):
     _, metrics = whole
     assert "spin" not in metrics["plain"]["physics_true"]

@@ -94,6 +94,16 @@ def test_differences_are_between_the_rates_on_the_same_shots(whole):
         assert found["tiny"]["every_tick"]["gained_hits"]["difference"] == pytest.approx(gain)
 
 
+def test_the_difference_to_physics_from_the_first_window_is_between_the_rates(whole):
+    rates = table(whole[0], "rates", "set", "predictor", "protocol")["hit_rate"]
+    rows = table(whole[0], "difference_first_window", "set", "predictor", "protocol", "outcome")
+    for name in ("physics", "tiny"):
+        gain = rates["plain", name, "every_tick"] - rates["plain", "physics", "first_window"]
+        row = rows.loc["plain", name, "every_tick", "hits"]
+        assert row["difference"] == pytest.approx(gain, abs=1e-5)
+        assert row["ci_low"] <= row["difference"] <= row["ci_high"]
+
+
 def test_every_trial_of_every_policy_is_kept(whole):
     run, _ = whole
     played = read_table(run.artifact("played.parquet"))

@@ -5,9 +5,10 @@ import json
 import numpy as np
 import pytest
 
+from models.arena.recording import TrueContacts
 from models.predictors.protocol import FUTURE_TIMES
 from pipeline.evaluation.test_windows import read_test_sets
-from pipeline.io.ground_truth import read_truth, true_windows
+from pipeline.io.ground_truth import net_contacts, read_contacts, read_truth, true_windows
 from pipeline.runtime.errors import InputError
 from tests.pipeline.measured_shots import NOISE, SIMULATOR, write_inputs
 
@@ -26,8 +27,8 @@ def shots(root):
     artifacts = root / "artifacts"
     measured = read_test_sets(artifacts, every=0.05)[0]
     truth = read_truth(artifacts / "ingest" / "truth.json")
-    path = artifacts / "ingest" / "true_contacts.parquet"
-    return measured, true_windows(measured.windows, measured.recordings, truth, path)
+    contacts = read_contacts(artifacts / "ingest" / "true_contacts.parquet", measured.recordings)
+    return measured, true_windows(measured.windows, measured.recordings, truth, contacts)
 
 
 def test_the_true_future_is_flown_through_the_bounce(shots):
@@ -46,6 +47,18 @@ def test_true_and_measured_windows_are_the_same_but_for_the_noise(shots):
     np.testing.assert_array_equal(true.measured, measured.windows.measured)
     difference = (true.future - measured.windows.future)[..., :3][true.measured[..., :3]]
     assert difference.std() == pytest.approx(NOISE, rel=0.1)
+
+
+def test_windows_with_net_contact_are_those_whose_forecast_reaches_it(shots):
+    windows, recordings = shots[0].windows, shots[0].recordings
+    kinds, met = np.array(["launch", "net", "table"]), 0.4
+    contacts = {
+        "arena/pro/2": TrueContacts(np.array([0.0, met, met + 0.1]), kinds, np.empty((3, 9)))
+    }
+    expected = (windows.anchors < met) & (windows.anchors >= met - 0.3)
+    expected &= recordings == "arena/pro/2"
+    assert 0 < expected.sum() < (recordings == "arena/pro/2").sum()
+    np.testing.assert_array_equal(net_contacts(windows, recordings, contacts), expected)
 
 
 def test_without_an_arena_there_is_no_truth(tmp_path):
