@@ -1,13 +1,10 @@
 """Launch velocities that bring a ball over the net to a target on the table."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
 from models.ball.state import BALL_RADIUS, NET_HEIGHT, STATE_SIZE
-
-Floats = NDArray[np.float64]
+from models.ball.types import Floats
 
 CORRECTIONS = 5  # iterations; millimetres remain, less than the players' errors
 PATH_SAMPLES = 16  # points of a flight at which its height over the net is taken
@@ -23,7 +20,7 @@ def aim_launches(
     times: Floats,
     clearances: Floats,
 ) -> Floats:
-    """Return launches that reach their targets, with longer flights where the net is in the way.
+    """Return (B, 9) launches that reach their targets; longer flights where the net is in the way.
 
     Args:
         simulator: physics that the players know.
@@ -31,12 +28,10 @@ def aim_launches(
         spins: (B, 3) after the stroke, rad/s.
         targets: (B, 2) on the table, m.
         times: (B,) durations of the flights, s.
-        clearances: (B,) smallest distances between ball and net, m.
-
-    Returns:
-        (B, 9) launch states; the last one tried where no flight clears the net.
+        clearances: (B,) smallest distances between ball and net, m. Where no flight keeps them,
+            the last one tried is returned.
     """
-    air, times = without_surfaces(simulator), times.copy()
+    air, times = simulator.without_surfaces(), times.copy()
     launches = _reaching(air, positions, spins, targets, times)
     for _ in range(MAX_LENGTHENINGS):
         low = np.flatnonzero(_above_net(air, launches, times) < clearances)
@@ -45,14 +40,6 @@ def aim_launches(
         times[low] *= LENGTHENING
         launches[low] = _reaching(air, positions[low], spins[low], targets[low], times[low])
     return launches
-
-
-def without_surfaces(simulator: Simulator) -> Simulator:
-    """Return the simulator with its effects of flight only, without table and net."""
-    kinds = catalogue()
-    return Simulator(
-        {n: values for n, values in simulator.effects.items() if kinds[n].acts == "flight"}
-    )
 
 
 def _reaching(

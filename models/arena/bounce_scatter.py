@@ -8,7 +8,6 @@ momentum about the contact point is conserved, and the energy does not grow.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.ball.contact_laws import ROLLING
 from models.ball.simulator import Simulator
@@ -20,35 +19,26 @@ from models.ball.state import (
     TABLE_HALF_WIDTH,
     VELOCITY,
 )
-
-Floats = NDArray[np.float64]
+from models.ball.types import Floats
 
 
 @dataclass(frozen=True)
 class BounceScatter:
-    """Size of the deviations of table bounces.
+    """Standard deviations of the two factors."""
 
-    Attributes:
-        restitution: standard deviation of the factor on the normal speed of the rebound.
-        friction: standard deviation of the factor on the tangential impulse.
-    """
-
-    restitution: float
-    friction: float
+    restitution: float  # on the normal speed of the rebound
+    friction: float  # on the tangential impulse
 
     def apply(
         self, simulator: Simulator, before: Floats, after: Floats, random: np.random.Generator
     ) -> Floats:
-        """Return table bounces with random deviations.
+        """Return the (B, 9) states just after bounces, with random deviations; two draws per ball.
 
         Args:
             simulator: whose contact law the bounces follow.
             before: (B, 9) states just before.
             after: (B, 9) states just after, by the law.
-            random: two draws per ball.
-
-        Returns:
-            (B, 9) states just after, with deviations.
+            random: of the deviations.
         """
         normal = table_normals(simulator, before[:, POSITION])
         deviations = random.standard_normal((len(before), 2))

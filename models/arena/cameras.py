@@ -3,57 +3,35 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from models.ball.state import POSITION, SPIN
-
-Floats = NDArray[np.float64]
+from models.ball.types import Bools, Floats
 
 OUTLIER_DISTANCE = (0.05, 0.30)  # m between the ball and a false detection
 
 
 @dataclass(frozen=True)
 class SlowError:
-    """The part of the position error that changes slowly along a path (Ornstein-Uhlenbeck).
+    """The part of the position error that changes slowly along a path (Ornstein-Uhlenbeck)."""
 
-    Attributes:
-        share: of the variance of the whole error.
-        time: correlation time, after which the correlation is 1/e (s).
-    """
-
-    share: float
-    time: float
+    share: float  # of the variance of the whole error
+    time: float  # s after which the correlation is 1/e
 
 
 @dataclass(frozen=True)
 class Cameras:
-    """A tracking system.
+    """A tracking system."""
 
-    Attributes:
-        position_noise: standard deviation of a coordinate (m), the slow part included.
-        spin_noise: standard deviation of a spin component, as a share of the spin.
-        dropouts: share of missing samples.
-        outliers: share of samples with a false detection.
-        slow_error: how much of the position error changes slowly.
-        interval: s between two samples.
-    """
-
-    position_noise: float
-    spin_noise: float
-    dropouts: float
-    outliers: float
+    position_noise: float  # standard deviation of a coordinate (m), the slow part included
+    spin_noise: float  # standard deviation of a spin component, as a share of the spin
+    dropouts: float  # share of missing samples
+    outliers: float  # share of samples with a false detection
     slow_error: SlowError
-    interval: float
+    interval: float  # s between two samples
 
-    def measure(
-        self, states: Floats, random: np.random.Generator
-    ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-        """Measure a path.
-
-        Args:
-            states: (T, 9) true states, ``interval`` apart.
-            random: of the noise.
+    def measure(self, states: Floats, random: np.random.Generator) -> tuple[Floats, Floats, Bools]:
+        """Measure a path of (T, 9) true states, ``interval`` apart.
 
         Returns:
             Positions (T, 3), spins (T, 3) and whether each sample exists (T,).

@@ -1,7 +1,6 @@
 """A ball cannon on the far side that shoots to the near one, over a grid of settings."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.arena.contacts import KINDS, ContactSequence, follow_contacts
 from models.arena.observation import TrackedBall
@@ -10,8 +9,7 @@ from models.arena.truth import Truth
 from models.ball.contact_laws import TABLE
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
-
-Floats = NDArray[np.float64]
+from models.ball.types import Bools, Floats
 
 MUZZLE_ACROSS = (-0.5, 0.0, 0.5)  # m
 MUZZLE_ALONG = (1.3, 2.0)  # m
@@ -37,11 +35,7 @@ VISIBLE_AFTER = 0.15  # s that a shot is recorded after its last contact
 
 
 def cannon_balls(truth: Truth, shots: int, random: np.random.Generator) -> list[TrackedBall]:
-    """Return the balls of a session, each on its own clock, which starts just before the launch.
-
-    Raises:
-        ValueError: hardly any shot of the grid lands under this physics.
-    """
+    """Return the balls of a session, each on its own clock, which starts just before the launch."""
     launches = cannon_launches(truth.simulator, shots, random)
     flown = follow_contacts(truth, launches, MAX_CONTACTS, random)
     starts = random.uniform(0.0, 0.005, shots)
@@ -69,12 +63,7 @@ def cannon_launches(simulator: Simulator, shots: int, random: np.random.Generato
 
 
 def launch_states(settings: Floats) -> Floats:
-    """Return the (B, 9) launch states of cannon settings.
-
-    Args:
-        settings: (B, 8) muzzle (x, y, z in m), yaw, pitch (degrees), speed (m/s), topspin and
-            sidespin (rad/s).
-    """
+    """Return the (B, 9) launch states of (B, 8) settings, in the order and units of ``GRID``."""
     yaw, pitch = np.radians(settings[:, 3:5]).T
     speed, topspin, sidespin = settings[:, 5:].T
     ahead = np.stack([np.sin(yaw), -np.cos(yaw), np.zeros_like(yaw)], axis=1)
@@ -101,11 +90,11 @@ def _ball(launch: Floats, flown: ContactSequence, shot: int, start: float) -> Tr
     return TrackedBall(contacts, start + last_visible)
 
 
-def _lands(simulator: Simulator, states: Floats) -> NDArray[np.bool_]:
+def _lands(simulator: Simulator, states: Floats) -> Bools:
     """Return for each of (B, 9) launch states whether its first contact is the near half."""
     contacts = simulator.fly(states, LANDING_TIME).contacts
     on_table = (contacts.count > 0) & (contacts.surface[:, 0] == TABLE)
-    landed: NDArray[np.bool_] = on_table & (contacts.before[:, 0, 1] < 0)
+    landed: Bools = on_table & (contacts.before[:, 0, 1] < 0)
     return landed
 
 

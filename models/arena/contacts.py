@@ -1,21 +1,23 @@
-"""Contacts of balls with table, net and floor, with scatter of the table bounces."""
+"""Contacts of balls with table, net and floor, within the view of the cameras."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from models.arena.environment import FLOOR, bounce_off_floor, in_view
 from models.arena.truth import Truth
-from models.ball.contact_laws import NET, NONE, TABLE
-from models.ball.state import BALL_RADIUS, STATE_SIZE
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from models.ball.contact_laws import NET, NONE, ROLLING, TABLE
+from models.ball.state import BALL_RADIUS, POSITION, SPIN, STATE_SIZE, VELOCITY
+from models.ball.types import Bools, Floats, Integers
 
 # The surfaces of models.ball.contact_laws, and the floor, which ball simulators do not have.
 FLOOR_SURFACE = 3
 KINDS = {TABLE: "table", NET: "net", FLOOR_SURFACE: "floor"}
+
+FLOOR = -0.76  # m: a table is 76 cm high (ITTF Law 2.1.2)
+FLOOR_RESTITUTION = 0.80  # assumption for a rubber sports floor
+FLOOR_FRICTION = 0.40  # assumption
+VIEW_HALF_WIDTH = 2.5  # m to each side of the table's middle
+VIEW_HALF_LENGTH = 4.5  # m
 
 SCAN_STEP = 0.01  # s between two samples of a path that are checked for floor and view
 MAX_ARC = 1.6  # s; a ball lobbed 2.5 m high comes down sooner
@@ -23,38 +25,23 @@ MAX_ARC = 1.6  # s; a ball lobbed 2.5 m high comes down sooner
 
 @dataclass(frozen=True)
 class Arcs:
-    """The ends of the arcs of B balls, from one contact to the next.
+    """The ends of the arcs of B balls, from one contact to the next."""
 
-    Attributes:
-        times: (B,) s until the next contact, infinite where there is none.
-        surfaces: (B,) numbers of surfaces, ``NONE`` where there is none.
-        before: (B, 9) states just before the contact.
-        after: (B, 9) states just after, by the law, without scatter.
-        lost: (B,) s until the cameras lose the ball, if no contact comes first.
-    """
-
-    times: Floats
-    surfaces: Integers
-    before: Floats
-    after: Floats
-    lost: Floats
+    times: Floats  # (B,) s until the next contact, infinite where there is none
+    surfaces: Integers  # (B,) numbers of surfaces, NONE where there is no contact
+    before: Floats  # (B, 9) states just before the contact
+    after: Floats  # (B, 9) states just after, by the law, without scatter
+    lost: Floats  # (B,) s until the cameras lose the ball, if no contact comes first
 
 
 @dataclass(frozen=True)
 class ContactSequence:
-    """The contacts of B balls, at most K each, until the cameras lose them.
+    """The contacts of B balls, at most K each, until the cameras lose them."""
 
-    Attributes:
-        times: (B, K) s after the first state, infinite beyond the last.
-        surfaces: (B, K) numbers of surfaces, ``NONE`` beyond the last.
-        states: (B, K, 9) just after.
-        last_visible: (B,) s after which the ball is out of view, or its contacts are not simulated.
-    """
-
-    times: Floats
-    surfaces: Integers
-    states: Floats
-    last_visible: Floats
+    times: Floats  # (B, K) s after the first state, infinite beyond the last
+    surfaces: Integers  # (B, K) numbers of surfaces, NONE beyond the last
+    states: Floats  # (B, K, 9) just after
+    last_visible: Floats  # (B,) s, later the ball is out of view or its contacts are not simulated
 
     def take(self, rows: Integers) -> "ContactSequence":
         """Return the contacts of some of the balls."""
@@ -66,14 +53,7 @@ class ContactSequence:
 def follow_contacts(
     truth: Truth, states: Floats, most: int, random: np.random.Generator
 ) -> ContactSequence:
-    """Simulate balls up to a number of contacts.
-
-    Args:
-        truth: the hidden physics.
-        states: (B, 9) states to start from.
-        most: contacts per ball (K).
-        random: of the scatter of bounces.
-    """
+    """Simulate balls from (B, 9) states up to ``most`` contacts each."""
     count = len(states)
     times, last_visible = np.full((count, most), np.inf), np.zeros(count)
     surfaces, after = np.full((count, most), NONE), np.full((count, most, STATE_SIZE), np.nan)
@@ -129,3 +109,25 @@ def _floor(truth: Truth, paths: Floats, scan_times: Floats) -> tuple[Floats, Flo
         passed = np.clip(passed + (level - state[:, 2]) / speed, 0.0, SCAN_STEP)
         state[falls] = truth.simulator.fly(start[falls], passed[falls, None]).states[:, 0]
     return np.where(falls, scan_times[last] + passed, np.inf), state
+
+
+def in_view(states: Floats) -> Bools:
+    """Return for (..., 9) states whether the cameras see the ball."""
+    x, y, z = np.moveaxis(states[..., POSITION], -1, 0)
+    seen: Bools = (np.abs(x) < VIEW_HALF_WIDTH) & (np.abs(y) < VIEW_HALF_LENGTH) & (z > FLOOR)
+    return seen
+
+
+def bounce_off_floor(states: Floats) -> Floats:
+    """Return (B, 9) states just after the floor, by the table's contact law (Nakashima 2010)."""
+    after = states.copy()
+    vx, vy, vz = states[:, VELOCITY].T
+    wx, wy, _ = states[:, SPIN].T
+    slip = np.stack([vx - BALL_RADIUS * wy, vy + BALL_RADIUS * wx], axis=1)
+    grip = FLOOR_FRICTION * (1 + FLOOR_RESTITUTION) * np.abs(vz)
+    speed = np.maximum(np.linalg.norm(slip, axis=1), 1e-12)
+    alpha = np.minimum(grip / speed, ROLLING)[:, None]
+    after[:, 3:5] -= alpha * slip
+    after[:, 5] = FLOOR_RESTITUTION * np.abs(vz)
+    after[:, 6:8] += 1.5 / BALL_RADIUS * alpha * slip[:, ::-1] * [-1, 1]
+    return after

@@ -1,22 +1,16 @@
 """Log of the ball contacts and outcomes of many points."""
 
-from dataclasses import dataclass, field
-
 import numpy as np
-from numpy.typing import NDArray
 
 from models.arena.contacts import KINDS, ContactSequence
+from models.arena.recording import TrueContacts
+from models.ball.types import Floats, Integers
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
-
-@dataclass
 class EventLog:
-    """Events and outcomes of N points, in any order.
+    """Contacts and outcomes of N points, in any order.
 
     Attributes:
-        events: point (n,), time (n,), kind (n,) and state just after (n, 9) of contacts.
         strokes: (N,) racket contacts.
         winner: (N,) index of the side.
         ended_by: (N,) as in ``recording.Point``.
@@ -24,24 +18,18 @@ class EventLog:
         last_visible: (N,) s after the launch of the last sample.
     """
 
-    strokes: Integers
-    winner: Integers
-    ended_by: NDArray[np.str_]
-    end: Floats
-    last_visible: Floats
-    events: list[tuple[Integers, Floats, NDArray[np.str_], Floats]] = field(default_factory=list)
-
-    @classmethod
-    def empty(cls, count: int) -> "EventLog":
-        """Return an empty log of ``count`` points."""
-        zeros = np.zeros(count, dtype=np.int64)
-        seconds = np.zeros(count)
-        unknown = np.full(count, "", dtype="<U13")
-        return cls(zeros, zeros.copy(), unknown, seconds, seconds.copy())
+    def __init__(self, count: int) -> None:
+        self.strokes, self.winner = np.zeros((2, count), dtype=np.int64)
+        self.end, self.last_visible = np.zeros((2, count))
+        self.ended_by = np.full(count, "", dtype="<U13")
+        self._points: list[Integers] = []
+        self._contacts: list[TrueContacts] = []
 
     def add(self, points: Integers, times: Floats, kind: str, states: Floats) -> None:
-        """Add one event to each of some points."""
-        self.events.append((points, times, np.full(len(points), kind, dtype="<U6"), states))
+        """Add one contact to each of some points."""
+        self._points.append(points)
+        kinds = np.full(len(points), kind, dtype="<U6")
+        self._contacts.append(TrueContacts(times, kinds, states))
 
     def add_contacts(
         self, points: Integers, starts: Floats, flight: ContactSequence, until: Floats
@@ -53,14 +41,8 @@ class EventLog:
                 times = (starts + flight.times[:, k])[noted]
                 self.add(points[noted], times, kind, flight.states[noted, k])
 
-    def set_outcomes(
-        self,
-        points: Integers,
-        winner: Integers,
-        ended_by: NDArray[np.str_],
-        end: Floats,
-        last_visible: Floats,
-    ) -> None:
-        """Set winner and end of some points."""
-        self.winner[points], self.ended_by[points] = winner, ended_by
-        self.end[points], self.last_visible[points] = end, last_visible
+    def contacts(self) -> tuple[Integers, TrueContacts]:
+        """Return the point of each contact (n,) and the contacts, by point and time."""
+        points, contacts = np.concatenate(self._points), TrueContacts.joined(self._contacts)
+        order = np.lexsort([contacts.times, points])
+        return points[order], contacts.take(order)

@@ -1,21 +1,19 @@
 """Recordings of games: a few points of a match between the same two players."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.arena.cameras import Cameras
 from models.arena.event_log import EventLog
-from models.arena.levels import LEVELS
-from models.arena.observation import Samples, TrackedBall, observe
+from models.arena.levels import Players
+from models.arena.observation import TrackedBall, observe
 from models.arena.rallies import Rallies
 from models.arena.recording import ArenaRecording, Point, TrueContacts
 from models.arena.sides import SIDES
 from models.arena.truth import Truth
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from models.ball.types import Floats, Integers
 
 POINTS = 2  # per recording
 SERVES = 2  # in a row (ITTF Law 2.13.3)
@@ -28,7 +26,7 @@ def games(
     """Simulate and measure a few points of each match between two players of a level."""
     count = len(matches)
     servers = _servers(count, random)
-    players = LEVELS[level].individuals(2 * count, random)
+    players = Players.draw(level, 2 * count, random)
     near = np.repeat(np.arange(count), POINTS)
     log = Rallies(truth, players.take(np.append(near, count + near)), servers, random).play()
     starts = _starts(log, random)
@@ -37,8 +35,10 @@ def games(
     points = [_point(log, number, starts, servers) for number in range(len(balls))]
     for index, match in enumerate(matches):
         rows = slice(index * POINTS, (index + 1) * POINTS)
+        times, positions, spins = map(np.concatenate, zip(*samples[rows], strict=True))
+        contacts = TrueContacts.joined(ball.contacts for ball in balls[rows])
         name = f"{level}/{match:04d}"
-        yield _recording(name, samples[rows], balls[rows], tuple(points[rows]))
+        yield ArenaRecording(name, times, positions, spins, contacts, tuple(points[rows]))
 
 
 def _servers(matches: int, random: np.random.Generator) -> Integers:
@@ -57,16 +57,13 @@ def _starts(log: EventLog, random: np.random.Generator) -> Floats:
 
 
 def _balls(log: EventLog, starts: Floats) -> list[TrackedBall]:
-    points, times, kinds, states = (np.concatenate(part) for part in zip(*log.events, strict=True))
-    order = np.lexsort([times, points])
-    points, times, kinds, states = points[order], times[order], kinds[order], states[order]
+    points, contacts = log.contacts()
+    contacts = contacts._replace(times=starts[points] + contacts.times)
     borders = np.searchsorted(points, np.arange(len(starts) + 1))
-    balls = []
-    for number, start in enumerate(starts):
-        rows = slice(borders[number], borders[number + 1])
-        contacts = TrueContacts(start + times[rows], kinds[rows], states[rows])
-        balls.append(TrackedBall(contacts, start + log.last_visible[number]))
-    return balls
+    return [
+        TrackedBall(contacts.take(slice(*rows)), end)
+        for rows, end in zip(pairwise(borders), starts + log.last_visible, strict=True)
+    ]
 
 
 def _point(log: EventLog, number: int, starts: Floats, servers: Integers) -> Point:
@@ -77,22 +74,4 @@ def _point(log: EventLog, number: int, starts: Floats, servers: Integers) -> Poi
         winner=SIDES[log.winner[number]],
         ended_by=str(log.ended_by[number]),
         strokes=int(log.strokes[number]),
-    )
-
-
-def _recording(
-    name: str, samples: Sequence[Samples], balls: Sequence[TrackedBall], points: tuple[Point, ...]
-) -> ArenaRecording:
-    contacts = TrueContacts(
-        np.concatenate([ball.contacts.times for ball in balls]),
-        np.concatenate([ball.contacts.kinds for ball in balls]),
-        np.concatenate([ball.contacts.states for ball in balls]),
-    )
-    return ArenaRecording(
-        name,
-        np.concatenate([part.times for part in samples]),
-        np.concatenate([part.positions for part in samples]),
-        np.concatenate([part.spins for part in samples]),
-        contacts,
-        points,
     )

@@ -6,13 +6,10 @@ All positions are in the frame of the player who strikes, at y < 0 and playing t
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.arena.levels import Players
 from models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
+from models.ball.types import Bools, Floats
 
 READY = np.array([0.0, -1.7])  # m, ready position
 CONTACT_TIMES = np.arange(0.03, 0.8, 0.01)  # s after the bounce, possible racket contacts
@@ -26,19 +23,12 @@ STRETCH_WIDTH = 0.60
 
 @dataclass(frozen=True)
 class Interception:
-    """Where players intercept the ball.
+    """Where B players intercept the ball."""
 
-    Attributes:
-        reached: (B,) whether the player gets there in time.
-        times: (B,) s after the bounce.
-        balls: (B, 9) states at the contact.
-        stretch: (B,) needed share of the player's range, from 0 to 1.
-    """
-
-    reached: Booleans
-    times: Floats
-    balls: Floats
-    stretch: Floats
+    reached: Bools  # (B,) whether the player gets there in time
+    times: Floats  # (B,) s after the bounce
+    balls: Floats  # (B, 9) states at the contact
+    stretch: Floats  # (B,) needed share of the player's range, from 0 to 1
 
 
 def intercept(
@@ -76,8 +66,8 @@ def recover(stands: Floats, seconds: Floats, players: Players) -> Floats:
     return positions
 
 
-def _playable(paths: Floats) -> Booleans:
+def _playable(paths: Floats) -> Bools:
     x, y, z = np.moveaxis(paths[..., :3], -1, 0)
     over = (np.abs(x) < TABLE_HALF_WIDTH) & (y > -TABLE_HALF_LENGTH)
-    playable: Booleans = (y < -NEAREST_NET) & (z > np.where(over, OVER_TABLE, LOWEST))
+    playable: Bools = (y < -NEAREST_NET) & (z > np.where(over, OVER_TABLE, LOWEST))
     return playable

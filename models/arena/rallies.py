@@ -1,22 +1,20 @@
 """Simulation of many points at once, stroke by stroke, until each is decided."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.arena import player_motion, serves, strokes, umpire
-from models.arena.aim import aim_launches, without_surfaces
+from models.arena.aim import aim_launches
 from models.arena.contacts import ContactSequence, follow_contacts
 from models.arena.event_log import EventLog
 from models.arena.levels import Players
 from models.arena.sides import DIRECTIONS, switch_frame
 from models.arena.truth import Truth
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from models.ball.types import Bools, Floats, Integers
 
 MAX_CONTACTS = 6  # simulated per stroke
 MIN_CLEARANCE, CLEARANCE_RANGE = 0.01, 0.08  # m above the net that players aim at
 VISIBLE_AFTER = (0.2, 0.8)  # s that a ball is recorded after the end of its point
+FILLER = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])  # state of faulty balls
 
 
 class Rallies:
@@ -25,37 +23,27 @@ class Rallies:
     def __init__(
         self, truth: Truth, players: Players, servers: Integers, random: np.random.Generator
     ) -> None:
-        """Set up points.
-
-        Args:
-            truth: the hidden physics.
-            players: (2 N,) the near players of all points, then the far ones.
-            servers: (N,) sides that serve.
-            random: of all random choices.
-        """
+        """Set up points; ``players`` (2 N,) are the near ones of all points, then the far ones."""
         count = len(servers)
         self.truth, self.players, self.random = truth, players, random
-        self.log = EventLog.empty(count)
+        self.log = EventLog(count)
         self.points = np.arange(count)
         self.side = servers.copy()
         self.struck = np.zeros(count)  # s, time of the last stroke
-        self.place = np.tile(
-            player_motion.READY, (count, 1)
-        )  # of the last striker, in the striker's frame
-        self.other = self.place.copy()  # of the receiver then, in the receiver's frame
+        # Positions in the own frame, of the last striker and of the receiver then.
+        self.place = np.tile(player_motion.READY, (count, 1))
+        self.other = self.place.copy()
 
     def play(self) -> EventLog:
         """Play all points to their ends."""
-        launches = self._serve()
-        serve = True
+        launches = self._exchange(self._serve(), serve=True)
         while len(self.points):
-            launches = self._exchange(launches, serve)
-            serve = False
+            launches = self._exchange(launches, serve=False)
         return self.log
 
     def _serve(self) -> Floats:
         directions, servers = DIRECTIONS[self.side], self._players(self.side)
-        air = without_surfaces(self.truth.simulator)
+        air = self.truth.simulator.without_surfaces()
         palms, times, balls = serves.toss(air, directions, self.random)
         launches = serves.plan_serves(self.truth.simulator, balls, directions, servers, self.random)
         self.log.add(
@@ -85,7 +73,7 @@ class Rallies:
         """Return where the receivers intercept the balls; meaningless for faulty strokes."""
         rows, receivers = np.arange(len(self.points)), 1 - self.side
         directions = DIRECTIONS[receivers]
-        landed = np.where(ruling.good[:, None], flight.states[rows, ruling.landing], _FILLER)
+        landed = np.where(ruling.good[:, None], flight.states[rows, ruling.landing], FILLER)
         paths = self.truth.simulator.fly(landed, player_motion.CONTACT_TIMES).states
         lead_time = np.where(ruling.good, flight.times[rows, ruling.landing], 0.0)
         lost, _ = umpire.after_landing(flight, ruling.landing)
@@ -111,7 +99,7 @@ class Rallies:
         self.log.strokes[self.points] += 1
         return launches
 
-    def _end(self, flight: ContactSequence, ruling: umpire.Ruling, ends: NDArray[np.bool_]) -> None:
+    def _end(self, flight: ContactSequence, ruling: umpire.Ruling, ends: Bools) -> None:
         rows = np.flatnonzero(ends)
         flight, good = flight.take(rows), ruling.good[rows]
         time, how = umpire.unreturned_outcome(flight, ruling.landing[rows])
@@ -120,10 +108,11 @@ class Rallies:
             flight.last_visible, end + self.random.uniform(*VISIBLE_AFTER, len(rows))
         )
         points, starts, side = self.points[rows], self.struck[rows], self.side[rows]
-        winner = np.where(good, side, 1 - side)
-        ended_by = np.where(good, how, ruling.fault[rows])
-        self.log.add_contacts(points, starts, flight, last_visible)
-        self.log.set_outcomes(points, winner, ended_by, starts + end, starts + last_visible)
+        log = self.log
+        log.add_contacts(points, starts, flight, last_visible)
+        log.winner[points] = np.where(good, side, 1 - side)
+        log.ended_by[points] = np.where(good, how, ruling.fault[rows])
+        log.end[points], log.last_visible[points] = starts + end, starts + last_visible
 
     def _change_sides(self, rows: Integers, since: Floats) -> None:
         """Keep some rows; their ball is struck ``since`` seconds after the last stroke."""
@@ -134,10 +123,6 @@ class Rallies:
 
     def _players(self, sides: Integers) -> Players:
         return self.players.take(self.points + sides * len(self.log.strokes))
-
-
-# Placeholder state of faulty balls.
-_FILLER = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 
 
 def _in_table_frame(

@@ -1,66 +1,55 @@
 """Recordings of the arena: camera samples, the umpire's record and the sealed truth."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from models.ball.types import Floats, Integers
 
 
-@dataclass(frozen=True)
-class TrueContacts:
+class TrueContacts(NamedTuple):
     """Launches and contacts of a ball, in order of time.
 
-    Attributes:
-        times: (k,) s on the recording's clock.
-        kinds: (k,) ``launch`` (out of the cannon, or from the palm that tosses it), ``racket``,
-            ``table``, ``net`` or ``floor``.
-        states: (k, 9) just after.
+    A ``launch`` is out of the cannon, or from the palm that tosses the ball; other kinds are
+    ``racket``, ``table``, ``net`` and ``floor``.
     """
 
-    times: Floats
-    kinds: NDArray[np.str_]
-    states: Floats
+    times: Floats  # (k,) s on the recording's clock
+    kinds: NDArray[np.str_]  # (k,)
+    states: Floats  # (k, 9) just after
+
+    def take(self, rows: Integers | slice) -> "TrueContacts":
+        """Return some of the contacts."""
+        return TrueContacts(self.times[rows], self.kinds[rows], self.states[rows])
+
+    @classmethod
+    def joined(cls, parts: Iterable["TrueContacts"]) -> "TrueContacts":
+        """Return the contacts of all parts."""
+        return cls(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 @dataclass(frozen=True)
 class Point:
-    """The umpire's record of a point; ``near`` is the player at y < 0.
+    """The umpire's record of a point; ``near`` is the player at y < 0."""
 
-    Attributes:
-        start: when the ball leaves the server's palm (s).
-        end: when the point is decided (s).
-        server: ``near`` or ``far``.
-        winner: ``near`` or ``far``.
-        ended_by: ``net``, ``out``, ``double_bounce`` or ``missed``.
-        strokes: racket contacts, the serve included.
-    """
-
-    start: float
-    end: float
-    server: str
-    winner: str
-    ended_by: str
-    strokes: int
+    start: float  # s, the ball leaves the server's palm
+    end: float  # s, the point is decided
+    server: str  # near or far
+    winner: str  # near or far
+    ended_by: str  # net, out, double_bounce or missed
+    strokes: int  # racket contacts, the serve included
 
 
 @dataclass(frozen=True)
 class ArenaRecording:
-    """One shot of the cannon, or a few points of a match.
+    """One shot of the cannon, or a few points of a match."""
 
-    Attributes:
-        name: ``<group>/<number>``.
-        times: (n,) s.
-        positions: (n, 3) measured, m.
-        spins: (n, 3) measured, rad/s.
-        contacts: the true contacts (sealed).
-        points: the umpire's record, empty for the cannon.
-    """
-
-    name: str
-    times: Floats
-    positions: Floats
-    spins: Floats
-    contacts: TrueContacts
-    points: tuple[Point, ...] = ()
+    name: str  # <group>/<number>
+    times: Floats  # (n,) s
+    positions: Floats  # (n, 3) measured, m
+    spins: Floats  # (n, 3) measured, rad/s
+    contacts: TrueContacts  # sealed
+    points: tuple[Point, ...] = ()  # none of the cannon

@@ -5,7 +5,6 @@ table frame for simulation, because the physics (wind, tilt) depends on the dire
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.arena.levels import Players
 from models.arena.sides import switch_frame
@@ -13,8 +12,7 @@ from models.arena.strokes import SIDE_TAIL, add_execution_errors, spin_vectors
 from models.ball.contact_laws import TABLE
 from models.ball.simulator import Simulator
 from models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-
-Floats = NDArray[np.float64]
+from models.ball.types import Bools, Floats
 
 # Where serves are struck: public but for y, which the rules want behind the end line.
 STRIKE_SIDE = (0.34, 0.17)  # m from the middle, mean and spread
@@ -119,14 +117,12 @@ def _candidates(balls: Floats, players: Players, random: np.random.Generator) ->
     return candidates
 
 
-def _works(simulator: Simulator, launches: Floats, directions: Floats) -> NDArray[np.bool_]:
+def _works(simulator: Simulator, launches: Floats, directions: Floats) -> Bools:
     """Return whether serves bounce once on each side, without touching the net."""
     contacts = simulator.fly(launches, np.array([0.0, 0.9])).contacts
     x, y = contacts.before[:, :2, 0], contacts.before[:, :2, 1] * directions[:, None]
     clean = (contacts.surface[:, :2] == TABLE).all(axis=1)
     inside = (np.abs(x) < TABLE_HALF_WIDTH - MARGIN).all(axis=1)
     inside &= (y[:, 0] < -MARGIN) & (y[:, 0] > -TABLE_HALF_LENGTH + MARGIN)
-    works: NDArray[np.bool_] = (
-        clean & inside & (y[:, 1] > MARGIN) & (y[:, 1] < TABLE_HALF_LENGTH - MARGIN)
-    )
+    works: Bools = clean & inside & (y[:, 1] > MARGIN) & (y[:, 1] < TABLE_HALF_LENGTH - MARGIN)
     return works

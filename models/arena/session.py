@@ -28,6 +28,7 @@ MATCH_BATCH = 25  # matches
 ROUND = 100  # batches submitted at once; so many may wait in memory
 
 Batch = list[ArenaRecording]
+# Runs tasks and yields their results in order.
 RunTasks = Callable[[Sequence[Callable[[], Batch]]], Iterable[Batch]]
 
 
@@ -39,15 +40,16 @@ def run_sequentially(tasks: Sequence[Callable[[], Batch]]) -> Iterator[Batch]:
 def recordings(
     settings: ArenaSettings, truth: Truth, seed: int, run_tasks: RunTasks = run_sequentially
 ) -> Iterator[ArenaRecording]:
-    """Stream a session: shots of the cannon, then games, one level after the other.
-
-    Args:
-        settings: size of the session and camera errors.
-        truth: the hidden physics.
-        seed: of the session; the same seed gives the same recordings.
-        run_tasks: runs the tasks of a round and yields their results in order.
-    """
-    simulator = BatchSimulator(truth, _cameras(settings, truth), seed)
+    """Stream a session: shots of the cannon, then games, one level after the other."""
+    cameras = Cameras(
+        position_noise=settings.position_noise,
+        spin_noise=settings.spin_noise,
+        dropouts=settings.dropouts,
+        outliers=settings.outliers,
+        slow_error=truth.slow_error,
+        interval=1 / settings.rate_hz,
+    )
+    simulator = BatchSimulator(truth, cameras, seed)
     yield from _cannon(simulator, settings.cannon_shots, run_tasks)
     yield from _games(simulator, settings.game_episodes, run_tasks)
 
@@ -66,15 +68,13 @@ class BatchSimulator:
         balls = cannon_balls(self.truth, CANNON_BATCH, random)
         samples = observe(self.truth, self.cameras, balls, random)
         return [
-            ArenaRecording(
-                f"cannon/{shot:05d}", part.times, part.positions, part.spins, ball.contacts
-            )
-            for shot, ball, part in zip(shots, balls, samples, strict=False)
+            ArenaRecording(f"cannon/{shot:05d}", *measured, ball.contacts)
+            for shot, ball, measured in zip(shots, balls, samples, strict=False)
         ]
 
     def games(self, level: str, batch: int) -> Batch:
         """Simulate a batch of matches between players of a level."""
-        random = self._random(GAME_STREAMS + list(LEVELS).index(level), batch)
+        random = self._random(GAME_STREAMS + LEVELS.index(level), batch)
         matches = range(batch * MATCH_BATCH, (batch + 1) * MATCH_BATCH)
         return list(games(self.truth, self.cameras, level, matches, random))
 
@@ -83,13 +83,11 @@ class BatchSimulator:
 
 
 def _cannon(simulator: BatchSimulator, shots: int, run_tasks: RunTasks) -> Iterator[ArenaRecording]:
-    firsts = range(0, shots, CANNON_BATCH)
-    tasks = [
-        partial(simulator.cannon, range(shots)[first : first + CANNON_BATCH]) for first in firsts
-    ]
+    batches = [range(shots)[k : k + CANNON_BATCH] for k in range(0, shots, CANNON_BATCH)]
+    tasks = [partial(simulator.cannon, batch) for batch in batches]
     for done in range(0, len(tasks), ROUND):
-        for batch in run_tasks(tasks[done : done + ROUND]):
-            yield from batch
+        for recordings in run_tasks(tasks[done : done + ROUND]):
+            yield from recordings
 
 
 def _games(
@@ -116,14 +114,3 @@ def _turns(
     )
     for of_levels in zip(*[batches] * len(LEVELS), strict=True):
         yield from zip(*of_levels, strict=True)
-
-
-def _cameras(settings: ArenaSettings, truth: Truth) -> Cameras:
-    return Cameras(
-        position_noise=settings.position_noise,
-        spin_noise=settings.spin_noise,
-        dropouts=settings.dropouts,
-        outliers=settings.outliers,
-        slow_error=truth.slow_error,
-        interval=1 / settings.rate_hz,
-    )

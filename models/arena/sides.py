@@ -1,9 +1,8 @@
 """The two sides of the table, and the change between table frame and player's frame."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from models.ball.types import Floats
 
 SIDES = ("near", "far")  # near is y < 0
 DIRECTIONS = np.array([1.0, -1.0])  # sign of the direction along y in which each side plays

@@ -6,14 +6,11 @@ All states are in the frame of the player who strikes, at y < 0 and playing towa
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from models.arena.levels import Players
 from models.ball.state import SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH, VELOCITY
-
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
+from models.ball.types import Bools, Floats
 
 # Mean speed along the table (m/s) of public rally launches: regression of its logarithm on y and z
 # of the launch and y of the landing, with a residual standard deviation of 0.17.
@@ -134,7 +131,7 @@ def spin_vectors(
 
 def _kinds(
     heights: Floats, stretch: Floats, players: Players, random: np.random.Generator
-) -> tuple[Booleans, Booleans, Booleans]:
+) -> tuple[Bools, Bools, Bools]:
     """Return which balls are attacked, which of these are smashed, and which are pushed."""
     uniform, other = random.random((2, len(heights)))
     ease = np.clip(1.4 * (1 - stretch), 0, 1)
@@ -144,7 +141,7 @@ def _kinds(
     return attacks, smashes, pushes
 
 
-def _targets(across: Floats, attacks: Booleans, random: np.random.Generator) -> Floats:
+def _targets(across: Floats, attacks: Bools, random: np.random.Generator) -> Floats:
     """Return (B, 2) landing places; attacks land long."""
     noise = random.standard_normal((2, len(across)))
     x = LANDING_SLOPE * across + np.where(attacks, ATTACK_SIDE, LANDING_SIDE) * noise[0]
@@ -168,5 +165,5 @@ def _above(heights: Floats, middle: float, width: float) -> Floats:
     return 1 / (1 + np.exp(-(heights - middle) / width))
 
 
-def _factor(applies: Booleans, factor: float | Floats) -> Floats:
+def _factor(applies: Bools, factor: float | Floats) -> Floats:
     return np.where(applies, factor, 1.0)

@@ -15,17 +15,11 @@ STREAM = 1_000_000  # random stream of the truth, apart from those of the record
 
 @dataclass(frozen=True)
 class Truth:
-    """The hidden physics of the arena.
+    """The hidden physics of the arena."""
 
-    Attributes:
-        simulator: mean behaviour of ball, table and net.
-        scatter: random deviations of bounces.
-        slow_error: the part of the cameras' error that changes slowly.
-    """
-
-    simulator: Simulator
-    scatter: BounceScatter
-    slow_error: SlowError
+    simulator: Simulator  # mean behaviour of ball, table and net
+    scatter: BounceScatter  # random deviations of bounces
+    slow_error: SlowError  # the part of the cameras' error that changes slowly
 
     def to_dict(self) -> dict[str, Any]:
         """Return a description that can be written as JSON."""

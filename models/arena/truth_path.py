@@ -1,31 +1,23 @@
 """The true path of a ball, simulated from its true contacts."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.arena.contacts import fly_to_contact
 from models.arena.recording import TrueContacts
 from models.arena.truth import Truth
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
-
-Floats = NDArray[np.float64]
+from models.ball.types import Floats, Integers
 
 ARCS_PER_BATCH = 256  # arcs flown at once; arcs of similar length share their padding
 ROUNDING = 1e-9  # s
 
 
 def true_states(truth: Truth, contacts: TrueContacts, times: Floats) -> Floats:
-    """Return the true states at any times.
+    """Return the (n, 9) true states at (n,) rising times, s.
 
-    Args:
-        truth: the hidden physics.
-        contacts: launches and contacts of the ball.
-        times: (n,) s, not falling.
-
-    Returns:
-        (n, 9) states. NaN before the first contact, and between the time when the ball leaves the
-        view or has a contact that is not listed, and the next listed contact.
+    They are NaN before the first contact, and between the time when the ball leaves the view or has
+    a contact that is not listed, and the next listed contact.
     """
     moments = np.asarray(times, dtype=np.float64)
     states = np.full((len(moments), STATE_SIZE), np.nan)
@@ -38,19 +30,14 @@ def true_states(truth: Truth, contacts: TrueContacts, times: Floats) -> Floats:
     return states
 
 
-def along_arcs(
-    simulator: Simulator, starts: Floats, arcs: NDArray[np.int64], elapsed: Floats
-) -> Floats:
-    """Return states along many arcs.
+def along_arcs(simulator: Simulator, starts: Floats, arcs: Integers, elapsed: Floats) -> Floats:
+    """Return (n, 9) states along many arcs.
 
     Args:
         simulator: of the flight.
         starts: (A, 9) states at the arcs' starts.
         arcs: (n,) the arc of each moment, not falling.
         elapsed: (n,) s since the arc's start, not falling within an arc.
-
-    Returns:
-        (n, 9) states.
     """
     used, first, counts = np.unique(arcs, return_index=True, return_counts=True)
     states = np.empty((len(arcs), STATE_SIZE))

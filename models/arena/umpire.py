@@ -10,27 +10,17 @@ from numpy.typing import NDArray
 
 from models.arena.contacts import ContactSequence
 from models.ball.contact_laws import NET, NONE, TABLE
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Booleans = NDArray[np.bool_]
+from models.ball.types import Bools, Floats, Integers
 
 
 @dataclass(frozen=True)
 class Ruling:
-    """The outcome of B strokes.
+    """The outcome of B strokes."""
 
-    Attributes:
-        good: (B,) whether the ball landed on the opponent's side.
-        landing: (B,) index of the deciding contact.
-        decided: (B,) s after the stroke at which a faulty stroke ends the point.
-        fault: (B,) ``net`` or ``out``, of faulty strokes.
-    """
-
-    good: Booleans
-    landing: Integers
-    decided: Floats
-    fault: NDArray[np.str_]
+    good: Bools  # (B,) whether the ball landed on the opponent's side
+    landing: Integers  # (B,) index of the deciding contact
+    decided: Floats  # (B,) s after the stroke at which a faulty stroke ends the point
+    fault: NDArray[np.str_]  # (B,) net or out, of faulty strokes
 
 
 def judge_strokes(flight: ContactSequence, directions: Floats, serve: bool) -> Ruling:

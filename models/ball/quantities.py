@@ -14,33 +14,20 @@ Vector = tuple[float, float, float]
 
 
 class Air(NamedTuple):
-    """The ball relative to the air around it.
+    """The ball relative to the air around it."""
 
-    Attributes:
-        velocity: relative to the air, m/s.
-        spin: rad/s.
-        speed: length of ``velocity``, m/s.
-        spin_ratio: surface speed over speed, ``r|w| / |u|``; 0 where the ball stands still.
-    """
-
-    velocity: Vector
-    spin: Vector
-    speed: float
-    spin_ratio: float
+    velocity: Vector  # relative to the air, m/s
+    spin: Vector  # rad/s
+    speed: float  # length of velocity, m/s
+    spin_ratio: float  # surface speed over speed, r|w| / |u|; 0 where the ball stands still
 
 
 class Impact(NamedTuple):
-    """A contact with the table, the net or the racket, in the surface's frame.
+    """A contact with the table, the net or the racket, in the surface's frame."""
 
-    Attributes:
-        normal_speed: speed at which the ball comes in along the normal, m/s, positive.
-        slip: speed of the ball's contact point along the surface, m/s.
-        tangential_spin: surface speed ``r|w_t|`` of the spin in the surface's plane, m/s.
-    """
-
-    normal_speed: float
-    slip: float
-    tangential_spin: float
+    normal_speed: float  # speed at which the ball comes in along the normal, m/s, positive
+    slip: float  # speed of the ball's contact point along the surface, m/s
+    tangential_spin: float  # surface speed r|w_t| of the spin in the surface's plane, m/s
 
 
 class View(NamedTuple):
@@ -51,24 +38,16 @@ class View(NamedTuple):
 
 @dataclass(frozen=True)
 class Quantity:
-    """One quantity of the model.
+    """One quantity of the model."""
 
-    Attributes:
-        name: identifier for hooks.
-        acts: where it acts.
-        context: type of the first argument of its hooks; None for a property of the environment,
-            whose hooks take only their parameters and are evaluated once per roll-out.
-        start: its value without any effect, in every component.
-        size: number of components.
-        meaning: with unit.
-    """
-
-    name: str
-    acts: Literal["flight", "contact", "sensor"]
+    name: str  # identifier for hooks
+    acts: Literal["flight", "contact", "sensor"]  # where it acts
+    # type of the first argument of its hooks; None for a property of the environment, whose hooks
+    # take only their parameters and are evaluated once per roll-out
     context: type | None
-    meaning: str
-    start: float = 0.0
-    size: int = 1
+    meaning: str  # with unit
+    start: float = 0.0  # its value without any effect, in every component
+    size: int = 1  # number of components
 
 
 QUANTITIES = (

@@ -100,6 +100,11 @@ class Simulator:
         current = {**self.effects.get(effect, {}), **parameters}
         return Simulator.from_dict({**self.effects, effect: current})
 
+    def without_surfaces(self) -> "Simulator":
+        """Return this simulator with its effects of flight only."""
+        flight = {n: p for n, p in self.effects.items() if catalogue()[n].acts == "flight"}
+        return Simulator(flight)
+
     @cached_property
     def vector(self) -> Floats:
         """Parameters of all effects of the catalogue, neutral where an effect is not listed."""

@@ -28,50 +28,31 @@ class Record(BaseModel):
 
 @dataclass(frozen=True)
 class Recording:
-    """What cameras deliver of one shot.
+    """What cameras deliver of one shot."""
 
-    Attributes:
-        times: (N,) s on the cameras' clock, rising.
-        positions: (N, 3) m.
-        label_times: (L,) s of the spin labels, L = 0 without labels.
-        labels: (L, 3) rad/s.
-    """
-
-    times: Floats
-    positions: Floats
-    label_times: Floats
-    labels: Floats
+    times: Floats  # (N,) s on the cameras' clock, rising
+    positions: Floats  # (N, 3) m
+    label_times: Floats  # (L,) s of the spin labels, L = 0 without labels
+    labels: Floats  # (L, 3) rad/s
 
 
 class NamedCause(Record):
-    """One cause that a method names.
+    """One cause that a method names."""
 
-    Attributes:
-        identity: ``effect.parameter``, such as ``drag.cd``.
-        estimate: its value, in the parameter's unit.
-        interval: 95 % confidence interval; None where the method has none.
-        possible: identities that the method cannot distinguish, its own first.
-    """
-
-    identity: str
-    estimate: Number
+    identity: str  # effect.parameter, such as drag.cd
+    estimate: Number  # its value, in the parameter's unit
+    # 95 % confidence interval; None where the method has none
     interval: tuple[Number, Number] | None
-    possible: tuple[str, ...]
+    possible: tuple[str, ...]  # identities that the method cannot distinguish, its own first
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a method answers.
+    """What a method answers."""
 
-    Attributes:
-        conclusion: as in a verdict: no_gap, named, ambiguous or unknown.
-        causes: that it names.
-        amended: the nominal simulator with these causes.
-    """
-
-    conclusion: Conclusion
-    causes: tuple[NamedCause, ...]
-    amended: Simulator
+    conclusion: Conclusion  # as in a verdict: no_gap, named, ambiguous or unknown
+    causes: tuple[NamedCause, ...]  # that it names
+    amended: Simulator  # the nominal simulator with these causes
 
 
 # From recordings, the nominal simulator, and the effects that are withheld from the catalogue.

@@ -14,74 +14,44 @@ from models.gap.verdict import Answer as Conclusion
 
 
 class HiddenCause(Record):
-    """One parameter in which the environment of a question differs from the nominal simulator.
+    """One parameter in which the environment of a question differs from the nominal simulator."""
 
-    Attributes:
-        identity: ``effect.parameter``, such as ``wind.x``.
-        kind: whether the nominal simulator lists the effect.
-        nominal: its value there, neutral where the effect is not listed.
-        value: the true one; of independent dynamics, what a best fit of the catalogue's form finds.
-        indistinguishable: identities of parameters that explain the data as well: with one of them
-            free, less than the detection limit is left of the cause.
-    """
-
-    identity: str
-    kind: Literal["wrong_value", "missing_effect"]
-    nominal: Number
+    identity: str  # effect.parameter, such as wind.x
+    kind: Literal["wrong_value", "missing_effect"]  # whether the nominal simulator lists the effect
+    nominal: Number  # its value there, neutral where the effect is not listed
+    # the true one; of independent dynamics, what a best fit of the catalogue's form finds
     value: Number
+    # identities of parameters that explain the data as well: with one of them free, less than the
+    # detection limit is left of the cause
     indistinguishable: tuple[str, ...]
 
 
 class AnswerRecord(Record):
-    """What a method answered.
+    """What a method answered."""
 
-    Attributes:
-        conclusion: no_gap, named, ambiguous or unknown; None where the method failed.
-        causes: that it named.
-        error: why it failed.
-        gap_after_mm: gap between its amended simulator and the environment, mm.
-    """
-
+    # no_gap, named, ambiguous or unknown; None where the method failed
     conclusion: Conclusion | None
-    causes: tuple[NamedCause, ...] = ()
-    error: str | None = None
-    gap_after_mm: Number | None = None
+    causes: tuple[NamedCause, ...] = ()  # that it named
+    error: str | None = None  # why it failed
+    gap_after_mm: Number | None = None  # gap between its amended simulator and the environment, mm
 
 
 class ExamRecord(Record):
-    """A question, its truth and the answers.
+    """A question, its truth and the answers."""
 
-    Attributes:
-        name: of the trial.
-        group: the purpose of the question.
-        cell: of the sweeps; empty in other groups.
-        dynamics: which equations the balls follow.
-        multiple: size of a cause, in detection limits.
-        shots: how many are recorded.
-        noise: standard deviation of a coordinate, m.
-        spin_labels: none, one a shot or one a row.
-        directions: in which balls are shot.
-        withheld: effects that are removed from the catalogue.
-        parameters: identities of the parameters to hide.
-        not_posed: why the question could not be posed, if it could not.
-        hidden: the truth.
-        gap_before_mm: gap between the nominal simulator and the environment, mm; None where
-            nothing is hidden.
-        answers: by method.
-    """
-
-    name: str
-    group: str
-    cell: str
-    dynamics: Dynamics
-    multiple: Number
-    shots: int
-    noise: Number
-    spin_labels: SpinLabels
-    directions: Literal[1, 2]
-    withheld: tuple[str, ...]
-    parameters: tuple[str, ...]
-    not_posed: str | None = None
-    hidden: tuple[HiddenCause, ...] = ()
+    name: str  # of the trial
+    group: str  # the purpose of the question
+    cell: str  # of the sweeps; empty in other groups
+    dynamics: Dynamics  # which equations the balls follow
+    multiple: Number  # size of a cause, in detection limits
+    shots: int  # how many are recorded
+    noise: Number  # standard deviation of a coordinate, m
+    spin_labels: SpinLabels  # none, one a shot or one a row
+    directions: Literal[1, 2]  # in which balls are shot
+    withheld: tuple[str, ...]  # effects that are removed from the catalogue
+    parameters: tuple[str, ...]  # identities of the parameters to hide
+    not_posed: str | None = None  # why the question could not be posed, if it could not
+    hidden: tuple[HiddenCause, ...] = ()  # the truth
+    # gap between the nominal simulator and the environment, mm; None where nothing is hidden
     gap_before_mm: Number | None = None
-    answers: dict[str, AnswerRecord] = Field(default={})
+    answers: dict[str, AnswerRecord] = Field(default={})  # by method

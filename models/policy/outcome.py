@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arena.aim import without_surfaces
 from models.arena.contacts import ContactSequence
 from models.arena.umpire import judge_strokes
 from models.ball.simulator import Flight, Simulator
@@ -92,7 +91,7 @@ def _touches(flight: Flight) -> ContactSequence:
 
 def _without_net(simulator: Simulator, after: Floats) -> tuple[Floats, Floats]:
     """Return where balls pass the net's plane and where they come down, (B, 3) each."""
-    paths = without_surfaces(simulator).fly(after, SAMPLE_TIMES).states
+    paths = simulator.without_surfaces().fly(after, SAMPLE_TIMES).states
     above = paths[..., 2] - BALL_RADIUS
     rising = paths[..., 5] >= 0
     return (

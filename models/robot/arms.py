@@ -21,14 +21,10 @@ class Arms:
 
     In Bullet they stand far apart, so that it does not check pairs of arms for contact; joints are
     independent of the arm's place.
-
-    Attributes:
-        joints: (B, 6) m, rad; a new array after every step and reset.
-        joint_speeds: (B, 6) m/s, rad/s; likewise.
     """
 
-    joints: Floats
-    joint_speeds: Floats
+    joints: Floats  # (B, 6) m, rad; a new array after every step and reset
+    joint_speeds: Floats  # (B, 6) m/s, rad/s; likewise
 
     def __init__(self, count: int) -> None:
         client = open_world()

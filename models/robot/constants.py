@@ -31,47 +31,31 @@ FLOOR = -0.76  # m: ITTF Law 2.1.1, the playing surface is 0.76 m above the floo
 
 @dataclass(frozen=True)
 class Solid:
-    """A homogeneous primitive body in the frame of its link.
-
-    Attributes:
-        size: m; a box's full lengths (x, y, z), or a cylinder's radius and length along its z.
-        mass: kg.
-        position: m, of its centre.
-        pitch: rad about x, from the link's axes to the solid's.
-    """
+    """A homogeneous primitive body in the frame of its link."""
 
     shape: Literal["box", "cylinder"]
+    # m; a box's full lengths (x, y, z), or a cylinder's radius and length along its z
     size: tuple[float, ...]
-    mass: float
-    position: Vector = (0.0, 0.0, 0.0)
-    pitch: float = 0.0
+    mass: float  # kg
+    position: Vector = (0.0, 0.0, 0.0)  # m, of its centre
+    pitch: float = 0.0  # rad about x, from the link's axes to the solid's
 
 
 @dataclass(frozen=True)
 class Joint:
-    """A driven joint and the link that it moves.
-
-    Attributes:
-        axis: of the joint's frame, along which it slides or about which it turns.
-        origin: m, of the joint in the frame of the link before it.
-        pitch: rad about x, from the frame of the link before it to the joint's at zero.
-        lower: end of the joint's range, m or rad; neutral is zero.
-        upper: other end of the range, m or rad.
-        speed: largest command to the drive, m/s or rad/s.
-        force: of the drive, N or N m.
-        link: the solids that it moves.
-    """
+    """A driven joint and the link that it moves."""
 
     name: str
     kind: Literal["prismatic", "revolute"]
+    # of the joint's frame, along which it slides or about which it turns
     axis: Literal["x", "y", "z"]
-    origin: Vector
-    pitch: float
-    lower: float
-    upper: float
-    speed: float
-    force: float
-    link: tuple[Solid, ...]
+    origin: Vector  # m, of the joint in the frame of the link before it
+    pitch: float  # rad about x, from the frame of the link before it to the joint's at zero
+    lower: float  # end of the joint's range, m or rad; neutral is zero
+    upper: float  # other end of the range, m or rad
+    speed: float  # largest command to the drive, m/s or rad/s
+    force: float  # of the drive, N or N m
+    link: tuple[Solid, ...]  # the solids that it moves
 
     @property
     def mass(self) -> float:

@@ -17,17 +17,11 @@ _UNMOVED = 1e-20  # m^2; a ball that moves less along the blade counts as not mo
 
 @dataclass(frozen=True)
 class Contact:
-    """Whether and when B balls touch their rackets within a step.
+    """Whether and when B balls touch their rackets within a step."""
 
-    Attributes:
-        met: (B,).
-        share: (B,) of the step until the contact, 0 to 1; NaN without a contact.
-        side: (B,) +1 for the racket's face, -1 for its back, 0 without a contact.
-    """
-
-    met: Bools
-    share: Floats
-    side: Integers
+    met: Bools  # (B,)
+    share: Floats  # (B,) of the step until the contact, 0 to 1; NaN without a contact
+    side: Integers  # (B,) +1 for the racket's face, -1 for its back, 0 without a contact
 
 
 def first_contact(

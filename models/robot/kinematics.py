@@ -19,19 +19,12 @@ JOINT_COUNT = len(JOINTS)
 
 @dataclass(frozen=True)
 class Racket:
-    """B rackets: discs whose face points along the normal, towards +y in neutral.
+    """B rackets: discs whose face points along the normal, towards +y in neutral."""
 
-    Attributes:
-        position: (B, 3) m, of the centres.
-        normal: (B, 3) unit.
-        velocity: (B, 3) m/s, of the centres.
-        turning: (B, 3) rad/s, angular velocity.
-    """
-
-    position: Floats
-    normal: Floats
-    velocity: Floats
-    turning: Floats
+    position: Floats  # (B, 3) m, of the centres
+    normal: Floats  # (B, 3) unit
+    velocity: Floats  # (B, 3) m/s, of the centres
+    turning: Floats  # (B, 3) rad/s, angular velocity
 
 
 def racket(joints: ArrayLike, joint_speeds: ArrayLike) -> Racket:

@@ -4,12 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.ball.state import BALL_RADIUS, NET_HEIGHT
+from models.ball.types import Floats
 from models.segmentation.flight import predict_mean
-
-Array = NDArray[np.float64]
 
 # A bounce on a horizontal surface reverses the vertical velocity and adds no energy; Coulomb
 # friction limits the tangential velocity change (mu is 0.15 to 0.35 on tables).
@@ -29,21 +27,13 @@ MIN_RELATIVE_SPEED = 1e-3  # m/s, keeps the step finite where two paths are equa
 
 @dataclass(frozen=True)
 class Contact:
-    """The closest approach of two consecutive arcs.
+    """The closest approach of two consecutive arcs."""
 
-    Attributes:
-        time: s.
-        position: (3,), m.
-        before: velocity (3,) just before, m/s.
-        after: velocity (3,) just after, m/s.
-        distance: of the two paths at that time, m.
-    """
-
-    time: float
-    position: Array
-    before: Array
-    after: Array
-    distance: float
+    time: float  # s
+    position: Floats  # (3,), m
+    before: Floats  # velocity (3,) just before, m/s
+    after: Floats  # velocity (3,) just after, m/s
+    distance: float  # of the two paths at that time, m
 
     @property
     def speed_change(self) -> float:
@@ -91,7 +81,7 @@ class Contact:
 
 
 def closest_approach(
-    before: tuple[Array, float], after: tuple[Array, float], earliest: float, latest: float
+    before: tuple[Floats, float], after: tuple[Floats, float], earliest: float, latest: float
 ) -> Contact:
     """Find where two paths are closest to each other.
 
@@ -112,11 +102,11 @@ def closest_approach(
     return Contact(time, 0.5 * (early[0] + late[0]), early[1], late[1], distance)
 
 
-def _state_at(mean: Array, since: float, time: float) -> Array:
+def _state_at(mean: Floats, since: float, time: float) -> Floats:
     return extrapolated(mean, time - since)
 
 
-def extrapolated(mean: Array, dt: float) -> Array:
+def extrapolated(mean: Floats, dt: float) -> Floats:
     """Return the state (3, 3) ``dt`` seconds later."""
     copy = mean.copy()
     predict_mean(copy, dt)

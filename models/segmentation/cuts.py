@@ -4,17 +4,13 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.ball.types import Bools, Floats, Integers
 from models.segmentation.contacts import Contact, closest_approach, extrapolated
 from models.segmentation.partition import UNUSED, filter_arc, partition
 from models.segmentation.residual import flight_residuals
 from models.segmentation.settings import SegmentSettings
 from models.segmentation.smoothing import smooth
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 # Paths of two arcs of three samples, extrapolated over 50 ms of dropouts, approach this closely.
 MAX_DISTANCE = 0.05  # m
@@ -22,23 +18,18 @@ MAX_DISTANCE = 0.05  # m
 
 @dataclass(frozen=True)
 class Cuts:
-    """Segmentation of one recording.
+    """Segmentation of one recording."""
 
-    Attributes:
-        flight: (n,) the flight that each sample belongs to, counted from 0; -1 for the samples
-            between two gaps that are too few for a flight.
-        velocity: (n, 3) of the smoothed path, m/s; not-a-number where ``flight`` is -1.
-        outlier: (n,) whether the sample is an outlier.
-        residual: (n,) distance from the least-squares flight (``flight_residuals``), m;
-            not-a-number where ``flight`` is -1.
-        contacts: by the number of the flight that starts with it. A flight without one starts the
-            recording or follows a gap.
-    """
-
-    flight: Indices
-    velocity: Array
-    outlier: Mask
-    residual: Array
+    # (n,) the flight that each sample belongs to, counted from 0; -1 for the samples between two
+    # gaps that are too few for a flight
+    flight: Integers
+    velocity: Floats  # (n, 3) of the smoothed path, m/s; not-a-number where flight is -1
+    outlier: Bools  # (n,) whether the sample is an outlier
+    # (n,) distance from the least-squares flight (flight_residuals), m; not-a-number where flight
+    # is -1
+    residual: Floats
+    # by the number of the flight that starts with it. A flight without one starts the recording or
+    # follows a gap
     contacts: dict[int, Contact] = field(default_factory=dict)
 
     @property
@@ -51,11 +42,11 @@ class Cuts:
 class _Arc:
     first: int
     last: int
-    used: Mask  # (last + 1 - first,)
-    means: Array  # (last + 1 - first, 3, 3)
+    used: Bools  # (last + 1 - first,)
+    means: Floats  # (last + 1 - first, 3, 3)
 
 
-def cut(t: Array, x: Array, settings: SegmentSettings) -> Cuts:
+def cut(t: Floats, x: Floats, settings: SegmentSettings) -> Cuts:
     """Segment a recording into flights and contacts.
 
     Args:
@@ -79,7 +70,7 @@ def cut(t: Array, x: Array, settings: SegmentSettings) -> Cuts:
     return cuts
 
 
-def _arcs(t: Array, x: Array, settings: SegmentSettings) -> list[_Arc]:
+def _arcs(t: Floats, x: Floats, settings: SegmentSettings) -> list[_Arc]:
     noise, outlier_cost = settings.noise, settings.outlier_cost
     bounds = partition(t, x, noise, settings.contact_cost, outlier_cost)
     arcs = []
@@ -91,7 +82,7 @@ def _arcs(t: Array, x: Array, settings: SegmentSettings) -> list[_Arc]:
     return arcs
 
 
-def _contact(t: Array, before: _Arc, after: _Arc) -> Contact:
+def _contact(t: Floats, before: _Arc, after: _Arc) -> Contact:
     # The sample next to a contact fits either arc: the contact may lie half a sample beyond it.
     earliest = 0.5 * (t[before.last - 1] + t[before.last])
     latest = 0.5 * (t[after.first] + t[after.first + 1])
@@ -99,7 +90,9 @@ def _contact(t: Array, before: _Arc, after: _Arc) -> Contact:
     return closest_approach(*ends, earliest, latest)
 
 
-def _assign(cuts: Cuts, t: Array, offset: int, arcs: list[_Arc], settings: SegmentSettings) -> None:
+def _assign(
+    cuts: Cuts, t: Floats, offset: int, arcs: list[_Arc], settings: SegmentSettings
+) -> None:
     """Assign consecutive samples, the first of them number ``offset``, to the flights of arcs."""
     flight = cuts.flights
     contacts = [_contact(t, *pair) for pair in pairwise(arcs)]
@@ -119,9 +112,9 @@ def _is_contact(contact: Contact, settings: SegmentSettings) -> bool:
     return contact.distance < MAX_DISTANCE and (is_step or contact.is_grazing)
 
 
-def _velocities(arc: _Arc, t: Array, members: Indices) -> Array:
+def _velocities(arc: _Arc, t: Floats, members: Integers) -> Floats:
     nearest = np.clip(members, arc.first, arc.last)
-    velocities: Array = arc.means[nearest - arc.first, 1]
+    velocities: Floats = arc.means[nearest - arc.first, 1]
     for k in np.flatnonzero(members != nearest):  # extrapolated beyond the ends of the arc
         velocities[k] = extrapolated(
             arc.means[nearest[k] - arc.first], t[members[k]] - t[nearest[k]]

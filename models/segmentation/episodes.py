@@ -13,21 +13,14 @@ End = Literal["racket", "gap", "recording", "rally_end"]
 
 @dataclass
 class Episode:
-    """The flights after one stroke or launch.
+    """The flights after one stroke or launch."""
 
-    Attributes:
-        starts_with: the event at the start.
-        flights: the numbers of its flights, one after the other.
-        contacts: at its start, inside it, or at the end of the rally.
-        ends_with: the event at the end.
-        end_contact: the contact at the end; ``None`` where the samples end.
-    """
-
-    starts_with: Start
-    flights: list[int]
+    starts_with: Start  # the event at the start
+    flights: list[int]  # the numbers of its flights, one after the other
+    # at its start, inside it, or at the end of the rally
     contacts: list[Contact] = field(default_factory=list)
-    ends_with: End = "recording"
-    end_contact: Contact | None = None
+    ends_with: End = "recording"  # the event at the end
+    end_contact: Contact | None = None  # the contact at the end; None where the samples end
 
     @property
     def start_contact(self) -> Contact | None:

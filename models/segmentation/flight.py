@@ -13,12 +13,10 @@ place: the partition calls them millions of times.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.ball.state import DRAG_FACTOR
+from models.ball.types import Floats
 from models.segmentation.compiled import compiled
-
-Array = NDArray[np.float64]
 
 GRAVITY = 9.81  # m/s^2
 DRAG = DRAG_FACTOR * 0.54  # 1/m, the literature's drag coefficient
@@ -31,7 +29,7 @@ JERK_DENSITY = 18.0  # (m/s^2)^2/s
 
 
 @compiled
-def initialise(mean: Array, covariance: Array, position: Array, noise: float) -> None:
+def initialise(mean: Floats, covariance: Floats, position: Floats, noise: float) -> None:
     """Set ``mean`` and ``covariance`` from an arc's first sample and the prior.
 
     Args:
@@ -50,7 +48,7 @@ def initialise(mean: Array, covariance: Array, position: Array, noise: float) ->
 
 
 @compiled
-def predict_mean(mean: Array, dt: float) -> None:
+def predict_mean(mean: Floats, dt: float) -> None:
     """Predict the mean ``dt`` seconds later, or earlier where ``dt`` is negative."""
     brake = DRAG * math.sqrt(mean[1, 0] ** 2 + mean[1, 1] ** 2 + mean[1, 2] ** 2)
     for axis in range(3):
@@ -60,13 +58,13 @@ def predict_mean(mean: Array, dt: float) -> None:
 
 
 @compiled
-def transition(dt: float) -> Array:
+def transition(dt: float) -> Floats:
     """Return the transition matrix (3, 3) of one axis over ``dt`` seconds."""
     return np.array([[1.0, dt, 0.5 * dt * dt], [0.0, 1.0, dt], [0.0, 0.0, 1.0]])
 
 
 @compiled
-def predict_covariance(covariance: Array, dt: float) -> None:
+def predict_covariance(covariance: Floats, dt: float) -> None:
     """Predict the covariance ``dt`` seconds later, with white jerk as process noise."""
     # F P F^T with F = [[1, dt, dt^2/2], [0, 1, dt], [0, 0, 1]]: rows first, then columns.
     for k in range(3):
@@ -84,7 +82,9 @@ def predict_covariance(covariance: Array, dt: float) -> None:
 
 
 @compiled
-def negative_log_likelihood(mean: Array, covariance: Array, position: Array, noise: float) -> float:
+def negative_log_likelihood(
+    mean: Floats, covariance: Floats, position: Floats, noise: float
+) -> float:
     """Return a sample's negative log-likelihood (nats), relative to a perfectly predicted one."""
     variance = covariance[0, 0] + noise**2
     squared = 0.0
@@ -94,7 +94,7 @@ def negative_log_likelihood(mean: Array, covariance: Array, position: Array, noi
 
 
 @compiled
-def update(mean: Array, covariance: Array, position: Array, noise: float) -> None:
+def update(mean: Floats, covariance: Floats, position: Floats, noise: float) -> None:
     """Update ``mean`` and ``covariance`` with a sample."""
     p, pv, pa = covariance[0]
     variance = p + noise**2

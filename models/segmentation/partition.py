@@ -11,8 +11,8 @@ several second samples.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.ball.types import Bools, Floats, Integers
 from models.segmentation.compiled import compiled
 from models.segmentation.flight import (
     initialise,
@@ -21,10 +21,6 @@ from models.segmentation.flight import (
     predict_mean,
     update,
 )
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 FEWEST_SAMPLES = 3  # two samples fit an arc exactly
 SECOND_SAMPLES = 3  # how many candidates for an arc's second sample are tried
@@ -36,14 +32,14 @@ UNUSED = -1  # a sample that is in no arc
 
 @compiled
 def filter_arc(
-    t: Array,
-    x: Array,
+    t: Floats,
+    x: Floats,
     first: int,
     second: int,
     noise: float,
     outlier_cost: float,
-    costs: Array,
-    used: Mask,
+    costs: Floats,
+    used: Bools,
 ) -> int:
     """Filter the arc that starts with the samples ``first`` and ``second``.
 
@@ -85,8 +81,8 @@ def filter_arc(
 
 @compiled
 def partition(
-    t: Array, x: Array, noise: float, contact_cost: float, outlier_cost: float
-) -> tuple[Indices, Indices, Indices]:
+    t: Floats, x: Floats, noise: float, contact_cost: float, outlier_cost: float
+) -> tuple[Integers, Integers, Integers]:
     """Partition samples into the arcs of least total cost.
 
     Args:
@@ -118,7 +114,7 @@ def partition(
 
 
 @compiled
-def _trace(starts: Indices, seconds: Indices) -> tuple[Indices, Indices, Indices]:
+def _trace(starts: Integers, seconds: Integers) -> tuple[Integers, Integers, Integers]:
     firsts, middles, lasts = [0][:0], [0][:0], [0][:0]
     end = len(starts) - 1
     while end > 0:

@@ -1,16 +1,13 @@
 """Residual of a flight: distance of its samples from a least-squares path."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
+from models.ball.types import Bools, Floats
 from models.segmentation.flight import DRAG
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
-
-def flight_residuals(t: Array, x: Array, velocity: Array, used: Mask) -> Array:
+def flight_residuals(t: Floats, x: Floats, velocity: Floats, used: Bools) -> Floats:
     """Return each sample's distance from a path with nominal drag and one constant acceleration.
 
     The constant stands for gravity, lift and a wrong drag coefficient. It cannot follow a contact,
@@ -30,5 +27,5 @@ def flight_residuals(t: Array, x: Array, velocity: Array, used: Mask) -> Array:
     displaced = cumulative_trapezoid(slowed, t, axis=0, initial=0)
     parabola = np.vander(t - t[0], 3)
     coefficients = np.linalg.lstsq(parabola[used], (x - displaced)[used])[0]
-    errors: Array = np.linalg.norm(x - displaced - parabola @ coefficients, axis=1)
+    errors: Floats = np.linalg.norm(x - displaced - parabola @ coefficients, axis=1)
     return errors

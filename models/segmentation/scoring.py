@@ -6,17 +6,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from models.ball.types import Bools, Floats, Integers
 from models.segmentation.settings import ScoringSettings
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 SCORED_KINDS = ("racket", "table")
 UNMATCHED = -1
 
 
-def in_play(kinds: NDArray[np.str_], y: Floats) -> Mask:
+def in_play(kinds: NDArray[np.str_], y: Floats) -> Bools:
     """Return which contacts of a recording happen while the ball is in play.
 
     The ball is in play from its launch to a contact with the floor, or to a second bounce on one
@@ -40,7 +37,7 @@ def in_play(kinds: NDArray[np.str_], y: Floats) -> Mask:
     return playing
 
 
-def observable(contacts: Floats, samples: Floats, settings: ScoringSettings) -> Mask:
+def observable(contacts: Floats, samples: Floats, settings: ScoringSettings) -> Bools:
     """Return which contacts have enough samples on each side, with no other contact between.
 
     Args:
@@ -52,11 +49,11 @@ def observable(contacts: Floats, samples: Floats, settings: ScoringSettings) -> 
     before = np.maximum(contacts - reach, np.concatenate([[-np.inf], contacts[:-1]]))
     after = np.minimum(contacts + reach, np.concatenate([contacts[1:], [np.inf]]))
     earliest, at, latest = (np.searchsorted(samples, times) for times in (before, contacts, after))
-    enough: Mask = (at - earliest >= fewest) & (latest - at >= fewest)
+    enough: Bools = (at - earliest >= fewest) & (latest - at >= fewest)
     return enough
 
 
-def match_contacts(true: Floats, detected: Floats, tolerance: float) -> Indices:
+def match_contacts(true: Floats, detected: Floats, tolerance: float) -> Integers:
     """Return the index of the detected contact that matches each true one, -1 for none.
 
     Greedy: the closest pair first, each contact once.
@@ -77,17 +74,13 @@ def match_contacts(true: Floats, detected: Floats, tolerance: float) -> Indices:
 
 @dataclass(frozen=True)
 class Scored:
-    """Scores of the contacts of recordings.
+    """Scores of the contacts of recordings."""
 
-    Attributes:
-        true: one row per racket contact or table bounce in play: ``recording_id``, ``kind``,
-            ``speed`` (m/s, just after; of a bounce the vertical part), ``observable``,
-            ``detected`` and ``error`` (s, not-a-number where it was not detected).
-        false: one row per false positive: ``recording_id`` and ``kind``.
-    """
-
+    # one row per racket contact or table bounce in play: recording_id, kind, speed (m/s, just
+    # after; of a bounce the vertical part), observable, detected and error (s, not-a-number where
+    # it was not detected)
     true: pd.DataFrame
-    false: pd.DataFrame
+    false: pd.DataFrame  # one row per false positive: recording_id and kind
 
 
 def score(
@@ -135,7 +128,7 @@ def _described(contacts: pd.DataFrame, samples: Floats, settings: ScoringSetting
     return table
 
 
-def _outcomes(contacts: pd.DataFrame, detected: Floats, matched: Indices) -> pd.DataFrame:
+def _outcomes(contacts: pd.DataFrame, detected: Floats, matched: Integers) -> pd.DataFrame:
     table = contacts.assign(detected=matched != UNMATCHED, error=np.nan)
     hits = table["detected"].to_numpy()
     table.loc[hits, "error"] = detected[matched[hits]] - table.loc[hits, "t"]

@@ -1,8 +1,8 @@
 """Rauch-Tung-Striebel smoother of one arc."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.ball.types import Bools, Floats
 from models.segmentation.compiled import compiled
 from models.segmentation.flight import (
     initialise,
@@ -12,12 +12,9 @@ from models.segmentation.flight import (
     update,
 )
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-
 
 @compiled
-def smooth(t: Array, x: Array, used: Mask, noise: float) -> Array:
+def smooth(t: Floats, x: Floats, used: Bools, noise: float) -> Floats:
     """Return the smoothed means at all samples, given the used ones.
 
     Args:

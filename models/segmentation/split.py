@@ -23,17 +23,11 @@ NOT_REPLAYED = "none"
 
 @dataclass(frozen=True)
 class Split:
-    """Splits of the episodes; the series are in the order of the table of episodes.
+    """Splits of the episodes; the series are in the order of the table of episodes."""
 
-    Attributes:
-        split: ``train``, ``validation``, ``test`` or ``replay``.
-        replay_set: ``stroke_pro``, ``stroke_uni``, ``receive`` or ``none``.
-        shortages: a message for each set that has fewer shots than requested.
-    """
-
-    split: "pd.Series[str]"
-    replay_set: "pd.Series[str]"
-    shortages: list[str]
+    split: "pd.Series[str]"  # train, validation, test or replay
+    replay_set: "pd.Series[str]"  # stroke_pro, stroke_uni, receive or none
+    shortages: list[str]  # a message for each set that has fewer shots than requested
 
 
 def split(

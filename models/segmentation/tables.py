@@ -6,15 +6,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from models.ball.types import Floats, Integers
 from models.segmentation.contacts import Contact
 from models.segmentation.cuts import Cuts, cut
 from models.segmentation.episodes import Episode, episodes
 from models.segmentation.settings import SegmentSettings
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Row = dict[str, Any]
 
 POSITION = ["px", "py", "pz"]
@@ -67,7 +65,7 @@ class _Labels:
         self.outlier = np.zeros(n, dtype=bool)
         self.residual = np.full(n, np.nan)
 
-    def assign(self, rows: Indices, cuts: Cuts, found: list[Episode], first: int) -> None:
+    def assign(self, rows: Integers, cuts: Cuts, found: list[Episode], first: int) -> None:
         """Assign a recording's samples; its episodes are numbered from ``first`` on."""
         # One more entry for the samples without a flight: their index -1 is the last entry.
         numbers = np.full(cuts.flights + 1, NO_EPISODE)
@@ -108,7 +106,7 @@ def segment_recordings(
     return Segmented(_samples(recordings, labels, table["episode_id"]), contacts, table)
 
 
-def _rows_by_recording(recordings: pd.DataFrame) -> Iterator[tuple[str, Indices]]:
+def _rows_by_recording(recordings: pd.DataFrame) -> Iterator[tuple[str, Integers]]:
     codes, ids = pd.factorize(recordings["recording_id"])
     order = np.argsort(codes, kind="stable")
     bounds = np.flatnonzero(np.diff(codes[order])) + 1

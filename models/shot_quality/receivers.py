@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from models.arena.event_log import EventLog
-from models.arena.levels import LEVELS, Players
+from models.arena.levels import Players
 from models.arena.rallies import Rallies
 from models.arena.truth import Truth
 from models.ball.types import Floats, Integers
@@ -59,7 +59,7 @@ def play_against(
     Returns:
         The good returns of the professionals at y < 0, without serves.
     """
-    players = _changed(LEVELS[LEVEL].individuals(2 * points, random), receiver, points)
+    players = _changed(Players.draw(LEVEL, 2 * points, random), receiver, points)
     log = Rallies(truth, players, random.integers(2, size=points), random).play()
     strokes, rallies = _near_strokes(log)
     outcome = judge(truth.simulator, strokes, Goals(np.zeros((len(strokes), 2))))
@@ -82,7 +82,6 @@ def _changed(players: Players, receiver: Receiver, points: int) -> Players:
 
 def _near_strokes(log: EventLog) -> tuple[Floats, Integers]:
     """Return the (B, 9) states just after strokes towards +y and their (B,) points, in order."""
-    points, times, kinds, states = (np.concatenate(part) for part in zip(*log.events, strict=True))
-    near = np.flatnonzero((kinds == "racket") & (states[:, 4] > 0))
-    order = near[np.lexsort([times[near], points[near]])]
-    return states[order], points[order]
+    points, contacts = log.contacts()
+    near = (contacts.kinds == "racket") & (contacts.states[:, 4] > 0)
+    return contacts.states[near], points[near]

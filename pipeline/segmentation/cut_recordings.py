@@ -26,17 +26,11 @@ DRAWN_RECORDINGS = 20  # of each source
 
 @dataclass(frozen=True)
 class CutRecordings:
-    """Recordings and what they are cut into.
+    """Recordings and what they are cut into."""
 
-    Attributes:
-        measured: measured samples of the recordings to draw.
-        segmented: all contacts and episodes, and the samples of the recordings to draw.
-        gaps: the recording of every gap.
-    """
-
-    measured: pd.DataFrame
-    segmented: Segmented
-    gaps: "pd.Series[str]"
+    measured: pd.DataFrame  # measured samples of the recordings to draw
+    segmented: Segmented  # all contacts and episodes, and the samples of the recordings to draw
+    gaps: "pd.Series[str]"  # the recording of every gap
 
 
 @dataclass(frozen=True)

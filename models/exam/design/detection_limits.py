@@ -37,17 +37,11 @@ MINIMUM_OWN_INFORMATION = 1e-2  # of a parameter's information, with all other p
 
 @dataclass(frozen=True)
 class DetectionLimits:
-    """What the shots of a trial can show.
+    """What the shots of a trial can show."""
 
-    Attributes:
-        evidence: on every parameter of the catalogue, about the nominal simulator.
-        labelled: number of shots with spin labels.
-        withheld: effects that are removed from the catalogue.
-    """
-
-    evidence: Evidence
-    labelled: int
-    withheld: tuple[str, ...]
+    evidence: Evidence  # on every parameter of the catalogue, about the nominal simulator
+    labelled: int  # number of shots with spin labels
+    withheld: tuple[str, ...]  # effects that are removed from the catalogue
 
     @classmethod
     def of(cls, trial: Trial) -> "DetectionLimits":

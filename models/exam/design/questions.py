@@ -61,21 +61,13 @@ class Counts:
 
 @dataclass(frozen=True)
 class Question:
-    """A trial whose causes have no size yet.
+    """A trial whose causes have no size yet."""
 
-    Attributes:
-        group: the purpose of the question, and the first part of the trial's name.
-        trial: all but the causes.
-        hidden: the parameters to hide; none in a clean set.
-        multiple: size of the causes, in detection limits.
-        cell: of the sweeps; empty in other groups.
-    """
-
-    group: str
-    trial: Trial
-    hidden: tuple[Hypothesis, ...] = ()
-    multiple: float = MULTIPLE
-    cell: str = ""
+    group: str  # the purpose of the question, and the first part of the trial's name
+    trial: Trial  # all but the causes
+    hidden: tuple[Hypothesis, ...] = ()  # the parameters to hide; none in a clean set
+    multiple: float = MULTIPLE  # size of the causes, in detection limits
+    cell: str = ""  # of the sweeps; empty in other groups
 
     def posed(self, minimum_sizes: Sequence[float]) -> Trial | None:
         """Return the trial with its causes, or None where a size has no value within bounds.

@@ -18,13 +18,12 @@ from numpy.polynomial.legendre import leggauss, legint, legvander
 from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
 from models.ball.state import SPIN, STATE_SIZE
-from models.ball.types import Floats
+from models.ball.types import Bools, Floats, Integers
 from models.exam.methods.library import STENCIL, library, rates
 from models.exam.methods.smoothed_arcs import SMOOTH, SmoothedArcs, arcs_of
 from models.exam.projection import projected_out
 from models.gap.fit.shots import Shots
 from models.gap.hypotheses import Hypothesis
-from models.gap.types import Bools, Indices
 
 NODES = 6  # of an arc, where the library is evaluated
 OFFSET = 5e-3  # s from a bounce to the states before and after it
@@ -66,20 +65,14 @@ def derivative_grams(shots: Shots, simulator: Simulator, columns: tuple[Hypothes
 
 @dataclass(frozen=True)
 class _Rows:
-    """P rows of the regression.
+    """P rows of the regression."""
 
-    Attributes:
-        rows: (P, K + 1) library terms and, last, measured derivatives.
-        shots: (P,) the shot of each.
-        kinds: (P,) rows of one kind have noise of the same size.
-    """
-
-    rows: Floats
-    shots: Indices
-    kinds: Indices
+    rows: Floats  # (P, K + 1) library terms and, last, measured derivatives
+    shots: Integers  # (P,) the shot of each
+    kinds: Integers  # (P,) rows of one kind have noise of the same size
 
     @classmethod
-    def of(cls, rows: Floats, shots: Indices, kinds: Indices, used: Bools) -> "_Rows":
+    def of(cls, rows: Floats, shots: Integers, kinds: Integers, used: Bools) -> "_Rows":
         """Return the used ones of (R, D, K + 1) rows of (R,) shots and (R, D) kinds."""
         each = np.repeat(shots[:, None], rows.shape[1], axis=1)
         return cls(rows[used], each[used], kinds[used])
@@ -191,7 +184,7 @@ def _once(contacts: Floats) -> Bools:
     return once
 
 
-def _weights(rows: Floats, kinds: Indices) -> Floats:
+def _weights(rows: Floats, kinds: Integers) -> Floats:
     """Return (P,) weights of rows: one over the noise of their kind, and less for outliers.
 
     The noise is that of the residuals of the whole library (iteratively reweighted least squares).

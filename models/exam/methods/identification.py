@@ -54,17 +54,11 @@ def identification(
 
 @dataclass(frozen=True)
 class Trajectories:
-    """Measured trajectories, and launches that nearly fit them.
+    """Measured trajectories, and launches that nearly fit them."""
 
-    Attributes:
-        shots: the measurements.
-        launches: (B, 9) states at the first samples.
-        noise: of the fit.
-    """
-
-    shots: Shots
-    launches: Floats
-    noise: Noise
+    shots: Shots  # the measurements
+    launches: Floats  # (B, 9) states at the first samples
+    noise: Noise  # of the fit
 
     @classmethod
     def of(cls, shots: Shots, simulator: Simulator) -> "Trajectories":

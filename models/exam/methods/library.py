@@ -30,19 +30,12 @@ STENCIL = 2e-3  # s between the times of finite differences
 
 @dataclass(frozen=True)
 class Library:
-    """The library at M measured states.
+    """The library at M measured states."""
 
-    Attributes:
-        terms: (M, D, K) derivatives of the next measurement by K parameters.
-        expected: (M, D) next measurement by the simulator.
-        by_spin: (M, D, 3) its derivatives by the measured spin.
-        contacts: (M, C) s from now to contacts, NaN where there are fewer.
-    """
-
-    terms: Floats
-    expected: Floats
-    by_spin: Floats
-    contacts: Floats
+    terms: Floats  # (M, D, K) derivatives of the next measurement by K parameters
+    expected: Floats  # (M, D) next measurement by the simulator
+    by_spin: Floats  # (M, D, 3) its derivatives by the measured spin
+    contacts: Floats  # (M, C) s from now to contacts, NaN where there are fewer
 
 
 def library(

@@ -32,16 +32,11 @@ def candidates(nominal: Simulator, withheld: Sequence[str]) -> tuple[Hypothesis,
 
 @dataclass(frozen=True)
 class Regression:
-    """Residuals of B shots in units of the noise, and their slopes by K parameters.
+    """Residuals of B shots in units of the noise, and their slopes by K parameters."""
 
-    Attributes:
-        columns: the parameters.
-        grams: (B, K + 1, K + 1) of each shot's slopes and, last, residuals.
-        classes: of each column, itself first and then the parameters that it stands for.
-    """
-
-    columns: tuple[Hypothesis, ...]
-    grams: Floats
+    columns: tuple[Hypothesis, ...]  # the parameters
+    grams: Floats  # (B, K + 1, K + 1) of each shot's slopes and, last, residuals
+    # of each column, itself first and then the parameters that it stands for
     classes: tuple[tuple[Hypothesis, ...], ...]
 
     @classmethod

@@ -11,15 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.polynomial.legendre import legder, legvander
 
-from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
-from models.ball.types import Floats
+from models.ball.types import Bools, Floats, Integers
 from models.gap.fit.measurement import JUMP, Schedule, predict_measurements
 from models.gap.fit.shot_fit import fit_shots
 from models.gap.fit.shots import Shots
 from models.gap.settings import FitSettings
-from models.gap.types import Bools, Indices
 
 DEGREE = 4  # of the polynomials that describe residuals of an arc
 SMOOTH = 2  # highest degree that is taken for motion rather than noise
@@ -30,30 +28,17 @@ MINIMUM_WEIGHT = 0.5  # of a sample that is used
 
 @dataclass(frozen=True)
 class Arcs:
-    """R arcs.
+    """R arcs."""
 
-    Attributes:
-        shots: the samples and labels of each.
-        parents: (R,) the shot of each.
-        starts: (R,) s on the sensor's clock, the bounce before it, -inf if there is none.
-        ends: (R,) the bounce after it, inf if there is none.
-    """
-
-    shots: Shots
-    parents: Indices
-    starts: Floats
-    ends: Floats
+    shots: Shots  # the samples and labels of each
+    parents: Integers  # (R,) the shot of each
+    starts: Floats  # (R,) s on the sensor's clock, the bounce before it, -inf if there is none
+    ends: Floats  # (R,) the bounce after it, inf if there is none
 
     @property
     def labelled(self) -> Bools:
         """(R,) which have a spin label."""
         return np.asarray(self.shots.labelled.any(axis=1))
-
-
-def airborne(simulator: Simulator) -> Simulator:
-    """Return a simulator without surfaces."""
-    effects = simulator.effects.items()
-    return Simulator.from_dict({e: p for e, p in effects if catalogue()[e].acts != "contact"})
 
 
 def arcs_of(shots: Shots, simulator: Simulator) -> Arcs:
@@ -99,30 +84,20 @@ def _arc(shots: Shots, shot: int, usable: Bools, start: float, end: float) -> li
 
 @dataclass(frozen=True)
 class SmoothedArcs:
-    """R arcs, smoothed.
+    """R arcs, smoothed."""
 
-    Attributes:
-        arcs: as measured.
-        simulator: nominal, without contacts.
-        states: (R, 9) its fit at the first samples.
-        spins: (R, 3) mean difference of labels from its spins, rad/s.
-        columns: (R, N, D + 1) orthonormal polynomials at the samples, zero for outliers.
-        mixing: (R, D + 1, D + 1) their coefficients in Legendre polynomials.
-        residuals: (R, D + 1, 3) of the fit, as coefficients of these polynomials.
-    """
-
-    arcs: Arcs
-    simulator: Simulator
-    states: Floats
-    spins: Floats
-    columns: Floats
-    mixing: Floats
-    residuals: Floats
+    arcs: Arcs  # as measured
+    simulator: Simulator  # nominal, without contacts
+    states: Floats  # (R, 9) its fit at the first samples
+    spins: Floats  # (R, 3) mean difference of labels from its spins, rad/s
+    columns: Floats  # (R, N, D + 1) orthonormal polynomials at the samples, zero for outliers
+    mixing: Floats  # (R, D + 1, D + 1) their coefficients in Legendre polynomials
+    residuals: Floats  # (R, D + 1, 3) of the fit, as coefficients of these polynomials
 
     @classmethod
     def of(cls, arcs: Arcs, simulator: Simulator) -> "SmoothedArcs":
         """Smooth arcs about a fit of a simulator."""
-        shots, free = arcs.shots, airborne(simulator)
+        shots, free = arcs.shots, simulator.without_surfaces()
         fit = fit_shots(shots, free, FitSettings())
         prediction = predict_measurements(free, Schedule.of(shots), fit.nuisance)
         usable = shots.valid & (fit.weights > MINIMUM_WEIGHT)

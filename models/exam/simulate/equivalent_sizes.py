@@ -16,14 +16,13 @@ from scipy.optimize import root
 from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.ball.types import Floats
+from models.ball.types import Bools, Floats
 from models.exam.projection import projected_out
 from models.exam.simulate.independent_ball import IndependentBall
 from models.exam.simulate.launches import Launches
 from models.exam.simulate.laws import FORMS, Physics, physics_of
 from models.exam.simulate.trial import Trial
 from models.gap.hypotheses import OTHER_SURFACES, Hypothesis
-from models.gap.types import Bools
 
 SHOTS = 100  # in the fit
 SAMPLES = 60  # a shot
@@ -41,17 +40,11 @@ Measure = Callable[..., Floats]  # from a ball, and launch states, to weighted m
 
 @dataclass(frozen=True)
 class Fit:
-    """A linear fit of parameters to the difference between two dynamics.
+    """A linear fit of parameters to the difference between two dynamics."""
 
-    Attributes:
-        parameters: the P fitted ones.
-        gain: (P, B, R) from residuals to changes of the parameters.
-        errors: (P,) standard errors.
-    """
-
-    parameters: tuple[Hypothesis, ...]
-    gain: Floats
-    errors: Floats
+    parameters: tuple[Hypothesis, ...]  # the P fitted ones
+    gain: Floats  # (P, B, R) from residuals to changes of the parameters
+    errors: Floats  # (P,) standard errors
 
     def changes(self, residuals: Floats) -> Floats:
         """Return the (P,) least-squares changes of the parameters for (B, R) residuals."""

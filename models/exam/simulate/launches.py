@@ -19,8 +19,7 @@ from models.ball.state import (
     TABLE_HALF_WIDTH,
     VELOCITY,
 )
-from models.ball.types import Floats
-from models.gap.types import Bools
+from models.ball.types import Bools, Floats
 
 LAUNCH_SPEED = (4.0, 15.0)  # m/s
 GROUND_SPEED = (2.5, 11.0)  # m/s along the table at the bounce

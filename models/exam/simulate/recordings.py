@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from models.ball.sensor import measured
 from models.ball.state import POSITION, SPIN, STATE_SIZE
-from models.ball.types import Floats
+from models.ball.types import Floats, Integers
 from models.exam.interface import Recording
 from models.exam.simulate.equivalent_sizes import equivalent_physics
 from models.exam.simulate.independent_ball import IndependentBall
@@ -22,17 +22,11 @@ LAUNCHES, BOUNCES, SENSOR, FRAMES, NOISE = range(5)  # streams of random numbers
 
 @dataclass(frozen=True)
 class SealedTruth:
-    """What the recordings of a trial hide.
+    """What the recordings of a trial hide."""
 
-    Attributes:
-        trial: with its causes.
-        shots: as simulated.
-        durations: (B,) s that were recorded.
-    """
-
-    trial: Trial
-    shots: ScatteredShots
-    durations: Floats
+    trial: Trial  # with its causes
+    shots: ScatteredShots  # as simulated
+    durations: Floats  # (B,) s that were recorded
 
     def states(self, times: ArrayLike) -> Floats:
         """Return the (B, T, 9) true states at (T,) or (B, T) true times."""
@@ -74,7 +68,7 @@ def _recordings(truth: SealedTruth) -> list[Recording]:
 
 def _frames(
     durations: Floats, interval: float, random: np.random.Generator
-) -> tuple[Floats, NDArray[np.int64]]:
+) -> tuple[Floats, Integers]:
     """Return (B, T) frame times, the last one repeated at the end, and how many a shot has."""
     phase = random.uniform(JITTER, interval, len(durations))
     counts = np.maximum(((durations - phase) / interval).astype(np.int64) + 1, 1)

@@ -28,16 +28,11 @@ class ScatteredShots(Simulator):
     """A simulator that replays shots with the bounces that they had.
 
     The sensor model observes it at any times, as it observes every simulator.
-
-    Attributes:
-        ball: moves balls between the bounces.
-        launches: (B, 9) states at time zero.
-        contacts: with the table, scatter included.
     """
 
-    ball: BallModel
-    launches: Floats
-    contacts: Contacts
+    ball: BallModel  # moves balls between the bounces
+    launches: Floats  # (B, 9) states at time zero
+    contacts: Contacts  # with the table, scatter included
 
     def fly(self, states: ArrayLike, times: ArrayLike) -> Flight:
         """Return the shots at (B, T) or (T,) times.

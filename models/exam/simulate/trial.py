@@ -24,35 +24,22 @@ SCATTER = BounceScatter(restitution=0.01, friction=0.05)
 
 @dataclass(frozen=True)
 class Trial:
-    """One trial of the exam.
+    """One trial of the exam."""
 
-    Attributes:
-        name: unique in the exam.
-        nominal: the simulator that methods are given.
-        causes: what is hidden, effect name -> parameter name -> true value.
-        dynamics: the catalogue's equations, or the independent ones (``independent_ball``).
-        shots: how many are recorded.
-        directions: 1 (all towards -y) or 2.
-        spin_labels: none, one a shot at its first frame, or one in every row.
-        cameras: noise, outliers, dropouts and frame interval.
-        time_resolution: of the time stamps in s, 0 if they are exact.
-        scatter: standard deviations of the bounces' restitution and friction.
-        withheld: effects that are removed from the methods' catalogue.
-        seed: of every random draw.
-    """
-
-    name: str
-    nominal: Simulator
+    name: str  # unique in the exam
+    nominal: Simulator  # the simulator that methods are given
+    # what is hidden, effect name -> parameter name -> true value
     causes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    # the catalogue's equations, or the independent ones (independent_ball)
     dynamics: Dynamics = "catalogue"
-    shots: int = 100
-    directions: Literal[1, 2] = 2
-    spin_labels: SpinLabels = "per_row"
-    cameras: Cameras = CAMERAS
-    time_resolution: float = 0.0
-    scatter: BounceScatter = SCATTER
-    withheld: tuple[str, ...] = ()
-    seed: int = 0
+    shots: int = 100  # how many are recorded
+    directions: Literal[1, 2] = 2  # 1 (all towards -y) or 2
+    spin_labels: SpinLabels = "per_row"  # none, one a shot at its first frame, or one in every row
+    cameras: Cameras = CAMERAS  # noise, outliers, dropouts and frame interval
+    time_resolution: float = 0.0  # of the time stamps in s, 0 if they are exact
+    scatter: BounceScatter = SCATTER  # standard deviations of the bounces' restitution and friction
+    withheld: tuple[str, ...] = ()  # effects that are removed from the methods' catalogue
+    seed: int = 0  # of every random draw
 
     @property
     def simulator(self) -> Simulator:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from models.ball.types import Floats
 from models.gap.types import Bools
 
-# What no ball of a table tennis hall does: m from the table, s in one shot, rad/s.
+# What no ball of table tennis does: m from the table, s in one shot, rad/s.
 FARTHEST, LONGEST, FASTEST = 1e4, 20.0, 1e5
 
 POSITION_COLUMNS = ["px", "py", "pz"]

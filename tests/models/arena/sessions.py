@@ -7,7 +7,7 @@ import numpy as np
 from models.arena.session import recordings
 from models.arena.settings import ArenaSettings
 from models.arena.truth import draw_truth
-from models.ball.state import BALL_MASS, BALL_RADIUS
+from models.ball.state import BALL_RADIUS
 
 TRUTH = draw_truth(0)
 LEVELS = ("amateur", "club", "semi_pro", "pro")
@@ -46,12 +46,6 @@ def flying(count, random, fastest=35.0, most_spin=1000.0):
     states[:, 5] = -np.abs(states[:, 5]) - 0.5
     states[:, 6:] = _directions(count, random) * random.uniform(0.0, most_spin, (count, 1))
     return states
-
-
-def energy(states):
-    """Return motion and rotation (J) of (B, 9) states."""
-    v, w = (states[:, 3:6] ** 2).sum(axis=1), (states[:, 6:] ** 2).sum(axis=1)
-    return BALL_MASS / 2 * (v + 2 / 3 * BALL_RADIUS**2 * w)
 
 
 def _directions(count, random):

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from models.arena.aim import aim_launches, without_surfaces
+from models.arena.aim import aim_launches
 from tests.models.arena.sessions import TRUTH
 
-AIR = without_surfaces(TRUTH.simulator)
+AIR = TRUTH.simulator.without_surfaces()
 
 
 def aim(height=0.3, seconds=0.5, spin=(-100.0, 0.0, 50.0), clearance=0.02):

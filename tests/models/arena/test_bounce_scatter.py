@@ -6,7 +6,8 @@ import pytest
 from models.arena.bounce_scatter import BounceScatter, table_normals
 from models.ball.simulator import Simulator
 from models.ball.state import BALL_RADIUS
-from tests.models.arena.sessions import TRUTH, energy, flying
+from tests.models.arena.sessions import TRUTH, flying
+from tests.models.ball.balls import energy
 
 SCATTER = BounceScatter(restitution=0.012, friction=0.05)
 
@@ -22,12 +23,6 @@ def bounces(count=3000, seed=0, simulator=TRUTH.simulator, **limits):
 
 def apply(before, after, scatter=SCATTER, simulator=TRUTH.simulator):
     return scatter.apply(simulator, before, after, np.random.default_rng(1))
-
-
-def test_without_size_it_does_nothing():
-    before, after = bounces()
-
-    assert apply(before, after, BounceScatter(0.0, 0.0)) == pytest.approx(after, abs=1e-12)
 
 
 def test_the_normal_rebound_deviates_by_the_stated_share():

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from models.arena.session import recordings
 from models.arena.truth_path import true_states
-from tests.models.arena.sessions import TRUTH, games, session, settings
+from tests.models.arena.sessions import TRUTH, games, session
 
 
 def test_perfect_cameras_see_the_true_path():
@@ -14,22 +13,6 @@ def test_perfect_cameras_see_the_true_path():
 
         assert np.abs(states[:, :3] - recording.positions).max() < 1e-6, recording.name
         assert states[:, 6:] == pytest.approx(recording.spins, abs=1e-3)
-
-
-def test_noisy_cameras_see_it_within_their_noise():
-    noisy = settings(cannon_shots=60, position_noise=0.003)
-    errors = [
-        recording.positions - true_states(TRUTH, recording.contacts, recording.times)[:, :3]
-        for recording in recordings(noisy, TRUTH, 1)
-    ]
-
-    assert np.concatenate(errors).std() == pytest.approx(0.003, rel=0.05)
-
-
-def test_just_after_a_contact_it_is_the_state_of_the_contact():
-    contacts = session()[-1].contacts
-
-    assert true_states(TRUTH, contacts, contacts.times) == pytest.approx(contacts.states)
 
 
 def test_no_contact_moves_a_ball():

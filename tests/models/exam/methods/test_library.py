@@ -5,12 +5,11 @@ import pytest
 
 from models.ball.state import DRAG_FACTOR, MAGNUS_FACTOR, SPIN, VELOCITY
 from models.exam.methods.library import library, rates
-from models.exam.methods.smoothed_arcs import airborne
 from models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL
 
 STATES = np.array([[0.1, -1.0, 0.5, 0.8, 6.0, 1.5, 150.0, -80.0, 40.0]])
-FREE = airborne(NOMINAL)
+FREE = NOMINAL.without_surfaces()
 V, W = STATES[0, VELOCITY], STATES[0, SPIN]
 LIFT = MAGNUS_FACTOR * 0.069 * np.cross(W, V)
 DRAG = -DRAG_FACTOR * 0.54 * np.linalg.norm(V) * V
