@@ -6,8 +6,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from models.ball.types import Bools, Floats, Integers
 from models.segmentation.settings import ScoringSettings
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 SCORED_KINDS = ("racket", "table")
 UNMATCHED = -1
