@@ -272,8 +272,8 @@ def compare_commits(
     from pipeline.experiments.compare_commits import compare_commits
 
     count, differences = compare_commits(clone(), base, new)
-    for one in differences:
-        typer.echo(f"{one.path}: {one.what}")
+    for path, what in differences.items():
+        typer.echo(f"{path}: {what}")
     typer.echo(f"{count} files compared, {len(differences)} differences.")
 
 

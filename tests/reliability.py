@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from pipeline.io.artifacts import write_csv, write_json
-from pipeline.runtime.provenance import git_commit
+from pipeline.runtime.git import git_commit
 
 ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "reports" / "reliability"

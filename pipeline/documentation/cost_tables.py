@@ -1,10 +1,9 @@
-"""Tables of docs/scale.md and of benchmarks, from the measurements in reports/costs."""
+"""What the code costs, from the measurements in reports/costs: tables of docs/scale.md, times."""
 
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
+from pipeline.documentation.cells import read_report
 from pipeline.io.artifacts import read_json
 from pipeline.io.markdown import markdown_table
 from pipeline.params import load_params
@@ -18,31 +17,20 @@ EPOCH = "an epoch of the laptop's transformer"
 
 def scale_table(root: Path) -> str:
     """Return the measured times: of the work, of twice the work, and of that on two processes."""
-    return measured_rows(pd.read_csv(root / COSTS / "scale.csv"))
-
-
-def measured_rows(measured: pd.DataFrame) -> str:
-    """Return the measured times as Markdown."""
-    table = []
-    for work, rows in measured.groupby("work", sort=False):
-        units = rows["units"].tolist()
-        once, twice, shared = rows["seconds"].tolist()
-        cells = [f"{units[0]:,}", f"{once:.1f}", f"{units[1]:,}", f"{twice:.1f}", f"{shared:.1f}"]
-        cells.append(f"{twice / shared:.2f}")
-        table.append([str(work), rows["unit"].iloc[0], *cells])
+    rows = []
+    for work, measured in read_report(root, "costs/scale.csv").groupby("work", sort=False):
+        units = [f"{count:,}" for count in measured["units"]]
+        once, twice, shared = measured["seconds"]
+        cells = [units[0], f"{once:.1f}", units[1], f"{twice:.1f}", f"{shared:.1f}"]
+        rows.append([work, measured["unit"].iloc[0], *cells, f"{twice / shared:.2f}"])
     head = ["work", "unit", "units", "s", "twice the units", "s", "on two processes (s)"]
-    return markdown_table([*head, "speed-up"], table)
+    return markdown_table([*head, "speed-up"], rows)
 
 
 def extrapolation_table(root: Path) -> str:
     """Return what ``SHOTS`` shots would cost at the measured rates of one process."""
-    sizes = read_json(root / COSTS / "scale.json")
-    return extrapolated_rows(pd.read_csv(root / COSTS / "scale.csv"), sizes, root)
-
-
-def extrapolated_rows(measured: pd.DataFrame, sizes: dict[str, float], root: Path) -> str:
-    """Return the costs of ``SHOTS`` shots as Markdown, for the parameters of a repository."""
-    single = measured[measured["processes"] == 1].groupby("unit", sort=False)["per_second"].last()
+    measured = read_report(root, "costs/scale.csv", "processes == 1")
+    rates = measured.groupby("unit", sort=False)["per_second"].last()
     params = load_params(root / "params.yaml")
     training = params.train_predictor.training
     windows = SHOTS * training.windows_an_episode
@@ -56,11 +44,12 @@ def extrapolated_rows(measured: pd.DataFrame, sizes: dict[str, float], root: Pat
         ("the laptop's policies", ticks, "control ticks", "no"),
         ("1,000 verdicts on 100 shots", 1000, "questions of the exam", "no"),
     )
-    hours = {name: units / single[unit] / 3600 for name, units, unit, _ in works}
-    rows = [[name, f"{hours[name]:,.1f} core-hours", grows] for name, *_, grows in works]
+    hours = {name: units / rates[unit] / 3600 for name, units, unit, _ in works}
     total = sum(hours.values()) - hours[EPOCH]  # which all epochs contain
+    sizes = read_json(root / COSTS / "scale.json")
     disk, memory = (SHOTS * sizes[name] / GIGABYTE for name in ("disk_bytes", "memory_bytes"))
-    rows += [
+    rows = [
+        *([name, f"{hours[name]:,.1f} core-hours", grows] for name, *_, grows in works),
         ["total", f"{total:,.1f} core-hours", "yes"],
         [f"at {CORE_HOUR:.2f} EUR per core-hour", f"{CORE_HOUR * total:,.2f} EUR", "yes"],
         ["tables on disk", f"{disk:,.0f} GB", "yes"],
@@ -71,12 +60,12 @@ def extrapolated_rows(measured: pd.DataFrame, sizes: dict[str, float], root: Pat
 
 def benchmarks_table(root: Path) -> str:
     """Return the comparisons with peers of the last `make bench`."""
-    benchmarks = read_json(root / COSTS / "benchmarks.json").values()
-    rows = [_comparison_row(one) for benchmark in benchmarks for one in benchmark["comparisons"]]
+    measured = read_json(root / COSTS / "benchmarks.json").values()
+    rows = [_comparison(one) for benchmark in measured for one in benchmark["comparisons"]]
     return markdown_table(["measure", "rallygap", "peer", "its value", "ratio"], rows)
 
 
-def _comparison_row(one: dict[str, Any]) -> list[str]:
+def _comparison(one: dict[str, Any]) -> list[str]:
     ratio = "not reached" if one["ratio"] is None else f"{one['ratio']:,.1f}"
     bound = "more than " if one["lower_bound"] and one["ratio"] is not None else ""
     values = [f"{one['rallygap']:,.0f}", one["peer"], f"{one['peer_value']:,.0f}"]
@@ -85,7 +74,7 @@ def _comparison_row(one: dict[str, Any]) -> list[str]:
 
 def reproduction_time(root: Path) -> str:
     """Return how long `make reproduce` took on a clean clone, and what it changed."""
-    measured = read_json(root / "reports/costs/reproduce.json")
+    measured = read_json(root / COSTS / "reproduce.json")
     minutes = f"{measured['seconds'] / 60:.0f} minutes on {measured['cores']} cores"
     changed = "left every committed byte unchanged"
     if measured["changed"]:

@@ -11,64 +11,74 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
-from pipeline.documentation import deviations
-from pipeline.documentation.command_page import command_page
-from pipeline.documentation.cost_tables import (
-    benchmarks_table,
-    extrapolation_table,
-    reproduction_time,
-    scale_table,
+from pipeline.documentation import (
+    code_pages,
+    cost_tables,
+    deviations,
+    gap_tables,
+    predictor_tables,
+    transfer_tables,
 )
 from pipeline.documentation.diagnose_example import diagnose_example
-from pipeline.documentation.effects_page import catalogue_page
-from pipeline.documentation.kept_runs import age_of, kept_runs
-from pipeline.documentation.physics_tables import constants_table, quantities_table
-from pipeline.documentation.tables import gap, predictors, transfer
 from pipeline.exam.page import questions_table
+from pipeline.experiments.stale import kept_result
 from pipeline.paper.page import claims_table, paper_page
 from pipeline.runtime.errors import InputError
 
 Writer = Callable[[Path], str]  # takes the repository's root, returns Markdown
 
+KEPT_RUNS = ("paper", "real", "policies", "shots")
+
+
+def age_of(root: Path, run: str) -> str:
+    """Return the commit of a kept run, and whether the code has changed since."""
+    return kept_result(root, root / "reports" / run).sentence
+
+
+def kept_runs(root: Path) -> str:
+    """Return a list of the kept runs and their ages."""
+    return "\n".join(f"- `{run}`: {age_of(root, run)}" for run in KEPT_RUNS)
+
+
 PAGES: dict[str, Writer] = {
-    "docs/command-line.md": command_page,
-    "docs/effects.md": lambda root: catalogue_page(),
+    "docs/command-line.md": code_pages.command_page,
+    "docs/effects.md": code_pages.catalogue_page,
     "docs/paper.md": paper_page,
 }
 
 BLOCKS: dict[str, Writer] = {
-    "benchmarks": benchmarks_table,
-    "constants": lambda root: constants_table(),
+    "constants": code_pages.constants_table,
+    "quantities": code_pages.quantities_table,
     "exam-questions": questions_table,
-    "quantities": lambda root: quantities_table(),
     **deviations.BLOCKS,
-    "scale": scale_table,
-    "scale-extrapolation": extrapolation_table,
-    "gap-arena": gap.arena_causes,
-    "gap-exam": gap.exam_rates,
-    "gap-real": gap.real_summary,
-    "gap-real-errors": gap.real_errors,
-    "gap-real-causes": gap.real_causes,
-    "gap-returns": gap.retrained_returns,
-    "gap-returns-paper": partial(gap.retrained_returns, run="paper/"),
-    "gap-returns-real": partial(gap.retrained_returns, run="real/"),
-    "errors-by-group": predictors.errors_by_group,
-    "errors-arena": partial(predictors.position_errors, arena=True),
-    "errors-arena-paper": partial(predictors.position_errors, run="paper/", arena=True),
-    "errors-real": partial(predictors.position_errors, run="real/", arena=False),
-    "costs": predictors.predictor_costs,
-    "sim2sim": transfer.sim2sim_returns,
-    "sim2sim-paper": partial(transfer.sim2sim_returns, run="paper/"),
-    "sim2real": transfer.sim2real_counts,
-    "sim2real-paper": partial(transfer.sim2real_counts, run="paper/"),
-    "sim2real-real": transfer.real_swap,
-    "longer-trainings": transfer.longer_trainings,
+    "benchmarks": cost_tables.benchmarks_table,
+    "scale": cost_tables.scale_table,
+    "scale-extrapolation": cost_tables.extrapolation_table,
+    "reproduction-time": cost_tables.reproduction_time,
+    "gap-arena": gap_tables.arena_causes,
+    "gap-exam": gap_tables.exam_rates,
+    "gap-real": gap_tables.real_summary,
+    "gap-real-errors": gap_tables.real_errors,
+    "gap-real-causes": gap_tables.real_causes,
+    "gap-returns": gap_tables.retrained_returns,
+    "gap-returns-paper": partial(gap_tables.retrained_returns, run="paper/"),
+    "gap-returns-real": partial(gap_tables.retrained_returns, run="real/"),
+    "errors-by-group": predictor_tables.errors_by_group,
+    "errors-arena": partial(predictor_tables.position_errors, arena=True),
+    "errors-arena-paper": partial(predictor_tables.position_errors, run="paper/", arena=True),
+    "errors-real": partial(predictor_tables.position_errors, run="real/", arena=False),
+    "costs": predictor_tables.predictor_costs,
+    "sim2sim": transfer_tables.sim2sim_returns,
+    "sim2sim-paper": partial(transfer_tables.sim2sim_returns, run="paper/"),
+    "sim2real": transfer_tables.sim2real_counts,
+    "sim2real-paper": partial(transfer_tables.sim2real_counts, run="paper/"),
+    "sim2real-real": transfer_tables.real_swap,
+    "longer-trainings": transfer_tables.longer_trainings,
     "kept-runs": kept_runs,
     "age-paper": partial(age_of, run="paper"),
     "age-real": partial(age_of, run="real"),
     "paper-claims": claims_table,
     "diagnose-example": diagnose_example,
-    "reproduction-time": reproduction_time,
 }
 
 _START = "<!-- generated:"

@@ -24,8 +24,8 @@ from pipeline.evaluation.predictors import NamedPredictor, read_predictors
 from pipeline.evaluation.test_windows import read_test_sets
 from pipeline.io.artifacts import write_csv, write_json
 from pipeline.params import load_params
+from pipeline.runtime.git import git_commit
 from pipeline.runtime.progress import progress
-from pipeline.runtime.provenance import git_commit
 from pipeline.runtime.scratch import kept_timings
 from pipeline.runtime.torch_threads import one_thread
 

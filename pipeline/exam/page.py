@@ -24,9 +24,9 @@ def questions_table(root: Path) -> str:
     table = pd.read_csv(root / "reports" / "hidden_effects" / "groups.csv")
     counts = table.groupby("group", sort=False)[["questions", "not_posed"]].sum()
     rows = [
-        [f"`{group}`", f"{row.questions:,}", str(row.not_posed), GROUPS[str(group)]]
+        [f"`{group}`", f"{row.questions:,}", row.not_posed, GROUPS[str(group)]]
         for group, row in counts.iterrows()
     ]
     total = counts.sum()
-    rows.append(["all", f"{total.questions:,}", str(total.not_posed), ""])
+    rows.append(["all", f"{total.questions:,}", total.not_posed, ""])
     return markdown_table(["group", "questions", "not posed", "content"], rows)

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -60,13 +59,6 @@ def content_hash(path: Path) -> str:
         where = Path(error.filename or path)
         raise InputError(where, f"cannot be read: {error.strerror}") from None
     return hashlib.md5(json.dumps(contents, sort_keys=True).encode()).hexdigest()
-
-
-def git_commit(root: Path) -> str | None:
-    """The commit that is checked out, or None outside git."""
-    command = ["git", "rev-parse", "--verify", "--quiet", "HEAD"]
-    answer = subprocess.run(command, cwd=root, capture_output=True, text=True, check=False)
-    return answer.stdout.strip() or None
 
 
 def _file_hash(path: Path) -> str:

@@ -11,7 +11,7 @@ from optuna import TrialPruned
 
 from pipeline.params import Params
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.provenance import git_commit
+from pipeline.runtime.git import git_commit
 from pipeline.sweeps.settings import PredictorSweep, Sweep
 from pipeline.tracking.recording import ParentRun, Results, RunStart, recording
 

@@ -3,27 +3,23 @@
 import json
 import os
 import re
-import subprocess
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from models.support.yaml_file import parse_yaml
 from pipeline.params import read_yaml
+from pipeline.runtime.git import git_if_known
 
-LONGEST_VALUE = 250  # characters of a parameter that every MLflow store takes
 
-
-@dataclass(frozen=True)
-class Change:
+class Change(NamedTuple):
     """A parameter's value in the commit and in the run, as text."""
 
     committed: str
     here: str
 
     def __str__(self) -> str:
-        return shortened(f"{self.here} (committed: {self.committed})")
+        return f"{self.here} (committed: {self.committed})"
 
 
 def changed_params(home: Path) -> dict[str, Change]:
@@ -36,12 +32,10 @@ def changed_params(home: Path) -> dict[str, Change]:
         The differences by dotted key; none where there is no such commit.
     """
     revision = os.environ.get("DVC_EXP_BASELINE_REV", "HEAD")
-    command = ["git", "show", f"{revision}:params.yaml"]
-    shown = subprocess.run(command, cwd=home, capture_output=True, text=True, check=False)
-    path = Path("params.yaml")
-    if shown.returncode != 0 or not path.exists():
+    committed, path = git_if_known(home, "show", f"{revision}:params.yaml"), Path("params.yaml")
+    if committed is None or not path.exists():
         return {}
-    before, after = _texts(parse_yaml(shown.stdout)), _texts(read_yaml(path))
+    before, after = dotted(parse_yaml(committed)), dotted(read_yaml(path))
     return {
         key: Change(before.get(key, "absent"), after.get(key, "absent"))
         for key in sorted(before.keys() | after)
@@ -59,11 +53,9 @@ def flat(values: dict[str, Any], *above: str) -> Iterator[tuple[tuple[str, ...],
             yield keys, value
 
 
-def shortened(value: Any) -> str:
-    """A parameter as text, cut where a store would cut or refuse it."""
-    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
-    return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 1] + "…"
-
-
-def _texts(params: dict[str, Any]) -> dict[str, str]:
-    return {".".join(keys): shortened(value) for keys, value in flat(params)}
+def dotted(params: dict[str, Any]) -> dict[str, str]:
+    """Nested parameters as text by dotted key; MLflow cuts what is too long for its store."""
+    return {
+        ".".join(keys): value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+        for keys, value in flat(params)
+    }

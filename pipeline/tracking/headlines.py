@@ -1,6 +1,7 @@
-"""The few metrics of each stage that the run of a whole reproduction carries."""
+"""The metrics of a stage in MLflow, and the few that the run of a whole reproduction carries."""
 
 import re
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -8,8 +9,8 @@ from typing import Any
 from mlflow.entities import Metric
 
 from pipeline.io.artifacts import read_json
-from pipeline.params import read_yaml
 from pipeline.tracking.changed_params import flat
+from pipeline.tracking.dvc_stages import dvc_stages, upstream
 
 # Patterns of the path of a metric in the stage's metrics.json. Where one name has several values,
 # such as the loss of each epoch, the last one counts.
@@ -29,16 +30,25 @@ HEADLINES = {
 }
 
 
-def headline_metrics(stage: str, metrics: dict[str, Any], timestamp: int) -> list[Metric]:
-    """The headline metrics of a stage, named after it.
+def metric_points(metrics: dict[str, Any]) -> Iterator[Metric]:
+    """The numbers among nested metrics; a level of whole numbers becomes MLflow's step.
+
+    ``{"position": {"100": {"mean": 3.0}}}`` is ``position/mean`` at step 100, and MLflow draws
+    the error over the horizon.
+    """
+    for keys, value in flat(metrics):
+        if isinstance(value, int | float):
+            steps = [int(key) for key in keys if key.isdecimal()]
+            name = "/".join(key for key in keys if not key.isdecimal())
+            yield Metric(name, value, _now(), steps[-1] if steps else 0)
+
+
+def headline_metrics(stage: str, metrics: dict[str, Any]) -> list[Metric]:
+    """The headline metrics of a stage, named after it, one value for each name.
 
     Args:
         stage: its name.
         metrics: nested, as in its metrics.json.
-        timestamp: in ms.
-
-    Returns:
-        One value a name.
     """
     pattern = re.compile(HEADLINES.get(stage, r"(?!)"))
     chosen = {
@@ -46,33 +56,21 @@ def headline_metrics(stage: str, metrics: dict[str, Any], timestamp: int) -> lis
         for keys, value in flat(metrics)
         if isinstance(value, int | float) and pattern.fullmatch("/".join(keys))
     }
-    return [Metric(name, value, timestamp, 0) for name, value in chosen.items()]
+    return [Metric(name, value, _now(), 0) for name, value in chosen.items()]
 
 
-def upstream_headlines(stage: str, timestamp: int) -> Iterator[Metric]:
-    """The headline metrics of the stages that a stage depends on, from the reports of today.
+def upstream_headlines(stage: str) -> Iterator[Metric]:
+    """The headline metrics of the stages that a stage depends on, from their present reports.
 
     DVC may have skipped those stages, so that they have no run of their own.
     """
-    for name in sorted(upstream(read_yaml(Path("dvc.yaml"))["stages"], stage)):
+    stages = dvc_stages(Path("dvc.yaml"))
+    for name in sorted(upstream(stages, stage) if stage in stages else ()):
         report = Path("reports", name, "metrics.json")
         if report.exists():
-            yield from headline_metrics(name, read_json(report), timestamp)
+            yield from headline_metrics(name, read_json(report))
 
 
-def upstream(stages: dict[str, Any], stage: str) -> set[str]:
-    """The stages that a stage depends on, directly or not; none for what is no stage.
-
-    Args:
-        stages: as in dvc.yaml.
-        stage: name.
-    """
-    dependencies = [Path(path) for path in stages.get(stage, {}).get("deps", [])]
-    direct = {
-        name
-        for name, entry in stages.items()
-        for listed in entry.get("outs", [])
-        for out in map(Path, [listed] if isinstance(listed, str) else listed)
-        if any(path == out or path in out.parents or out in path.parents for path in dependencies)
-    } - {stage}
-    return direct.union(*(upstream(stages, name) for name in direct))
+def _now() -> int:
+    """The time as MLflow counts it, in ms."""
+    return round(time.time() * 1000)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.experiments.stage_outputs import stage_outputs
 from pipeline.io.report_manifest import read_contents
 from pipeline.runtime.errors import InputError
+from pipeline.tracking.dvc_stages import dvc_stages
 from pipeline.tracking.recording import EXPERIMENT, store_uri, without_secrets
 
 EXPERIMENT_TAG = "dvc.experiment"
@@ -103,9 +103,9 @@ def report_of(root: Path, path: Path) -> tuple[str, Path]:
     if len(inside.parts) > 2 and (root / Path(*inside.parts[:2]) / "run.json").is_file():
         reports = root / Path(*inside.parts[:2])  # of an experiment that was kept
         inside = Path("reports", *inside.parts[2:])
-    for stage, outputs in stage_outputs(root / "dvc.yaml").items():
-        if set(map(Path, outputs)) & {inside, *inside.parents}:
-            return stage, reports
+    for name, stage in dvc_stages(root / "dvc.yaml").items():
+        if {inside, *inside.parents} & {*stage.outs}:
+            return name, reports
     raise InputError(path, "no stage of dvc.yaml writes it; give a file under reports or artifacts")
 
 

@@ -4,12 +4,11 @@ The store is the repository's ``mlflow.db`` or the one that MLFLOW_TRACKING_URI 
 run at the same time share it.
 """
 
+import json
 import logging
 import os
 import socket
 import sqlite3
-import time
-from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,20 +26,24 @@ import mlflow.store.db.utils
 import psutil
 from filelock import FileLock
 from mlflow import MlflowClient
-from mlflow.entities import Param, Run
+from mlflow.entities import Dataset, DatasetInput, Param, Run
 from mlflow.system_metrics.system_metrics_monitor import SystemMetricsMonitor
 
 from pipeline.io.markdown import markdown_table
 from pipeline.runtime.paths import repository_root
-from pipeline.tracking.changed_params import Change, flat, shortened
-from pipeline.tracking.headlines import headline_metrics, upstream_headlines
-from pipeline.tracking.logged_data import data_set, metric_points
-from pipeline.tracking.recording import EXPERIMENT, ParentRun, Results, RunStart, store_uri
+from pipeline.tracking.changed_params import dotted
+from pipeline.tracking.headlines import headline_metrics, metric_points, upstream_headlines
+from pipeline.tracking.recording import (
+    EXPERIMENT,
+    InputData,
+    ParentRun,
+    Results,
+    RunStart,
+    store_uri,
+)
 
 STAGE_OF_PREDICTORS = "train_predictor"
 KEY_TAG, PROCESS_TAG = "rallygap.reproduction", "rallygap.process"
-PARAMS_A_BATCH = 100
-METRICS_A_BATCH = 1000
 STORE_BUSY = 5.0  # s, that another process may hold the repository's store
 STORE_MADE = 60.0  # s, that another process may take to make it
 
@@ -60,18 +63,11 @@ class OpenRun:
     monitor: Any
 
     def end(self, status: str, results: Results) -> None:
-        """Log what the run leaves and close it.
-
-        Args:
-            status: in MLflow's words.
-            results: of the run.
-        """
+        """Log what the run leaves and close it with a status in MLflow's words."""
         self.monitor.finish()
-        metrics = list(metric_points(results.metrics, now()))
-        for batch in batches(metrics, METRICS_A_BATCH):
-            self.client.log_batch(self.run_id, metrics=batch)
+        self.client.log_batch(self.run_id, metrics=list(metric_points(results.metrics)))
         if results.inputs:
-            self.client.log_inputs(self.run_id, [data_set(one) for one in results.inputs])
+            self.client.log_inputs(self.run_id, [_data_set(one) for one in results.inputs])
         for figure in results.figures:
             self.client.log_artifact(self.run_id, str(figure), "figures")
         if self.start.name == STAGE_OF_PREDICTORS and status == "FINISHED":
@@ -84,9 +80,9 @@ class OpenRun:
 
     def _end_parent(self, parent: ParentRun, run_id: str, status: str, results: Results) -> None:
         """Give the parent the headline metrics, and move its end to this run's."""
-        headlines = headline_metrics(self.start.name, results.metrics, now())
+        headlines = headline_metrics(self.start.name, results.metrics)
         if Path("dvc.yaml").exists():
-            headlines += upstream_headlines(self.start.name, now())
+            headlines += upstream_headlines(self.start.name)
         self.client.log_batch(run_id, metrics=headlines)
         earlier = self.client.get_run(run_id).info.status
         failed = parent.failure_is_final and earlier in ("FAILED", "KILLED")
@@ -101,26 +97,34 @@ def open_run(start: RunStart) -> OpenRun:
     # MLflow cannot make the tables of one store, or one parent, from two processes at once.
     with FileLock(home / "mlflow.db.lock", timeout=STORE_MADE):
         if named is None:
-            prepare_store(home / "mlflow.db")
+            _prepare_store(home / "mlflow.db")
         client = MlflowClient(store)
-        experiment = experiment_id(client, None if named else (home / "mlartifacts").as_uri())
-        close_abandoned(client, experiment)
-        parent_id = parent_run(client, experiment, start.parent) if start.parent else None
+        experiment = _experiment_id(client, None if named else (home / "mlartifacts").as_uri())
+        _close_abandoned(client, experiment)
+        parent_id = _parent_run(client, experiment, start.parent) if start.parent else None
     process = psutil.Process()
     tags = {**start.tags, PROCESS_TAG: f"{process.pid}-{process.create_time():.0f}"}
     tags |= {"rallygap.host": socket.gethostname()}
     if parent_id:
         tags["mlflow.parentRunId"] = parent_id
     run_id = client.create_run(experiment, tags=tags, run_name=start.name).info.run_id
-    params = [Param(".".join(keys), shortened(value)) for keys, value in flat(start.params)]
-    for batch in batches(params, PARAMS_A_BATCH):
-        client.log_batch(run_id, params=batch)
+    client.log_batch(run_id, params=_params(dotted(start.params)))
     monitor: Any = SystemMetricsMonitor(run_id)  # type: ignore[no-untyped-call]
     monitor.start()
     return OpenRun(client, start, run_id, parent_id, monitor)
 
 
-def prepare_store(path: Path) -> None:
+def _data_set(data: InputData) -> DatasetInput:
+    """An input data set as MLflow shows it; ``mlflow.data.get_source`` finds the file again."""
+    source, profile = json.dumps({"uri": data.source}), json.dumps({"num_rows": data.rows})
+    return DatasetInput(Dataset(data.name, data.digest, "local", source, profile=profile))
+
+
+def _params(values: dict[str, str]) -> list[Param]:
+    return [Param(key, value) for key, value in values.items()]
+
+
+def _prepare_store(path: Path) -> None:
     """Make the repository's store where it is missing, and see that it can be written to.
 
     It appears whole or not at all: MLflow could never open one that a kill left half-made.
@@ -137,7 +141,7 @@ def prepare_store(path: Path) -> None:
         connection.execute("BEGIN IMMEDIATE")
 
 
-def experiment_id(client: MlflowClient, artifacts: str | None) -> str:
+def _experiment_id(client: MlflowClient, artifacts: str | None) -> str:
     """The MLflow experiment of this project, created where it is missing."""
     experiment = client.get_experiment_by_name(EXPERIMENT)
     if experiment is None:
@@ -145,7 +149,7 @@ def experiment_id(client: MlflowClient, artifacts: str | None) -> str:
     return str(experiment.experiment_id)
 
 
-def close_abandoned(client: MlflowClient, experiment: str) -> None:
+def _close_abandoned(client: MlflowClient, experiment: str) -> None:
     """Mark as killed the open runs whose process on this machine has died, and their parents."""
     here = f"tags.`rallygap.host` = '{socket.gethostname()}'"
     for run in client.search_runs([experiment], f"attributes.status = 'RUNNING' AND {here}"):
@@ -163,7 +167,7 @@ def _lives(process: str) -> bool:
         return False
 
 
-def parent_run(client: MlflowClient, experiment: str, parent: ParentRun) -> str:
+def _parent_run(client: MlflowClient, experiment: str, parent: ParentRun) -> str:
     """The id of the parent: created by the first run below it, found by the others."""
     runs = client.search_runs([experiment], f"tags.`{KEY_TAG}` = '{parent.key}'", max_results=1)
     run = runs[0] if runs else _created_parent(client, experiment, parent)
@@ -172,26 +176,10 @@ def parent_run(client: MlflowClient, experiment: str, parent: ParentRun) -> str:
 
 def _created_parent(client: MlflowClient, experiment: str, parent: ParentRun) -> Run:
     tags = {**parent.tags, KEY_TAG: parent.key, "mlflow.source.name": parent.source}
-    if parent.changed:
-        tags["mlflow.note.content"] = description(parent.changed)
+    if parent.changed:  # as a table, which the page of the run shows
+        rows = [(key, *change) for key, change in parent.changed.items()]
+        tags["mlflow.note.content"] = markdown_table(["parameter", "committed", "here"], rows)
     run = client.create_run(experiment, tags=tags, run_name=parent.name)
-    params = [Param(key, change.here) for key, change in parent.changed.items()]
-    for batch in batches(params, PARAMS_A_BATCH):
-        client.log_batch(run.info.run_id, params=batch)
+    changed = {key: change.here for key, change in parent.changed.items()}
+    client.log_batch(run.info.run_id, params=_params(changed))
     return run
-
-
-def description(changed: dict[str, Change]) -> str:
-    """The changed parameters as a table in Markdown, which the page of the run shows."""
-    rows = [[key, one.committed, one.here] for key, one in changed.items()]
-    return markdown_table(["parameter", "committed", "here"], rows)
-
-
-def batches(items: Sequence[Any], size: int) -> list[Sequence[Any]]:
-    """Cut a sequence into pieces that a store takes in one call."""
-    return [items[first : first + size] for first in range(0, len(items), size)]
-
-
-def now() -> int:
-    """The time as MLflow counts it, in ms."""
-    return round(time.time() * 1000)

@@ -16,9 +16,10 @@ from typing import Any, TypeVar
 import psutil
 
 from pipeline.runtime.console import warn
+from pipeline.runtime.git import git_commit
 from pipeline.runtime.guard import guarded
 from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import Provenance, git_commit
+from pipeline.runtime.provenance import Provenance
 from pipeline.runtime.scratch import keep_timings, scratch_kept
 from pipeline.tracking.changed_params import Change, changed_params
 

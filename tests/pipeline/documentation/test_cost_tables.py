@@ -1,41 +1,40 @@
 """The tables of costs multiply and divide what was measured."""
 
+import shutil
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from pipeline.documentation.cost_tables import (
-    CORE_HOUR,
-    EPOCH,
-    extrapolated_rows,
-    measured_rows,
-)
+from pipeline.documentation.cost_tables import CORE_HOUR, EPOCH, extrapolation_table, scale_table
+from pipeline.io.artifacts import write_json
 from pipeline.params import load_params
 
 ROOT = Path(__file__).parents[3]
 UNITS = ("episodes", "questions of the exam", "control ticks", "windows")
 
 
-@pytest.fixture(scope="module")
-def rates():
+@pytest.fixture
+def root(tmp_path):
     """One unit of every work per second, and twice that on two processes."""
     rows = [
         {"work": f"do {unit}", "unit": unit, "processes": processes, "units": units,
          "seconds": units / processes, "per_second": processes}
         for unit in UNITS for processes, units in ((1, 10), (1, 20), (2, 20))
     ]  # fmt: skip
-    return pd.DataFrame(rows)
+    write_json(tmp_path / "reports/costs/scale.json", {"disk_bytes": 2_000, "memory_bytes": 50_000})
+    pd.DataFrame(rows).to_csv(tmp_path / "reports/costs/scale.csv", index=False)
+    shutil.copy(ROOT / "params.yaml", tmp_path)
+    return tmp_path
 
 
-def test_the_speed_up_is_that_of_twice_the_work(rates):
-    first = measured_rows(rates).splitlines()[2]
+def test_the_speed_up_is_that_of_twice_the_work(root):
+    first = scale_table(root).splitlines()[2]
     assert first == "| do episodes | episodes | 10 | 10.0 | 20 | 20.0 | 10.0 | 2.00 |"
 
 
-def test_the_extrapolation_multiplies_rates_and_counts_every_epoch_once(rates):
-    sizes = {"disk_bytes": 2_000, "memory_bytes": 50_000}
-    lines = extrapolated_rows(rates, sizes, ROOT).splitlines()[2:]
+def test_the_extrapolation_multiplies_rates_and_counts_every_epoch_once(root):
+    lines = extrapolation_table(root).splitlines()[2:]
     rows = [[cell.strip() for cell in line.split("|")[1:]] for line in lines]
     values = {row[0]: float(row[1].split()[0].replace(",", "")) for row in rows}
     assert values["simulate, write and segment them"] == 2777.8

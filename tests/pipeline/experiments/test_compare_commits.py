@@ -34,24 +34,24 @@ def test_names_may_change_and_numbers_may_not(commit, tmp_path):
     base = commit({"evaluate/errors.csv": TABLE, "evaluate/metrics.json": '{"mean": 1.5}'})
     renamed = TABLE.replace("error_mm", "position_error_mm")
     same = commit({"evaluate/position.csv": renamed, "evaluate/metrics.json": '{"average": 1.5}'})
-    assert compare_commits(tmp_path, base, same) == (2, [])
+    assert compare_commits(tmp_path, base, same) == (2, {})
 
     other = commit(
         {"evaluate/errors.csv": TABLE.replace("2.5", "2.6"), "gap/metrics.json": "[true]"}
     )
     count, differences = compare_commits(tmp_path, base, other)
     assert count == 1
-    assert [(one.path, one.what) for one in differences] == [
-        ("reports/gap/metrics.json", "added"),
-        ("reports/evaluate/metrics.json", "removed"),
-        ("reports/evaluate/errors.csv", "1 of 4 numbers differ, first 2.5 -> 2.6"),
-    ]
+    assert differences == {
+        "reports/gap/metrics.json": "added",
+        "reports/evaluate/metrics.json": "removed",
+        "reports/evaluate/errors.csv": "1 of 4 numbers differ, first 2.5 -> 2.6",
+    }
 
 
 def test_kept_runs_do_not_count(commit, tmp_path):
     base = commit({"paper/run.json": "{}", "paper/evaluate/errors.csv": TABLE})
     other = commit({"paper/run.json": "{}", "paper/evaluate/errors.csv": TABLE.replace("1", "2")})
-    assert compare_commits(tmp_path, base, other) == (0, [])
+    assert compare_commits(tmp_path, base, other) == (0, {})
 
 
 def test_an_unknown_commit_is_refused(commit, tmp_path):

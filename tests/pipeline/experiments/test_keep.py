@@ -8,7 +8,6 @@ import pytest
 
 from pipeline.experiments import keep
 from pipeline.experiments.keep import keep_experiment
-from pipeline.io.artifacts import write_json
 from pipeline.runtime.errors import InputError
 
 PARAMS = "seed: 1\ningest: {folder: null}\n"
@@ -92,18 +91,6 @@ def test_trained_predictors_come_along_unless_they_are_too_large(repository, mon
     }
     assert (kept / "tae" / "MODEL_CARD.md").read_text() == "see `reports/warm/a.csv`"
     assert "transformer is left out" in capsys.readouterr().err
-
-
-def test_it_is_told_how_long_this_machine_took(repository):
-    start = experiment(repository, PARAMS)
-    keep_experiment(repository, "warm")
-    assert not (repository / "reports/warm/timings.json").exists()
-    took = {"net": {"training_s": 3.5}}
-    write_json(repository / "timings/segment/f00d.json", took)
-    keep_experiment(repository, "warm")
-    timings = json.loads((repository / "reports/warm/timings.json").read_text())
-    assert timings["segment"] == took
-    assert timings["machine"]["commit"] == start
 
 
 def test_an_experiment_whose_figures_are_nowhere_is_refused_and_nothing_is_written(repository):

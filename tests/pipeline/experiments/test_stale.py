@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeline.experiments.stale import age_sentence, kept_results
+from pipeline.experiments.stale import kept_result, kept_results
 from pipeline.io.artifacts import write_json
 from tests.clone import commit, run
 
@@ -37,5 +37,5 @@ def test_a_commit_that_is_not_there_counts_as_stale(repository):
     write_json(repository / "reports/paper/run.json", {"commit": 40 * "0"})
     paper = next(one for one in kept_results(repository) if one.folder.name == "paper")
     assert paper.is_stale
-    assert age_sentence(repository, repository / "reports/paper") == paper.sentence
+    assert kept_result(repository, repository / "reports/paper") == paper
     assert "which this clone does not have" in paper.sentence

@@ -13,7 +13,7 @@ from models.predictors.learned import build_network
 from models.predictors.settings import TrainingSettings, TransformerSettings
 from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from pipeline.tracking.lineage import _newest_run
-from pipeline.tracking.model_registry import beats, example, register_predictors
+from pipeline.tracking.model_registry import EXAMPLE, beats, register_predictors
 from pipeline.tracking.recording import InputData, Results
 
 ROOT = Path(__file__).parents[3]
@@ -83,8 +83,8 @@ def test_a_model_predicts_the_same_in_a_fresh_process(store, tmp_path):
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
     again = np.load(tmp_path / "out.npz")
     torch.manual_seed(1)  # of the champion
-    one = example()
-    states, seen = torch.tensor(one["states"], dtype=torch.float32), torch.tensor(one["mask"])
+    states = torch.tensor(EXAMPLE["states"], dtype=torch.float32)
+    seen = torch.tensor(EXAMPLE["mask"])
     with torch.inference_mode():
         expected = build_network(NETWORK).eval()(states, seen).numpy()
     # The last bits follow the number of threads.

@@ -10,26 +10,20 @@ import sys
 from contextlib import closing
 from pathlib import Path
 
-import pandas as pd
 import pytest
-from mlflow.data import from_pandas
-from mlflow.types import Schema
 
 from pipeline.io.artifacts import write_json
-from pipeline.params import read_yaml
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.provenance import Provenance
 from pipeline.tracking import mlflow_run
 from pipeline.tracking import recording as tracking
-from pipeline.tracking.changed_params import shortened
-from pipeline.tracking.headlines import HEADLINES, headline_metrics, upstream
-from pipeline.tracking.logged_data import columns
+from pipeline.tracking.dvc_stages import dvc_stages, upstream
+from pipeline.tracking.headlines import HEADLINES, headline_metrics
 from pipeline.tracking.mlflow_run import MlflowClient
 from pipeline.tracking.recording import InputData, Results, recorded
 
 ROOT = Path(__file__).parents[3]
 ORIGIN = Provenance("python -m stages.segment", "f" * 64)
-SHOTS = pd.DataFrame({"shot": ["a", "b"], "bounces": [0, 1], "x": [0.1, 0.2], "in": [True, False]})
 
 
 @pytest.fixture(scope="session")
@@ -85,12 +79,11 @@ def record(stage="segment", results=Results):
 
 
 def test_a_stage_leaves_its_parameters_metrics_inputs_figures_and_tags(store, tmp_path):
-    figure, table = tmp_path / "cuts.png", tmp_path / "a.parquet"
+    figure = tmp_path / "cuts.png"
     figure.write_bytes(b"drawn")
-    SHOTS.to_parquet(table)
     errors = {"position": {"100": {"mean": 1.5}, "105": {"mean": 2.5}}}
     metrics = {"tt3d": errors, "v > 60 m/s": 3}
-    data = InputData("recordings", str(table), 2, "ab12")
+    data = InputData("recordings", "a.parquet", 2, "ab12")
     record(results=lambda: Results(metrics, [data], [figure]))
     assert statuses(store) == {"segment": "FINISHED"}
     assert rows(store, "SELECT key, value FROM params ORDER BY key") == [
@@ -102,20 +95,10 @@ def test_a_stage_leaves_its_parameters_metrics_inputs_figures_and_tags(store, tm
         ("tt3d/position/mean", 105, 2.5),
         ("v _ 60 m_s", 0, 3.0),
     ]
-    assert rows(store, "SELECT name, digest, dataset_schema FROM datasets") == [
-        ("recordings", "ab12", columns(table))
-    ]
+    assert rows(store, "SELECT name, digest FROM datasets") == [("recordings", "ab12")]
     found = tags(store, "segment")
     assert (found["dvc.stage"], found["rallygap.fingerprint"]) == ("segment", ORIGIN.fingerprint)
     assert [path.read_bytes() for path in store.parent.rglob("cuts.png")] == [b"drawn"]
-
-
-@pytest.mark.filterwarnings("ignore:Hint. Inferred schema")
-def test_a_table_has_the_columns_that_mlflow_would_find(tmp_path):
-    SHOTS.to_parquet(tmp_path / "shots.parquet")
-    described = json.loads(columns(tmp_path / "shots.parquet"))["mlflow_colspec"]
-    assert Schema.from_json(json.dumps(described)) == from_pandas(SHOTS).schema
-    assert columns(tmp_path) is None
 
 
 def test_stages_of_one_reproduction_share_a_parent_with_their_headlines(
@@ -135,7 +118,7 @@ def test_stages_of_one_reproduction_share_a_parent_with_their_headlines(
 @pytest.mark.parametrize("stage", HEADLINES)
 def test_every_headline_is_a_metric_of_the_committed_report(stage):
     metrics = json.loads((ROOT / "reports" / stage / "metrics.json").read_text())
-    found = headline_metrics(stage, metrics, 0)
+    found = headline_metrics(stage, metrics)
     assert 0 < len(found) <= 30
     assert len({one.key for one in found}) == len(found)
 
@@ -150,14 +133,14 @@ def test_stages_that_dvc_skips_give_their_headlines_to_the_parent(store, below_d
 
 
 def test_the_page_is_made_from_all_other_stages():
-    stages = read_yaml(ROOT / "dvc.yaml")["stages"]
+    stages = dvc_stages(ROOT / "dvc.yaml")
     assert upstream(stages, "report") == set(stages) - {"report"}
     assert upstream(stages, "segment") == {"ingest"}
 
 
 def test_a_headline_with_a_value_an_epoch_is_the_last_one():
     epochs = {str(epoch): {"training": 1.0, "validation": 1 / epoch} for epoch in (1, 2, 10)}
-    (loss,) = headline_metrics("train_predictor", {"gru": epochs}, 0)
+    (loss,) = headline_metrics("train_predictor", {"gru": epochs})
     assert (loss.key, loss.value) == ("train_predictor/gru/validation", 0.1)
 
 
@@ -253,13 +236,6 @@ def test_a_locked_store_costs_a_warning(store, monkeypatch, capfd):
     assert statuses(store) == {}
 
 
-def test_the_store_is_the_repository_s_also_in_a_temporary_copy(monkeypatch, store, tmp_path):
-    (tmp_path / "copy").mkdir()
-    monkeypatch.chdir(tmp_path / "copy")
-    record()
-    assert statuses(store) == {"segment": "FINISHED"}
-
-
 def test_a_dvc_process_above_makes_a_reproduction(tmp_path):
     program = tmp_path / "dvc"
     show = "from pipeline.tracking.recording import reproduction; print(reproduction())"
@@ -271,11 +247,6 @@ def test_a_dvc_process_above_makes_a_reproduction(tmp_path):
     pid, key = subprocess.run(run, cwd=ROOT, capture_output=True, text=True).stdout.split()
     assert key.split("-")[0] == pid
     assert tracking.reproduction() is None
-
-
-def test_long_parameters_are_cut_where_every_store_takes_them():
-    assert shortened("x" * 300) == "x" * 249 + "…"
-    assert shortened(["a", "é"]) == '["a", "é"]'
 
 
 def test_a_stage_whose_timings_find_no_room_is_recorded_as_failed(store, monkeypatch):

@@ -1,4 +1,4 @@
-"""Values as they are written in the cells of tables."""
+"""Committed tables, and their values as they are written in the documentation."""
 
 from pathlib import Path
 from typing import Any
@@ -8,6 +8,8 @@ import pandas as pd
 from pipeline.runtime.errors import InputError
 
 NONE = "–"
+HORIZONS_MS = (100, 200, 300)
+HORIZON_HEADS = [f"{horizon} ms" for horizon in HORIZONS_MS]
 PREDICTORS = {
     "physics_c": "physics, simulator C",
     "physics_literature": "physics, literature",
@@ -24,8 +26,8 @@ PREDICTORS = {
 }
 
 
-def read_report(root: Path, name: str) -> Any:
-    """Read a CSV table under ``reports/``.
+def read_report(root: Path, name: str, query: str = "") -> Any:
+    """Read a CSV table under ``reports/``, or the rows that a query chooses.
 
     It is typed ``Any`` because the stubs of pandas make a union of every cell.
 
@@ -35,12 +37,13 @@ def read_report(root: Path, name: str) -> Any:
     path = root / "reports" / name
     if not path.is_file():
         raise InputError(path, "is missing; run the stage that writes it")
-    return pd.read_csv(path)
+    table = pd.read_csv(path)
+    return table.query(query) if query else table
 
 
-def number(value: float, digits: int = 4) -> str:
-    """Return significant digits of a number, a dash for none."""
-    return f"{value:.{digits}g}" if pd.notna(value) else NONE
+def number(value: float) -> str:
+    """Return four significant digits of a number, a dash for none."""
+    return f"{value:.4g}" if pd.notna(value) else NONE
 
 
 def with_interval(value: float, low: float, high: float, form: str = ".0f") -> str:
@@ -51,3 +54,8 @@ def with_interval(value: float, low: float, high: float, form: str = ".0f") -> s
     # Rounded to whole numbers, a small negative one is written as zero.
     mean, start, end = (text.replace("-0", "0", 1) if text == "-0" else text for text in texts)
     return f"{mean} ({start} to {end})"
+
+
+def in_points(row: Any) -> str:
+    """Return the difference of shares in a row in points, with its interval."""
+    return with_interval(100 * row.difference, 100 * row.ci_low, 100 * row.ci_high)

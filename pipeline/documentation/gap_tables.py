@@ -1,13 +1,15 @@
 """Tables of the gap workflow: the arena, the exam, measured sets, retrained policies."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from pipeline.documentation.tables.markdown import (
+from pipeline.documentation.cells import (
+    HORIZON_HEADS,
+    HORIZONS_MS,
     NONE,
+    in_points,
     number,
     read_report,
     with_interval,
@@ -18,7 +20,6 @@ from pipeline.io.markdown import markdown_table
 NOT_TESTED = ("racket_bounce", "net")  # the gap workflow's shots touch neither
 BASES = {"imperfect_c": "C", "without_magnus": "C without lift", "from_literature": "literature"}
 SETS = ("spindoe", "tt3d", "isr_ball_prediction")
-HORIZONS_MS = (100, 200, 300)
 RATES = {  # what the exam counts: the number of right answers, and of questions
     "clean sets with a false alarm": ("false_alarms", "clean_sets"),
     "one distinguishable cause at 3 detection limits: named": (
@@ -37,56 +38,42 @@ RATES = {  # what the exam counts: the number of right answers, and of questions
 
 def arena_causes(root: Path) -> str:
     """Parameters that were wrong or missing in simulator C, from ``retrain_policy``."""
-    rows = read_report(root, "retrain_policy/numbers.csv").query("source == 'arena'")
-    rows = rows[~rows["effect"].isin(NOT_TESTED)]
-    rows = rows[rows["amended"].fillna(0) != rows["truth"].fillna(0)]
-    return markdown_table(
-        ["parameter", "simulator C", "named (95 % interval)", "arena"],
-        (
-            [
-                f"`{row.effect}.{row.parameter}`",
-                number(row.original),
-                with_interval(
-                    row.amended if pd.notna(row.low) else float("nan"), row.low, row.high, ".4g"
-                ),
-                number(row.truth),
-            ]
-            for row in rows.itertuples()
-        ),
-    )
+    table = read_report(root, "retrain_policy/numbers.csv", "source == 'arena'")
+    table = table[~table["effect"].isin(NOT_TESTED)]
+    table = table[table["amended"].fillna(0) != table["truth"].fillna(0)]
+    rows = []
+    for row in table.itertuples():
+        amended = row.amended if pd.notna(row.low) else float("nan")
+        named = with_interval(amended, row.low, row.high, ".4g")
+        parameter = f"`{row.effect}.{row.parameter}`"
+        rows.append([parameter, number(row.original), named, number(row.truth)])
+    return markdown_table(["parameter", "simulator C", "named (95 % interval)", "arena"], rows)
 
 
 def exam_rates(root: Path) -> str:
     """Counts of the exam for every method, from ``hidden_effects``."""
     results = read_json(root / "reports/hidden_effects/exam.json")
     methods = {"rallygap": results, **results["compared"]}
-
-    def counts(right: str, asked: str) -> Iterator[str]:
-        for one in methods.values():
-            yield f"{one[right]} of {one[asked]}" if one[asked] else NONE
-
-    closed = (f"{100 * one['removable_closed']:.0f}" for one in methods.values())
-    rows = [[name, *counts(*keys)] for name, keys in RATES.items()]
+    rows = [
+        [
+            name,
+            *(f"{one[right]} of {one[asked]}" if one[asked] else NONE for one in methods.values()),
+        ]
+        for name, (right, asked) in RATES.items()
+    ]
+    closed = [f"{100 * one['removable_closed']:.0f}" for one in methods.values()]
     return markdown_table(["", *methods], [*rows, ["removable gap closed (%)", *closed]])
 
 
 def retrained_returns(root: Path, run: str = "") -> str:
     """Returns of the arena's shots by policy and predictor, from ``retrain_policy``."""
-    rows = read_report(root, f"{run}retrain_policy/returns.csv").query("set == 'arena'")
-    return markdown_table(
-        ["policy", "predictor", "horizons (ms)", "returns", "of", "difference (points)"],
-        (
-            [
-                row.policy,
-                row.predictor,
-                row.horizons_ms,
-                f"{row.returns:g}",
-                f"{row.balls}",
-                with_interval(100 * row.difference, 100 * row.ci_low, 100 * row.ci_high),
-            ]
-            for row in rows.itertuples()
-        ),
-    )
+    table = read_report(root, f"{run}retrain_policy/returns.csv", "set == 'arena'")
+    rows = []
+    for row in table.itertuples():
+        counts = [f"{row.returns:g}", row.balls]
+        rows.append([row.policy, row.predictor, row.horizons_ms, *counts, in_points(row)])
+    head = ["policy", "predictor", "horizons (ms)", "returns", "of", "difference (points)"]
+    return markdown_table(head, rows)
 
 
 def real_summary(root: Path) -> str:
@@ -97,41 +84,27 @@ def real_summary(root: Path) -> str:
         chosen = "source == @source and simulator == @base"
         means = errors.query(chosen).groupby("horizon_ms").mean(numeric_only=True)
         gravity = causes.query(f"{chosen} and cause.str.startswith('gravity')")["found"].sum()
-        rows.append(
-            [
-                source,
-                BASES[base],
-                *(_errors(means.loc[horizon]) for horizon in HORIZONS_MS),
-                f"{(some['closer_low_mm'] > 0).sum()} of {len(some)}",
-                f"{(some['verdict'] == 'named').sum()} of {len(some)}",
-                f"{gravity} of {len(some)}",
-            ]
-        )
-    head = ["set", "base simulator", *(f"{horizon} ms" for horizon in HORIZONS_MS)]
+        falls, named = (some["closer_low_mm"] > 0).sum(), (some["verdict"] == "named").sum()
+        cells = [_errors(means.loc[horizon]) for horizon in HORIZONS_MS]
+        counts = [f"{count} of {len(some)}" for count in (falls, named, gravity)]
+        rows.append([source, BASES[base], *cells, *counts])
+    head = ["set", "base simulator", *HORIZON_HEADS]
     return markdown_table([*head, "error falls", "verdict `named`", "gravity among causes"], rows)
 
 
 def real_errors(root: Path) -> str:
     """Errors on held-out shots of the measured sets, a row a verdict."""
-    errors = _real(root, "errors").set_index(["source", "simulator", "split", "horizon_ms"])
-
-    def at(row: Any, horizon: int) -> str:
-        case = (row["source"], row["simulator"], row["split"], horizon)
-        return _errors(errors.loc[case]) if case in errors.index else NONE
-
-    rows = [
-        [
-            row["source"],
-            BASES[row["simulator"]],
-            str(row["split"]),
-            row["verdict"],
-            *(at(row, horizon) for horizon in HORIZONS_MS),
-            f"{row['closer_low_mm']:.0f} to {row['closer_high_mm']:.0f}",
-            _errors(row.filter(like="landing_").rename(lambda name: name.removeprefix("landing_"))),
-        ]
-        for _, row in _real(root, "verdicts").iterrows()
-    ]
-    head = ["set", "base simulator", "split", "verdict", *(f"{one} ms" for one in HORIZONS_MS)]
+    keys = ["source", "simulator", "split", "horizon_ms"]
+    errors = _real(root, "errors").set_index(keys)
+    rows = []
+    for _, row in _real(root, "verdicts").iterrows():
+        at = [(*row[keys[:3]], horizon) for horizon in HORIZONS_MS]
+        cells = [_errors(errors.loc[one]) if one in errors.index else NONE for one in at]
+        fall = f"{row['closer_low_mm']:.0f} to {row['closer_high_mm']:.0f}"
+        landing = row.filter(like="landing_").rename(lambda name: name.removeprefix("landing_"))
+        case = [row["source"], BASES[row["simulator"]], row["split"], row["verdict"]]
+        rows.append([*case, *cells, fall, _errors(landing)])
+    head = ["set", "base simulator", "split", "verdict", *HORIZON_HEADS]
     return markdown_table([*head, "error falls by (mm)", "landing"], rows)
 
 

@@ -2,15 +2,15 @@
 
 from pathlib import Path
 
-from pipeline.documentation.tables.markdown import (
+from pipeline.documentation.cells import (
+    HORIZON_HEADS,
+    HORIZONS_MS,
     NONE,
     PREDICTORS,
     read_report,
     with_interval,
 )
 from pipeline.io.markdown import markdown_table
-
-HORIZONS_MS = (100, 200, 300)
 
 
 def position_errors(root: Path, run: str = "", *, arena: bool) -> str:
@@ -21,28 +21,25 @@ def position_errors(root: Path, run: str = "", *, arena: bool) -> str:
         run: a kept run, such as ``paper/``; the present reports where empty.
         arena: whether the rows are those of the arena, or of the measured sets.
     """
-    errors = read_report(root, f"{run}evaluate_predictor/forecast_error.csv")
-    errors = errors.query("against == 'measured' and quantity == 'position' and bounce == 'all'")
-    errors = errors[(errors["set"] == "arena") == arena]
+    query = "against == 'measured' and quantity == 'position' and bounce == 'all'"
+    errors = read_report(root, f"{run}evaluate_predictor/forecast_error.csv", query)
+    errors = errors[(errors["set"] == "arena") == arena].sort_values("horizon_ms", kind="stable")
     rows = []
     for (name, predictor), some in errors.groupby(["set", "predictor"], sort=False):
-        ordered = some.sort_values("horizon_ms").itertuples()
-        cells = [with_interval(row.mean, row.ci_low, row.ci_high) for row in ordered]
+        cells = [with_interval(row.mean, row.ci_low, row.ci_high) for row in some.itertuples()]
         rows.append([name, PREDICTORS[predictor], *cells])
-    return markdown_table(["set", "predictor", *(f"{one} ms" for one in HORIZONS_MS)], rows)
+    return markdown_table(["set", "predictor", *HORIZON_HEADS], rows)
 
 
 def errors_by_group(root: Path) -> str:
     """Mean position errors in mm at 300 ms by group of recordings, from ``evaluate_predictor``."""
-    errors = read_report(root, "evaluate_predictor/forecast_error_by_group.csv")
-    errors = errors.query("set == 'arena'")
-    groups = list(dict.fromkeys(errors["group"]))
+    name = "evaluate_predictor/forecast_error_by_group.csv"
+    errors = read_report(root, name, "set == 'arena'")
     rows = []
     for predictor, some in errors.groupby("predictor", sort=False):
-        of = some.set_index("group")
-        cells = [with_interval(*of.loc[one, ["mean", "ci_low", "ci_high"]]) for one in groups]
-        rows.append([PREDICTORS[str(predictor)], *cells])
-    return markdown_table(["predictor", *groups], rows)
+        cells = [with_interval(row.mean, row.ci_low, row.ci_high) for row in some.itertuples()]
+        rows.append([PREDICTORS[predictor], *cells])
+    return markdown_table(["predictor", *errors["group"].unique()], rows)
 
 
 def predictor_costs(root: Path) -> str:
