@@ -6,7 +6,7 @@ So effects combine in any number and order, and one compilation serves every com
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, Literal
 
 Hook = Callable[..., Any]
@@ -27,11 +27,12 @@ class Parameter:
     """
 
     name: str
-    unit: str
-    neutral: float
+    _: KW_ONLY
+    unit: str = "1"
+    neutral: float = 0.0
     bounds: tuple[float, float]
     observed: str
-    source: str
+    source: str = "definition"
 
     @property
     def required(self) -> bool:

@@ -7,10 +7,7 @@ surface lets the ball through unchanged.
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-Vector = tuple[float, float, float]
+from models.ball.types import Floats, Vector
 
 
 class Air(NamedTuple):
@@ -33,7 +30,7 @@ class Impact(NamedTuple):
 class View(NamedTuple):
     """The true ball at a measurement: its speed, m/s (arrays of any shape)."""
 
-    speed: float | NDArray[np.float64]
+    speed: float | Floats
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,7 @@ class Solid:
     pitch: float = 0.0  # rad about x, from the link's axes to the solid's
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Joint:
     """A driven joint and the link that it moves."""
 
@@ -49,21 +49,16 @@ class Joint:
     kind: Literal["prismatic", "revolute"]
     # of the joint's frame, along which it slides or about which it turns
     axis: Literal["x", "y", "z"]
-    origin: Vector  # m, of the joint in the frame of the link before it
-    pitch: float  # rad about x, from the frame of the link before it to the joint's at zero
+    origin: Vector = (0.0, 0.0, 0.0)  # m, of the joint in the frame of the link before it
+    # rad about x, from the frame of the link before it to the joint's at zero
+    pitch: float = 0.0
     lower: float  # end of the joint's range, m or rad; neutral is zero
     upper: float  # other end of the range, m or rad
     speed: float  # largest command to the drive, m/s or rad/s
     force: float  # of the drive, N or N m
     link: tuple[Solid, ...]  # the solids that it moves
 
-    @property
-    def mass(self) -> float:
-        """Mass of the link, kg."""
-        return math.fsum(solid.mass for solid in self.link)
 
-
-_HERE: Vector = (0.0, 0.0, 0.0)
 _ALONG_Y = -math.pi / 2  # pitch of a cylinder whose axis is the link's y
 
 # The drives of the gantry accelerate what they carry, 15.05 and 7.05 kg, at 20 and 30 m/s^2: belt
@@ -75,8 +70,6 @@ JOINTS = (
         name="bridge",
         kind="prismatic",
         axis="y",
-        origin=_HERE,
-        pitch=0.0,
         lower=-0.35,
         upper=0.45,
         speed=2.0,
@@ -87,8 +80,6 @@ JOINTS = (
         name="carriage",
         kind="prismatic",
         axis="x",
-        origin=_HERE,
-        pitch=0.0,
         lower=-0.8,
         upper=0.8,
         speed=3.0,
@@ -99,7 +90,6 @@ JOINTS = (
         name="shoulder",
         kind="revolute",
         axis="x",
-        origin=_HERE,
         pitch=0.35,  # leaning back, so that the elbow is behind the racket
         lower=-1.2,
         upper=1.2,
@@ -135,7 +125,6 @@ JOINTS = (
         name="wrist_pitch",
         kind="revolute",
         axis="x",
-        origin=_HERE,
         pitch=0.2,  # the face open by 11 degrees, as for a block
         lower=-1.5,
         upper=1.5,

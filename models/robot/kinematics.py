@@ -1,4 +1,4 @@
-"""Forward kinematics and Jacobians of the racket, for many arms at once."""
+"""Forward kinematics of the racket, for many arms at once."""
 
 import math
 from dataclasses import dataclass
@@ -37,15 +37,6 @@ def racket(joints: ArrayLike, joint_speeds: ArrayLike) -> Racket:
     if len(at) != len(moving):
         raise ValueError(f"{len(at)} arms, but speeds of {len(moving)}")
     return Racket(*_rackets(at, moving))
-
-
-def jacobian(joints: ArrayLike) -> Floats:
-    """Return (B, 6, 6): velocity of the racket's centre, then angular velocity, by joint speed.
-
-    Raises:
-        ValueError: joints that are not (B, 6).
-    """
-    return _jacobians(rows_of_joints(joints))
 
 
 def rows_of_joints(values: ArrayLike) -> Floats:
@@ -138,11 +129,3 @@ def _rackets(joints: Floats, joint_speeds: Floats) -> tuple[Floats, Floats, Floa
                 velocity[arm, k] += columns[k, joint] * joint_speeds[arm, joint]
                 turning[arm, k] += columns[k + 3, joint] * joint_speeds[arm, joint]
     return position, normal, velocity, turning
-
-
-@compiled
-def _jacobians(joints: Floats) -> Floats:
-    columns, frame = np.empty((len(joints), 6, JOINT_COUNT)), np.empty((3, 3))
-    for arm in range(len(joints)):
-        locate(joints[arm], frame, columns[arm])
-    return columns

@@ -12,8 +12,6 @@ effect = Effect(
     parameters=(
         Parameter(
             "c",
-            unit="1",
-            neutral=0.0,
             bounds=(-5.0, 5.0),
             observed="physically 1, that is 0.74 percent of every acceleration",
             source="potential flow about a sphere",

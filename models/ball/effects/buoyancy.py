@@ -11,8 +11,6 @@ effect = Effect(
     parameters=(
         Parameter(
             "b",
-            unit="1",
-            neutral=0.0,
             bounds=(-5.0, 5.0),
             observed="physically 1, that is 1.5 percent of g",
             source="Archimedes",

@@ -11,11 +11,8 @@ effect = Effect(
     parameters=(
         Parameter(
             "d",
-            unit="1",
-            neutral=0.0,
             bounds=(-0.2, 0.2),
             observed="1e-4; 1e-2 for a wrong frame rate",
-            source="definition",
         ),
     ),
 )

@@ -11,8 +11,6 @@ effect = Effect(
     parameters=(
         Parameter(
             "cd",
-            unit="1",
-            neutral=0.0,
             bounds=(0.0, 1.5),
             observed="0.40-0.56",
             source="Nakashima 2010: 0.54",

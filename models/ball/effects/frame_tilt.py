@@ -13,10 +13,8 @@ effect = Effect(
         Parameter(
             axis,
             unit="rad",
-            neutral=0.0,
             bounds=(-0.2, 0.2),
             observed="0.1-1 degree",
-            source="definition",
         )
         for axis in "xy"
     ),

@@ -11,7 +11,6 @@ effect = Effect(
         Parameter(
             "g",
             unit="m/s^2",
-            neutral=0.0,
             bounds=(0.0, 30.0),
             observed="9.78-9.83 over the earth",
             source="Nakashima 2010",

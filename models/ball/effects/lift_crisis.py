@@ -13,8 +13,6 @@ effect = Effect(
     parameters=(
         Parameter(
             "d",
-            unit="1",
-            neutral=0.0,
             bounds=(0.0, 3.0),
             observed="to zero or negative lift above 11 m/s",
             source="after Miyazaki 2017",

@@ -11,8 +11,6 @@ effect = Effect(
     parameters=(
         Parameter(
             "kappa",
-            unit="1",
-            neutral=0.0,
             bounds=(0.0, 50.0),
             observed="C_L about 0.35 S / (0.20 + S), so kappa about 5",
             source="fits of cannon shots over S 0.15-1.2",

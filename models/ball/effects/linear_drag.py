@@ -1,7 +1,8 @@
 """Drag in proportion to speed: not physical for this ball, a decoy for tests."""
 
 from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Air, Vector
+from models.ball.quantities import Air
+from models.ball.types import Vector
 
 effect = Effect(
     name="linear_drag",
@@ -12,7 +13,6 @@ effect = Effect(
         Parameter(
             "k1",
             unit="1/s",
-            neutral=0.0,
             bounds=(-2.0, 2.0),
             observed="not physical at these Reynolds numbers",
             source="Stokes drag",

@@ -11,8 +11,6 @@ effect = Effect(
     parameters=(
         Parameter(
             "cm",
-            unit="1",
-            neutral=0.0,
             bounds=(-1.0, 1.0),
             observed="pooled fits 0.07-0.12; 0.09-0.33 where lift is not saturated",
             source="Nakashima 2010: 0.069",

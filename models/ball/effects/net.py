@@ -11,7 +11,6 @@ effect = Effect(
     parameters=(
         Parameter(
             "restitution",
-            unit="1",
             neutral=-1.0,
             bounds=(0.0, 1.0),
             observed="not reported; a net gives way",
@@ -19,8 +18,6 @@ effect = Effect(
         ),
         Parameter(
             "friction",
-            unit="1",
-            neutral=0.0,
             bounds=(0.0, 2.0),
             observed="not reported",
             source="assumption: 0.5",

@@ -11,11 +11,8 @@ effect = Effect(
     parameters=(
         Parameter(
             "s",
-            unit="1",
-            neutral=0.0,
             bounds=(-0.1, 0.1),
             observed="0.1-1 percent",
-            source="definition",
         ),
     ),
 )

@@ -12,7 +12,6 @@ effect = Effect(
     parameters=(
         Parameter(
             "restitution",
-            unit="1",
             neutral=-1.0,
             bounds=(0.0, 1.0),
             observed="0.878",
@@ -21,7 +20,6 @@ effect = Effect(
         Parameter(
             "speed_loss",
             unit="s/m",
-            neutral=0.0,
             bounds=(0.0, 0.1),
             observed="0.020",
             source="fits of racket contacts",
@@ -29,7 +27,6 @@ effect = Effect(
         Parameter(
             "kp",
             unit="kg",
-            neutral=0.0,
             bounds=(0.0, 2.16e-3),
             observed="1.9e-3, a tangential restitution of 0.76",
             source="Nakashima 2010; the 0.019 in print is ten times too large",

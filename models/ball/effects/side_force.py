@@ -3,8 +3,9 @@
 import math
 
 from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Air, Vector
+from models.ball.quantities import Air
 from models.ball.state import DRAG_FACTOR
+from models.ball.types import Vector
 
 effect = Effect(
     name="side_force",
@@ -14,11 +15,8 @@ effect = Effect(
     parameters=(
         Parameter(
             "cy",
-            unit="1",
-            neutral=0.0,
             bounds=(-0.5, 0.5),
             observed="to 0.05 on a knuckle ball",
-            source="definition",
         ),
     ),
 )

@@ -12,7 +12,6 @@ effect = Effect(
         Parameter(
             "c",
             unit="s/m",
-            neutral=0.0,
             bounds=(-0.2, 0.2),
             observed="mu rises from 0.16 to 0.20 with slip in cannon shots",
             source="fits of cannon shots",

@@ -11,8 +11,6 @@ effect = Effect(
     parameters=(
         Parameter(
             "c",
-            unit="1",
-            neutral=0.0,
             bounds=(-0.5, 0.5),
             observed="about -0.06",
             source="fits of cannon shots; the drag crisis of smooth spheres",

@@ -15,10 +15,8 @@ effect = Effect(
         Parameter(
             "tau",
             unit="s^2/m",
-            neutral=0.0,
             bounds=(-0.002, 0.002),
             observed="1-5 ms per 10 m/s",
-            source="definition",
         ),
     ),
 )

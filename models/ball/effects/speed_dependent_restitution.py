@@ -12,7 +12,6 @@ effect = Effect(
         Parameter(
             "c",
             unit="s/m",
-            neutral=0.0,
             bounds=(-0.1, 0.1),
             observed="0.02 at high speed, none below 4 m/s",
             source="drop and cannon tests",

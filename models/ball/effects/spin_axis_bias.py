@@ -1,7 +1,8 @@
 """Spin labels are turned."""
 
 from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Vector, View
+from models.ball.quantities import View
+from models.ball.types import Vector
 
 effect = Effect(
     name="spin_axis_bias",
@@ -12,10 +13,8 @@ effect = Effect(
         Parameter(
             axis,
             unit="rad",
-            neutral=0.0,
             bounds=(-0.8, 0.8),
             observed="1-3 degrees",
-            source="definition",
         )
         for axis in "xyz"
     ),

@@ -12,7 +12,6 @@ effect = Effect(
         Parameter(
             "c",
             unit="1/m",
-            neutral=0.0,
             bounds=(0.0, 0.2),
             observed="about 0.004",
             source="skin friction of a rotating sphere",

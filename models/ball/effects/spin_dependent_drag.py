@@ -11,8 +11,6 @@ effect = Effect(
     parameters=(
         Parameter(
             "c",
-            unit="1",
-            neutral=0.0,
             bounds=(-0.5, 0.5),
             observed="0.05-0.1",
             source="wind-tunnel data on spinning spheres",

@@ -12,10 +12,8 @@ effect = Effect(
         Parameter(
             "c",
             unit="s/m",
-            neutral=0.0,
             bounds=(-0.1, 0.1),
             observed="not reported",
-            source="definition",
         ),
     ),
 )

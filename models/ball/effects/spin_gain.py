@@ -11,11 +11,8 @@ effect = Effect(
     parameters=(
         Parameter(
             "s",
-            unit="1",
-            neutral=0.0,
             bounds=(-0.5, 0.5),
             observed="5 percent",
-            source="definition",
         ),
     ),
 )

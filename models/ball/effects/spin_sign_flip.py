@@ -11,11 +11,8 @@ effect = Effect(
     parameters=(
         Parameter(
             "share",
-            unit="1",
-            neutral=0.0,
             bounds=(0.0, 1.0),
             observed="14 percent in one public set",
-            source="definition",
         ),
     ),
 )

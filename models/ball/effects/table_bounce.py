@@ -11,7 +11,6 @@ effect = Effect(
     parameters=(
         Parameter(
             "restitution",
-            unit="1",
             neutral=-1.0,
             bounds=(0.0, 1.0),
             observed="0.866-0.960",
@@ -19,8 +18,6 @@ effect = Effect(
         ),
         Parameter(
             "friction",
-            unit="1",
-            neutral=0.0,
             bounds=(0.0, 2.0),
             observed="0.15-0.35",
             source="Nakashima 2010: 0.25",

@@ -11,10 +11,8 @@ effect = Effect(
         Parameter(
             "h",
             unit="m",
-            neutral=0.0,
             bounds=(-0.2, 0.2),
             observed="1-3 mm; one public set 22 mm",
-            source="definition",
         ),
     ),
 )

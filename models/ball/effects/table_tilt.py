@@ -13,10 +13,8 @@ effect = Effect(
         Parameter(
             axis,
             unit="rad",
-            neutral=0.0,
             bounds=(-0.1, 0.1),
             observed="0.05-0.3 degrees",
-            source="definition",
         )
         for axis in "xy"
     ),

@@ -11,8 +11,6 @@ effect = Effect(
     parameters=(
         Parameter(
             "et",
-            unit="1",
-            neutral=0.0,
             bounds=(0.0, 1.0),
             observed="0 on wood",
             source="Maw, Barber, Fawcett 1976",

@@ -12,10 +12,8 @@ effect = Effect(
         Parameter(
             "tau",
             unit="s",
-            neutral=0.0,
             bounds=(-0.1, 0.1),
             observed="not visible in the ball's path",
-            source="definition",
         ),
     ),
 )

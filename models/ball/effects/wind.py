@@ -1,7 +1,7 @@
 """Wind: the air moves over the table."""
 
 from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Vector
+from models.ball.types import Vector
 
 effect = Effect(
     name="wind",
@@ -12,10 +12,8 @@ effect = Effect(
         Parameter(
             axis,
             unit="m/s",
-            neutral=0.0,
             bounds=(-10.0, 10.0),
             observed="0.1-0.5 from air conditioning",
-            source="definition",
         )
         for axis in "xyz"
     ),

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from models.ball.catalogue import catalogue
 from models.ball.contact_laws import NET
 from models.ball.sensor import measured
+from models.ball.simulator import Simulator
 from tests.models.ball.balls import NOMINAL, simulator
 
 MASS, RADIUS, DENSITY, G, CD, CM = 2.7e-3, 0.02, 1.2, 9.81, 0.55, 0.069
@@ -206,6 +208,12 @@ SENSORS = [
         rotated(TURNING, BIAS),
     ),
     ("spin_sign_flip", {"share": 1.0}, parabola(TIMES), -TURNING),
+    (
+        "speed_dependent_latency",
+        {"tau": 0.0005},
+        parabola(TIMES - 0.0005 * np.linalg.norm(THROWN[3:] - G * TIMES[:, None] * UP, axis=1)),
+        TURNING,
+    ),
 ]
 
 
@@ -218,3 +226,35 @@ def test_what_a_sensor_sees_follows_the_equation(name, parameters, positions, sp
     seen, labels = measured(vacuum, ball, TIMES, np.random.default_rng(0))
     np.testing.assert_allclose(seen[0], positions, atol=1e-12)
     np.testing.assert_allclose(labels[0], np.tile(spin, (len(TIMES), 1)), atol=1e-10)
+
+
+BALL = np.array([0.1, 1.2, 0.3, 0.4, -9.0, 0.5, -150.0, 40.0, 30.0])
+BALLS = np.array(
+    [BALL, [0.0, 1.2, 0.3, 0.0, -14.0, 0.5, -350.0, 0.0, 0.0], [0, 1, 0.3, 0, -4, -3, -20, 0, 0]]
+)
+FULL = NOMINAL.amended("net", restitution=0.2, friction=0.5).amended(
+    "racket_bounce", restitution=0.878, speed_loss=0.02, kp=0.0019
+)
+
+
+def seen(simulator):
+    """Everything a simulator can do to a ball: flight, contacts, stroke, measurement."""
+    times = np.arange(1, 101) * 0.005
+    flight = simulator.fly(BALLS, times)
+    struck = simulator.strike([BALL], [[0.1, 0.9, 0.2]], [[0.0, 3.0, 1.0]])
+    camera = measured(simulator, BALLS, times, np.random.default_rng(0))
+    return [flight.states, flight.contacts.after, struck, *camera]
+
+
+@pytest.mark.parametrize("name", catalogue())
+def test_the_neutral_value_changes_nothing(name):
+    others = {key: value for key, value in FULL.effects.items() if key != name}
+    neutral = {parameter.name: parameter.neutral for parameter in catalogue()[name].parameters}
+    absent, present = Simulator(others), Simulator({**others, name: neutral})
+    for without, with_neutral in zip(seen(absent), seen(present), strict=True):
+        np.testing.assert_array_equal(with_neutral, without)
+
+
+def test_every_effect_is_compared_with_its_equation():
+    compared = {name for name, *_ in (*FLIGHTS, *TABLES, *SENSORS)} | {"racket_bounce", "net"}
+    assert compared == set(catalogue())

@@ -59,13 +59,6 @@ def test_the_step_converges_with_order_four(along):
     np.testing.assert_allclose(orders, 4.0, atol=0.25)
 
 
-def test_still_air_takes_energy_from_a_ball_without_gravity():
-    flown = simulator(drag={"cd": 0.4}, magnus={"cm": 0.1}, spin_decay={"c": 0.01})
-    states = flown.fly(BALL, TIMES).states[0]
-    speed = np.linalg.norm(states[:, 3:6], axis=1)
-    assert (np.diff(speed) < 0).all()
-
-
 def test_times_before_the_state_fly_backwards():
     there = NOMINAL.fly(BALL, [0.05, 0.1]).states[0]
     back = NOMINAL.fly(there[1], [-0.1, -0.05, 0.0]).states[0]

@@ -84,6 +84,13 @@ def test_drag_never_drives_the_ball():
     np.testing.assert_allclose(speed, 35.0)
 
 
+def test_friction_has_no_grip_below_zero():
+    slippery = NOMINAL.amended("slip_dependent_friction", c=-0.2)
+    contacts = slippery.fly([0, 1, 0.3, 0, -9.8, -5, 0, 0, 0], TIMES).contacts
+    assert contacts.count[0] > 0
+    np.testing.assert_allclose(contacts.after[0, 0, 3:5], contacts.before[0, 0, 3:5])
+
+
 def test_an_effect_of_the_table_does_not_make_a_table():
     floating = simulator(gravity={"g": 9.81}, spin_dependent_restitution={"c": -0.1})
     assert floating.fly([0, 1, 0.3, 0, 0, 0, 0, 0, 0], TIMES).contacts.count[0] == 0

@@ -72,13 +72,6 @@ def test_a_resting_ball_that_rolls_over_the_edge_falls():
     assert states[-1, 2] < -1.0
 
 
-def test_a_ball_measured_inside_the_table_bounces_at_once():
-    ball = np.array([0, 0.5, BALL_RADIUS - 0.008, 0, -5.0, -2.0, 0, 0, 0])
-    state = NOMINAL.fly(ball, [0.005]).states[0, 0]
-    assert state[5] > 0
-    assert state[2] > ball[2]
-
-
 @given(served_balls(35.0, 1000.0))
 @settings(max_examples=150, deadline=None)
 def test_no_ball_sinks_through_the_table(ball):

@@ -1,4 +1,4 @@
-"""Where the racket is and how it moves: as Bullet has it, and as finite differences have it."""
+"""Where the racket is and how it moves, compared with Bullet."""
 
 import numpy as np
 import pybullet
@@ -6,7 +6,7 @@ import pytest
 
 from models.robot.bullet import add_arm, open_world
 from models.robot.constants import BLADE, JOINTS, LOWER, NEUTRAL, SPEED, UPPER
-from models.robot.kinematics import jacobian, racket
+from models.robot.kinematics import racket
 
 RACKET_LINK = len(JOINTS) - 1
 POSES = np.random.default_rng(3).uniform(LOWER, UPPER, (40, len(JOINTS)))
@@ -36,25 +36,6 @@ def bullet_racket(arm, joints, speeds):
     return centre, axes[:, 1], state[6] + np.cross(state[7], centre - state[0]), state[7]
 
 
-def bullet_jacobian(arm, joints):
-    pose(arm, joints, np.zeros(len(JOINTS)))
-    # Bullet takes the point from the link's origin, but along the principal axes of its inertia.
-    principal = pybullet.getDynamicsInfo(linkIndex=RACKET_LINK, **arm)[4]
-    inverse = pybullet.invertTransform([0, 0, 0], principal)
-    point, _ = pybullet.multiplyTransforms(*inverse, BLADE, [0, 0, 0, 1])
-    rest = [0.0] * len(JOINTS)
-    return np.concatenate(
-        pybullet.calculateJacobian(
-            linkIndex=RACKET_LINK,
-            localPosition=list(point),
-            objPositions=joints.tolist(),
-            objVelocities=rest,
-            objAccelerations=rest,
-            **arm,
-        )
-    )
-
-
 def test_the_racket_is_where_bullet_has_it_and_moves_alike(arm):
     ours = racket(POSES, MOTIONS)
     for row, (joints, speeds) in enumerate(zip(POSES, MOTIONS, strict=True)):
@@ -65,29 +46,7 @@ def test_the_racket_is_where_bullet_has_it_and_moves_alike(arm):
         np.testing.assert_allclose(ours.turning[row], turning, atol=1e-5)
 
 
-def test_the_jacobian_is_bullet_s(arm):
-    expected = [bullet_jacobian(arm, joints) for joints in POSES]
-    np.testing.assert_allclose(jacobian(POSES), expected, atol=1e-7)
-
-
-def test_the_jacobian_is_the_derivative_of_position_and_normal():
-    columns, normals, step = jacobian(POSES), racket(POSES, MOTIONS).normal, 1e-6
-    for joint in range(len(JOINTS)):
-        aside = step * np.eye(len(JOINTS))[joint]
-        ahead, behind = racket(POSES + aside, MOTIONS), racket(POSES - aside, MOTIONS)
-        moved = (ahead.position - behind.position) / (2 * step)
-        np.testing.assert_allclose(columns[:, :3, joint], moved, atol=1e-8)
-        tilted = (ahead.normal - behind.normal) / (2 * step)
-        np.testing.assert_allclose(np.cross(columns[:, 3:, joint], normals), tilted, atol=1e-8)
-
-
 def test_in_neutral_the_racket_waits_behind_the_table_and_faces_it():
     ours = racket([NEUTRAL], [NEUTRAL])
     np.testing.assert_allclose(ours.position[0], [0.0, -1.64, 0.30], atol=5e-3)
     np.testing.assert_allclose(ours.normal[0], [0.0, np.cos(0.2), np.sin(0.2)], atol=1e-12)
-
-
-@pytest.mark.parametrize("joints", [np.zeros(6), np.zeros((2, 5))])
-def test_other_shapes_are_refused(joints):
-    with pytest.raises(ValueError, match=r"\(B, 6\)"):
-        jacobian(joints)
