@@ -76,7 +76,7 @@ def train(name: str, policies: Iterator[Policy], patience: float) -> Progress:
 
 def return_rate(policy: Policy) -> float:
     """Return the return rate of a policy on the validation shots."""
-    balls, goals = TASK.training_balls(SHOTS, validation_stream(SEED))
+    balls, goals = TASK.draw(SHOTS, validation_stream(SEED))
     return float(
         play(policy, TASK.simulator, balls, goals, TASK.observation).table["returned"].mean()
     )

@@ -14,7 +14,7 @@ from stable_baselines3.common.logger import Logger
 
 from benchmarks.comparison import ROOT, faster, rate, report
 from models.policy.batch_simulation import ACTIONS
-from models.policy.environment import ReturnEnv, ReturnVecEnv
+from models.policy.environment import ReturnVecEnv
 from models.policy.learning import LEARNER, REPLAY, learn_iteration, skip_critic_gradients
 from models.policy.task import Task
 from pipeline.evaluation.costs import one_core
@@ -30,39 +30,20 @@ TASK = Task(
 PEER = "SB3 defaults"
 
 
-def single_environment() -> ReturnEnv:
-    return ReturnEnv(TASK.simulator, TASK.training_balls, TASK.observation)
-
-
 def default_learner() -> SAC:
     """Return Stable-Baselines3's learner with its defaults."""
-    return SAC("MlpPolicy", single_environment(), seed=SEED, device="cpu")
+    return SAC("MlpPolicy", ReturnVecEnv(TASK, 1, SEED), seed=SEED, device="cpu")
 
 
-def tick_of_many(arms: int) -> Callable[[], int]:
-    """Return a random action of every arm in one batched simulation, with resets."""
-    environment = ReturnVecEnv(TASK.simulator, TASK.training_balls, TASK.observation, arms, SEED)
+def random_actions(arms: int) -> Callable[[], int]:
+    """Return a control step with random actions of all arms in one simulation, with resets."""
+    environment = ReturnVecEnv(TASK, arms, SEED)
     environment.reset()
     random = np.random.default_rng(SEED)
 
     def tick() -> int:
         environment.step(random.uniform(-1, 1, (arms, ACTIONS)))
         return arms
-
-    return tick
-
-
-def tick_of_one() -> Callable[[], int]:
-    """Return a random action in a single environment, with resets."""
-    environment = single_environment()
-    environment.reset(seed=SEED)
-    random = np.random.default_rng(SEED)
-
-    def tick() -> int:
-        ended = environment.step(random.uniform(-1, 1, ACTIONS))[2]
-        if ended:
-            environment.reset()
-        return 1
 
     return tick
 
@@ -97,13 +78,12 @@ def our_learner() -> SAC:
 def main() -> None:
     """Measure control ticks and gradient steps per second."""
     with one_core():
-        ticks = {arms: rate(tick_of_many(arms)) for arms in (32, 64)}
-        single = rate(tick_of_one())
+        single, *many = (rate(random_actions(arms)) for arms in (1, 32, 64))
         steps = rate(steps_of(our_learner()))
         peer_steps = rate(steps_of(default_learner().learn(1000)))
     comparisons = [
         faster(f"control ticks per second, {arms} arms", speed, f"{PEER}, one arm", single)
-        for arms, speed in ticks.items()
+        for arms, speed in zip((32, 64), many, strict=True)
     ]
     gradient = faster("gradient steps per second", steps, PEER, peer_steps)
     report("policy_training", [*comparisons, gradient])

@@ -4,7 +4,7 @@ import numpy as np
 
 from models.ball.types import Bools, Integers
 from models.policy.batch_simulation import BatchSimulation
-from models.policy.incoming_balls import BallSource
+from models.policy.task import Task
 
 BATCH = 256  # balls generated at once, which makes a new episode cheap
 
@@ -16,10 +16,10 @@ class BallSupply:
         numbers: (B,) of the balls that the environments have, counted from zero.
     """
 
-    def __init__(self, source: BallSource, environments: int, random: np.random.Generator) -> None:
+    def __init__(self, task: Task, environments: int, random: np.random.Generator) -> None:
         """Generate the first batch."""
         self.numbers = np.zeros(environments, dtype=np.int64)
-        self._source, self._random = source, random
+        self._task, self._random = task, random
         self._size = max(BATCH, environments)
         self._handed_out = 0
         self._fill()
@@ -35,7 +35,7 @@ class BallSupply:
             waiting = waiting[len(served) :]
 
     def _fill(self) -> None:
-        self._incoming, self._goals = self._source(self._size, self._random)
+        self._incoming, self._goals = self._task.draw(self._size, self._random)
         self._next = 0
 
     def _hand_out(self, simulation: BatchSimulation, envs: Integers) -> None:

@@ -1,4 +1,4 @@
-"""The training environment for Gymnasium and for Stable-Baselines3."""
+"""The training environment for Stable-Baselines3."""
 
 from typing import Any
 
@@ -9,14 +9,12 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
 
-from models.ball.simulator import Simulator
 from models.ball.types import Integers
 from models.policy.ball_supply import BallSupply
 from models.policy.batch_simulation import ACTIONS, BatchSimulation
 from models.policy.episodes import Episodes
-from models.policy.incoming_balls import BallSource
 from models.policy.observation import LIMIT, Observations, observation_size
-from models.policy.settings import ObservationKind
+from models.policy.task import Task
 
 # In the info of an ended episode, with its landing, its goal and its ball's number.
 REPORTED = (
@@ -34,74 +32,24 @@ REPORTED = (
 )
 
 
-class ReturnEnv(gymnasium.Env[Observations, NDArray[np.float32]]):
-    """One arm that returns one ball per episode.
-
-    The info of an episode's last step has fields of ``Episodes`` (``REPORTED`` and ``landing``),
-    its goals (``goal_landing``, and ``goal_speed`` and ``goal_topspin`` where set) and the number
-    of its ``ball`` since the seed was set.
-    """
-
-    def __init__(self, simulator: Simulator, balls: BallSource, kind: ObservationKind) -> None:
-        """Set up the environment.
-
-        Args:
-            simulator: flies the balls on from the racket.
-            balls: source of balls and goals.
-            kind: what the policy observes.
-        """
-        self.observation_space, self.action_space = _spaces(balls, kind)
-        self._simulation, self._balls = BatchSimulation(simulator, 1, kind), balls
-        self._supply: BallSupply | None = None
-
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observations, dict[str, Any]]:
-        """Start an episode with the next ball, or with the first ball of a seed."""
-        super().reset(seed=seed)
-        if self._supply is None or seed is not None:
-            self._supply = BallSupply(self._balls, 1, self.np_random)
-        self._supply.start_episodes(self._simulation, np.ones(1, dtype=np.bool_))
-        return self._simulation.observe()[0], {}
-
-    def step(
-        self, action: NDArray[np.float32]
-    ) -> tuple[Observations, float, bool, bool, dict[str, Any]]:
-        """Simulate one control step."""
-        if self._supply is None:
-            raise gymnasium.error.ResetNeeded("call reset before the first step")
-        step = self._simulation.step(action[None])
-        done = bool(step.done[0])
-        info = _report(step.ended, 0, self._supply.numbers) if done else {}
-        return step.observation[0], float(step.reward[0]), done, False, info
-
-    def close(self) -> None:
-        """Release the Bullet world."""
-        self._simulation.close()
-
-
 class ReturnVecEnv(VecEnv):
     """Parallel environments, each reset with the next ball when its episode ends.
 
-    Infos are those of ``ReturnEnv``, with the ``terminal_observation``. Balls are handed out in the
-    order in which environments become free, so all results follow from the seed and the actions.
+    The info of an episode's last step has fields of ``Episodes`` (``REPORTED`` and ``landing``),
+    its goals (``goal_landing``, and ``goal_speed`` and ``goal_topspin`` where set), the number
+    of its ``ball`` since the seed was set, and the ``terminal_observation``. Balls are handed out
+    in the order in which environments become free, so all results follow from the seed and the
+    actions.
     """
 
-    def __init__(
-        self, simulator: Simulator, balls: BallSource, kind: ObservationKind, count: int, seed: int
-    ) -> None:
-        """Set up the environment.
-
-        Args:
-            simulator: flies the balls on from the rackets.
-            balls: source of balls and goals.
-            kind: what the policy observes.
-            count: environments.
-            seed: of the first reset; ``seed`` sets that of the next.
-        """
+    def __init__(self, task: Task, count: int, seed: int) -> None:
+        """Set up ``count`` environments; ``seed`` is that of the first reset."""
         self.render_mode = None
-        super().__init__(count, *_spaces(balls, kind))
-        self._simulation, self._balls = BatchSimulation(simulator, count, kind), balls
+        size = observation_size(len(task.horizons), task.goals.count, task.observation)
+        observed = spaces.Box(-LIMIT, LIMIT, (size,), np.float32)
+        super().__init__(count, observed, spaces.Box(-1.0, 1.0, (ACTIONS,), np.float32))
+        self._simulation = BatchSimulation(task.simulator, count, task.observation)
+        self._task = task
         self._supply: BallSupply
         self._actions: NDArray[np.floating]
         self.seed(seed)
@@ -110,7 +58,7 @@ class ReturnVecEnv(VecEnv):
         """Start episodes with the next balls, or with the first balls of a seed that was set."""
         if self._seeds[0] is not None:
             random = np.random.default_rng(self._seeds[0])
-            self._supply = BallSupply(self._balls, self.num_envs, random)
+            self._supply = BallSupply(self._task, self.num_envs, random)
         self._reset_seeds()
         self._reset_options()
         self._supply.start_episodes(self._simulation, np.ones(self.num_envs, dtype=np.bool_))
@@ -157,16 +105,6 @@ class ReturnVecEnv(VecEnv):
     ) -> list[bool]:
         """Return that no environment is wrapped."""
         return [False for _ in self._get_indices(indices)]
-
-
-def _spaces(
-    balls: BallSource, kind: ObservationKind
-) -> tuple["spaces.Box[np.float32]", "spaces.Box[np.float32]"]:
-    """Return the spaces of observations and actions, their sizes measured on one ball."""
-    incoming, goals = balls(1, np.random.default_rng(0))
-    size = observation_size(incoming.forecasts.shape[2], goals.scaled().shape[1], kind)
-    observed = spaces.Box(-LIMIT, LIMIT, (size,), np.float32)
-    return observed, spaces.Box(-1.0, 1.0, (ACTIONS,), np.float32)
 
 
 def _report(ended: Episodes, row: int, numbers: Integers) -> dict[str, Any]:

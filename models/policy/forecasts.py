@@ -14,7 +14,7 @@ import numpy as np
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
-from models.policy.incoming_balls import PATH_STEP, control_times
+from models.policy.incoming_balls import PATH_STEP, IncomingBalls, control_times
 from models.policy.settings import HorizonsMs
 
 
@@ -48,6 +48,17 @@ def re_anchored(simulator: Simulator, path: Floats, horizons: HorizonsMs) -> Flo
     flown = simulator.fly(now.reshape(-1, STATE_SIZE), np.array(horizons) / 1000).states
     forecasts: Floats = flown.reshape(len(now), -1, len(horizons), STATE_SIZE)
     return forecasts
+
+
+def forecast_error(incoming: IncomingBalls, horizons: HorizonsMs) -> float:
+    """Return the mean distance between forecast and true position, m.
+
+    At the middle horizon, over all control steps before a ball is out of play.
+    """
+    true = exact(incoming.path, horizons, incoming.start)
+    errors = np.linalg.norm((incoming.forecasts - true)[:, :, 1, :3], axis=2)
+    in_play = control_times(incoming.start) < incoming.playable[:, 1:]
+    return float(errors[in_play].mean())
 
 
 def _forecast_times(horizons: HorizonsMs, start: float) -> Floats:

@@ -1,9 +1,7 @@
-"""IncomingBalls balls: their true paths, when they can be played, and what is forecast of them."""
+"""Incoming balls: their true paths, when they can be played, and what is forecast of them."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +10,6 @@ from models.ball.contact_laws import TABLE
 from models.ball.simulator import Flight, Simulator
 from models.ball.state import BALL_RADIUS
 from models.ball.types import Floats
-from models.policy.goals import Goals
 
 Rows = slice | NDArray[np.bool_] | NDArray[np.integer]
 
@@ -54,10 +51,6 @@ class IncomingBalls:
     def __getitem__(self, rows: Rows) -> "IncomingBalls":
         """Return some of the balls."""
         return IncomingBalls(self.path[rows], self.playable[rows], self.start, self.forecasts[rows])
-
-
-BallSource: TypeAlias = Callable[[int, np.random.Generator], tuple[IncomingBalls, Goals]]
-"""Generates a number of balls, each with a goal for its return."""
 
 
 def control_times(start: float) -> Floats:

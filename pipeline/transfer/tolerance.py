@@ -45,7 +45,7 @@ class ToleranceTrial:
     def run(self) -> Played:
         """Return how each shot ended."""
         task, random = self.trained.task, np.random.default_rng(self.seed)
-        balls, goals = task.training_balls(self.shots, random)
+        balls, goals = task.draw(self.shots, random)
         forecasts = ERRORS[self.error](balls.forecasts, self.size, random)
         incoming = IncomingBalls(balls.path, balls.playable, balls.start, forecasts)
         result = play_policy(self.policy, self.trained, task.simulator, incoming, goals)

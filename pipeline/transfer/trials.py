@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from models.ball.simulator import Simulator
-from models.policy.comparison import forecast_error
+from models.policy.forecasts import forecast_error
 from models.policy.goals import Goals
 from models.policy.incoming_balls import IncomingBalls
 from models.policy.policy import Policy

@@ -102,7 +102,7 @@ def test_the_report_scores_each_policy_on_unseen_balls_of_its_own_simulator(whol
         policies(whole).values(), table.iterrows(), strict=True
     ):
         task = described.task
-        balls, goals = task.training_balls(TRIALS, evaluation_stream(described.seed))
+        balls, goals = task.draw(TRIALS, evaluation_stream(described.seed))
         expected = scores(play(policy, task.simulator, balls, goals, task.observation).table)
         found = {name: row[name] for name in expected}
         assert found == pytest.approx(expected, rel=1e-5, nan_ok=True)

@@ -1,9 +1,10 @@
 """Forecast protocols: the right instants, and no error but the forecaster's."""
 
 import numpy as np
+import pytest
 
-from models.policy.forecasts import exact, first_state, re_anchored
-from models.policy.incoming_balls import control_times, fly_incoming
+from models.policy.forecasts import exact, first_state, forecast_error, re_anchored
+from models.policy.incoming_balls import IncomingBalls, control_times, fly_incoming
 from tests.models.policy.incoming_balls import (
     HORIZONS,
     THROWN,
@@ -41,3 +42,15 @@ def test_a_wrong_simulator_errs_along_the_flight_unless_it_is_anchored_anew():
     anew = np.linalg.norm((re_anchored(WRONG, path, HORIZONS) - truth)[..., 1, :3], axis=2)
     assert 0.002 < anew[live].mean() < 0.02 < 0.05 < first[live].mean()
     np.testing.assert_allclose(first[:, 0], anew[:, 0], atol=1e-9)
+
+
+def test_the_forecast_error_counts_until_the_ball_is_gone():
+    _, path, playable = struck()
+    forecasts = exact(path, HORIZONS)
+    forecasts[..., 1, 0] += 0.03
+    forecasts[..., [0, 2], 0] += 0.5  # other horizons
+    forecasts[control_times(0.0) >= playable[:, 1:]] += 7.0
+
+    incoming = IncomingBalls(path, playable, 0.0, forecasts)
+
+    assert forecast_error(incoming, HORIZONS) == pytest.approx(0.03)

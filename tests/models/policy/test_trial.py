@@ -27,7 +27,7 @@ def aimed(count, **style):
 
 
 def drawn_balls(count):
-    return TASK.training_balls(count, np.random.default_rng(5))
+    return TASK.draw(count, np.random.default_rng(5))
 
 
 @pytest.mark.parametrize("arms", [2, 3, 7, 32])

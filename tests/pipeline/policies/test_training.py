@@ -134,7 +134,7 @@ def test_a_policy_is_tried_on_balls_that_it_was_never_watched_on(undisturbed):
 
     for one, table in zip(undisturbed, tables, strict=True):
         task = one.description.task
-        watched = task.training_balls(6, validation_stream(one.description.seed))[1].landing[:, 0]
+        watched = task.draw(6, validation_stream(one.description.seed))[1].landing[:, 0]
         assert table["ball"].tolist() == list(range(6))
         assert (table["horizons_ms"] == one.description.horizons_label).all()
         assert not set(watched) & set(table["goal_landing_across"])

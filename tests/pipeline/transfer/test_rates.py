@@ -1,9 +1,11 @@
 """How often balls are hit and returned, and what a forecaster gains, by racket_state."""
 
+import numpy as np
+import pandas as pd
 import pytest
 
-from pipeline.transfer.rates import differences, rates
-from tests.pipeline.played_trials import KEYS, everything
+from pipeline.transfer.rates import differences, intervals, rates
+from tests.pipeline.played_trials import KEYS, everything, trials
 
 SETTING = KEYS[:2]
 BASELINE = {"predictor": "physics", "protocol": "every_tick"}
@@ -38,3 +40,20 @@ def test_the_baseline_is_who_is_named_whatever_tells_forecasters_apart():
     returns = table[table["outcome"] == "returns"]
     assert returns["difference"].tolist() == [-2 / 8, -2 / 8]
     assert returns[["gained", "lost"]].to_numpy().tolist() == [[0, 1], [0, 1]]
+
+
+def test_the_interval_of_a_difference_is_that_of_paired_balls():
+    random = np.random.default_rng(0)
+    one, other = random.random(900) < 0.8, random.random(900) < 0.7
+    other[450:] = one[450:]  # half of the balls end alike
+    played = pd.concat([trials(other), trials(one, predictor="transformer")])
+    found = differences(played, SETTING, BASELINE, 4000, 0).query("outcome == 'returns'").iloc[0]
+    margin = 1.96 * np.std(one.astype(float) - other) / np.sqrt(900)
+    assert found["ci_high"] - found["difference"] == pytest.approx(margin, rel=0.1)
+    assert found["difference"] - found["ci_low"] == pytest.approx(margin, rel=0.1)
+
+
+def test_a_second_policy_that_does_the_same_narrows_no_interval():
+    single = np.random.default_rng(0).random((1, 400, 1)) < 0.8
+    double = np.tile(single, (2, 1, 1))
+    assert intervals(double, 1000, 0) == intervals(single, 1000, 0)

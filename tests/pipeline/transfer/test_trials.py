@@ -30,7 +30,7 @@ def test_results_come_in_the_order_of_the_trials():
 def test_trials_have_the_policy_s_labels_and_the_forecast_error():
     trained, policy = description(repeat=2, horizons=(170, 175, 180)), chaser()
     task = trained.task
-    balls, goals = task.training_balls(6, np.random.default_rng(0))
+    balls, goals = task.draw(6, np.random.default_rng(0))
     shifted = replace(balls, forecasts=balls.forecasts + 0.02 * np.eye(9)[0])
     table = play_policy(policy, trained, task.simulator, shifted, goals).table
     expected = play(policy, task.simulator, shifted, goals, "intercept").table
