@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from models.gap.amend.simulator import amended_yaml
-from models.gap.fit.split import HELD_OUT
+from models.gap.settings import DEFAULTS
 from pipeline.gap.cases import Diagnosed, cases
 from pipeline.gap.figures.stability import closing_figure, stability_figure
 from pipeline.gap.shots import read_training_shots
@@ -34,13 +34,14 @@ def _enough(
     run: StageRun, shots: dict[str, list[MeasuredEpisode]]
 ) -> dict[str, list[MeasuredEpisode]]:
     """Return the sources with enough shots for a verdict; warn of the others."""
+    least = DEFAULTS.verify.held_out
     for source, members in shots.items():
         run.log_input(source, run.input("segment", "samples.parquet"), len(members))
-        if len(members) < HELD_OUT:
-            warn(f"{source} has {len(members)} unbroken training shots; give at least {HELD_OUT}")
-    enough = {source: members for source, members in shots.items() if len(members) >= HELD_OUT}
+        if len(members) < least:
+            warn(f"{source} has {len(members)} unbroken training shots; give at least {least}")
+    enough = {source: members for source, members in shots.items() if len(members) >= least}
     if not enough:
-        problem = f"no source has {HELD_OUT} unbroken shots of more than twelve samples in train"
+        problem = f"no source has {least} unbroken shots of more than twelve samples in train"
         raise InputError(run.input("segment", "episodes.parquet"), problem)
     return enough
 

@@ -1,8 +1,8 @@
 """Settings of the gap workflow: every threshold once, with its meaning and unit.
 
-``GapSettings`` is handed down from ``diagnose``; no step imports a threshold of another. Values
-beside the code are either numerics (steps of differences, guards against rounding) or definitions
-(units of terms, what a kick is). The defaults are those of every result in ``reports/``.
+``GapSettings`` is handed down from ``diagnose``; no step imports a threshold of another. Constants
+in the modules are numerics (steps of differences, guards against rounding) or definitions (units of
+terms, what a kick is). The defaults are those of every result in ``reports/``.
 """
 
 from collections.abc import Mapping
@@ -11,6 +11,8 @@ from types import MappingProxyType
 
 import numpy as np
 from scipy.stats import norm
+
+from models.ball.simulator import Simulator
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ class FitSettings:
     value_prior: float = 1 / 6  # of a value's range, its standard deviation before the shots
     step_fractions: tuple[float, ...] = (1.0, 0.25, 0.05)  # of a step, which are tried
     cost_tolerance: float = 1.01  # times the cost: single shots know no slow errors
-    nearby_iterations: int = 3  # of shots whose nuisance parameters moved with the step
+    nearby_iterations: int = 3  # of shots whose nuisance parameters followed the step
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,7 @@ class InferenceSettings:
 
     detectable: float = 5.8  # standard errors, the minimum detectable effect
     folds: int = 5  # of cross-validation
-    noise_degrees: float = 8.0  # degrees of freedom that the noise as estimated is worth
+    noise_degrees: float = 8.0  # degrees of freedom that the noise as estimated counts as
     min_detectable_sample_size: float = 4.0  # effective shots behind a minimum detectable effect
     min_information: float = 1e-7  # share of a hypothesis's information left after its nuisance
     beam_width: int = 150  # sets of one size that the search keeps
@@ -108,12 +110,12 @@ class LocateSettings:
     trend_share: float = 2 / 3  # of these, at the horizon at which trends are tested
     min_weight: float = 1e-3  # of an explanation by phases; below, it is left out
     no_gap_weight: float = 0.5  # of no term at all; above, no phase has a share
-    min_term_information: float = 1e-3  # share of a term's information left beside those chosen
+    min_term_information: float = 1e-3  # share of a term's information left given those chosen
     max_terms: int = 12  # of an explanation
     known_spin: float = 1e-3  # rad/s that a spin without a label may shift in a prediction
     min_inlier: float = 0.5  # probability that a sample is no outlier
     min_shot_weight: float = 0.5
-    # Priors of what each shot may depart by on its own.
+    # Priors of the free departure of each shot.
     acceleration_prior: float = 30.0  # m/s^2
     height_prior: float = 0.1  # m
     kick_prior: float = 1.0  # of the normal speed
@@ -144,7 +146,7 @@ class NameSettings:
     max_orders: int = 240  # in which causes are added to share out their gain
     sign_flips: int = 20_000  # random signs of shots; p-values are at least 6 / sign_flips
     confirmation: float = 2.5  # standard errors on shots that naming never saw
-    # Share of information left beside the catalogue, of a direction of terms and of one term.
+    # Share of information left given the catalogue, of a direction of terms and of one term.
     min_direction_information: float = 1e-4
     min_term_information: float = 1e-3
     # Sparse formula: thresholds in standard deviations, ridge, share of what all terms explain.
@@ -155,8 +157,11 @@ class NameSettings:
 
 @dataclass(frozen=True)
 class VerifySettings:
-    """Errors of predictions on shots that naming never saw."""
+    """Errors of predictions on held-out shots, and limitations of the shots."""
 
+    held_out: int = 3  # one shot in so many is held out; also the least number of shots
+    few_shots: int = 20  # below, small effects are not detected
+    one_way_share: float = 0.9  # of the shots in the same direction, above which more is asked for
     horizons: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4)  # s
     min_shots: int = 3  # with samples at a horizon, or that land
     min_inlier: float = 0.5  # probability that a sample is no outlier
@@ -170,8 +175,10 @@ class GapSettings:
     """All settings of one diagnosis.
 
     Attributes:
-        level: probability of a false cause in a set without any gap; every test of the verdict
-            follows it.
+        level: probability of a false cause in a set without any gap. The penalty of a cause, the
+            tolerance between alternatives, and the p-values of causes, lift and unexplained
+            structure follow it; ``name.confirmation``, ``name.decisive_gain`` and the rejection of
+            causes that predict worse (verdict.py) have limits of their own.
         confidence: of intervals.
         observed_samples: first samples of a shot that a prediction observes.
         horizon_window: s about a horizon in which errors are averaged.
@@ -208,3 +215,21 @@ class GapSettings:
     def tolerance(self) -> float:
         """By how much less gain another set explains about as much: one test at ``level``."""
         return float(norm.isf(self.level) ** 2)
+
+
+DEFAULTS = GapSettings()
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of shots.
+
+    Attributes:
+        simulator: the nominal one, which the shots may contradict.
+        settings: of the workflow.
+        withheld: effects of the catalogue that are not in question.
+    """
+
+    simulator: Simulator
+    settings: GapSettings = DEFAULTS
+    withheld: tuple[str, ...] = ()

@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 
 from models.ball.simulator import Simulator
-from models.gap.amend.simulator import amended
 from models.gap.diagnose import diagnose
 from models.gap.fit.shots import Shots
+from models.gap.settings import GapSettings
 from models.gap.verdict import Verdict
 from pipeline.gap.shots import shots_of
 from pipeline.io.amended_simulators import case_name
@@ -23,11 +23,11 @@ BOUNCE = "table_bounce"
 
 @dataclass(frozen=True)
 class Case:
-    """Shots that are compared with a simulator.
+    """Shots that are compared with a nominal simulator.
 
     Attributes:
         source: of the shots.
-        simulator_name: of the nominal simulator.
+        simulator_name: in the settings.
         split: number of the random draw of shots.
         simulator: the nominal one.
         shots: in the order drawn, which decides which of them are held out.
@@ -48,7 +48,8 @@ class Case:
 
     def diagnose(self) -> "Diagnosed":
         """Return the case with its verdict."""
-        return Diagnosed(self, diagnose(self.shots, self.simulator, self.level))
+        verdict = diagnose(self.shots, self.simulator, GapSettings(level=self.level))
+        return Diagnosed(self, verdict)
 
 
 @dataclass(frozen=True)
@@ -58,21 +59,11 @@ class Diagnosed:
     case: Case
     verdict: Verdict
 
-    @property
-    def amended(self) -> Simulator:
-        """The amended simulator."""
-        return amended(self.case.simulator, self.verdict)
-
 
 def cases(
     shots: Mapping[str, Sequence[MeasuredEpisode]], settings: CloseGapSettings, seed: int
 ) -> Iterator[Case]:
     """Yield all cases; a split draws the same shots for every simulator.
-
-    Args:
-        shots: by source.
-        settings: the simulators, and how many shots are drawn how often.
-        seed: of the random draws.
 
     Raises:
         InputError: a simulator cannot be used.

@@ -7,7 +7,7 @@ from pathlib import Path
 from models.ball.simulator import Simulator
 from models.gap.amend.simulator import amended_yaml
 from models.gap.diagnose import diagnose
-from models.gap.fit.split import HELD_OUT
+from models.gap.settings import DEFAULTS, GapSettings
 from models.gap.verdict import DetectionLimits, Verdict
 from pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
 from pipeline.gap.figures.verdict import causes_figure, error_figure
@@ -66,8 +66,11 @@ def diagnose_folder(
                     say(line)
 
         with bar.phase("comparing"):
-            verdict = diagnose(measured.shots, nominal, level, progress=bar.reached, on_limits=show)
-        findings = Findings(measured, nominal, simulator, level, verdict)
+            settings = GapSettings(level=level)
+            verdict = diagnose(
+                measured.shots, nominal, settings, progress=bar.reached, on_limits=show
+            )
+        findings = Findings(measured, nominal, simulator, settings, verdict)
         with bar.phase("writing"):
             write_findings(findings, out)
     return findings
@@ -108,8 +111,8 @@ def _write_all(findings: Findings, folder: Path) -> None:
     pictures.mkdir()
     apply_style()
     figures = figures_of(findings.verdict)
-    for one in figures:
-        one.write(pictures / f"{one.name}.png")
+    for figure in figures:
+        figure.write(pictures / f"{figure.name}.png")
     write_text(folder / "verdict.json", findings.verdict.to_json())
     write_text(folder / "amended.yaml", amended)
     write_text(folder / "report.html", render_gap_page(findings, amended, pictures, figures))
@@ -125,11 +128,11 @@ def _replace_all(folder: Path, out: Path) -> None:
 
 
 def _check_enough(measured: MeasuredShots, data: Path) -> None:
-    count = len(measured.shots)
-    if count < HELD_OUT:
+    count, least = len(measured.shots), DEFAULTS.verify.held_out
+    if count < least:
         problem = (
             f"{count} of its {measured.episodes} episodes are unbroken shots of more than twelve "
-            f"samples; give at least {HELD_OUT}, in the table's frame, in m and s"
+            f"samples; give at least {least}, in the table's frame, in m and s"
         )
         raise InputError(data, problem)
 

@@ -43,10 +43,10 @@ class MeasuredShots:
 
     Attributes:
         name: of the data set.
-        shots: unbroken, seen often enough, and touching nothing but the table.
+        shots: unbroken, with enough samples, touching nothing but the table.
         recordings: how many there are.
-        refused: rows and labels that no ball can have made, counted by reason.
-        episodes: balls in them, from one stroke or launch to the next.
+        refused: implausible rows and labels, counted by reason.
+        episodes: how many, from one stroke or launch to the next.
         bounces: how many of the shots bounce.
         noise: m, standard deviation of a coordinate by which they were cut.
     """
@@ -87,8 +87,8 @@ def read_shots(folder: Path | str, source: str) -> MeasuredShots:
     )
 
 
-class _Folder(SourceContext):
-    """What a source may know: that its files are in this folder."""
+class _FolderContext(SourceContext):
+    """The context of a source whose files are in this folder."""
 
     def __init__(self, folder: Path) -> None:
         super().__init__(IngestSettings.model_construct(folder=folder), seed=0)
@@ -98,7 +98,7 @@ class _Folder(SourceContext):
 
 
 def _source(name: str) -> Source:
-    known = {one: source for one, source in registry().items() if one != SIMULATED}
+    known = {key: source for key, source in registry().items() if key != SIMULATED}
     if name not in known:
         problem = f"there is no source {name!r} of measured balls; {suggestion(name, known)}"
         raise InputError("--source", problem)
@@ -106,10 +106,10 @@ def _source(name: str) -> Source:
 
 
 def _recordings(folder: Path, source: Source) -> tuple[list[pd.DataFrame], Manifest]:
-    """Return recordings in batches, each of them whole, and what there is to say of them."""
+    """Return recordings in batches, each of them whole, and their manifest."""
     if not folder.is_dir():
         raise InputError(folder, f"is not a folder; give the one with the files of {source.name}")
-    data = source.read(_Folder(folder))
+    data = source.read(_FolderContext(folder))
     imported = SourceImport(data)
     if imported.is_launches:
         raise InputError(folder, f"{source.name} has launches without a path; give recordings")
@@ -118,9 +118,9 @@ def _recordings(folder: Path, source: Source) -> tuple[list[pd.DataFrame], Manif
 
 
 def _noise(parts: Sequence[pd.DataFrame]) -> float:
-    """Return the noise of a coordinate (m): at least what is usual, more where samples jump more.
+    """Return the noise of a coordinate, m: the median third difference, at least the usual noise.
 
-    Third differences see no smooth path, and their median no contact and no outlier.
+    Smooth paths have hardly any third differences, and the median ignores contacts and outliers.
     """
     usual = SegmentSettings().noise
     differences = [part.groupby("recording_id")[POSITION_COLUMNS].diff() for part in parts]
@@ -138,11 +138,11 @@ def _noise(parts: Sequence[pd.DataFrame]) -> float:
 def _episodes(
     parts: Sequence[pd.DataFrame], manifest: Manifest, settings: SegmentSettings
 ) -> list[MeasuredEpisode]:
-    """Cut recordings, in files of this moment: episodes are read as the segment stage left them."""
+    """Cut recordings into temporary files, and read them like files of the segment stage."""
     with tempfile.TemporaryDirectory(prefix="rallygap.") as name:
         folder = Path(name)
         contacts, episodes = zip(*_cut(folder, parts, manifest, settings), strict=True)
-        # All of them serve here, whatever else they might train or test.
+        # No episode is reserved for another purpose here.
         whole = pd.concat(episodes, ignore_index=True).assign(split="test", replay_set="none")
         write_table(folder / "episodes.parquet", checked(whole, EPISODES))
         found = checked(pd.concat(contacts, ignore_index=True), CONTACTS)
@@ -153,7 +153,7 @@ def _episodes(
 def _cut(
     folder: Path, parts: Sequence[pd.DataFrame], manifest: Manifest, settings: SegmentSettings
 ) -> Iterator[tuple[pd.DataFrame, pd.DataFrame]]:
-    """Write the samples of all episodes, and yield their contacts and what they are."""
+    """Write the samples of all episodes, and yield their contacts and the episodes."""
     with table_writer(folder / "samples.parquet", empty(SAMPLES)) as add:
         for recordings in parts:
             found = segment_recordings(recordings, manifest.starts_with_launch, settings)

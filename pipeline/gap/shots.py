@@ -4,16 +4,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from models.gap.fit.shots import Shots
-from models.gap.settings import GapSettings
+from models.gap.settings import DEFAULTS
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
 from pipeline.io.source_manifest import read_manifest
 
 
 def read_training_shots(artifacts: Path) -> dict[str, list[MeasuredEpisode]]:
-    """Return the shots of every source that predictors learn from, too: others are for tests.
-
-    Args:
-        artifacts: the folder of all stages' artefacts.
+    """Return the shots of every source in the split that predictors train on.
 
     Raises:
         InputError: an artefact is missing or broken.
@@ -42,4 +39,4 @@ def is_shot(one: MeasuredEpisode) -> bool:
     times = one.episode.times
     touches = int(one.episode.arc.max())
     bounces = int((one.episode.bounces < times[-1]).sum())
-    return one.unbroken and len(times) > GapSettings().observed_samples and touches == bounces
+    return one.unbroken and len(times) > DEFAULTS.observed_samples and touches == bounces

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
 from models.gap.hypotheses import Hypothesis
+from models.gap.settings import GapSettings
 from models.gap.verdict import Cause, DetectionLimits, Gap, Verdict
 from models.gap.verify.limitations import experiment
 from pipeline.gap.measured_shots import MeasuredShots
@@ -18,20 +19,12 @@ SIGNIFICANT = 0.05  # p-value up to which a covariate is reported
 
 @dataclass(frozen=True)
 class Findings:
-    """A verdict with its data, simulator and settings.
-
-    Attributes:
-        measured: the shots.
-        simulator: the nominal simulator.
-        simulator_name: as the user gave it.
-        level: probability of a false cause where there is no gap.
-        verdict: on the shots.
-    """
+    """A verdict with its data, its nominal simulator under the user's name, and its settings."""
 
     measured: MeasuredShots
     simulator: Simulator
     simulator_name: str
-    level: float
+    settings: GapSettings
     verdict: Verdict
 
     @property
@@ -39,7 +32,7 @@ class Findings:
         """The verdict in sentences, the most important first."""
         return [
             self._answer(),
-            *(self._cause(one) for one in self.verdict.causes),
+            *map(self._cause, self.verdict.causes),
             *self._rejected(),
             *self._unexplained(),
             *self._phases(),
@@ -50,7 +43,9 @@ class Findings:
 
     def separating_experiment(self, cause: Cause) -> str:
         """Return the experiment that separates a cause from its alternatives; empty without any."""
-        return experiment(cause, self.measured.shots) if cause.alternatives else ""
+        if not cause.alternatives:
+            return ""
+        return experiment(cause, self.measured.shots, self.settings)
 
     def _answer(self) -> str:
         shots = f"{len(self.measured.shots)} shots of {self.measured.name}"
@@ -120,12 +115,8 @@ class Findings:
             yield self._compared("Landing prediction error (position and time)", *sizes)
 
     def _compared(self, what: str, before: str, after: str, floor: str) -> str:
-        if not self.verdict.causes:
-            return f"{what}: {before} with the nominal simulator; prediction floor {floor}."
-        return (
-            f"{what}: {before} with the nominal simulator, {after} with the amended one; "
-            f"prediction floor {floor}."
-        )
+        amended = f", {after} with the amended one" if self.verdict.causes else ""
+        return f"{what}: {before} with the nominal simulator{amended}; prediction floor {floor}."
 
     def _detection(self) -> str:
         shown, hidden = len(self.verdict.minimum_detectable), self.verdict.not_identifiable

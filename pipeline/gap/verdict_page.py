@@ -21,13 +21,7 @@ SMALLEST_P = 1e-4  # that permutations resolve
 def render_gap_page(
     findings: Findings, amended: str, folder: Path, figures: Sequence[ReportFigure]
 ) -> str:
-    """Render the page of a verdict; the same findings give the same text.
-
-    Args:
-        findings: the verdict with its data, simulator and settings.
-        amended: YAML of the amended simulator.
-        folder: with the written figures.
-        figures: to show.
+    """Render the page of a verdict, with written figures of a folder.
 
     Raises:
         InputError: a figure is missing.
@@ -132,7 +126,7 @@ def _detectable(findings: Findings) -> dict[str, list[str]]:
 
 
 def _facts(findings: Findings) -> dict[str, str]:
-    measured = findings.measured
+    measured, level = findings.measured, findings.settings.level
     labelled = int(measured.shots.labelled.any(axis=1).sum())
     return {
         "data": measured.name,
@@ -143,7 +137,7 @@ def _facts(findings: Findings) -> dict[str, str]:
         "shots with spin labels": f"{labelled:,}",
         "position noise": f"{1000 * measured.noise:.1f} mm",
         "simulator": findings.simulator_name,
-        "level": f"{100 * findings.level:g} % probability of a false cause where there is no gap",
+        "level": f"{100 * level:g} % probability of a false cause where there is no gap",
     }
 
 

@@ -9,11 +9,11 @@ from pipeline.io.artifacts import write_text
 from tests.pipeline.verdicts import verdict
 
 
-def causes(begun, changes):
+def causes(base, changes):
     """The causes behind ``changes`` to a shipped simulator."""
     numbers = [(effect, one) for effect, values in changes.items() for one in values]
     return [
-        _cause(Hypothesis(*number), shipped(begun), changes[number[0]][number[1]])
+        _cause(Hypothesis(*number), shipped(base), changes[number[0]][number[1]])
         for number in numbers
     ]
 
@@ -32,10 +32,10 @@ def _cause(hypothesis, simulator, estimate):
     )
 
 
-def write_amended(folder, source, begun, changes, split=0):
+def write_amended(folder, source, base, changes, split=0):
     """Write what balls of ``source`` made of a shipped simulator; return the verdict."""
-    found = verdict(causes=causes(begun, changes))
-    path = folder / case_name(source, begun, split)
-    write_text(path.with_suffix(".yaml"), amended_yaml(shipped(begun), found, source))
+    found = verdict(causes=causes(base, changes))
+    path = folder / case_name(source, base, split)
+    write_text(path.with_suffix(".yaml"), amended_yaml(shipped(base), found, source))
     write_text(path.with_suffix(".json"), found.to_json())
     return found

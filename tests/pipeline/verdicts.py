@@ -5,6 +5,7 @@ import numpy as np
 from models.ball.simulators import shipped
 from models.gap.fit.shots import Shots
 from models.gap.location import Growth, Located
+from models.gap.settings import DEFAULTS
 from models.gap.verdict import Cause, Gap, Landing, PhaseShares, Unexplained, Verdict
 from pipeline.gap.measured_shots import MeasuredShots
 from pipeline.gap.summary import Findings
@@ -112,4 +113,4 @@ def findings(of=None, simulator_name="sim.yaml", name="lab"):
     measured = MeasuredShots(
         name, shots, recordings=5, refused={"not a number": 2}, episodes=6, bounces=0, noise=0.003
     )
-    return Findings(measured, shipped("literature"), simulator_name, 0.003, of or verdict())
+    return Findings(measured, shipped("literature"), simulator_name, DEFAULTS, of or verdict())

@@ -35,7 +35,7 @@ def prepared(root, shots=4, split="train", **changes):
     return StageRun("close_gap", root, params(close_gap=SETTINGS.model_copy(update=changes)))
 
 
-def windy(shots, simulator, level):
+def windy(shots, simulator, settings):
     """A verdict on a wind that grows with the simulator's lift."""
     strength = 0.5 + simulator.effects.get("magnus", {"cm": 0.0})["cm"]
     return verdict(causes=[WIND.model_copy(update={"estimate": strength})])
@@ -64,9 +64,9 @@ def written(run):
 
 def test_every_case_leaves_its_verdict_and_its_amended_simulator(whole):
     names = {
-        f"{source}-{begun}-{split}"
+        f"{source}-{simulator}-{split}"
         for source in ("labelled", "plain")
-        for begun in SIMULATORS
+        for simulator in SIMULATORS
         for split in range(2)
     }
     files = {path.name for path in whole.artifact(".").iterdir()}

@@ -18,13 +18,7 @@ def amended(simulator: Simulator, verdict: Verdict) -> Simulator:
 
 
 def amended_yaml(simulator: Simulator, verdict: Verdict, data: str) -> str:
-    """Return the amended simulator as YAML, with the origin of every change in a comment.
-
-    Args:
-        simulator: the nominal one.
-        verdict: on it.
-        data: name of the data set.
-    """
+    """Return the amended simulator as YAML, with the origin of every change in a comment."""
     lines = []
     for effect, values in amended(simulator, verdict).to_dict().items():
         changes = (one for one in _accepted(verdict) if one.effect == effect)

@@ -35,14 +35,10 @@ def first_samples(shots: Shots, count: int) -> Shots:
 def at_horizons(
     shots: Shots, values: Floats, usable: Bools, horizons: Floats, settings: GapSettings
 ) -> Floats:
-    """Return (B, H, ...) means of (B, N, ...) values about horizons, NaN where there are none.
+    """Return (B, H, ...) means of (B, N, ...) values about (H,) horizons, NaN where there are none.
 
-    Args:
-        shots: B of them.
-        values: at their samples.
-        usable: (B, N) samples that count.
-        horizons: (H,) s from the last sample that a prediction observes.
-        settings: of the prediction.
+    Horizons are in s from the last sample that a prediction observes; only (B, N) usable samples
+    count.
     """
     since = shots.times - last_observed_time(shots, settings)
     near = usable[:, None] & (np.abs(since[:, None] - horizons[:, None]) <= settings.horizon_window)

@@ -1,13 +1,11 @@
-"""Linearised shots: residuals, and how they change with every unknown, in one array.
+"""Linearised shots: derivatives by all parameters, and residuals, in one array.
 
-Near the fitted unknowns ``eta`` of a shot its measurements are ``y = h + G d_eta + F d_theta +
-noise``: G by the shot's own unknowns, F by the hypotheses, which all shots share. The columns are
-kept in this order: E unknowns, K hypotheses, and last the residual ``y - h``. Whatever is asked
-later (noise, evidence, refits) needs of each shot only the Gram matrix of these columns in the
-metric of the noise: marginalising unknowns is the Schur complement of their block.
+Near the fitted nuisance parameters ``eta`` of a shot its measurements are ``y = h + G d_eta + F
+d_theta + noise``: G by its nuisance parameters, F by the hypotheses, which all shots share. The
+columns are in this order: E nuisance parameters, K hypotheses, and last the residual ``y - h``.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -29,17 +27,17 @@ from models.gap.types import Bools, Indices
 
 @dataclass(frozen=True)
 class Linearised:
-    """B shots near their fitted unknowns.
+    """B shots near their fitted nuisance parameters.
 
     Attributes:
         shots: the measurements.
         simulator: about which they are linearised.
         columns: the K hypotheses.
-        unknowns: (B, E) at which: states and kicks.
+        nuisance: (B, E) at which: states and kicks.
         positions: (B, N, 3, E + K + 1) columns of the positions, zero in padding.
         labels: (B, L, 3, E + K + 1) columns of the spin labels, zero where there is none, in units
             of the fitted spin.
-        units: (B, L) these units, rad/s.
+        label_scales: (B, L) these units, rad/s.
         velocities: (B, N, 3) of the balls at the samples, m/s.
         sampled: (B, N) which samples are used.
         labelled: (B, L) which labels are used.
@@ -58,33 +56,28 @@ class Linearised:
 
     def __getitem__(self, rows: Indices) -> "Linearised":
         """Return some of the shots."""
-        parts = (
-            "nuisance",
-            "positions",
-            "labels",
-            "label_scales",
-            "velocities",
-            "sampled",
-            "labelled",
-        )
-        some = {name: getattr(self, name)[rows] for name in parts}
-        return replace(self, shots=self.shots[rows], **some)
+        names = [field.name for field in fields(self) if field.name not in ("simulator", "columns")]
+        return replace(self, **{name: getattr(self, name)[rows] for name in names})
+
+    def departures(self, nominal: Simulator) -> Floats:
+        """Return (K,) by how much the values of the hypotheses depart from the nominal ones."""
+        return np.array([c.value(self.simulator) - c.value(nominal) for c in self.columns])
 
     @property
     def nuisance_count(self) -> int:
-        """E, the number of unknowns of a shot."""
+        """E, the number of nuisance parameters of a shot."""
         return int(self.nuisance.shape[1])
 
     @property
     def listed(self) -> Bools:
-        """(K,) which of the hypotheses are about numbers that the simulator lists."""
-        return np.array([one.listed(self.simulator) for one in self.columns], dtype=bool)
+        """(K,) which of the hypotheses are about parameters that the simulator lists."""
+        return np.array([column.listed(self.simulator) for column in self.columns], dtype=bool)
 
 
 def linearise(
     shots: Shots, simulator: Simulator, nuisance: Floats, columns: tuple[Hypothesis, ...]
 ) -> Linearised:
-    """Linearise shots about a simulator and their (B, E) unknowns."""
+    """Linearise shots about a simulator and their (B, E) nuisance parameters."""
     schedule = Schedule.of(shots)
     prediction = predict_measurements(simulator, schedule, nuisance)
     inner = nuisance_derivatives(simulator, schedule, nuisance, prediction)
@@ -117,8 +110,8 @@ def linearise(
 def label_scales(spins: Floats) -> Floats:
     """Return (B, L) sizes of (B, L, 3) fitted spins, at least a tenth of the typical one, rad/s.
 
-    Errors of labels grow with the spin. It is the fitted one, since a label's own size would give
-    those that came out large too little weight.
+    Errors of labels grow with the spin. The size of a label itself would give those that came out
+    large too little weight.
     """
     sizes = np.linalg.norm(spins, axis=-1)
     typical = float(np.sqrt(np.mean(sizes**2))) if sizes.size else 0.0
@@ -127,7 +120,7 @@ def label_scales(spins: Floats) -> Floats:
 
 
 def ballistic_nuisance(states: Floats, kicks: int) -> Floats:
-    """Return (B, 9 + 3 kicks) unknowns of (B, 9) states without kicks."""
+    """Return (B, 9 + 3 kicks) nuisance parameters of (B, 9) states without kicks."""
     return np.concatenate([states[:, :STATE_SIZE], np.zeros((len(states), 3 * kicks))], axis=1)
 
 

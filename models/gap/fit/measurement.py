@@ -1,8 +1,7 @@
 """Measurement model: what a simulator's sensor measures of B balls, and its derivatives.
 
 The nuisance parameters of a shot are its state ``[p v w]`` at its first sample and a *kick* at each
-of its first K bounces (trajectory.py). Derivatives are finite differences of exact flights, all
-parameters of all shots flown in one call.
+of its first K bounces (trajectory.py). Derivatives are finite differences of exact flights.
 """
 
 from dataclasses import dataclass
@@ -28,12 +27,12 @@ from models.gap.fit.trajectory import fly_with_kicks
 from models.gap.hypotheses import Hypothesis
 from models.gap.types import Bools, Indices
 
-# So near a bounce, in s, that a sample is not used, since its derivatives have a kink there; and a
-# label, since its spin is another one just before and just after.
+# Samples so near a bounce, in s, are not used, since derivatives have a kink there; labels neither,
+# since the spin jumps.
 KINK = 2e-4
 JUMP = 5e-3
 # Steps for differences: m, m/s, rad/s, and kicks in units of the impact's normal speed. Paths are
-# so nearly linear in the unknowns that one-sided differences are good to five digits.
+# so nearly linear in these that one-sided differences are good to five digits.
 STATE_STEPS = np.repeat([1e-5, 1e-4, 0.02], 3)
 KICK_STEP = 1e-4
 
@@ -58,18 +57,13 @@ class Schedule:
         start = shots.times[:, :1]
         labels = np.where(shots.labelled, shots.label_times, start) - start
         samples = shots.times - start
-        if _at_samples(shots):
-            places = np.arange(samples.shape[1])
-            label_places = np.where(shots.labelled, places[: labels.shape[1]], 0)
-            return cls(samples, np.tile(places, (len(samples), 1)), label_places)
         unions = [np.union1d(s, w) for s, w in zip(samples, labels, strict=True)]
         longest = max(len(union) for union in unions)
-        times = np.array([np.pad(one, (0, longest - len(one)), mode="edge") for one in unions])
-        pairs = list(zip(unions, samples, labels, strict=True))
-        places = np.array([np.searchsorted(union, s) for union, s, _ in pairs])
+        times = np.array([np.pad(u, (0, longest - len(u)), mode="edge") for u in unions])
+        places = np.array([np.searchsorted(u, s) for u, s in zip(unions, samples, strict=True)])
         if np.array_equal(times, samples):
             places = np.tile(np.arange(longest), (len(times), 1))
-        spins = [np.searchsorted(union, w) for union, _, w in pairs]
+        spins = [np.searchsorted(u, w) for u, w in zip(unions, labels, strict=True)]
         return cls(times, places, np.array(spins).reshape(labels.shape))
 
     @cached_property
@@ -83,14 +77,13 @@ class Schedule:
         if self._all_samples:
             return rows
         places = self.samples.reshape(*self.samples.shape, *(1,) * (rows.ndim - 2))
-        selected: Floats = np.take_along_axis(rows, places, axis=1)
-        return selected
+        return np.take_along_axis(rows, places, axis=1)
 
     def __getitem__(self, rows: Indices) -> "Schedule":
         return Schedule(self.times[rows], self.samples[rows], self.labels[rows])
 
     def repeated(self, count: int) -> "Schedule":
-        """Return ``count`` copies of each ball's, below one another."""
+        """Return ``count`` copies of each ball's, one after the other."""
         return Schedule(
             np.repeat(self.times, count, axis=0),
             np.repeat(self.samples, count, axis=0),
@@ -106,9 +99,9 @@ class Prediction:
         positions: (B, N, 3) m, or (B, N, 3, C).
         labels: (B, L, 3) rad/s, or (B, L, 3, C).
         velocities: (B, N, 3) of the balls, m/s.
-        contacts: (B, M) when balls met something, s from the first sample, NaN where they did not.
-        smooth_until: (B,) when they first met an edge or the net, beyond which derivatives mean
-            nothing; NaN if never.
+        contacts: (B, M) times of contacts, s from the first sample, else NaN.
+        smooth_until: (B,) time of the first contact with an edge or the net, beyond which
+            derivatives mean nothing; NaN if never.
     """
 
     positions: Floats
@@ -120,35 +113,20 @@ class Prediction:
     def is_smooth(self, times: Floats, least: float) -> Bools:
         """Return which of (B, T) times are ``least`` from any contact and before the end."""
         near = np.abs(times[..., None] - self.contacts[:, None]) < least
-        apart: Bools = np.logical_not(
-            near.any(axis=-1) | (times > self.smooth_until[:, None] - least)
-        )
-        return apart
-
-
-def _at_samples(shots: Shots) -> bool:
-    """Return whether every label is at the time of the sample with its number."""
-    count = shots.label_times.shape[1]
-    if count > shots.times.shape[1]:
-        return False
-    at_sample = shots.label_times == shots.times[:, :count]
-    return bool((at_sample | ~shots.labelled).all())
+        return np.logical_not(near.any(axis=-1) | (times > self.smooth_until[:, None] - least))
 
 
 def count_bounces(simulator: Simulator, schedule: Schedule, nuisance: Floats) -> NDArray[np.int64]:
-    """Return (B,) how often each ball bounces off the table before its last moment."""
+    """Return (B,) how often each ball bounces off the table before its last time."""
     flight = simulator.fly(nuisance[:, :STATE_SIZE], schedule.times)
     count: NDArray[np.int64] = (flight.contacts.surface == TABLE).sum(axis=1)
     return count
 
 
 def predict_measurements(simulator: Simulator, schedule: Schedule, nuisance: Floats) -> Prediction:
-    """Predict what a simulator's sensor measures, without noise.
+    """Predict what a simulator's sensor measures, without noise; signs of labels are left alone.
 
-    Args:
-        simulator: with its sensor effects; signs of labels are left alone.
-        schedule: of B balls.
-        nuisance: (B, 9 + 3 K) states at the first sample and kicks.
+    The nuisance parameters are (B, 9 + 3 K): states at the first sample, and kicks.
     """
     times = true_times(simulator, schedule.times)
     states, contacts, smooth_until = fly_with_kicks(simulator, nuisance, times)
@@ -172,14 +150,7 @@ def predict_measurements(simulator: Simulator, schedule: Schedule, nuisance: Flo
 def nuisance_derivatives(
     simulator: Simulator, schedule: Schedule, nuisance: Floats, prediction: Prediction
 ) -> Prediction:
-    """Return the derivatives of a prediction by each of a shot's 9 + 3 K nuisance parameters.
-
-    Args:
-        simulator: with its sensor effects.
-        schedule: of B balls.
-        nuisance: (B, 9 + 3 K) where.
-        prediction: there.
-    """
+    """Return the derivatives of a prediction by each of a shot's 9 + 3 K nuisance parameters."""
     size = nuisance.shape[1]
     steps = np.concatenate([STATE_STEPS, np.full(size - STATE_SIZE, KICK_STEP)])
     shifted = (nuisance[:, None] + np.diag(steps)).reshape(-1, size)
@@ -222,11 +193,9 @@ def hypothesis_derivatives(
 
 
 def _smooth_until(prediction: Prediction, *others: Floats) -> Floats:
-    """Return when derivatives end: where balls meet more, or less, in others."""
-    smooth_until, nothing = (
-        prediction.smooth_until,
-        np.full((len(prediction.smooth_until), 1), np.nan),
-    )
+    """Return until when derivatives hold: to the first contact if numbers of contacts differ."""
+    smooth_until = prediction.smooth_until
+    nothing = np.full((len(smooth_until), 1), np.nan)
     for contacts in others:
         more = np.isfinite(contacts).sum(axis=1) != np.isfinite(prediction.contacts).sum(axis=1)
         first = np.fmin.reduce(np.hstack([prediction.contacts, contacts, nothing]), axis=1)

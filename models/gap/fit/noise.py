@@ -1,17 +1,8 @@
-"""Noise model: the sensor's errors, the scatter of bounces, and priors.
+"""Noise model: the sensor's errors, the scatter of bounces, and priors (docs/naming.md).
 
-- A coordinate errs by white noise plus an error that changes slowly, an Ornstein-Uhlenbeck process
-  (``slow`` m, correlation falls to 1/e in ``slow_time`` s). Outliers have their white variance
-  divided by the probability that they are none.
-- A component of a spin label errs by ``label`` times the spin in every row, and by ``label_common``
-  times the spin in all rows of a shot alike.
-- Kicks at bounces (trajectory.py) are Gaussian of zero mean, with a size each way.
-- States, and spins without a label, have diffuse priors. Lift is a product of spin and C_M: a prior
-  that pulls all spins to zero would bias C_M upwards, and a non-zero mean spin would look like
-  gravity.
-
-``GramMatrices`` keeps the whitened Gram matrices separate by what their scale depends on, so that
-all but the noise of positions can be changed at no cost.
+The slow error of a coordinate is an Ornstein-Uhlenbeck process. Outliers have their white variance
+divided by the probability that they are none. Kicks at bounces are Gaussian of zero mean. States,
+and spins without a label, have diffuse priors.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -34,15 +25,15 @@ ANY_PLACE, ANY_SPEED, ANY_SPIN = 100.0, 1000.0, 1e4
 
 @dataclass(frozen=True)
 class Noise:
-    """Sizes of all that is random.
+    """Standard deviations of all that is random.
 
     Attributes:
         white: of a coordinate, m.
         slow: of its slow error, m.
         slow_time: in which the slow error's correlation falls to 1/e, s.
         timing: of a time stamp, s.
-        label: of a component of a label, as a share of the spin, in every row by itself.
-        label_common: the same for all rows of a shot.
+        label: of a component of a label, as a share of the spin, independent in every row.
+        label_common: the same, common to all rows of a shot.
         scatter: of a bounce upwards, along the slip and across, as a share of the normal speed.
     """
 
@@ -90,6 +81,9 @@ class Noise:
 class GramMatrices:
     """Gram matrices (B, C, C) of linearised shots, C = E + K + 1 columns.
 
+    They are separate by what their scale depends on, so that all but the noise of positions can be
+    changed at no cost.
+
     Attributes:
         positions: in the metric of the positions' noise.
         label_deviations: of labels less their mean, in units of the spin.
@@ -128,7 +122,7 @@ class GramMatrices:
         return gram * self.shot_weights[:, None, None]
 
     def precision(self, noise: Noise) -> Floats:
-        """Return (B, E) the precision of each unknown's prior."""
+        """Return (B, E) the precision of each nuisance parameter's prior."""
         return prior_precision(self.counts == 0, self.nuisance.shape[1], noise, ANY_SPIN)
 
     def label_determinants(self, noise: Noise) -> Floats:
@@ -144,11 +138,8 @@ def gram_matrices(
 ) -> GramMatrices:
     """Return the Gram matrices of linearised shots.
 
-    Args:
-        linear: the shots.
-        noise: of which the positions' part counts.
-        weights: (B, N) probabilities that samples are no outliers.
-        shot_weights: (B,) 1 for a whole shot.
+    The (B, N) weights are probabilities that samples are no outliers, the (B,) shot weights 1 for a
+    whole shot.
     """
     positions, _ = white_gram(linear.positions, linear, noise, weights)
     labels = linear.labels
@@ -168,8 +159,7 @@ def gram_matrices(
 def gram(rows: Floats) -> Floats:
     """Return (B, C, C) products of the columns of (B, N, 3, C) rows."""
     flat = rows.reshape(len(rows), -1, rows.shape[-1])
-    products: Floats = np.swapaxes(flat, 1, 2) @ flat
-    return products
+    return np.swapaxes(flat, 1, 2) @ flat
 
 
 def white_gram(
@@ -194,13 +184,9 @@ def white_gram(
 
 
 def prior_precision(unlabelled: NDArray[np.bool_], size: int, noise: Noise, spin: float) -> Floats:
-    """Return (B, size) the precision of the prior of each shot's unknowns.
+    """Return (B, size) the precision of the prior of each shot's nuisance parameters.
 
-    Args:
-        unlabelled: (B,) whether a shot has no spin label.
-        size: number of unknowns.
-        noise: with the size of kicks.
-        spin: size of a component of a spin without a label, rad/s.
+    A component of a spin without a label has the standard deviation ``spin``, rad/s.
     """
     anything = np.repeat([ANY_PLACE, ANY_SPEED, ANY_SPIN], 3) ** -2.0
     precision = np.zeros((len(unlabelled), size))
@@ -214,8 +200,7 @@ def prior_precision(unlabelled: NDArray[np.bool_], size: int, noise: Noise, spin
 def inlier_probability(residuals: Floats, noise: Noise, settings: FitSettings) -> Floats:
     """Return (B, N) probabilities that (B, N, 3) whitened residuals are no outliers."""
     inlier, outlier = _log_densities(residuals, noise, settings)
-    probability: Floats = expit(inlier - outlier)
-    return probability
+    return expit(inlier - outlier)
 
 
 def deviance(residuals: Floats, noise: Noise, settings: FitSettings) -> Floats:
@@ -224,8 +209,7 @@ def deviance(residuals: Floats, noise: Noise, settings: FitSettings) -> Floats:
     The density is a mixture of two normals, of inliers and of outliers; constants are left out so
     that a residual of zero has a deviance of about zero.
     """
-    deviances: Floats = -2.0 * np.logaddexp(*_log_densities(residuals, noise, settings))
-    return deviances
+    return -2.0 * np.logaddexp(*_log_densities(residuals, noise, settings))
 
 
 def _log_densities(residuals: Floats, noise: Noise, settings: FitSettings) -> tuple[Floats, Floats]:

@@ -107,15 +107,14 @@ class Projection:
     def scores(self, scores: Floats, information: Floats) -> Floats:
         """Return (B, D) efficient scores of (B, K) scores and (B, K, K) information."""
         rest = scores - information[:, :, self.given] @ self.values
-        efficient: Floats = rest[:, self.block] - rest[:, self.given] @ self.mixing.T
-        return efficient
+        return rest[:, self.block] - rest[:, self.given] @ self.mixing.T
 
     def information(self, information: Floats) -> Floats:
         """Return (B, D, D) information of the efficient scores of (B, K, K) data."""
         a, k, n = information, self.block, self.given
         across = a[:, k][:, :, n] - self.mixing @ a[:, n][:, :, n]
-        own: Floats = a[:, k][:, :, k] - self.mixing @ a[:, n][:, :, k]
-        return own - across @ self.mixing.T
+        of_block: Floats = a[:, k][:, :, k] - self.mixing @ a[:, n][:, :, k]
+        return of_block - across @ self.mixing.T
 
     def information_diagonal(self, information: Floats) -> Floats:
         """Return the (B, D) diagonals of ``information`` alone, for many columns."""

@@ -1,10 +1,7 @@
-"""Refit: values of chosen hypotheses that make the shots most likely, exactly.
+"""Refit: values of chosen hypotheses that make the shots most likely.
 
-Gauss-Newton on the marginal likelihood: shots are linearised about the simulator as it is now, the
-chosen values take the step that the scores ask for, the unknowns of the shots the one that goes
-with it, and so on. A step after which the shots fit worse was too long and is shortened. Values
-stay within their bounds; a weak prior keeps those of which the shots say nothing where they are.
-The evidence for all other hypotheses is then that about the refitted simulator.
+Gauss-Newton on the marginal likelihood. Values stay within their bounds; a weak prior keeps those
+of which the shots say nothing where they are.
 """
 
 from dataclasses import dataclass, replace
@@ -30,10 +27,10 @@ class RefitResult:
     """Shots fitted about a simulator whose chosen values were refitted.
 
     Attributes:
-        simulator: with the values found.
+        simulator: with the refitted values.
         free: the hypotheses whose values were refitted.
         linear: the shots about it, for all hypotheses.
-        components: their noise.
+        noise_estimate: their noise.
     """
 
     simulator: Simulator
@@ -81,10 +78,10 @@ def refit(
         step, error = _step(
             parts.total(fit.noise), linear.nuisance_count, free, values, origin, settings
         )
-        moved = _moved(linear, parts, fit, step, settings)
-        if moved is None:
+        stepped = _stepped(linear, parts, fit, step, settings)
+        if stepped is None:
             break
-        simulator, fit = moved
+        simulator, fit = stepped
         values = _values(simulator, free)
         if (np.abs(step) <= settings.step_converged * error).all():
             break
@@ -107,12 +104,11 @@ def fit_nuisance(
 
 
 def likelihood_gain(one: RefitResult, other: RefitResult) -> float:
-    """Return by how much less the same shots miss the ``other`` simulator, with fitted unknowns.
+    """Return twice the gain of log likelihood from one fit of the same shots to another.
 
-    It is twice the gain of log likelihood in the noise about the other, of samples, labels and
-    shots that both trust. Labels err by a share of the spins as fitted, and positions by what time
-    stamps miss at the velocities as fitted: both are weighed by those about the other. Each by its
-    own, smaller spins and velocities would pass for a worse fit.
+    It is evaluated in the noise of the other fit, with the samples, labels and shots that both use.
+    Errors of labels and time stamps scale with spins and velocities: those of the other fit serve
+    for both, or else smaller spins and velocities would pass for a worse fit.
     """
     noise = other.noise_estimate.noise
     about = replace(other.linear, labelled=one.linear.labelled & other.linear.labelled)
@@ -127,7 +123,7 @@ def likelihood_gain(one: RefitResult, other: RefitResult) -> float:
 def _misfit(
     linear: Linearised, about: Linearised, noise: Noise, weights: Floats, shot_weights: Floats
 ) -> float:
-    kept = [*range(linear.nuisance_count), -1]  # the unknowns, and what is left
+    kept = [*range(linear.nuisance_count), -1]  # nuisance parameters and residuals
     units = np.where(about.labelled, linear.label_scales / about.label_scales, 0.0)
     alone = replace(
         linear,
@@ -144,7 +140,7 @@ def _misfit(
 
 
 def _values(simulator: Simulator, free: tuple[Hypothesis, ...]) -> Floats:
-    return np.array([one.value(simulator) for one in free])
+    return np.array([hypothesis.value(simulator) for hypothesis in free])
 
 
 def _with_values(simulator: Simulator, free: tuple[Hypothesis, ...], values: Floats) -> Simulator:
@@ -175,7 +171,7 @@ def _step(
 ) -> tuple[Floats, Floats]:
     """Return the best step of the free values within their bounds, and their standard errors."""
     left = eliminate_nuisance(total, nuisance_count)
-    bounds = np.array([one.declaration.bounds for one in free])
+    bounds = np.array([hypothesis.declaration.bounds for hypothesis in free])
     scale = settings.value_prior * np.ptp(bounds, axis=1)
     # In units of the prior's standard deviations, whose precision is one.
     information = left.information.sum(axis=0) * np.outer(scale, scale) + np.eye(len(free))
@@ -186,7 +182,7 @@ def _step(
     return scale * result.x, scale * np.sqrt(np.diag(np.linalg.inv(information)))
 
 
-def _moved(
+def _stepped(
     linear: Linearised, parts: GramMatrices, fit: ShotFit, step: Floats, settings: FitSettings
 ) -> tuple[Simulator, ShotFit] | None:
     """Return the simulator after as much of a step as fits no worse, and the shots about it."""
@@ -196,7 +192,7 @@ def _moved(
     for part in settings.step_fractions:
         simulator = _with_values(linear.simulator, free, values + part * step)
         nuisance = fit.nuisance + nuisance_solution(total, linear.nuisance_count, part * step)
-        there = _followed(shots, simulator, nuisance, here, settings)
+        there = _refitted(shots, simulator, nuisance, here, settings)
         if parts.shot_weights @ there.cost <= settings.cost_tolerance * (
             parts.shot_weights @ here.cost
         ):
@@ -204,12 +200,12 @@ def _moved(
     return None
 
 
-def _followed(
+def _refitted(
     shots: Shots, simulator: Simulator, nuisance: Floats, here: ShotFit, settings: FitSettings
 ) -> ShotFit:
-    """Return shots about a simulator nearby; those that the way there loses start where they were.
+    """Return shots about a simulator nearby; those that fit worse start again where they were.
 
-    One lost shot, whose samples pass for outliers, could outweigh what all others gain.
+    One such shot, whose samples pass for outliers, could outweigh what all others gain.
     """
     most = settings.nearby_iterations
     there = refit_shots(shots, simulator, nuisance, here.noise, settings, most)

@@ -1,10 +1,8 @@
 """Fit of each shot's nuisance parameters, given a simulator; B shots at once.
 
-Levenberg-Marquardt on the posterior of state and kicks, with independent noise of one size;
-correlated noise is estimated later, on the linearised shots (variance_components.py). The noise
-starts large and shrinks, which avoids the local minima of a sharp likelihood (graduated
-non-convexity, Blake and Zisserman 1987), and the horizon starts short, so that the predicted ball
-bounces where the measured one does.
+Levenberg-Marquardt on the posterior of state and kicks, with independent noise of one size. The
+noise starts large and shrinks (graduated non-convexity, Blake and Zisserman 1987), and the horizon
+starts short, so that the predicted ball bounces where the measured one does.
 """
 
 from dataclasses import dataclass, replace
@@ -29,7 +27,7 @@ from models.gap.types import Bools, Indices
 
 FALL = np.array([0.0, 0.0, -9.81])
 NORMAL_MOST = 1.645  # the size that nine in ten of a standard normal's values are below
-# What nuisance parameters may be, so that no flight diverges: m, m/s, rad/s, and kicks.
+# Bounds of nuisance parameters, so that no flight diverges: m, m/s, rad/s, and kicks.
 WORLD, LARGEST_KICK = np.repeat([1e4, 150.0, 5000.0], 3), 3.0
 
 
@@ -93,8 +91,8 @@ def refit_shots(
         nuisance: (B, 9 + 3 K) where to start.
         noise: by which labels and samples are weighted.
         settings: of the fit.
-        iterations: at most, if fewer than usual; few are enough near the best fit.
-        spin: rad/s, standard deviation of a component of a spin without a label, if not the usual.
+        iterations: at most, if not those of the settings.
+        spin: rad/s, prior of a component of a spin without a label, if not that of the settings.
     """
     problem = _Problem.of(shots, simulator, noise, settings, spin=spin)
     iterations = settings.max_iterations if iterations is None else iterations
@@ -159,27 +157,26 @@ class _Problem:
         reach = np.concatenate([WORLD, np.full(nuisance.shape[1] - len(WORLD), LARGEST_KICK)])
         nuisance = np.clip(nuisance, -reach, reach)
         damping = np.full(len(nuisance), self.settings.first_damping)
-        moving = np.arange(len(nuisance))
+        left = np.arange(len(nuisance))  # shots that have not converged
         for _ in range(iterations):
-            some = self[moving]
-            point = some.at(nuisance[moving])
-            step = some._step(point, damping[moving])
+            some = self[left]
+            point = some.at(nuisance[left])
+            step = some._step(point, damping[left])
             trial = some.at(np.clip(point.nuisance + step, -reach, reach))
             gain = some._cost(point, point.weights) - some._cost(trial, point.weights)
             better = gain >= 0.0
-            nuisance[moving[better]] = trial.nuisance[better]
-            damping[moving] *= np.where(better, 0.1, 10.0)
-            moving = moving[np.abs(gain) > self.settings.cost_converged]
-            if len(moving) == 0:
+            nuisance[left[better]] = trial.nuisance[better]
+            damping[left] *= np.where(better, 0.1, 10.0)
+            left = left[np.abs(gain) > self.settings.cost_converged]
+            if len(left) == 0:
                 break
         return nuisance
 
     def result(self, nuisance: Floats) -> ShotFit:
         """Return the fit at the last nuisance parameters."""
         point = self.at(nuisance)
-        cost = np.where(self.used, deviance(point.residual, self.noise, self.settings), 0.0).sum(
-            axis=1
-        )
+        deviances = deviance(point.residual, self.noise, self.settings)
+        cost = np.where(self.used, deviances, 0.0).sum(axis=1)
         cost += (point.errors**2).sum(axis=(1, 2))
         cost += (self._precision(nuisance) * nuisance**2).sum(axis=1)
         return ShotFit(nuisance, point.weights, self.noise, cost)
@@ -238,12 +235,11 @@ class _Problem:
         diagonal *= 1 + damping[:, None]
         diagonal += 1e-12 * diagonal.max(axis=1, keepdims=True)
         pull = (gradient - prior * point.nuisance)[..., None]
-        step: Floats = np.linalg.solve(normal, pull)[..., 0]
-        return step
+        return np.linalg.solve(normal, pull)[..., 0]
 
 
 def _start(shots: Shots, horizon: float) -> Floats:
-    """Return (B, 9) states: a ballistic line through the first samples, and the first label."""
+    """Return (B, 9) states: a parabola through the first samples, and the first label."""
     t = shots.times - shots.times[:, :1]
     early = shots.valid & (t <= horizon)
     early[:, :4] |= shots.valid[:, :4]

@@ -1,8 +1,4 @@
-"""Shots: measured balls, each from a launch or a stroke on, through its bounces, to its end.
-
-Everything the gap workflow knows of the world is in here: times and positions as the sensor gave
-them, and spin labels where there are any. Shots differ in length, so arrays are padded.
-"""
+"""Shots: times and positions as the sensor gave them, and spin labels where there are any."""
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, fields
@@ -12,13 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from models.ball.types import Floats
+from models.gap.settings import GapSettings
 from models.gap.types import Bools
 
-# What no ball of table tennis does: m from the table, s in one shot, rad/s.
+# Limits of plausible shots: m from the table, s in one shot, rad/s.
 FARTHEST, LONGEST, FASTEST = 1e4, 20.0, 1e5
-
-POSITION_COLUMNS = ["px", "py", "pz"]
-SPIN_COLUMNS = ["wx", "wy", "wz"]
 
 
 @dataclass(frozen=True)
@@ -70,25 +64,25 @@ class Shots:
 
         Raises:
             ValueError: shapes that do not fit, positions that are not finite, no sample in a shot,
-                times that do not rise, or numbers that no ball can have made.
+                times that do not rise, or implausible numbers.
         """
         count = len(times)
-        moments = [np.asarray(one, dtype=np.float64) for one in times]
-        places = [np.asarray(one, dtype=np.float64).reshape(-1, 3) for one in positions]
-        given_labels = [np.empty((0, 3))] * count if labels is None else labels
-        when = moments if label_times is None else label_times
-        when = when if labels is not None else [np.empty(0)] * count
-        spins = [_distinct(t, w) for t, w in zip(when, given_labels, strict=True)]
-        _check(moments, places, [w for _, w in spins])
-        called = list(range(count)) if names is None else list(names)
+        all_times = [np.asarray(t, dtype=np.float64) for t in times]
+        places = [np.asarray(p, dtype=np.float64).reshape(-1, 3) for p in positions]
+        if labels is None:
+            labels, label_times = [np.empty((0, 3))] * count, [np.empty(0)] * count
+        when = all_times if label_times is None else label_times
+        spins = [_distinct(t, w) for t, w in zip(when, labels, strict=True)]
+        _check(all_times, places, [w for _, w in spins])
+        shot_names = list(range(count)) if names is None else list(names)
         return cls(
-            _padded(moments, repeat=True),
+            _padded(all_times, repeat=True),
             _padded(places, repeat=True),
-            _padded([np.ones(len(one)) for one in moments]) == 1.0,
+            _padded([np.ones(len(t)) for t in all_times]) == 1.0,
             _padded([t for t, _ in spins]),
             _padded([w for _, w in spins]),
-            np.array(called),
-            np.array(called if groups is None else list(groups)),
+            np.array(shot_names),
+            np.array(shot_names if groups is None else list(groups)),
         )
 
     def __len__(self) -> int:
@@ -101,26 +95,33 @@ class Shots:
     @property
     def labelled(self) -> Bools:
         """(B, L) where there is a spin label."""
-        there: Bools = np.isfinite(self.label_times)
-        return there
+        return np.isfinite(self.label_times)
+
+
+def held_out(shots: Shots, settings: GapSettings) -> Bools:
+    """Return (B,) which shots are held out: whole recordings where there are several."""
+    one_in = settings.verify.held_out
+    groups, member = np.unique(shots.groups.astype(str), return_inverse=True)
+    units = member if len(groups) >= 2 * one_in else np.arange(len(shots))
+    order = np.random.default_rng(0).permutation(units.max() + 1)
+    return np.asarray(order[units] % one_in == 0)
 
 
 def spread_evenly(count: int, most: int) -> NDArray[np.int64]:
     """Return places of at most so many of ``count`` shots, spread evenly."""
-    places: NDArray[np.int64] = np.unique(np.linspace(0, count - 1, most).round().astype(np.int64))
-    return places
+    return np.unique(np.linspace(0, count - 1, most).round().astype(np.int64))
 
 
 def _distinct(times: ArrayLike, labels: ArrayLike) -> tuple[Floats, Floats]:
-    moments = np.asarray(times, dtype=np.float64)
+    when = np.asarray(times, dtype=np.float64)
     spins = np.asarray(labels, dtype=np.float64).reshape(-1, 3)
-    if len(moments) != len(spins):
-        raise ValueError(f"{len(spins)} labels at {len(moments)} times")
+    if len(when) != len(spins):
+        raise ValueError(f"{len(spins)} labels at {len(when)} times")
     there = np.isfinite(spins).all(axis=1)
-    moments, spins = moments[there], spins[there]
+    when, spins = when[there], spins[there]
     if len(spins) > 1 and (spins == spins[0]).all():
-        return moments[:1], spins[:1]
-    return moments, spins
+        return when[:1], spins[:1]
+    return when, spins
 
 
 def _check(times: list[Floats], positions: list[Floats], labels: list[Floats]) -> None:

@@ -1,7 +1,7 @@
 """Trajectories: balls from bounce to bounce, with a kick at each.
 
-A kick is the deviation of one bounce from the law. A kick ``(n, s, c)`` is in units of the impact's
-normal speed: the ball leaves faster by ``n`` upwards, ``s`` along the slip of its contact point and
+A kick ``(n, s, c)`` is the deviation of one bounce from the law, in units of the impact's normal
+speed: the ball leaves faster by ``n`` upwards, ``s`` along the slip of its contact point and
 ``c`` across. The tangential part vanishes with the slip, where friction has nothing to scatter, and
 comes with the spin that the conservation of angular momentum about the contact point requires,
 ``dw = -3/(2r) ez x dv``.
@@ -21,8 +21,8 @@ from models.support.compilation import compiler
 
 KICK_SIZE = 3
 SLOW_SLIP = 1.0  # m/s below which the tangential part of a kick fades
-EDGE = 5e-3  # m from an edge of the table: the ball may have met it
-# m, m/s, rad/s: where values that are tried make drag a thrust, balls get no farther nor faster.
+EDGE = 5e-3  # m from an edge of the table: the ball may have touched it
+# m, m/s, rad/s: bounds of states, for trial values that make drag a thrust.
 FARTHEST = 1e5
 
 
@@ -34,30 +34,30 @@ def fly_with_kicks(
     Then (B, M) contact times and (B,) those of the first contact with an edge or the net.
     """
     flight = _flight(simulator, nuisance[:, :STATE_SIZE], times)
-    states, met = flight.states, [_contacts(flight)]
+    states, touched = flight.states, [_contacts(flight)]
     rows, start = np.arange(len(states)), np.zeros(len(states))
     for kick in range(STATE_SIZE, nuisance.shape[1], KICK_SIZE):
-        there, moment, before, after = first_bounce(flight)
+        there, time, before, after = first_bounce(flight)
         if not there.any():
             break
-        rows, start = rows[there], start[there] + moment
+        rows, start = rows[there], start[there] + time
         launch = _bounded(apply_kicks(before, after, nuisance[rows, kick : kick + KICK_SIZE]))
         since = times[rows] - start[:, None]
         flight = _flight(simulator, launch, np.maximum(since, 0.0))
         _go_on(states, rows, since, flight.states)
-        met.append(np.full_like(met[0], np.nan))
-        met[-1][:, rows] = start[:, None] + _contacts(flight)
-    smooth, wild = np.concatenate(met, axis=2)
-    return states, smooth[:, np.isfinite(smooth).any(axis=0)], np.fmin.reduce(wild, axis=1)
+        touched.append(np.full_like(touched[0], np.nan))
+        touched[-1][:, rows] = start[:, None] + _contacts(flight)
+    contacts, edges = np.concatenate(touched, axis=2)
+    return states, contacts[:, np.isfinite(contacts).any(axis=0)], np.fmin.reduce(edges, axis=1)
 
 
 def _contacts(flight: Flight) -> Floats:
     """Return (2, B, K) times of contacts, and of those with an edge or the net, else NaN."""
-    met = flight.contacts
-    x, y = np.abs(met.before[..., 0]), np.abs(met.before[..., 1])
+    contacts = flight.contacts
+    x, y = np.abs(contacts.before[..., 0]), np.abs(contacts.before[..., 1])
     edge = (x > TABLE_HALF_WIDTH - EDGE) | (y > TABLE_HALF_LENGTH - EDGE)
-    wild = edge | (met.surface == NET)
-    return np.stack([met.time, np.where(wild, met.time, np.nan)])
+    edge |= contacts.surface == NET
+    return np.stack([contacts.time, np.where(edge, contacts.time, np.nan)])
 
 
 def first_bounce(flight: Flight) -> tuple[Bools, Floats, Floats, Floats]:
@@ -91,9 +91,9 @@ def apply_kicks(before: Floats, after: Floats, kicks: Floats) -> Floats:
 
 
 def _flight(simulator: Simulator, states: Floats, times: Floats) -> Flight:
-    """Return the flight of balls; one that starts as the ball before it is not flown again.
+    """Return the flight of balls; one that starts like the ball before it is not flown again.
 
-    Unknowns of a shot act from some bounce on; before it, all that they change is the same.
+    Kicks act from some bounce on: before it, the balls of their differences are the same.
     """
     new = np.ones(len(states), dtype=bool)
     new[1:] = (states[1:] != states[:-1]).any(axis=1) | (times[1:] != times[:-1]).any(axis=1)
@@ -101,21 +101,21 @@ def _flight(simulator: Simulator, states: Floats, times: Floats) -> Flight:
     reached = _bounded(flight.states)
     if new.all():
         return Flight(reached, flight.contacts)
-    place, met = np.cumsum(new) - 1, flight.contacts
-    parts = (getattr(met, field.name)[place] for field in fields(met))
+    place, contacts = np.cumsum(new) - 1, flight.contacts
+    parts = (getattr(contacts, field.name)[place] for field in fields(contacts))
     return Flight(reached[place], Contacts(*parts))
 
 
 def _bounded(states: Floats) -> Floats:
-    """Return states within bounds that no real ball comes near."""
-    if np.abs(states).max(initial=0.0) < FARTHEST:  # no number that is none is less
+    """Return states within bounds far beyond those of real balls."""
+    if np.abs(states).max(initial=0.0) < FARTHEST:  # false with a NaN
         return states
     return np.clip(np.nan_to_num(states, posinf=FARTHEST, neginf=-FARTHEST), -FARTHEST, FARTHEST)
 
 
 @compiler([Path(__file__)])
 def _go_on(states: Floats, rows: Indices, since: Floats, later: Floats) -> None:
-    """Replace rows of (B, T, 9) states by later ones, from where the time since a bounce begins."""
+    """Replace rows of (B, T, 9) states by later ones, where the time since a bounce is positive."""
     for r in range(len(rows)):
         for i in range(since.shape[1]):
             if since[r, i] > 0.0:

@@ -1,9 +1,8 @@
 """Variance components: noise, label errors and scatter, by restricted likelihood.
 
-The noise is what no hypothesis explains. Were the noise estimated about the simulator as it is, a
-missing effect would pass for a slow camera error or for scatter, and hide itself. So the values of
-all hypotheses are integrated out (labels, scatter), or those directions of them that stand out are
-fitted first (positions, of which there are plenty).
+A missing effect must not pass for a slow camera error or for scatter. So the values of all
+hypotheses are integrated out (labels, scatter), or their significant directions are fitted first
+(positions).
 """
 
 from collections.abc import Callable
@@ -118,8 +117,7 @@ def _significant_values(total: Floats, nuisance_count: int, settings: FitSetting
     directions = identifiable_directions(left.information.sum(axis=0))
     scores = directions.T @ left.scores.sum(axis=0)
     significant = np.abs(scores) > settings.significant_direction
-    values: Floats = directions @ np.where(significant, scores, 0.0)
-    return values
+    return directions @ np.where(significant, scores, 0.0)
 
 
 def _with_position_noise(
@@ -189,7 +187,7 @@ def _minimised(
 ) -> Noise:
     """Return noise with the named sizes that minimise ``criterion`` within their bounds."""
     starts = settings.noise_starts
-    sizes = [np.atleast_1d(np.maximum(getattr(noise, one), starts.get(one, 0.0))) for one in names]
+    sizes = [np.atleast_1d(np.maximum(getattr(noise, n), starts.get(n, 0.0))) for n in names]
     ends = np.cumsum([len(size) for size in sizes])
     bounds = [
         settings.noise_bounds[name] for name, size in zip(names, sizes, strict=True) for _ in size
@@ -218,7 +216,7 @@ def _minimised(
 def _shot_weights(linear: Linearised, total: Floats, settings: FitSettings) -> Floats:
     """Return (B,) weights of shots: those that fit far worse than most count less.
 
-    First by their fit to the simulator, then by that to the values that all shots give it.
+    First by their fit to the simulator, then by that to the values estimated from all shots.
     """
     left = eliminate_nuisance(total, linear.nuisance_count)
     rows = 3 * (linear.sampled.sum(axis=1) + linear.labelled.sum(axis=1)) - STATE_SIZE

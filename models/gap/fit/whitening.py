@@ -1,8 +1,6 @@
 """Whitening: rows of positions in the metric of their noise, compiled.
 
-Samples without weight count for nothing. Of all others the rows are shrunk along the velocity, and
-the innovations of a Kalman filter that follows the slow error are summed up in products as they
-come, so that they need not be kept.
+The innovations of a Kalman filter that follows the slow error are summed up in products.
 """
 
 from pathlib import Path
@@ -87,7 +85,7 @@ def _innovate(
     expected: Floats,
     innovations: Floats,
 ) -> None:
-    """Put what (3, C) rows have beyond what was expected into innovations, and expect it on."""
+    """Put the innovations of (3, C) rows into ``innovations``, and update what is expected."""
     x, y, z = direction
     for c in range(rows.shape[1]):
         along = reduction * (x * rows[0, c] + y * rows[1, c] + z * rows[2, c])

@@ -1,19 +1,16 @@
-"""Score tests: what the shots say for and against every hypothesis, before any is refitted.
+"""Score tests of hypotheses given others, before any is refitted.
 
-Each shot s, its nuisance parameters eliminated, gives for K hypotheses a score ``u_s`` and an
-information ``A_s``. A block of them is tested given others that are free, by its efficient scores
-``e_s`` and their information ``I_s`` (fit/projection.py; Rao 1948, Neyman 1959). With ``U = sum
-e_s`` and ``I = sum I_s``, ``I^-1 U`` is the estimate and ``U'I^-1 U`` the gain of twice the log
-likelihood, by which hypotheses are ranked.
+Each shot s gives a block of hypotheses efficient scores ``e_s`` with information ``I_s``, its
+nuisance parameters and the given hypotheses eliminated (fit/projection.py; Rao 1948, Neyman 1959).
+With ``U = sum e_s`` and ``I = sum I_s``, ``I^-1 U`` is the estimate and ``U'I^-1 U`` the gain of
+twice the log likelihood.
 
-Significance comes from the spread of the shots themselves, whatever correlation the noise has
-within a shot (a cluster-robust, or sandwich, variance). The leave-one-out residual ``d_s = e_s -
-I_s (I - I_s)^-1 (U - e_s)`` is how far a shot is from the estimate by the others, so that an effect
-which shots show unequally does not count as scatter. The variance of U is ``sum d_s d_s'``, with
-the effective sample size less one as degrees of freedom. Where that is small, it is averaged with
-the information, the variance by the noise as estimated, which counts as much as a few shots (an
-empirical Bayes variance; Smyth 2004). The test is Hotelling's; p-values of many tests are adjusted
-for their number (Sidak 1967).
+Significance comes from the spread of the shots (a cluster-robust variance). The leave-one-out
+residual ``d_s = e_s - I_s (I - I_s)^-1 (U - e_s)`` is how far a shot is from the estimate by the
+others. The variance of U is ``sum d_s d_s'``, with the effective sample size less one as degrees of
+freedom, averaged with the information, the variance by the noise as estimated (an empirical Bayes
+variance; Smyth 2004). The test is Hotelling's; p-values of many tests are adjusted for their number
+(Sidak 1967).
 """
 
 from collections.abc import Sequence
@@ -36,7 +33,7 @@ from models.gap.types import Places
 
 @dataclass(frozen=True)
 class ScoreTest:
-    """One block of hypotheses, tested beside others.
+    """One block of hypotheses, tested given others.
 
     Attributes:
         block: places of the block's hypotheses.
@@ -58,14 +55,12 @@ class ScoreTest:
     @cached_property
     def estimate(self) -> Floats:
         """(D,) by how much the values differ from the simulator's, to first order."""
-        change: Floats = np.linalg.solve(regularised(self.information), self.scores.sum(axis=0))
-        return change
+        return np.linalg.solve(regularised(self.information), self.scores.sum(axis=0))
 
     @cached_property
     def standard_error(self) -> Floats:
-        """(D,) of each estimate, with the noise as it was found."""
-        error: Floats = np.sqrt(np.diag(np.linalg.inv(self.information)))
-        return error
+        """(D,) of each estimate, by the noise as estimated."""
+        return np.sqrt(np.diag(np.linalg.inv(self.information)))
 
     @cached_property
     def gain(self) -> float:
@@ -74,10 +69,7 @@ class ScoreTest:
 
     @cached_property
     def held_out_gain(self) -> float:
-        """Twice the gain of log likelihood of shots by the values that others say.
-
-        The shots of each fold in turn are predicted from all others.
-        """
+        """Twice the gain of log likelihood of each fold by the estimate of the others."""
         folds = self.settings.inference.folds
         fold = np.arange(len(self.scores)) % folds
         parts = [(self.scores[fold == f].sum(axis=0), self.shares[fold == f]) for f in range(folds)]
@@ -90,18 +82,17 @@ class ScoreTest:
 
     @cached_property
     def effective_sample_size(self) -> float:
-        """How many shots, all alike, would say as much: no verdict rests on one or two."""
+        """How many shots of equal information would have this total: no verdict rests on one."""
         shares = np.einsum("bdd->b", np.linalg.solve(regularised(self.information), self.shares))
         return float(shares.sum() ** 2 / np.maximum((shares**2).sum(), 1e-300))
 
     @cached_property
     def leave_one_out_residuals(self) -> Floats:
-        """(B, D) how far each shot's score is from what the others say of it."""
+        """(B, D) how far each shot's score is from its prediction by the others."""
         others = regularised(self.information - self.shares)
         rest = self.scores.sum(axis=0) - self.scores
         said = np.linalg.solve(others, rest[..., None])
-        leave_one_out_residuals: Floats = self.scores - (self.shares @ said)[..., 0]
-        return leave_one_out_residuals
+        return self.scores - (self.shares @ said)[..., 0]
 
     @cached_property
     def degrees(self) -> float:
@@ -113,12 +104,11 @@ class ScoreTest:
         """(D, D) of the sum of the scores, by the shots' spread and by the noise."""
         share = self.settings.inference.noise_degrees / self.degrees
         between = self.leave_one_out_residuals.T @ self.leave_one_out_residuals
-        variance: Floats = (1 - share) * between + share * self.information
-        return variance
+        return (1 - share) * between + share * self.information
 
     @cached_property
     def p_value(self) -> float:
-        """Of so large a gain where there is no effect."""
+        """Of so large a gain without an effect."""
         total, size = self.scores.sum(axis=0), len(self.block)
         squared = float(total @ np.linalg.solve(regularised(self.variance), total))
         rest = max(self.degrees - size + 1, 1.0)
@@ -126,7 +116,7 @@ class ScoreTest:
 
     @cached_property
     def margin(self) -> Floats:
-        """(D,) by which each estimate may be off, either way, with 95 % confidence."""
+        """(D,) half the 95 % interval of each estimate."""
         inverse = np.linalg.inv(regularised(self.information))
         errors = np.sqrt(np.diag(inverse @ self.variance @ inverse))
         margin: Floats = errors * student.isf((1 - self.settings.confidence) / 2, self.degrees)
@@ -168,17 +158,16 @@ class Evidence:
     def observable(self) -> NDArray[np.bool_]:
         """(K,) which hypotheses change what is measured at all."""
         diagonal = np.diag(self.total)
-        shown: NDArray[np.bool_] = diagonal > 0.0
-        return shown
+        return diagonal > 0.0
 
     @cached_property
     def free(self) -> tuple[int, ...]:
-        """Places of the simulator's own numbers: those that the shots see."""
+        """Places of the listed parameters that the shots see."""
         return tuple(np.flatnonzero(self.listed & self.observable).tolist())
 
     def score_test(self, block: Sequence[int], given: Sequence[int]) -> ScoreTest:
-        """Test a block of hypotheses beside others that are free."""
-        others = [one for one in given if one not in block]
+        """Test a block of hypotheses given others that are free."""
+        others = [k for k in given if k not in block]
         projection = Projection.of(self.total, self.scores, list(block), others)
         scores = projection.scores(self.scores, self.information)
         shares = projection.information(self.information)
@@ -187,9 +176,7 @@ class Evidence:
     def decidable(self, given: Sequence[int], min_size: float | None = None) -> Places:
         """Return the places of hypotheses that the shots can tell from all given ones.
 
-        Args:
-            given: hypotheses whose values are free.
-            min_size: least effective sample size, if not that of a minimum detectable effect.
+        The least effective sample size is that of a minimum detectable effect if not given.
         """
         return tuple(
             k
@@ -209,10 +196,7 @@ class Evidence:
         return bool(identifiable and within and test.effective_sample_size > least)
 
     def correlation(self, one: int, other: int, given: Sequence[int]) -> float:
-        """Return the correlation of two hypotheses' signatures, 1 where no data like these differ.
-
-        The numbers beside them, less these two, are projected out.
-        """
+        """Return the correlation of two hypotheses' signatures, all given others projected out."""
         rest = [k for k in given if k not in (one, other)]
         pair = self.score_test([one, other], rest).information
         return float(abs(pair[0, 1]) / np.sqrt(pair[0, 0] * pair[1, 1]))
@@ -225,7 +209,7 @@ class Evidence:
 
 
 def familywise_p_values(tests: Sequence[ScoreTest]) -> Floats:
-    """Return each test's chance that the most extreme of all is as extreme where nothing is."""
+    """Return p-values adjusted for the number of tests (Sidak 1967)."""
     p_values = np.array([test.p_value for test in tests])
     of_least: Floats = -np.expm1(len(tests) * np.log1p(-np.minimum(p_values, 1 - 1e-12)))
     return of_least

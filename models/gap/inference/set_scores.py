@@ -1,8 +1,7 @@
-"""Scales: what sets of hypotheses gain, by the thousand, and which values make physical sense.
+"""Scores of sets of hypotheses, by the thousand, and a beam search for the best set.
 
 All is linear about one fit. What a set gains with one more hypothesis follows from the set by a
-block update, for all further hypotheses of all sets at once, so that long sets cost little more
-than short ones.
+block update, for all further hypotheses of all sets at once.
 """
 
 from collections.abc import Sequence
@@ -14,24 +13,23 @@ from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.inference.score_test import Evidence
 from models.gap.settings import GapSettings
-from models.gap.types import Bools, Indices
+from models.gap.types import Bools, Indices, Places
 
-LEAST_LEFT = 1e-12  # of a hypothesis's information beside others, against rounding
-RIDGE = 1e-9  # of the information, so that sets of exactly alike hypotheses can be weighed
+LEAST_LEFT = 1e-12  # of a hypothesis's information given others, against rounding
+RIDGE = 1e-9  # of the information, so that sets of exactly collinear hypotheses have a score
 NOTHING = 1e-300  # information of a hypothesis of which the shots tell nothing: it gains nothing
 
 
 @dataclass(frozen=True)
 class SetScores:
-    """What weighs sets of K hypotheses.
+    """Scores sets of K hypotheses.
 
     Attributes:
         information: (K, K) of all shots.
         scores: (K,) of all shots.
         start: (K,) values from which estimates depart.
         bounds: (K, 2) of the values.
-        refitted: (K,) whether the shots were refitted with it, by which those of them that look
-            much alike are told apart: a lift that saturates from a weaker one that does not.
+        refitted: (K,) whether the shots were refitted with it; such hypotheses may be collinear.
     """
 
     information: Floats
@@ -43,27 +41,25 @@ class SetScores:
 
     @classmethod
     def of(cls, evidence: Evidence, nominal: Simulator, refitted: Sequence[int]) -> "SetScores":
-        """Return the scales for departures from the nominal simulator.
-
-        Args:
-            evidence: about them.
-            nominal: the simulator.
-            refitted: hypotheses that the shots were refitted with.
-        """
+        """Return the scores of departures from the nominal simulator."""
         known = np.maximum(RIDGE * np.diag(evidence.total), NOTHING)
-        information = evidence.total + np.diag(known)
-        start = [one.value(nominal) for one in evidence.columns]
-        bounds = [one.declaration.bounds for one in evidence.columns]
-        scores = evidence.scores.sum(axis=0)
-        with_it = np.isin(np.arange(len(start)), refitted)
         return cls(
-            information, scores, np.array(start), np.array(bounds), with_it, evidence.settings
+            information=evidence.total + np.diag(known),
+            scores=evidence.scores.sum(axis=0),
+            start=np.array([column.value(nominal) for column in evidence.columns]),
+            bounds=np.array([column.declaration.bounds for column in evidence.columns]),
+            refitted=np.isin(np.arange(len(evidence.columns)), refitted),
+            settings=evidence.settings,
         )
+
+    def gain(self, places: Places) -> float:
+        """Return what one set gains in twice the log likelihood."""
+        return float(self.gains(np.array([places]))[0][0]) if places else 0.0
 
     def gains(self, sets: Indices) -> tuple[Floats, Floats]:
         """Return the (R,) gains of (R, S) sets of hypotheses, and their (R, S) estimates.
 
-        Sets whose values make no sense, or are not told apart, gain minus infinity.
+        Sets with implausible values, or values that are not identifiable, gain minus infinity.
         """
         inverse = self._inverse(sets)
         estimates = (inverse @ self.scores[sets][..., None])[..., 0]
@@ -91,6 +87,43 @@ class SetScores:
         possible &= self._possible(more, step, 1 / left)
         gains = (estimates * self.scores[sets]).sum(axis=1)[:, None] + score * step
         return np.where(possible & ~member, gains, -np.inf)
+
+    def best(
+        self,
+        required: Places,
+        candidates: Sequence[int],
+        most: int,
+        penalty: float,
+        handicaps: Floats,
+    ) -> Places:
+        """Return the set of at most ``most`` members with the largest penalised score.
+
+        The score is the gain less, for each further member, the penalty and its (K,) handicap.
+        """
+        beam, best = np.array([required], dtype=np.int64), required
+        top = self.gain(required) - handicaps[list(required)].sum()
+        for size in range(len(required) + 1, min(most, len(required) + len(candidates)) + 1):
+            beam, leader = self._extended(beam, candidates, handicaps)
+            leader -= penalty * (size - len(required))
+            if leader > top:
+                best, top = tuple(beam[0].tolist()), leader
+        return best
+
+    def _extended(
+        self, beam: Indices, candidates: Sequence[int], handicaps: Floats
+    ) -> tuple[Indices, float]:
+        """Return the best sets of one more member, best first, and the first's score."""
+        handicap = handicaps[beam].sum(axis=1)[:, None] + handicaps[candidates]
+        gains = self.gains_with_one_more(beam, candidates) - handicap
+        order = np.argsort(-gains, axis=None, kind="stable")
+        parents, further = np.unravel_index(order, gains.shape)
+        sets = np.sort(np.column_stack([beam[parents], np.array(candidates)[further]]), axis=1)
+        sets = sets[(np.diff(sets, axis=1) > 0).all(axis=1)]
+        settings = self.settings.inference
+        width = min(settings.beam_width, max(settings.beam_work // sets.shape[1], 1))
+        sets = sets[: width * sets.shape[1]]  # a set has as many parents as members, at most
+        _, first = np.unique(sets, axis=0, return_index=True)
+        return sets[np.sort(first)[:width]], float(gains.flat[order[0]])
 
     def _inverse(self, sets: Indices) -> Floats:
         inverse = np.linalg.inv(self.information[sets[:, :, None], sets[:, None, :]])

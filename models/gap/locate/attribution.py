@@ -1,22 +1,15 @@
-"""Attribution: how far simulated and measured balls diverge, by phase and against covariates.
+"""Attribution of the discrepancy between simulated and measured trajectories.
 
-The discrepancy ``D`` of a prediction from a measured path is the sum of what each phase (flight,
-table, sensor) contributes. To free a phase is to free all that may act in it: the catalogue's
-effects there and the omnibus terms (term_library.py). The mean of ``D . D`` over shots is shared
-out by how much it falls when a phase is freed, averaged over all orders of freeing the three
-(Shapley's value); for the square of a sum this is the mean of ``D_phase . D``. An interaction of
-two phases is halved between them, and a wrong table counts from the bounce on.
-
-Which phases are wrong at all is selected first (phase_selection.py). Where shots tell the phases
-apart, one explanation remains; where they do not, the shares are the mean of several, by their
-weights. What resembles neither catalogue nor terms counts as scatter or noise and is in no share.
+The discrepancy ``D`` is the sum of what each phase (flight, table, sensor) contributes: the
+catalogue's effects there and the omnibus terms (term_library.py). The mean of ``D . D`` over shots
+is shared out by how much it falls when a phase is freed, averaged over all orders of freeing the
+three (Shapley's value); for the square of a sum this is the mean of ``D_phase . D``. Which phases
+are wrong at all is selected first (phase_selection.py); where several explanations remain, the
+shares are their weighted mean.
 """
-
-from collections.abc import Sequence
 
 import numpy as np
 
-from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.fit.horizons import at_horizons
 from models.gap.fit.refit import RefitResult
@@ -26,40 +19,35 @@ from models.gap.locate.free_fit import free_discrepancy
 from models.gap.locate.phase_selection import Candidates
 from models.gap.locate.trends import over_time, trends_against
 from models.gap.location import Located
-from models.gap.settings import GapSettings
+from models.gap.settings import Question
 from models.gap.types import PHASES, Places
 
 
-def locate(
-    fit: RefitResult, nominal: Simulator, settings: GapSettings, withheld: Sequence[str] = ()
-) -> Located | None:
-    """Locate the gap between shots and a simulator; None if too few shots are long enough.
+def locate(fit: RefitResult, question: Question) -> Located | None:
+    """Locate the gap between shots and the nominal simulator, from a fit about a simulator nearby.
 
-    Args:
-        fit: the shots about a simulator nearby, such as the nominal one, refitted or not.
-        nominal: the simulator in question.
-        settings: of the workflow.
-        withheld: effects that are not in the catalogue.
+    It is None if too few shots are long enough.
     """
+    settings, limits = question.settings, question.settings.locate
     shots, usable = fit.linear.shots, reliable(fit.linear, fit.noise_estimate, settings)
-    horizons, own = np.array(settings.locate.horizons), settings.locate
+    horizons = np.array(limits.horizons)
     measured = at_horizons(shots, shots.positions, usable, horizons, settings)
     counts = np.isfinite(measured[..., 0]).sum(axis=0)
-    kept = (counts >= own.min_shots) & (counts >= own.min_share * counts.max())
+    kept = (counts >= limits.min_shots) & (counts >= limits.min_share * counts.max())
     if not kept.any():
         return None
     horizons = horizons[kept]
-    squares = _squares(Candidates.of(fit, nominal, settings, withheld), fit, horizons)
-    free = at_horizons(shots, free_discrepancy(fit, nominal, settings), usable, horizons, settings)
+    squares = _squares(Candidates.of(fit, question), fit, horizons)
+    free = at_horizons(shots, free_discrepancy(fit, question), usable, horizons, settings)
     discrepancies = np.einsum("bij,bhj->bhi", course_frames(fit.linear), free)
-    trend = int(np.flatnonzero(counts[kept] >= own.trend_share * counts.max())[-1])
+    trend = int(np.flatnonzero(counts[kept] >= limits.trend_share * counts.max())[-1])
     places, discrepancy_there = measured[:, kept][:, trend], discrepancies[:, trend]
     return Located(
         horizons,
         np.sqrt(squares.sum(axis=1)),
         dict(zip(PHASES, _shares(squares).T, strict=True)),
-        over_time(horizons, discrepancies, own),
-        trends_against(axes(fit.linear, places, own), discrepancy_there, own),
+        over_time(horizons, discrepancies, limits),
+        trends_against(axes(fit.linear, places, limits), discrepancy_there, limits),
         float(horizons[trend]),
     )
 

@@ -1,4 +1,4 @@
-"""Bounce terms: kicks that depend on the impact and its place, and a surface that is elsewhere."""
+"""Bounce terms: kicks that depend on the impact and its place, and a shifted surface."""
 
 import numpy as np
 
@@ -6,8 +6,7 @@ from models.ball.state import BALL_RADIUS, POSITION, STATE_SIZE, VELOCITY
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised
 from models.gap.fit.trajectory import KICK_SIZE
-from models.gap.locate.propagation import after_jump
-from models.gap.locate.sensitivity import Arc
+from models.gap.locate.propagation import Arc, after_jump
 from models.gap.locate.terms import TYPICAL_FALL, Flown, Term, Terms
 from models.gap.types import Bools, Indices
 
@@ -24,7 +23,7 @@ FACTORS = (
     "at x",
     "at y",
 )
-# Jumps of the state, whatever the slip: blows in the frame's directions, and a surface elsewhere.
+# Jumps of the state, whatever the slip: kicks in the frame's directions, and a shifted surface.
 JUMPS = ("v_x", "v_y", "height", "height at x", "height at y")
 SLOWEST_FALL = 0.3  # m/s
 GRAVITY = 9.81  # m/s^2
@@ -103,8 +102,7 @@ def _jumps(before: Floats, after: Floats) -> Floats:
 
 
 def _fall(states: Floats) -> Floats:
-    fall: Floats = np.maximum(np.abs(states[:, VELOCITY.stop - 1]), SLOWEST_FALL)
-    return fall
+    return np.maximum(np.abs(states[:, VELOCITY.stop - 1]), SLOWEST_FALL)
 
 
 def _ends(arc: Arc, count: int) -> Floats:

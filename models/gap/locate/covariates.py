@@ -32,13 +32,7 @@ class Axis:
 
 
 def axes(linear: Linearised, places: Floats, settings: LocateSettings) -> list[Axis]:
-    """Return the covariates of shots.
-
-    Args:
-        linear: the shots, with their fitted launches.
-        places: (B, 3) m where the balls are at the horizon of the trends; NaN where unknown.
-        settings: of locating.
-    """
+    """Return the covariates of shots, from the (B, 3) places, m, at the horizon of the trends."""
     return [
         Axis("speed at launch", "m/s", np.linalg.norm(linear.nuisance[:, VELOCITY], axis=1)),
         *_of_spin(linear, settings.min_axis_spin),

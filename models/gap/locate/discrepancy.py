@@ -52,20 +52,17 @@ def discrepancy(
     normal = _products(launch, early, launch) + _products(spins, label_weights, spins)
     normal += prior[..., None] * np.eye(STATE_SIZE)
     pull = _products(launch, early, positions) + _products(spins, label_weights, labels)
-    discrepancies: Floats = positions - launch @ np.linalg.solve(normal, pull)[:, None]
-    return discrepancies
+    return positions - launch @ np.linalg.solve(normal, pull)[:, None]
 
 
 def reliable(linear: Linearised, noise: NoiseEstimate, settings: GapSettings) -> Bools:
     """Return (B, N) samples that are used and no outliers, of shots that fit as shots do."""
     weighty = noise.shot_weights[:, None] > settings.locate.min_shot_weight
-    usable: Bools = linear.sampled & (noise.weights > settings.locate.min_inlier) & weighty
-    return usable
+    return linear.sampled & (noise.weights > settings.locate.min_inlier) & weighty
 
 
 def _products(left: Floats, weights: Floats, right: Floats) -> Floats:
     """Return (B, E, D) sums of weighted products of (B, N, 3, E) and (B, N, 3, D)."""
     count = len(left)
     weighted = (left * weights[..., None, None]).reshape(count, -1, left.shape[-1])
-    products: Floats = np.swapaxes(weighted, 1, 2) @ right.reshape(count, -1, right.shape[-1])
-    return products
+    return np.swapaxes(weighted, 1, 2) @ right.reshape(count, -1, right.shape[-1])

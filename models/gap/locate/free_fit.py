@@ -1,8 +1,7 @@
 """Free fit: the departure of every shot from a simulator, with no law assumed.
 
 Each shot has a free acceleration in every arc, and at every bounce a free kick and a free jump in
-height (a surface that is elsewhere), with wide priors. Their effect on its path is the measured
-departure with most of the noise removed.
+height (a shifted surface), with wide priors.
 """
 
 from collections.abc import Iterator
@@ -17,25 +16,17 @@ from models.gap.fit.linearize import Linearised
 from models.gap.fit.noise import gram_matrices
 from models.gap.fit.refit import RefitResult
 from models.gap.locate.discrepancy import discrepancy
-from models.gap.locate.phase_selection import departures
 from models.gap.locate.propagation import after_forcing, after_jump
-from models.gap.locate.sensitivity import Arc
 from models.gap.locate.terms import Flown
-from models.gap.settings import GapSettings, LocateSettings
+from models.gap.settings import LocateSettings, Question
 
 UP = POSITION.stop - 1
 
 
-def free_discrepancy(fit: RefitResult, nominal: Simulator, settings: GapSettings) -> Floats:
-    """Return (B, N, 3) m the discrepancy of shots from the nominal simulator's predictions.
-
-    Args:
-        fit: the shots about a simulator near the nominal one.
-        nominal: the simulator in question.
-        settings: of the workflow.
-    """
-    linear = fit.linear
-    free, spread = _freed(linear, nominal, settings.locate)
+def free_discrepancy(fit: RefitResult, question: Question) -> Floats:
+    """Return (B, N, 3) m the discrepancy of shots from the nominal simulator's predictions."""
+    linear, settings = fit.linear, question.settings
+    free, spread = _freed(linear, question.simulator, settings.locate)
     noise = replace(fit.noise_estimate.noise, scatter=(settings.locate.kick_prior,) * 3)
     parts = gram_matrices(free, noise, fit.noise_estimate.weights, np.ones(len(linear.nuisance)))
     total, size = parts.total(noise), free.positions.shape[-1] - 1
@@ -52,7 +43,7 @@ def free_discrepancy(fit: RefitResult, nominal: Simulator, settings: GapSettings
 def _freed(
     linear: Linearised, nominal: Simulator, settings: LocateSettings
 ) -> tuple[Linearised, Floats]:
-    """Return shots with the columns of their own departures, and how far these may go."""
+    """Return shots with the columns of their free departures, and the priors of these."""
     flown = Flown.of(linear)
     changes = [
         *((change, settings.acceleration_prior) for change in _accelerations(flown)),
@@ -61,7 +52,7 @@ def _freed(
     ahead = flown.measured_changes((), np.concatenate([change for change, _ in changes], axis=3))
     ahead.positions[~linear.sampled] = 0.0
     ahead.labels[~linear.labelled] = 0.0
-    nuisance_count, departure = linear.nuisance_count, departures(linear, nominal)
+    nuisance_count, departure = linear.nuisance_count, linear.departures(nominal)
 
     def put(columns: Floats, more: Floats) -> Floats:
         residual = columns[..., -1] + columns[..., nuisance_count:-1] @ departure
@@ -75,14 +66,9 @@ def _freed(
 def _accelerations(flown: Flown) -> Iterator[Floats]:
     """Yield (B, T, 9, 3) changes of states by accelerations in one arc."""
     for arc in flown.arcs:
-        yield after_forcing(flown.arcs, _within(arc, flown.states.shape))
-
-
-def _within(arc: Arc, shape: tuple[int, ...]) -> Floats:
-    """Return (B, T, 9, 3) unit accelerations along the frame's axes within an arc."""
-    forcing = np.zeros((*shape, 3))
-    forcing[arc.rows, :, VELOCITY] = arc.inside[..., None, None] * np.eye(3)
-    return forcing
+        forcing = np.zeros((*flown.states.shape, 3))
+        forcing[arc.rows, :, VELOCITY] = arc.inside[..., None, None] * np.eye(3)
+        yield after_forcing(flown.arcs, forcing)
 
 
 def _jumps(flown: Flown) -> Iterator[Floats]:

@@ -2,29 +2,25 @@
 
 Effects in different phases may look alike, such as a length scale that reads too short and too
 strong a gravity. So each subset of the phases is tried, explained by as few terms (effects of the
-catalogue and omnibus terms) as possible, found by stepwise selection. A term must gain more in
-twice the log likelihood than the largest of all does by chance at the level asked for. Explanations
-have the penalised score ``2 dlog L - lambda k`` and weights ``exp(score / 2)``, as in averaging by
-an information criterion (Burnham and Anderson 2002). A term is no cause; a cause has to pass more.
+catalogue and omnibus terms) as possible, found by stepwise selection. Explanations have the
+penalised score ``2 dlog L - lambda k`` and weights ``exp(score / 2)``, as in averaging by an
+information criterion (Burnham and Anderson 2002). A term is no cause; a cause has to pass more.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 
 from models.ball.catalogue import catalogue
-from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised
 from models.gap.fit.refit import RefitResult
-from models.gap.fit.variance_components import NoiseEstimate
 from models.gap.hypotheses import Hypothesis
 from models.gap.inference.score_test import Evidence
-from models.gap.locate.term_library import with_terms
+from models.gap.locate.term_library import evidence_with_terms
 from models.gap.locate.terms import Term
-from models.gap.settings import GapSettings
+from models.gap.settings import Question
 from models.gap.types import PHASES, Bools, Phase, Places
 
 PHASE_OF: dict[str, Phase] = {"flight": "flight", "contact": "table", "sensor": "sensor"}
@@ -47,24 +43,15 @@ class Candidates:
     possible: Bools
 
     @classmethod
-    def of(
-        cls,
-        fit: RefitResult,
-        nominal: Simulator,
-        settings: GapSettings,
-        withheld: Sequence[str] = (),
-    ) -> "Candidates":
+    def of(cls, fit: RefitResult, question: Question) -> "Candidates":
         """Return the terms about shots that were fitted about a simulator near the nominal one."""
-        linear = with_terms(fit.linear)
-        noise = fit.noise_estimate.noise
-        known = NoiseEstimate.known(linear, noise, fit.noise_estimate.weights, settings.fit)
-        about = Evidence.of(linear, known, settings)
-        scores = about.scores + about.information @ departures(linear, nominal)
-        allowed = [one.effect not in withheld for one in linear.columns]
+        linear, about = evidence_with_terms(fit, fit.noise_estimate.noise, question.settings)
+        scores = about.scores + about.information @ linear.departures(question.simulator)
+        allowed = [column.effect not in question.withheld for column in linear.columns]
         return cls(
             linear,
             replace(about, scores=scores),
-            tuple(phase_of(one) for one in linear.columns),
+            tuple(_phase_of(column) for column in linear.columns),
             about.observable & np.array(allowed),
         )
 
@@ -94,7 +81,7 @@ class Candidates:
         return float(self.values(terms) @ self.evidence.scores[:, terms].sum(axis=0))
 
     def _fewest(self, usable: Bools) -> Places:
-        """Return terms found one by one; those that later ones make needless go again."""
+        """Return terms selected one by one, without those that later ones make unnecessary."""
         chosen: Places = ()
         for _ in range(self.evidence.settings.locate.max_terms):
             further = np.where(usable, self._further(chosen), 0.0)
@@ -104,18 +91,18 @@ class Candidates:
         return tuple(sorted(chosen))
 
     def _further(self, chosen: Places) -> Floats:
-        """Return (K,) what each term would gain beside those chosen."""
+        """Return (K,) what each term would gain given those chosen."""
         total, scores = self.evidence.total, self.evidence.scores.sum(axis=0)
-        across, own = total[list(chosen)], np.diag(total)
+        across, alone = total[list(chosen)], np.diag(total)
         mixed = np.linalg.solve(across[:, list(chosen)], across)
-        left = own - (mixed * across).sum(axis=0)
+        left = alone - (mixed * across).sum(axis=0)
         score = scores - mixed.T @ scores[list(chosen)]
-        enough = left > self.evidence.settings.locate.min_term_information * own
+        enough = left > self.evidence.settings.locate.min_term_information * alone
         further: Floats = np.where(enough, score**2 / np.maximum(left, 1e-300), 0.0)
         return further
 
     def _needed(self, terms: Places) -> Places:
-        """Return the terms without those that are not worth their price beside the others."""
+        """Return the terms without those that gain less than the penalty given the others."""
         while len(terms) > 1:
             inverse = np.linalg.inv(self.evidence.total[np.ix_(terms, terms)])
             losses = self.values(terms) ** 2 / np.diag(inverse)
@@ -125,18 +112,8 @@ class Candidates:
         return terms
 
 
-def phase_of(one: Hypothesis) -> Phase:
-    """Return the phase in which an effect of the catalogue, or a term of the basis, acts."""
-    if isinstance(one, Term):
-        return next(phase for phase in PHASES if phase == one.effect)
-    return PHASE_OF[catalogue()[one.effect].acts]
-
-
-def departures(linear: Linearised, nominal: Simulator) -> Floats:
-    """Return (K,) by how much the simulator of linearised shots departs from the nominal one."""
-    return np.array(
-        [
-            0.0 if isinstance(one, Term) else one.value(linear.simulator) - one.value(nominal)
-            for one in linear.columns
-        ]
-    )
+def _phase_of(column: Hypothesis) -> Phase:
+    """Return the phase in which an effect of the catalogue, or an omnibus term, acts."""
+    if isinstance(column, Term):
+        return next(phase for phase in PHASES if phase == column.effect)
+    return PHASE_OF[catalogue()[column.effect].acts]

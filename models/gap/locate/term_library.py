@@ -1,26 +1,31 @@
-"""Omnibus terms: generic forces, bounce errors and sensor errors, independent of the catalogue.
+"""The omnibus terms: generic forces, bounce errors and sensor errors, independent of the catalogue.
 
-In flight: accelerations along the ball's velocity, across it by the Magnus direction, sideways and
-in the frame's directions, and a loss of spin, each times powers of speed u and of spin ratio S. At
-the table: kicks (trajectory.py) times what a bounce depends on, kicks in the frame's directions,
-and a surface that is elsewhere (bounce_terms.py). In the sensor: errors of positions that grow with
-place, speed and time, and of labels (sensor_terms.py). Most structure that the catalogue leaves
-lies in the span of these, and a good part along one of them.
+In flight: accelerations along the velocity, across it by the Magnus direction, sideways and in the
+frame's directions, and a loss of spin, each times powers of speed u and of spin ratio S. At the
+table: bounce_terms.py. In the sensor: errors of positions that grow with place, speed and time, and
+errors of labels. Most structure that the catalogue leaves lies in the span of these, and a good
+part along one of them.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
-from models.ball.state import BALL_RADIUS, SPIN, VELOCITY
+from models.ball.state import BALL_RADIUS, POSITION, SPIN, VELOCITY
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised
+from models.gap.fit.noise import Noise
+from models.gap.fit.refit import RefitResult
+from models.gap.fit.variance_components import NoiseEstimate
+from models.gap.inference.score_test import Evidence
 from models.gap.locate.bounce_terms import of_bounces
 from models.gap.locate.propagation import after_forcing
-from models.gap.locate.sensor_terms import of_sensor
 from models.gap.locate.terms import TYPICAL_SPEED, Flown, Term, Terms
+from models.gap.settings import GapSettings
 
 UP = np.array([0.0, 0.0, 1.0])
+TYPICAL_SPIN = 200.0  # rad/s
+TYPICAL_TIME = 0.3  # s
 # Powers of speed (beyond what the direction has) and of spin ratio.
 POWERS = {
     "u": ((0, 0), (1, 0), (2, 0), (1, 1)),
@@ -33,8 +38,17 @@ POWERS = {
 }
 
 
+def evidence_with_terms(
+    fit: RefitResult, noise: Noise, settings: GapSettings
+) -> tuple[Linearised, Evidence]:
+    """Return shots with the terms among their columns, and their evidence in a given noise."""
+    linear = with_terms(fit.linear)
+    known = NoiseEstimate.known(linear, noise, fit.noise_estimate.weights, settings.fit)
+    return linear, Evidence.of(linear, known, settings)
+
+
 def with_terms(linear: Linearised) -> Linearised:
-    """Return linearised shots with the basis among their columns."""
+    """Return linearised shots with the terms among their columns."""
     terms = terms_about(linear)
 
     def put(columns: Floats, more: Floats) -> Floats:
@@ -53,7 +67,7 @@ def terms_about(linear: Linearised) -> Terms:
     flown = Flown.of(linear)
     terms, forcings = _forcings(flown.states)
     flight = flown.measured_changes(terms, after_forcing(flown.arcs, forcings))
-    whole = Terms.together([flight, of_bounces(flown), of_sensor(flown)])
+    whole = Terms.together([flight, of_bounces(flown), _of_sensor(flown)])
     whole.positions[~linear.sampled] = 0.0
     whole.labels[~linear.labelled] = 0.0
     return whole
@@ -68,9 +82,7 @@ def _forcings(states: Floats) -> tuple[list[Term], Floats]:
         "u": velocity,
         "w x u": np.cross(spin, velocity) * BALL_RADIUS / TYPICAL_SPEED,
         "side": np.cross(velocity, UP),
-        "x": np.broadcast_to([1.0, 0.0, 0.0], velocity.shape),
-        "y": np.broadcast_to([0.0, 1.0, 0.0], velocity.shape),
-        "z": np.broadcast_to(UP, velocity.shape),
+        **{axis: np.broadcast_to(unit, velocity.shape) for axis, unit in _axes().items()},
         "-w": -spin,
     }
     terms, forcings = [], []
@@ -89,3 +101,42 @@ def _formula(direction: str, of_speed: int, of_ratio: int) -> str:
     factors += [f"(|u|/{TYPICAL_SPEED:g})^{of_speed}"] if of_speed else []
     factors += [f"S^{of_ratio}"] if of_ratio else []
     return " ".join(factors)
+
+
+def _of_sensor(flown: Flown) -> Terms:
+    """Return the terms of the sensor: what it adds to positions and labels."""
+    shots = flown.linear.shots
+    start = shots.times[:, :1]
+    of_places = _of_places(flown.sampled, (shots.times - start)[..., None])
+    since = np.nan_to_num(shots.label_times - start)[..., None]
+    of_labels = _of_labels(flown.spins, flown.label_scales[..., None], since)
+    names = [Term("sensor", name) for name in (*of_places, *of_labels)]
+    positions = np.zeros((*shots.positions.shape, len(names)))
+    labels = np.zeros((*shots.labels.shape, len(names)))
+    positions[..., : len(of_places)] = np.stack(list(of_places.values()), axis=-1)
+    labels[..., len(of_places) :] = np.stack(list(of_labels.values()), axis=-1)
+    return Terms(tuple(names), positions, labels)
+
+
+def _of_places(states: Floats, time: Floats) -> dict[str, Floats]:
+    """Return the errors of positions of (B, N, 9) states."""
+    place, velocity = states[..., POSITION], states[..., VELOCITY]
+    errors = {
+        f"{axis} at {other}": place[..., [column]] * direction
+        for axis, direction in _axes().items()
+        for column, other in enumerate("xyz")
+    }
+    speed = np.linalg.norm(velocity, axis=-1, keepdims=True)
+    return {**errors, "-u |u|": -velocity * speed, "-u t": -velocity * time}
+
+
+def _of_labels(spins: Floats, scales: Floats, time: Floats) -> dict[str, Floats]:
+    """Return the errors of (B, L, 3) labels, in units of the fitted spin."""
+    shares = spins / scales
+    turned = {f"{axis} x w": np.cross(unit, shares) for axis, unit in _axes().items()}
+    growing = {"w |w|": shares * scales / TYPICAL_SPIN, "w t": shares * time / TYPICAL_TIME}
+    return {"w": shares, **growing, **turned}
+
+
+def _axes() -> dict[str, Floats]:
+    return dict(zip("xyz", np.eye(3), strict=True))

@@ -1,4 +1,4 @@
-"""Terms: columns of what no effect of the catalogue stands for, and what they are made from."""
+"""Omnibus terms, which no effect of the catalogue stands for, and their columns of the shots."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised, label_scales
 from models.gap.fit.measurement import Schedule
 from models.gap.hypotheses import Hypothesis
-from models.gap.locate.sensitivity import Arc, arcs
+from models.gap.locate.propagation import Arc, arcs
 
 TYPICAL_SPEED = 8.0  # m/s, so that numbers in a formula are of similar size
 TYPICAL_FALL = 3.0  # m/s
@@ -25,6 +25,10 @@ class Term(Hypothesis):
     def listed(self, simulator: Simulator) -> bool:
         """No simulator lists a term."""
         return False
+
+    def value(self, simulator: Simulator) -> float:
+        """Every simulator has the value zero."""
+        return 0.0
 
 
 @dataclass(frozen=True)
@@ -53,13 +57,13 @@ class Terms:
 
 @dataclass(frozen=True)
 class Flown:
-    """B balls as they flew from their fitted unknowns.
+    """Fitted flights of B shots.
 
     Attributes:
-        linear: the shots about these unknowns.
-        moments: when balls are looked at.
+        linear: the shots.
+        schedule: when they are measured.
         arcs: between bounces.
-        states: (B, T, 9) at the moments; zero where an arc begins or ends.
+        states: (B, T, 9) at the times of the schedule; zero where an arc begins or ends.
     """
 
     linear: Linearised
@@ -69,7 +73,7 @@ class Flown:
 
     @classmethod
     def of(cls, linear: Linearised) -> "Flown":
-        """Return the balls of linearised shots."""
+        """Return the flights of linearised shots."""
         schedule = Schedule.of(linear.shots)
         found = arcs(linear.simulator, linear.nuisance, schedule.times)
         states = np.zeros((*schedule.times.shape, STATE_SIZE))
@@ -83,14 +87,14 @@ class Flown:
         return np.take_along_axis(self.states, self.schedule.samples[..., None], axis=1)
 
     @cached_property
-    def labelled(self) -> Floats:
-        """(B, L, 9) states at the labels."""
-        return np.take_along_axis(self.states, self.schedule.labels[..., None], axis=1)
+    def spins(self) -> Floats:
+        """(B, L, 3) rad/s at the labels."""
+        return np.take_along_axis(self.states, self.schedule.labels[..., None], axis=1)[..., SPIN]
 
     @cached_property
     def label_scales(self) -> Floats:
         """(B, L) rad/s, those of the labels."""
-        return label_scales(self.labelled[..., SPIN])
+        return label_scales(self.spins)
 
     def measured_changes(self, terms: Sequence[Term], changes: Floats) -> Terms:
         """Return what sensors see of (B, T, 9, D) changes of the states."""

@@ -1,13 +1,10 @@
-"""Trends: against which covariate the discrepancy of simulated and measured balls grows.
+"""Trends: against which covariate the discrepancy grows.
 
-The discrepancy of each shot (free_fit.py) is signed: along the ball's course, across it (to the
-right) and up. Shots are binned by a covariate; its statistic is the spread of the bins' means. The
-null distribution comes from permutations of the shots, the same for all covariates, and a p-value
-is that of the largest of all standardised statistics (max-T, Westfall and Young 1993). Covariates
-that are correlated tell the same.
-
-The one covariate within a shot is the time since launch. There the statistic is the mean over all
-shots, and its null distribution comes from random signs of the shots.
+Shots are binned by a covariate; its statistic is the spread of the bins' means. The null
+distribution comes from permutations of the shots, the same for all covariates, and a p-value is
+that of the largest of all standardised statistics (max-T, Westfall and Young 1993). Over the time
+since launch the statistic is the mean over all shots, and its null distribution comes from random
+signs of the shots.
 """
 
 from collections.abc import Sequence
@@ -27,15 +24,11 @@ BATCH = 500  # permutations at once
 
 
 def trends_against(
-    axes: Sequence[Axis], discrepancies: Floats, settings: LocateSettings, seed: int = 0
+    axes: Sequence[Axis], discrepancies: Floats, settings: LocateSettings
 ) -> tuple[Growth, ...]:
-    """Return the growth of discrepancies with each covariate, the smallest p-value first.
+    """Return the growth of (B, 3) discrepancies, m, with each covariate, smallest p-value first.
 
-    Args:
-        axes: of B shots; those in which they hardly differ are left out.
-        discrepancies: (B, 3) m, NaN where a shot does not last as long.
-        settings: of locating.
-        seed: of the permutations.
+    Shots whose discrepancy is NaN are left out, and covariates in which shots hardly differ.
     """
     there = np.isfinite(discrepancies).all(axis=1)
     axes = [replace(one, values=one.values[there]) for one in axes]
@@ -43,7 +36,7 @@ def trends_against(
     binned = [(axis, bins) for axis in axes if len(bins := _bins(axis, settings)) > 1]
     if not binned:
         return ()
-    p_values = _p_values([bins for _, bins in binned], discrepancies, settings.permutations, seed)
+    p_values = _p_values([bins for _, bins in binned], discrepancies, settings.permutations)
     found = [
         _growth(axis, bins, discrepancies, float(p_value))
         for (axis, bins), p_value in zip(binned, p_values, strict=True)
@@ -51,15 +44,13 @@ def trends_against(
     return tuple(sorted(found, key=lambda one: (one.p_value, -one.share)))
 
 
-def over_time(
-    horizons: Floats, discrepancies: Floats, settings: LocateSettings, seed: int = 0
-) -> Growth:
+def over_time(horizons: Floats, discrepancies: Floats, settings: LocateSettings) -> Growth:
     """Return the growth of (B, H, 3) discrepancies over (H,) s, NaN beyond a shot."""
     draws, there = settings.permutations, np.isfinite(discrepancies)
     filled = np.where(there, discrepancies, 0.0)
     counts = there.sum(axis=0)
     size = np.sqrt((filled**2).sum(axis=0)) + 1e-12
-    signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=(draws, len(filled)))
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(draws, len(filled)))
     largest = np.abs(np.einsum("rb,bhc->rhc", signs, filled, optimize=True) / size).max(axis=(1, 2))
     observed = np.abs(filled.sum(axis=0) / size).max()
     means, errors = _means(discrepancies)
@@ -99,7 +90,7 @@ def _growth(axis: Axis, bins: list[Floats], discrepancies: Floats, p_value: floa
         covariate=axis.name,
         unit=axis.unit,
         centres=centres,
-        kinds=tuple(axis.kinds[int(one)] for one in centres) if axis.kinds else (),
+        kinds=tuple(axis.kinds[int(number)] for number in centres) if axis.kinds else (),
         means=np.array([mean for mean, _ in moments]),
         errors=np.array([error for _, error in moments]),
         counts=np.array([mask.sum() for mask in masks]),
@@ -109,7 +100,7 @@ def _growth(axis: Axis, bins: list[Floats], discrepancies: Floats, p_value: floa
 
 
 def _means(discrepancies: Floats) -> tuple[Floats, Floats]:
-    """Return means of (B, ...) partings and half their 95 % intervals, NaN entries aside."""
+    """Return means of (B, ...) discrepancies and half their 95 % intervals, NaN aside."""
     count = np.isfinite(discrepancies).sum(axis=0)
     spread = np.nanstd(discrepancies, axis=0, ddof=1)
     half = student.ppf(0.975, np.maximum(count - 1, 1)) * spread / np.sqrt(count)
@@ -130,19 +121,19 @@ def _squares(discrepancies: Floats) -> float:
     return float(((discrepancies - discrepancies.mean(axis=0)) ** 2).sum())
 
 
-def _p_values(binned: list[list[Floats]], discrepancies: Floats, draws: int, seed: int) -> Floats:
-    """Return (A,) the chance that any of A axes, by its bins, is as telling as each of them is."""
+def _p_values(binned: list[list[Floats]], discrepancies: Floats, draws: int) -> Floats:
+    """Return (A,) p-values of A axes by their bins, adjusted for their number (max-T)."""
     scaled = (discrepancies - discrepancies.mean(axis=0)) / np.maximum(
         discrepancies.std(axis=0), 1e-12
     )
     masks = np.stack([mask / np.sqrt(mask.sum()) for bins in binned for mask in bins])
     starts = np.cumsum([0, *(len(bins) for bins in binned[:-1])])
-    generator = np.random.default_rng(seed)
+    generator = np.random.default_rng(0)
     drawn = [
-        _telling(masks, starts, scaled[_orders(generator, len(scaled))])
+        _spread(masks, starts, scaled[_orders(generator, len(scaled))])
         for _ in range(draws // BATCH)
     ]
-    p_value, observed = np.concatenate(drawn), _telling(masks, starts, scaled[None])[0]
+    p_value, observed = np.concatenate(drawn), _spread(masks, starts, scaled[None])[0]
     mean, spread = p_value.mean(axis=0), p_value.std(axis=0)
     largest = ((p_value - mean) / spread).max(axis=1)
     above = (largest[:, None] >= (observed - mean) / spread).sum(axis=0)
@@ -151,12 +142,10 @@ def _p_values(binned: list[list[Floats]], discrepancies: Floats, draws: int, see
 
 
 def _orders(generator: np.random.Generator, count: int) -> Integers:
-    orders: Integers = generator.random((BATCH, count)).argsort(axis=1)
-    return orders
+    return generator.random((BATCH, count)).argsort(axis=1)
 
 
-def _telling(masks: Floats, starts: Integers, discrepancies: Floats) -> Floats:
-    """Return (R, A) how much the bins' means of (R, B, 3) partings differ, axis by axis."""
+def _spread(masks: Floats, starts: Integers, discrepancies: Floats) -> Floats:
+    """Return (R, A) how much the bins' means of (R, B, 3) discrepancies differ, by axis."""
     sums = np.einsum("kb,rbi->rki", masks, discrepancies, optimize=True)
-    telling: Floats = np.add.reduceat((sums**2).sum(axis=2), starts, axis=1)
-    return telling
+    return np.add.reduceat((sums**2).sum(axis=2), starts, axis=1)

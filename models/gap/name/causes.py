@@ -1,4 +1,4 @@
-"""The causes of a verdict: estimates, intervals, classes and shares of what naming found."""
+"""From named causes to the parts of a verdict: estimates, shares and detection limits."""
 
 from dataclasses import dataclass, replace
 
@@ -7,11 +7,15 @@ import numpy as np
 from models.ball.simulator import Simulator
 from models.gap.fit.shot_fit import refit_shots
 from models.gap.hypotheses import LABEL_SIGNS, Hypothesis
+from models.gap.inference.score_test import Evidence
 from models.gap.name.gap_share import shares
 from models.gap.name.intervals import within
+from models.gap.name.label_signs import LabelSigns
 from models.gap.name.naming import Named
+from models.gap.name.selection import evidence_about
 from models.gap.name.unexplained import UnexplainedStructure
-from models.gap.verdict import Answer, Cause, Unexplained
+from models.gap.settings import Question
+from models.gap.verdict import Answer, Cause, DetectionLimits, Unexplained
 
 
 @dataclass(frozen=True)
@@ -30,12 +34,7 @@ class GapShares:
 
     @classmethod
     def of(cls, named: Named, structure: UnexplainedStructure | None) -> "GapShares":
-        """Return the shares in the gain of twice the log likelihood.
-
-        Args:
-            named: the causes.
-            structure: that they leave, where it is significant.
-        """
+        """Return the shares of causes and significant structure in the likelihood gain."""
         gains = shares(named.explainer.set_scores, named.explanation.causes)
         signs, unexplained = _gain_of_signs(named), structure.gain if structure else 0.0
         whole = max(sum(gains.values()) + signs, 1e-12) + unexplained
@@ -48,7 +47,7 @@ def causes(named: Named, gap_shares: GapShares) -> tuple[Cause, ...]:
     found = [_cause(named, k, share) for k, share in gap_shares.causes.items()]
     if named.signs.significant:
         found.append(_label_signs(named, gap_shares.label_signs))
-    return tuple(sorted(found, key=lambda one: -one.gap_share))
+    return tuple(sorted(found, key=lambda cause: -cause.gap_share))
 
 
 def unexplained(
@@ -58,30 +57,42 @@ def unexplained(
     return Unexplained(
         share=gap_shares.unexplained,
         p_value=structure.p_value,
-        phase=structure.where if significant else None,
+        phase=structure.phase if significant else None,
         formula=structure.candidate_formula if significant else None,
     )
 
 
 def answer(found: tuple[Cause, ...], significant: bool, settled: bool) -> Answer:
-    """Return the verdict in one word.
-
-    Args:
-        found: the causes.
-        significant: whether there is structure that they do not explain.
-        settled: whether the same causes are found again with them in the simulator.
-    """
+    """Return the verdict in one word, by causes and whether structure beyond is significant."""
     if significant:
         return "unknown"
     if not found:
         return "no_gap"
-    return "named" if settled and not any(one.ambiguous for one in found) else "ambiguous"
+    return "named" if settled and not any(cause.ambiguous for cause in found) else "ambiguous"
+
+
+def limits_of(named: Named, question: Question) -> DetectionLimits:
+    """Return the detection limits of the shots about the nominal simulator."""
+    return detection_limits(evidence_about(named.before, question), named.signs, question)
+
+
+def detection_limits(evidence: Evidence, labels: LabelSigns, question: Question) -> DetectionLimits:
+    """Return the detection limits, each with the listed parameters of the simulator free."""
+    free = evidence.free
+    sizes = {
+        evidence.columns[k].identity: evidence.minimum_detectable_effect(k, free)
+        for k in evidence.decidable(free)
+    }
+    if labels.labelled and LABEL_SIGNS.effect not in question.withheld:
+        sizes[LABEL_SIGNS.identity] = labels.detectable
+    identities = (column.identity for column in evidence.columns)
+    return DetectionLimits(sizes, tuple(one for one in identities if one not in sizes))
 
 
 def _cause(named: Named, k: int, share: float) -> Cause:
     explainer, places = named.explainer, named.explanation.causes
     evidence, hypothesis = explainer.evidence, explainer.evidence.columns[k]
-    test = evidence.score_test([k], [one for one in places if one != k])
+    test = evidence.score_test([k], [j for j in places if j != k])
     value = hypothesis.value(explainer.nominal) + float(test.estimate[0])
     estimate, interval = within(
         value, float(test.margin[0]), hypothesis.declaration.bounds, evidence.settings
@@ -93,7 +104,7 @@ def _cause(named: Named, k: int, share: float) -> Cause:
         interval=interval,
         p_value=named.explanation.p_values[k],
         gap_share=share,
-        possible=tuple(evidence.columns[one].identity for one in explainer.alternatives(k, places)),
+        possible=tuple(evidence.columns[j].identity for j in explainer.alternatives(k, places)),
     )
 
 

@@ -1,8 +1,4 @@
-"""Shares of the gap: how much of the gain of all causes each of them has.
-
-A cause's share is the mean, over the orders in which causes may be added, of what it adds to those
-before it (Shapley's value). Where there are many causes, some orders drawn at random stand for all.
-"""
+"""Shares of the gap: how much of the gain of all causes each of them has (Shapley's value)."""
 
 from itertools import permutations
 from math import factorial
@@ -17,12 +13,9 @@ from models.gap.types import Indices, Places
 def shares(set_scores: SetScores, causes: Places) -> dict[int, float]:
     """Return what each cause gains in twice the log likelihood, the sum being what all gain.
 
-    More causes never explain less, though some alone may gain nothing, where they would need
-    impossible values.
-
-    Args:
-        set_scores: of sets of causes.
-        causes: their places.
+    It is the mean of what a cause adds to those before it, over the orders in which causes may be
+    added. More causes never explain less, though some alone may gain nothing, where they would need
+    implausible values.
     """
     orders = _orders(causes, set_scores.settings.name.max_orders)
     gains = [_gains(set_scores, orders[:, :size]) for size in range(1, len(causes) + 1)]

@@ -21,11 +21,7 @@ def within(
 ) -> tuple[float, Interval]:
     """Return the likeliest value within bounds, and its 95 % interval.
 
-    Args:
-        estimate: without bounds.
-        margin: half of its 95 % interval.
-        bounds: least and greatest value.
-        settings: with the confidence.
+    The margin is half the 95 % interval of the estimate without bounds.
     """
     error = max(margin / settings.normal_quantile, 1e-9 * (bounds[1] - bounds[0]))
     low, high = ((end - estimate) / error for end in bounds)

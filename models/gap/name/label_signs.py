@@ -1,9 +1,8 @@
 """Label signs: shots whose spin label is negated.
 
-Whether a label is negated is tested one shot at a time: the shot is fitted with its label and with
-the negated label. Where the latter fits decisively better, and as well as other shots do, the label
-is flipped. The share of such shots is the effect ``spin_sign_flip``; the rest of the workflow uses
-corrected labels, or leaves them out as long as they are in doubt.
+A shot is fitted with its label and with the negated label. Where the latter fits decisively better,
+and as well as other shots do, the label is flipped. The share of such shots is the effect
+``spin_sign_flip``.
 """
 
 from dataclasses import dataclass, replace
@@ -29,7 +28,7 @@ class LabelSigns:
 
     Attributes:
         count: of shots in all.
-        flipped: numbers of the shots whose labels are.
+        flipped: numbers of the shots whose labels are flipped.
         labelled: how many shots have labels.
         settings: of the workflow.
     """
@@ -78,27 +77,29 @@ class LabelSigns:
 
 def no_flipped_labels(shots: Shots, settings: GapSettings) -> LabelSigns:
     """Return that no label is flipped."""
-    labelled = shots.labelled.any(axis=1)
-    return LabelSigns(len(shots), frozenset(), int(labelled.sum()), settings)
+    return LabelSigns(len(shots), frozenset(), _labelled(shots).sum().item(), settings)
 
 
 def find_flipped_labels(shots: Shots, fit: RefitResult, settings: GapSettings) -> LabelSigns:
-    """Return which labels the paths of their balls contradict."""
-    labelled = shots.labelled.any(axis=1)
-    flipped = np.zeros(len(shots), dtype=bool)
-    if labelled.any():
-        flipped = _flipped(shots, fit, settings)
-    numbers = frozenset(np.flatnonzero(flipped).tolist())
-    return LabelSigns(len(shots), numbers, int(labelled.sum()), settings)
+    """Return which labels the paths of their shots contradict."""
+    none = no_flipped_labels(shots, settings)
+    if not none.labelled:
+        return none
+    flipped = np.flatnonzero(_flipped(shots, fit, settings)).tolist()
+    return replace(none, flipped=frozenset(flipped))
+
+
+def _labelled(shots: Shots) -> Bools:
+    return np.asarray(shots.labelled.any(axis=1))
 
 
 def _flipped(shots: Shots, fit: RefitResult, settings: GapSettings) -> Bools:
-    own, labelled = settings.name, shots.labelled.any(axis=1)
+    limits, labelled = settings.name, _labelled(shots)
     simulator, noise, nuisance = fit.simulator, fit.noise_estimate.noise, fit.linear.nuisance
     misfit = _misfit(shots, simulator, nuisance, noise, settings.fit)
     rows = shots.valid.sum(axis=1) + shots.labelled.sum(axis=1)
     typical = np.median((misfit / rows)[labelled])
-    tried = np.flatnonzero(labelled & (misfit > own.suspect_misfit * typical * rows))
+    tried = np.flatnonzero(labelled & (misfit > limits.suspect_misfit * typical * rows))
     flipped = np.zeros(len(shots), dtype=bool)
     if len(tried):
         negated = replace(shots[tried], labels=-shots.labels[tried])
@@ -106,15 +107,15 @@ def _flipped(shots: Shots, fit: RefitResult, settings: GapSettings) -> Bools:
         start[:, SPIN] *= -1.0
         refitted = refit_shots(negated, simulator, start, noise, settings.fit)
         other = _misfit(negated, simulator, refitted.nuisance, noise, settings.fit)
-        better = other < misfit[tried] - own.decisive_gain
-        flipped[tried] = better & (other < own.ordinary_misfit * typical * rows[tried])
+        better = other < misfit[tried] - limits.decisive_gain
+        flipped[tried] = better & (other < limits.ordinary_misfit * typical * rows[tried])
     return flipped
 
 
 def _misfit(
     shots: Shots, simulator: Simulator, nuisance: Floats, noise: Noise, settings: FitSettings
 ) -> Floats:
-    """Return (B,) twice the negative log likelihoods, where outliers cost no more than they do."""
+    """Return (B,) twice the negative log likelihoods; an outlier costs at most a constant."""
     linear = linearise(shots, simulator, nuisance, ())
     distance = (linear.positions[..., -1] ** 2).sum(axis=2) / noise.position**2
     ratio = noise.position / settings.outlier_spread
@@ -124,5 +125,4 @@ def _misfit(
     count = np.maximum(linear.labelled.sum(axis=1), 1)
     variance = noise.label**2 + count * noise.label_common**2
     labels = (linear.labels[..., -1] ** 2).sum(axis=(1, 2)) / variance
-    misfit: Floats = places + labels
-    return misfit
+    return np.asarray(places + labels, dtype=np.float64)

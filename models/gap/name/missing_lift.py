@@ -1,13 +1,11 @@
-"""Missing lift: whether balls curve by their spins although the simulator has no Magnus force.
+"""Missing lift: whether shots curve by their spins although the simulator has no Magnus force.
 
-Such a simulator has no derivative by C_M where spins are unknown: lift is a product of two
-parameters that are both missing. Where spins were measured it has one, but is so far off that
-labels look wrong and other effects look like causes. Lift acts differently in every shot, up, down
-or aside, which distinguishes it from a wrong gravity, which pulls all shots alike. So each shot
-gets a free spin about a simulator with some C_M, the simulator's listed values are free on both
-sides, and the squared errors, in the noise as estimated *with* lift, must fall by more than three
-free parameters a shot explain (a likelihood-ratio test). Without labels C_M itself is identified
-only by bounces; elsewhere it stays at its start.
+Without spin labels such a simulator has no derivative by C_M: lift is a product of two parameters
+that are both missing. Lift acts differently in every shot, which distinguishes it from a wrong
+gravity. So each shot gets a free spin about a simulator with some C_M, the simulator's listed
+parameters are free on both sides, and the squared errors, in the noise as estimated *with* lift,
+must fall by more than three free parameters a shot explain (a likelihood-ratio test). Without
+labels C_M itself is identified only by bounces; elsewhere it stays at its start.
 """
 
 from dataclasses import dataclass
@@ -15,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
-from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised, linearise
 from models.gap.fit.noise import Noise, gram_matrices
@@ -33,25 +30,17 @@ class LiftTest:
     """What spins explain.
 
     Attributes:
-        with_lift: the shots about the simulator with Magnus force, its own values refitted.
-        gain: fall of the squared errors, in units of the noise.
-        p_value: of so large a gain without any lift.
+        with_lift: the shots about the simulator with Magnus force, its listed parameters refitted.
+        p_value: of so large a fall of the squared errors without any lift.
     """
 
     with_lift: RefitResult
-    gain: float
     p_value: float
 
 
 def lift_test(shots: Shots, without: RefitResult, settings: GapSettings) -> LiftTest:
-    """Test whether spins bend the paths.
-
-    Args:
-        shots: with or without labels.
-        without: the shots about a simulator without Magnus force, its listed values refitted.
-        settings: of the workflow.
-    """
-    simulator: Simulator = without.simulator.amended("magnus", cm=settings.name.lift_start)
+    """Test whether spins bend the paths of shots that were refitted without Magnus force."""
+    simulator = without.simulator.amended("magnus", cm=settings.name.lift_start)
     free = (*without.free, Hypothesis("magnus", "cm"))
     with_lift = refit(shots, simulator, free, settings.fit)
     noise = with_lift.noise_estimate.noise
@@ -61,13 +50,13 @@ def lift_test(shots: Shots, without: RefitResult, settings: GapSettings) -> Lift
     weights = np.minimum(fit.weights, with_lift.noise_estimate.weights)
     gain = _misfit(linear, noise, weights, settings)
     gain -= _misfit(with_lift.linear, noise, weights, settings)
-    return LiftTest(with_lift, gain, float(chi2.sf(gain, 3 * len(shots))))
+    return LiftTest(with_lift, float(chi2.sf(gain, 3 * len(shots))))
 
 
 def _misfit(linear: Linearised, noise: Noise, weights: Floats, settings: GapSettings) -> float:
-    """Return the squared errors when nuisance parameters and listed values are fitted."""
+    """Return the squared errors when nuisance parameters and listed parameters are fitted."""
     grams = gram_matrices(linear, noise, weights, np.ones(len(weights))).total(noise)
     left = eliminate_nuisance(grams, linear.nuisance_count)
     evidence = Evidence(linear.columns, linear.listed, left.scores, left.information, settings)
-    free = [one for one in evidence.free if linear.columns[one].effect != "magnus"]
+    free = [k for k in evidence.free if linear.columns[k].effect != "magnus"]
     return float(left.misfit.sum()) - evidence.score_test(free, []).gain

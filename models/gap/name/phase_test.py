@@ -1,8 +1,6 @@
-"""Phase test: the omnibus terms of one phase, given the whole catalogue.
+"""Phase test: the omnibus terms of one phase, given the whole catalogue, together and each alone.
 
-Terms are tested together, along all directions of which enough information is left given the
-catalogue's numbers, and each alone. The numbers may be collinear, so the projection
-(fit/projection.py) uses a pseudo-inverse.
+The catalogue's parameters may be collinear, so the projection uses a pseudo-inverse.
 """
 
 from dataclasses import dataclass
@@ -19,7 +17,7 @@ from models.gap.locate.terms import Term
 
 @dataclass(frozen=True)
 class PhaseTest:
-    """The D terms of a phase that are seen, beside N numbers of the catalogue.
+    """The D terms of a phase that are seen, given N parameters of the catalogue.
 
     Attributes:
         evidence: for hypotheses and terms.
@@ -39,7 +37,7 @@ class PhaseTest:
 
     @cached_property
     def given(self) -> list[int]:
-        """(N,) places of the catalogue's numbers."""
+        """(N,) places of the catalogue's parameters."""
         columns = self.evidence.columns
         effects = [k for k in self._seen if not isinstance(columns[k], Term)]
         return [k for k in effects if columns[k].effect not in self.withheld]
@@ -52,28 +50,27 @@ class PhaseTest:
     def spread(self) -> Floats:
         """(N, N) covariance of the catalogue's values, which may be alike."""
         directions = identifiable_directions(self.evidence.total[np.ix_(self.given, self.given)])
-        covariance: Floats = directions @ directions.T
-        return covariance
+        return directions @ directions.T
 
     @cached_property
     def projection(self) -> Projection:
-        """On the terms, given the catalogue's numbers, by their pseudo-inverse."""
+        """On the terms, given the catalogue's parameters, by their pseudo-inverse."""
         evidence, spread = self.evidence, self.spread
         values = spread @ evidence.scores[:, self.given].sum(axis=0)
         mixing = evidence.total[np.ix_(self.places, self.given)] @ spread
         return Projection(self.places, self.given, values, mixing)
 
-    def scores(self, evidence: Evidence) -> Floats:
-        """Return the (B, D) scores of the terms, given the catalogue with its values."""
-        return self.projection.scores(evidence.scores, evidence.information)
+    @cached_property
+    def scores(self) -> Floats:
+        """(B, D) scores of the terms, given the catalogue with its values."""
+        return self.projection.scores(self.evidence.scores, self.evidence.information)
 
     @cached_property
     def information(self) -> Floats:
-        """(D, D) of the terms beside the catalogue."""
+        """(D, D) of the terms, given the catalogue."""
         total = self.evidence.total
         mixed = self.projection.mixing @ total[np.ix_(self.given, self.places)]
-        information: Floats = total[np.ix_(self.places, self.places)] - mixed
-        return information
+        return total[np.ix_(self.places, self.places)] - mixed
 
     @cached_property
     def directions(self) -> Floats:
@@ -88,10 +85,9 @@ class PhaseTest:
     @cached_property
     def along(self) -> Floats:
         """(B, E) scores of the shots along the directions."""
-        along: Floats = self.scores(self.evidence) @ self.directions
-        return along
+        return self.scores @ self.directions
 
-    @cached_property
+    @property
     def estimate(self) -> Floats:
         """(D,) of the terms."""
         estimate: Floats = self.directions @ self.along.sum(axis=0)
@@ -99,29 +95,26 @@ class PhaseTest:
 
     @cached_property
     def alone(self) -> dict[int, ScoreTest]:
-        """Tests of terms of which a good part is their own, each alone, by their numbers."""
-        k = self.places
+        """Tests of each term of which enough information is left, by number."""
+        k, settings = self.places, self.evidence.settings
         shares = self.projection.information_diagonal(self.evidence.information)
-        scores = self.scores(self.evidence)
-        settings = self.evidence.settings
-        least = settings.name.min_term_information
-        own = np.flatnonzero(shares.sum(axis=0) > least * np.diag(self.evidence.total)[k])
+        least = settings.name.min_term_information * np.diag(self.evidence.total)[k]
         return {
-            d: ScoreTest((k[d],), scores[:, [d]], shares[:, [d], None], settings)
-            for d in own.tolist()
+            d: ScoreTest((k[d],), self.scores[:, [d]], shares[:, [d], None], settings)
+            for d in np.flatnonzero(shares.sum(axis=0) > least).tolist()
         }
 
-    @cached_property
+    @property
     def clearest(self) -> Floats:
-        """(D,) the value of the term that is the least likely by chance, others zero."""
+        """(D,) the value of the term with the smallest p-value, others zero."""
         terms = np.zeros(len(self.places))
-        number = min(self.alone, key=lambda one: _p_value(self.alone[one]))
+        number = min(self.alone, key=lambda d: _p_value(self.alone[d]))
         terms[number] = self.alone[number].estimate[0]
         return terms
 
     @cached_property
     def p_value_alone(self) -> float:
-        """Chance of the term that is the least likely by chance."""
+        """The smallest p-value of a term."""
         return min((_p_value(test) for test in self.alone.values()), default=1.0)
 
     @cached_property
@@ -136,16 +129,13 @@ class PhaseTest:
 
     @property
     def rarity(self) -> float:
-        """Logarithm of the chance of so much structure, by the noise as it was found."""
+        """Logarithm of the p-value of so much structure, by the noise as estimated."""
         return float(chi2.logsf(self.squared, max(self.along.shape[1], 1)))
 
     def p_value(self, signs: Floats) -> float:
-        """Return the chance of so much structure, by the spread between shots and by the noise.
+        """Return the p-value of so much structure, by (R, B) random signs of the shots.
 
-        Shots whose values were fitted spread less than they did: the noise as found must agree.
-
-        Args:
-            signs: (R, B) of the shots, at random.
+        Shots whose values were fitted spread less than they did: the noise as estimated must agree.
         """
         if self.along.shape[1] == 0:
             return 1.0
@@ -154,21 +144,17 @@ class PhaseTest:
         return max((1 + above) / (1 + len(signs)), by_noise)
 
     def predicted_score(self, terms: Floats, others: Evidence) -> tuple[float, float]:
-        """Return how far other shots follow values of the terms, and how far they would by chance.
-
-        Args:
-            terms: (D,) values.
-            others: shots about the same simulator.
-        """
+        """Return how far other shots follow (D,) values of the terms, and its standard error."""
         k, n, mixing = self.places, self.given, self.projection.mixing
-        score = self.scores(others).sum(axis=0) @ terms
+        scores = self.projection.scores(others.scores, others.information)
+        score = scores.sum(axis=0) @ terms
         across = others.total[np.ix_(k, n)] - mixing @ others.total[np.ix_(n, n)]
-        own = self.projection.information(others.total[None])[0]
+        of_terms = self.projection.information(others.total[None])[0]
         # The catalogue's values err, too, as far as they show on the other shots.
-        variance = terms @ (own + across @ self.spread @ across.T) @ terms
+        variance = terms @ (of_terms + across @ self.spread @ across.T) @ terms
         return float(score), float(np.sqrt(max(float(variance), 0.0)))
 
 
 def _p_value(test: ScoreTest) -> float:
-    """Return the chance of a term; the noise as found must agree."""
+    """Return the p-value of a term; the noise as estimated must agree."""
     return max(test.p_value, float(chi2.sf(test.gain, 1)))

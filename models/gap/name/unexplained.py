@@ -1,14 +1,12 @@
 """Unexplained structure: what remains in the residuals when the whole catalogue is free.
 
-Every catalogued effect that the shots can show is free, so that no effect, and no combination, can
-pass for an unknown one or hide it. Given them, the omnibus terms (term_library.py) are tested in
-two ways: all terms of a phase together, which detects whatever lies in their span, and each term
-alone, which detects a smaller effect that resembles one of them. The null distribution of a phase
-comes from the shots: their scores with random signs. What is found must be confirmed on other
-shots. The candidate formula is a sparse fit to the same scores; it says what such an effect may
-look like, not that it is one.
+Given the catalogue, omnibus terms (term_library.py) are tested in two ways: all terms of a phase
+together, which detects whatever lies in their span, and each term alone, which detects a smaller
+effect that resembles one of them. The null distribution of a phase comes from random signs of the
+shots' scores. The candidate formula is a sparse fit to the same scores, not a cause.
 """
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -17,31 +15,26 @@ import numpy as np
 from models.ball.types import Floats
 from models.gap.fit.noise import Noise
 from models.gap.fit.refit import RefitResult
-from models.gap.fit.variance_components import NoiseEstimate
-from models.gap.inference.score_test import Evidence
-from models.gap.locate.term_library import with_terms
+from models.gap.locate.term_library import evidence_with_terms
 from models.gap.name.phase_test import PhaseTest
-from models.gap.name.sparse_formula import formula
-from models.gap.settings import GapSettings
+from models.gap.settings import NameSettings, Question
 from models.gap.types import PHASES, Phase
 
 
 @dataclass(frozen=True)
 class UnexplainedStructure:
-    """What is left beside the catalogue.
+    """What is left when the catalogue is free.
 
     Attributes:
-        p_value: chance of so much structure without any.
-        where: the phase that tells it best.
-        shares: of the phases in what all of them gain.
-        test: the terms of the phase that tells it best.
-        terms: (D,) values of these terms that tell it best, others zero.
-        noise: in which.
+        p_value: probability of so much structure without any.
+        phase: that shows it best.
+        test: the terms of this phase.
+        terms: (D,) values of these terms that show it best, others zero.
+        noise: of the shots.
     """
 
     p_value: float
-    where: Phase
-    shares: dict[Phase, float]
+    phase: Phase
     test: PhaseTest
     terms: Floats
     noise: Noise
@@ -61,25 +54,17 @@ class UnexplainedStructure:
 
     def confirmed(self, others: RefitResult) -> bool:
         """Whether other shots, about the same simulator, show the same structure."""
-        score, error = self.test.predicted_score(
-            self.terms, _evidence(others, self.noise, self.test.evidence.settings)
-        )
-        return score > self.test.evidence.settings.name.confirmation * error
+        settings = self.test.evidence.settings
+        _, evidence = evidence_with_terms(others, self.noise, settings)
+        score, error = self.test.predicted_score(self.terms, evidence)
+        return score > settings.name.confirmation * error
 
 
-def find_unexplained(
-    fit: RefitResult, settings: GapSettings, withheld: Sequence[str] = ()
-) -> UnexplainedStructure:
-    """Test whether structure is left beside the whole catalogue.
-
-    Args:
-        fit: the shots about the simulator with the causes that were named.
-        settings: of the workflow.
-        withheld: effects that are not in the catalogue.
-    """
-    noise = fit.noise_estimate.noise
-    evidence = _evidence(fit, noise, settings)
-    tests = {phase: PhaseTest(evidence, phase, tuple(withheld)) for phase in PHASES}
+def find_unexplained(fit: RefitResult, question: Question) -> UnexplainedStructure:
+    """Test whether the shots about the simulator with the causes show more than the catalogue."""
+    noise, settings = fit.noise_estimate.noise, question.settings
+    _, evidence = evidence_with_terms(fit, noise, settings)
+    tests = {phase: PhaseTest(evidence, phase, question.withheld) for phase in PHASES}
     signs = np.random.default_rng(0).choice(
         [-1.0, 1.0], size=(settings.name.sign_flips, len(evidence.scores))
     )
@@ -87,19 +72,37 @@ def find_unexplained(
     count = max(sum(len(test.alone) for test in tests.values()), 1)
     alone = min(1.0, count * min(test.p_value_alone for test in tests.values()))
     if alone < together:
-        where = min(PHASES, key=lambda phase: tests[phase].p_value_alone)
-        terms = tests[where].clearest
+        phase = min(PHASES, key=lambda phase: tests[phase].p_value_alone)
+        terms = tests[phase].clearest
     else:
-        where = min(PHASES, key=lambda phase: tests[phase].rarity)
-        terms = tests[where].estimate
-    total = max(sum(test.gain for test in tests.values()), 1e-12)
-    shares = {phase: test.gain / total for phase, test in tests.items()}
+        phase = min(PHASES, key=lambda phase: tests[phase].rarity)
+        terms = tests[phase].estimate
     p_value = min(1.0, 2 * min(together, alone))
-    return UnexplainedStructure(p_value, where, shares, tests[where], terms, noise)
+    return UnexplainedStructure(p_value, phase, tests[phase], terms, noise)
 
 
-def _evidence(fit: RefitResult, noise: Noise, settings: GapSettings) -> Evidence:
-    """Return the evidence for hypotheses and terms."""
-    linear = with_terms(fit.linear)
-    known = NoiseEstimate.known(linear, noise, fit.noise_estimate.weights, settings.fit)
-    return Evidence.of(linear, known, settings)
+def formula(names: Sequence[str], rows: Floats, target: Floats, settings: NameSettings) -> str:
+    """Return the sparsest formula of D terms that explains enough of an (E,) target.
+
+    Thresholded least squares (Brunton et al. 2016) on (E, D) white rows.
+    """
+    scale = np.linalg.norm(rows, axis=0)
+    coefficients = _sparse(rows / scale, target, settings)
+    chosen = np.flatnonzero(coefficients).tolist()
+    values = (coefficients / scale)[chosen]
+    return " ".join(f"{value:+.3g} [{names[k]}]" for k, value in zip(chosen, values, strict=True))
+
+
+def _sparse(rows: Floats, target: Floats, settings: NameSettings) -> Floats:
+    from pysindy.optimizers import STLSQ  # slow to import, and rarely needed
+
+    coefficients: Floats = np.zeros(rows.shape[1])
+    for threshold in settings.formula_thresholds:
+        model = STLSQ(threshold=float(threshold), alpha=settings.formula_ridge)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a threshold that nothing passes
+            coefficients = np.ravel(model.fit(rows, target[:, None]).coef_)
+        missed = target - rows @ coefficients
+        if missed @ missed < (1 - settings.formula_share) * (target @ target):
+            break
+    return coefficients

@@ -1,7 +1,4 @@
-"""Bootstrap of prediction errors over shots (percentile intervals, Efron 1979).
-
-Errors that are compared are resampled together (paired), so that what shots share cancels.
-"""
+"""Paired bootstrap of prediction errors over shots (percentile intervals, Efron 1979)."""
 
 import numpy as np
 
@@ -16,16 +13,10 @@ def root_mean_squares(squares: Floats) -> Floats:
     return roots
 
 
-def resampled(squares: Floats, draws: int, seed: int) -> Floats:
-    """Return the (D, 3, H) root mean squares of shots drawn at random, D times.
-
-    Args:
-        squares: (3, B, H) of B shots, NaN where one has none.
-        draws: how many.
-        seed: of the drawing.
-    """
+def resampled(squares: Floats, draws: int) -> Floats:
+    """Return (D, 3, H) root mean squares of (3, B, H) squares, of shots drawn at random D times."""
     shots = squares.shape[1]
-    rows = np.random.default_rng(seed).integers(shots, size=(draws, shots))
+    rows = np.random.default_rng(0).integers(shots, size=(draws, shots))
     times = np.zeros((draws, shots))
     np.add.at(times, (np.arange(draws)[:, None], rows), 1.0)
     there = np.isfinite(squares)
@@ -35,12 +26,10 @@ def resampled(squares: Floats, draws: int, seed: int) -> Floats:
     return roots
 
 
-def interval(figures: Floats, confidence: float) -> tuple[float, float]:
+def interval(values: Floats, confidence: float) -> tuple[float, float]:
     """Return the percentile interval of a statistic of resampled shots; zeros where it has none."""
-    known = figures[np.isfinite(figures)]
-    low, high = (
-        np.quantile(known, [(1 - confidence) / 2, (1 + confidence) / 2])
-        if len(known)
-        else (0.0, 0.0)
-    )
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return 0.0, 0.0
+    low, high = np.quantile(known, [(1 - confidence) / 2, (1 + confidence) / 2])
     return round(float(low), 6), round(float(high), 6)

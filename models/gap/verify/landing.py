@@ -1,4 +1,4 @@
-"""Landing: where and when balls first meet the table, as a sensor sees it."""
+"""Landing: where and when balls first touch the table, as a sensor measures it."""
 
 from dataclasses import dataclass
 
@@ -25,25 +25,18 @@ class Landings:
     places: Floats
     times: Floats
 
-    def distances(self, others: "Landings") -> tuple[Floats, Floats]:
-        """Return (B,) m and (B,) s, how far landings are from others."""
-        return np.linalg.norm(self.places - others.places, axis=1), np.abs(
-            self.times - others.times
-        )
+    def distances(self, others: "Landings") -> Floats:
+        """Return (B, 2) m and s, how far landings are from others."""
+        places = np.linalg.norm(self.places - others.places, axis=1)
+        return np.stack([places, np.abs(self.times - others.times)], axis=1)
 
 
 def landings(simulator: Simulator, states: Floats, ends: Floats) -> Landings:
-    """Return where and when balls land.
-
-    Args:
-        simulator: with its sensor effects.
-        states: (B, 9) at the first sample.
-        ends: (B,) s after it until when they are followed.
-    """
+    """Return where and when balls of (B, 9) states land within (B,) s, as the sensor sees it."""
     flight = simulator.fly(states, np.stack([np.zeros(len(ends)), ends], axis=1))
-    there, moment, before, _ = first_bounce(flight)
+    there, time, before, _ = first_bounce(flight)
     speed = np.linalg.norm(before[:, VELOCITY], axis=1)
     places, times = np.full((len(states), 2), np.nan), np.full(len(states), np.nan)
     places[there] = measured_positions(simulator, before[:, ON_TABLE])
-    times[there] = clock_times(simulator, moment + delays(simulator, speed))
+    times[there] = clock_times(simulator, time + delays(simulator, speed))
     return Landings(places, times)

@@ -6,11 +6,10 @@ import numpy as np
 
 from models.ball.catalogue import catalogue
 from models.gap.fit.shots import Shots
+from models.gap.settings import GapSettings
 from models.gap.verdict import Cause, DetectionLimits, Gap, Verdict
 
-FEW = 20  # shots
 BOUNCE = {"table_bounce.restitution", "table_bounce.friction"}
-ONE_WAY = 0.9  # share of the shots in the same direction
 UNSETTLED = (
     "the causes do not converge: with them in the simulator, other causes are found. The shots "
     "show that the simulator is wrong, but not why. Record more shots at other speeds and spins, "
@@ -19,22 +18,19 @@ UNSETTLED = (
 
 
 def limitations(
-    shots: Shots, causes: Sequence[Cause], limits: DetectionLimits, settled: bool
+    shots: Shots,
+    causes: Sequence[Cause],
+    limits: DetectionLimits,
+    settled: bool,
+    settings: GapSettings,
 ) -> tuple[str, ...]:
-    """Return what the shots cannot decide and what would, one sentence each.
-
-    Args:
-        shots: all of them.
-        causes: that were found.
-        limits: what the shots can show.
-        settled: whether the same causes are found again with them in the simulator.
-    """
+    """Return what the shots cannot decide and what would, one sentence each."""
     no_bounce = set(limits.not_identifiable) >= BOUNCE
     return (
-        *_of_shots(shots),
+        *_of_shots(shots, settings),
         *(["no bounces: the table cannot be judged; let balls bounce"] if no_bounce else []),
-        *(_to_separate(one, shots) for one in causes if one.alternatives),
-        *(_at_bound(one) for one in causes if one.estimate in one.interval),
+        *(_to_separate(cause, shots, settings) for cause in causes if cause.alternatives),
+        *(_at_bound(cause) for cause in causes if cause.estimate in cause.interval),
         *(() if settled else (UNSETTLED,)),
     )
 
@@ -48,12 +44,12 @@ def rejected_if_worse(verdict: Verdict) -> Verdict:
     return verdict.model_copy(update={"verdict": "unknown", "limitations": stated})
 
 
-def experiment(cause: Cause, shots: Shots) -> str:
+def experiment(cause: Cause, shots: Shots, settings: GapSettings) -> str:
     """Return the experiment that separates the possible causes of a class."""
     phases = {catalogue()[identity.partition(".")[0]].acts for identity in cause.possible}
     if "sensor" in phases:
         return "record a scale, a clock or a ball of known spin with the same cameras"
-    if _one_way(shots):
+    if _one_way(shots, settings):
         return "record shots in both directions"
     if not shots.labelled.any():
         return "measure the spin"
@@ -66,22 +62,22 @@ def experiment(cause: Cause, shots: Shots) -> str:
     return "record shots over a wider range of speeds and spins"
 
 
-def _of_shots(shots: Shots) -> Iterator[str]:
-    if len(shots) < FEW:
-        yield f"{len(shots)} shots: small effects are not detected; record {FEW} or more"
+def _of_shots(shots: Shots, settings: GapSettings) -> Iterator[str]:
+    few = settings.verify.few_shots
+    if len(shots) < few:
+        yield f"{len(shots)} shots: small effects are not detected; record {few} or more"
     if not shots.labelled.any():
         yield "no spin labels: errors of spin labels are not identifiable, lift only by curvature"
-    if _one_way(shots):
+    if _one_way(shots, settings):
         yield "all shots go in one direction: wind, tilt and drag look alike; record shots in both"
 
 
-def _to_separate(cause: Cause, shots: Shots) -> str:
+def _to_separate(cause: Cause, shots: Shots, settings: GapSettings) -> str:
     others = ", ".join(cause.alternatives)
-    return f"{cause.identity} is not separable from {others}: {experiment(cause, shots)}"
+    return f"{cause.identity} is not separable from {others}: {experiment(cause, shots, settings)}"
 
 
 def _at_bound(cause: Cause) -> str:
-    """Return the limitation of a cause whose estimate is at its bound."""
     size = f"{cause.estimate:.4g}" + (f" {cause.unit}" if cause.unit != "1" else "")
     return (
         f"{cause.identity}: {size} is the bound of physically plausible values; the cause may be "
@@ -98,8 +94,8 @@ def _rejection(gap: Gap) -> str:
     )
 
 
-def _one_way(shots: Shots) -> bool:
+def _one_way(shots: Shots, settings: GapSettings) -> bool:
     last = shots.valid.sum(axis=1) - 1
     end = shots.positions[np.arange(len(shots)), last]
     towards = np.sign((end - shots.positions[:, 0])[:, 1]).mean()
-    return bool(abs(towards) > 2 * ONE_WAY - 1)
+    return bool(abs(towards) > 2 * settings.verify.one_way_share - 1)

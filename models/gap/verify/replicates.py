@@ -1,8 +1,4 @@
-"""Simulated replicates of shots: what a perfect simulator's sensor would have measured.
-
-Each ball keeps its launch and bounces by the simulator, with a random kick of the size of the
-scatter; the sensor's noise is drawn again, at the same times, in the sizes estimated.
-"""
+"""Simulated replicates of shots: the same launches and times, with new kicks and noise."""
 
 from dataclasses import replace
 
@@ -28,7 +24,7 @@ def simulate_replicate(
 
     Args:
         shots: B of them, whose times and labels' times are kept.
-        simulator: that flies the balls, and sees them with its sensor effects.
+        simulator: with its sensor effects.
         states: (B, 9) at the first sample.
         noise: of the sensor, and scatter of bounces.
         max_kicks: bounces of a shot that scatter.
@@ -44,25 +40,21 @@ def simulate_replicate(
 def _position_errors(
     shots: Shots, prediction: Prediction, noise: Noise, random: np.random.Generator
 ) -> Floats:
-    """Return (B, N, 3) m: white noise, one that changes slowly, and that of the time stamps."""
+    """Return (B, N, 3) m: white noise, slow errors, and those of the time stamps."""
     white = noise.white * random.standard_normal(prediction.positions.shape)
     stamps = noise.timing * random.standard_normal(shots.times.shape)
     slow = noise.slow * random.standard_normal(prediction.positions.shape)
     kept = np.exp(-np.diff(shots.times, axis=1) / noise.slow_time)[..., None]
     for i in range(kept.shape[1]):
         slow[:, i + 1] = kept[:, i] * slow[:, i] + np.sqrt(1 - kept[:, i] ** 2) * slow[:, i + 1]
-    errors: Floats = white + slow + stamps[..., None] * prediction.velocities
-    return errors
+    return white + slow + stamps[..., None] * prediction.velocities
 
 
 def _labels(
     shots: Shots, prediction: Prediction, noise: Noise, random: np.random.Generator
 ) -> Floats:
-    """Return (B, L, 3) labels that err in every row, and in all rows of a shot alike."""
+    """Return (B, L, 3) labels with an error of every row, and one of all rows of a shot."""
     rows = noise.label * random.standard_normal(prediction.labels.shape)
     common = noise.label_common * random.standard_normal((len(shots), 1, 3))
     sizes = np.linalg.norm(prediction.labels, axis=-1, keepdims=True)
-    labels: Floats = np.where(
-        shots.labelled[..., None], prediction.labels + sizes * (rows + common), np.nan
-    )
-    return labels
+    return np.where(shots.labelled[..., None], prediction.labels + sizes * (rows + common), np.nan)

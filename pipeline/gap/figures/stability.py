@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from pipeline.gap.cases import Diagnosed
 from pipeline.gap.figures.verdict import (
     ROW_HEIGHT,
+    add_legend,
     draw_departure,
     draw_errors,
     shade_undetectable,
@@ -20,12 +21,8 @@ SPREAD = 0.5  # of the marks of a row, which are 1 apart
 
 
 def closing_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
-    """Draw the errors over the horizon, a panel per simulator and a line per split.
-
-    Args:
-        diagnosed: verdicts on the shots of one source.
-    """
-    source, simulators = _source(diagnosed), _simulators(diagnosed)
+    """Draw the errors on one source, a panel per simulator and a line per split."""
+    source, simulators = diagnosed[0].case.source, _simulators(diagnosed)
     figure = Figure(figsize=(FIGURE_WIDTH, 3.6))
     panels = figure.subplots(1, len(simulators), sharey=True, squeeze=False)[0]
     for axes, simulator in zip(panels, simulators, strict=True):
@@ -35,7 +32,7 @@ def closing_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
         axes.set(title=_title(simulator), xlabel="prediction horizon (ms)")
     panels[0].set_ylim(bottom=0)
     panels[0].set_ylabel("position error (mm)")
-    _add_legend(figure, panels)
+    add_legend(figure)
     return ReportFigure(
         figure,
         f"errors_{source}",
@@ -47,13 +44,9 @@ def closing_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
 
 
 def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
-    """Draw the departure of every cause, a panel per simulator and a mark per split.
-
-    Args:
-        diagnosed: verdicts on the shots of one source, at least one with a cause.
-    """
-    source, simulators = _source(diagnosed), _simulators(diagnosed)
-    names = list(dict.fromkeys(one.identity for of in diagnosed for one in of.verdict.causes))
+    """Draw the causes on one source, a panel per simulator and a mark per split."""
+    source, simulators = diagnosed[0].case.source, _simulators(diagnosed)
+    names = list(dict.fromkeys(c.identity for one in diagnosed for c in one.verdict.causes))
     figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW_HEIGHT * len(names) / 1.6))
     panels = figure.subplots(1, len(simulators), sharex=True, sharey=True, squeeze=False)[0]
     for axes, simulator in zip(panels, simulators, strict=True):
@@ -61,7 +54,7 @@ def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
         axes.set(title=_title(simulator), xlabel="estimate − simulator (min. detectable effects)")
     panels[0].set_yticks(range(len(names)), names)
     panels[0].set_ylim(len(names) - 0.5, -0.5)
-    _add_legend(figure, panels)
+    add_legend(figure)
     return ReportFigure(
         figure,
         f"causes_{source}",
@@ -83,16 +76,6 @@ def _draw_causes(axes: Axes, diagnosed: Sequence[Diagnosed], names: Sequence[str
     axes.set_xscale("symlog", linthresh=1.0, linscale=0.3)
     axes.xaxis.set_major_formatter("{x:g}")
     axes.grid(axis="y", visible=False)
-
-
-def _add_legend(figure: Figure, panels: Sequence[Axes]) -> None:
-    legends = [zip(*axes.get_legend_handles_labels(), strict=True) for axes in panels]
-    unique = {name: handle for legend in legends for handle, name in legend}
-    figure.legend(unique.values(), unique.keys(), loc="outside upper left", ncols=3)
-
-
-def _source(diagnosed: Sequence[Diagnosed]) -> str:
-    return diagnosed[0].case.source
 
 
 def _simulators(diagnosed: Sequence[Diagnosed]) -> list[str]:

@@ -28,20 +28,10 @@ BELOW_MINIMUM = "below the minimum detectable effect"
 BAND = 0.15  # opacity of intervals
 ROW_HEIGHT = 0.55  # inch
 HEADROOM = 1.1  # inch, for the axis and the legend
-_OFFSET: dict[str, Any] = {"textcoords": "offset points"}
 
 
 def causes_figure(verdict: Verdict) -> ReportFigure:
-    """Draw the departure of every cause from the nominal simulator.
-
-    Args:
-        verdict: with at least one cause.
-
-    Raises:
-        ValueError: it has no cause.
-    """
-    if not verdict.causes:
-        raise ValueError("a verdict without causes has nothing to draw")
+    """Draw the departure of every cause from the nominal simulator; there is at least one."""
     rows = len(verdict.causes)
     figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW_HEIGHT * rows))
     axes = figure.subplots()
@@ -53,9 +43,7 @@ def causes_figure(verdict: Verdict) -> ReportFigure:
     axes.margins(x=0.3)
     axes.grid(axis="y", visible=False)
     axes.set_xlabel("estimate − simulator, in minimum detectable effects (5.8 σ)")
-    handles, names = axes.get_legend_handles_labels()
-    unique = dict(zip(names, handles, strict=True))
-    figure.legend(unique.values(), unique.keys(), loc="outside upper left", ncols=3)
+    add_legend(figure)
     return ReportFigure(
         figure,
         "causes",
@@ -85,6 +73,13 @@ def error_figure(gap: Gap) -> ReportFigure:
     )
 
 
+def add_legend(figure: Figure) -> None:
+    """Add the legend of all panels above them, each label once."""
+    legends = [zip(*axes.get_legend_handles_labels(), strict=True) for axes in figure.axes]
+    unique = {name: handle for legend in legends for handle, name in legend}
+    figure.legend(unique.values(), unique.keys(), loc="outside upper left", ncols=3)
+
+
 def draw_errors(axes: Axes, gap: Gap) -> None:
     """Draw errors over the horizon, with 95 % bands of the measured ones."""
     for name, (colour, line, marker) in LINES.items():
@@ -109,15 +104,8 @@ def draw_departure(
     """Draw the departure of a cause with its interval; return the interval's upper end.
 
     A cause that is not identifiable with the simulator's own parameters free has no minimum
-    detectable effect; nothing is drawn, and None returned.
-
-    Args:
-        axes: whose x is in minimum detectable effects.
-        row: on y.
-        cause: of the gap.
-        verdict: of the cause.
-        line: width of the interval's line, points.
-        mark: size of the estimate's mark, points.
+    detectable effect; nothing is drawn, and None returned. The widths of the interval's line and of
+    the estimate's mark are in points.
     """
     size = verdict.minimum_detectable.get(cause.identity)
     if size is None:
@@ -137,4 +125,5 @@ def _draw_cause(axes: Axes, row: int, cause: Cause, verdict: Verdict) -> None:
     text = f"{with_unit(cause.estimate, cause.unit)}, simulator {number(cause.nominal)}"
     if high is None:
         text, high = f"{text}; no minimum detectable effect", 0.0
-    axes.annotate(text, (high, row), (8, 0), va="center", fontsize=8, color=MUTED, **_OFFSET)
+    style: dict[str, Any] = {"textcoords": "offset points", "va": "center", "fontsize": 8}
+    axes.annotate(text, (high, row), (8, 0), color=MUTED, **style)

@@ -1,4 +1,4 @@
-"""Measured shots with a known cause in them."""
+"""Simulated shots with a known cause in them."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ SETTINGS = GapSettings()
 
 
 def launches(count, random):
-    """States of balls shot over the net from both ends in turn, so that they bounce once."""
+    """States of balls over the net from both ends in turn, so that they bounce once."""
     side = np.where(np.arange(count) % 2, 1.0, -1.0)
     low = np.array([-0.3, 1.2, 0.15, -1.0, 4.0, -0.5, -250.0, -80.0, -120.0])
     high = np.array([0.3, 1.5, 0.4, 1.0, 9.0, 2.0, 250.0, 80.0, 120.0])
@@ -44,7 +44,7 @@ def measured(
     label=0.05,
     scatter=(0.01, 0.02, 0.005),
 ):
-    """Shots as a sensor with noise sees them; ``labels`` are in "rows", "one" a shot, or None."""
+    """Shots measured with noise; ``labels`` are in "rows", "one" a shot, or None."""
     random = np.random.default_rng(seed)
     states = launches(count, random)
     times = np.tile(np.arange(0.0, seconds, 1 / RATE), (count, 1))
@@ -67,6 +67,6 @@ def measured(
     )
 
 
-def own(simulator):
-    """Hypotheses about the numbers that a simulator lists."""
+def listed(simulator):
+    """Hypotheses about the parameters that a simulator lists."""
     return tuple(one for one in hypotheses(simulator) if one.listed(simulator))

@@ -9,10 +9,9 @@ import pytest
 import yaml
 
 from models.ball.simulator import Simulator
-from models.ball.simulators import shipped
 from models.gap import verdict as verdict_module
 from models.gap.amend.simulator import amended, amended_yaml
-from models.gap.hypotheses import Hypothesis, hypotheses
+from models.gap.hypotheses import Hypothesis
 from models.gap.verdict import (
     Cause,
     Gap,
@@ -61,12 +60,6 @@ VERDICT = Verdict(
 )
 
 
-def test_an_identity_is_effect_and_parameter():
-    for one in hypotheses(shipped("imperfect_c")):
-        assert Hypothesis.from_identity(one.identity) == one
-    assert (WIND.effect, WIND.parameter) == ("wind", "y")
-
-
 @pytest.mark.parametrize("identity", ["drag.cf", "drag", "wind.x.y", ""])
 def test_an_identity_that_is_not_in_the_catalogue_is_refused(identity):
     hint = r"; did you mean drag\.cd\?" if identity == "drag.cf" else ""
@@ -84,11 +77,11 @@ def test_an_identity_that_is_not_in_the_catalogue_is_refused(identity):
     ],
 )
 def test_components_of_one_vector_are_one_quantity(identity, others, ambiguous):
-    one = cause(identity, 0.3, possible=others)
-    assert (one.ambiguous, one.alternatives) == (ambiguous, others)
+    found = cause(identity, 0.3, possible=others)
+    assert (found.ambiguous, found.alternatives) == (ambiguous, others)
 
 
-def test_the_file_comes_back(tmp_path):
+def test_a_verdict_survives_its_file(tmp_path):
     path = tmp_path / "verdict.json"
     path.write_text(VERDICT.to_json())
     assert Verdict.load(path) == VERDICT
@@ -116,14 +109,14 @@ def changed(**fields):
         ("\udcff", "codec can't decode"),
     ],
 )
-def test_a_file_that_is_no_verdict_is_named_with_its_fault(tmp_path, text, problem):
+def test_a_file_that_is_no_verdict_is_refused(tmp_path, text, problem):
     path = tmp_path / "verdict.json"
     path.write_bytes(text.encode("utf-8", "surrogateescape"))
     with pytest.raises(VerdictError, match=rf"verdict\.json: .*{problem}"):
         Verdict.load(path)
 
 
-def test_a_missing_file_is_named(tmp_path):
+def test_a_missing_file_is_refused(tmp_path):
     with pytest.raises(VerdictError, match=r"verdict\.json: cannot be read: No such file"):
         Verdict.load(tmp_path / "verdict.json")
 

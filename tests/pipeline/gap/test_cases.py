@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from models.gap.fit.split import held_out
+from models.gap.fit.shots import held_out
+from models.gap.settings import DEFAULTS
 from models.predictors.windows import Episode
 from pipeline.gap.cases import cases, drawn, nominal_simulator
 from pipeline.io.episodes import MeasuredEpisode
@@ -37,7 +38,7 @@ def episodes(recordings=12, each=1):
 
 
 def kept_from_naming(case):
-    return set(case.shots.names[held_out(case.shots)])
+    return set(case.shots.names[held_out(case.shots, DEFAULTS)])
 
 
 def test_every_source_meets_every_simulator_in_every_split():
@@ -63,7 +64,7 @@ def test_shots_of_a_recording_stay_together():
     shots = drawn(episodes(recordings=6, each=3), 18, np.random.default_rng(0))
     recordings = [name.rsplit("/", 1)[0] for name in shots.names]
     assert len(set(zip(recordings, shots.groups, strict=True))) == 6
-    held = held_out(shots)
+    held = held_out(shots, DEFAULTS)
     assert not {r for r, out in zip(recordings, held, strict=True) if out} & {
         r for r, out in zip(recordings, held, strict=True) if not out
     }

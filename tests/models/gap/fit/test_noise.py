@@ -91,7 +91,7 @@ def test_kicks_are_pulled_to_zero_and_unlabelled_spins_are_not():
 def test_outliers_are_told_from_noise():
     residuals = np.array([[[0.0, 0.0, 0.0], [0.006, 0.006, 0.0], [0.03, 0.0, 0.0]]])
     noise = Noise(white=0.003, slow=0.0)
-    inside, edge, outside = inlier_probability(residuals, noise, settings=SETTINGS.fit)[0]
+    inside, edge, outside = inlier_probability(residuals, noise, SETTINGS.fit)[0]
     assert inside > 0.999
     assert edge > 0.99
     assert outside < 0.01

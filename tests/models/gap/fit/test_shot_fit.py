@@ -11,7 +11,7 @@ from tests.models.gap.hidden import NOMINAL, SETTINGS, launches, measured
 
 def test_states_of_exact_measurements_are_found_exactly():
     shots = measured(count=12, noise=0.0, label=0.0, scatter=(0.0, 0.0, 0.0))
-    fit = fit_shots(shots, NOMINAL, settings=SETTINGS.fit)
+    fit = fit_shots(shots, NOMINAL, SETTINGS.fit)
     true = launches(12, np.random.default_rng(0))
     assert fit.nuisance[:, :3] == pytest.approx(true[:, :3], abs=1e-5)
     assert fit.nuisance[:, 3:6] == pytest.approx(true[:, 3:6], abs=1e-4)
@@ -25,8 +25,8 @@ def test_outliers_are_found_and_change_little():
     offsets = np.where(outlying[..., None], random.choice([-0.1, 0.1], shots.positions.shape), 0.0)
     spoiled = Shots(**{**vars(shots), "positions": shots.positions + offsets})
     fit, clean = (
-        fit_shots(spoiled, NOMINAL, settings=SETTINGS.fit),
-        fit_shots(shots, NOMINAL, settings=SETTINGS.fit),
+        fit_shots(spoiled, NOMINAL, SETTINGS.fit),
+        fit_shots(shots, NOMINAL, SETTINGS.fit),
     )
     assert np.all(fit.weights[outlying] < 0.01)
     assert np.all(fit.weights[shots.valid & ~outlying] > 0.5)
@@ -34,13 +34,13 @@ def test_outliers_are_found_and_change_little():
 
 
 def test_the_noise_is_guessed():
-    fit = fit_shots(measured(count=12, noise=0.006), NOMINAL, settings=SETTINGS.fit)
+    fit = fit_shots(measured(count=12, noise=0.006), NOMINAL, SETTINGS.fit)
     assert fit.noise.white == pytest.approx(0.006, rel=0.15)
 
 
 def test_shots_without_labels_have_the_spin_that_bends_them():
     shots = measured(count=12, labels=None, scatter=(0.0, 0.0, 0.0))
-    fit = fit_shots(shots, NOMINAL, settings=SETTINGS.fit)
+    fit = fit_shots(shots, NOMINAL, SETTINGS.fit)
     true = launches(12, np.random.default_rng(0))
     assert np.median(np.abs(fit.nuisance[:, 6] - true[:, 6])) < 15.0
 
@@ -48,7 +48,7 @@ def test_shots_without_labels_have_the_spin_that_bends_them():
 @pytest.mark.parametrize("times", [1e3, 1e30, 1e160])
 def test_a_start_that_no_ball_can_have_is_no_crash(times):
     shots, late = measured(count=4), NOMINAL.amended("speed_dependent_latency", tau=5e-4)
-    start = fit_shots(shots, NOMINAL, settings=SETTINGS.fit).nuisance
+    start = fit_shots(shots, NOMINAL, SETTINGS.fit).nuisance
     start[:, 3:9] *= times
-    fit = refit_shots(shots, late, start, Noise(), settings=SETTINGS.fit)
+    fit = refit_shots(shots, late, start, Noise(), SETTINGS.fit)
     assert np.isfinite(fit.cost).all() and np.isfinite(fit.nuisance).all()

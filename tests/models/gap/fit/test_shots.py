@@ -44,8 +44,14 @@ def test_shots_are_picked_by_mask():
         ([0.0, 1.0], np.zeros((1, 3)), "2 times and 1 positions"),
         ([0.0, 1.0], np.full((2, 3), np.nan), "not finite"),
         ([], np.zeros((0, 3)), "0 times"),
+        ([0.0, 0.01], np.full((2, 3), 1e200), "shot 0 goes beyond 10000 m or 20 s"),
     ],
 )
-def test_shots_that_cannot_be_are_refused(times, places, message):
+def test_implausible_shots_are_refused(times, places, message):
     with pytest.raises(ValueError, match=message):
         Shots.from_arrays([times], [places])
+
+
+def test_implausible_labels_are_refused():
+    with pytest.raises(ValueError, match="a spin label of shot 0 is above 100000 rad/s"):
+        Shots.from_arrays([[0.0]], [np.zeros((1, 3))], [np.full((1, 3), 1e6)])

@@ -14,9 +14,9 @@ from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 
 def found(shots, simulator=NOMINAL):
-    fit = fit_shots(shots, simulator, settings=SETTINGS.fit)
+    fit = fit_shots(shots, simulator, SETTINGS.fit)
     linear = linearise(shots, simulator, fit.nuisance, hypotheses(simulator))
-    return estimate_noise(linear, fit.noise, fit.weights, settings=SETTINGS.fit)
+    return estimate_noise(linear, fit.noise, fit.weights, SETTINGS.fit)
 
 
 def test_noise_and_scatter_are_found():
@@ -41,10 +41,10 @@ def test_rounded_time_stamps_are_told_from_white_noise():
 
 def test_a_guess_by_which_all_samples_are_outliers_is_put_right():
     shots = measured(count=20)
-    fit = fit_shots(shots, NOMINAL, settings=SETTINGS.fit)
+    fit = fit_shots(shots, NOMINAL, SETTINGS.fit)
     linear = linearise(shots, NOMINAL, fit.nuisance, hypotheses(NOMINAL))
     known = estimate_noise(
-        linear, Noise(white=1e-5, slow=1e-5), np.zeros_like(fit.weights), settings=SETTINGS.fit
+        linear, Noise(white=1e-5, slow=1e-5), np.zeros_like(fit.weights), SETTINGS.fit
     )
     assert known.noise.white == pytest.approx(0.003, rel=0.1)
     assert known.weights[linear.sampled].mean() > 0.9

@@ -1,4 +1,4 @@
-"""Evidence: closed forms, chances under no effect, and what must not matter."""
+"""Score tests: closed forms, p-values without an effect, invariances."""
 
 from dataclasses import replace
 
@@ -41,9 +41,7 @@ def evidence_of(shots, states, columns=GRAVITY, simulator=None, noise=NOISE):
     linear = linearise(shots, simulator, nuisance, columns)
     weights, shot_weights = np.ones(shots.times.shape), np.ones(len(shots))
     total = gram_matrices(linear, noise, weights, shot_weights).total(noise)
-    return Evidence.of(
-        linear, NoiseEstimate(noise, weights, shot_weights, total), settings=SETTINGS
-    )
+    return Evidence.of(linear, NoiseEstimate(noise, weights, shot_weights, total), SETTINGS)
 
 
 def test_gravity_without_air_has_its_closed_form():
@@ -57,28 +55,19 @@ def test_gravity_without_air_has_its_closed_form():
     assert evidence.minimum_detectable_effect(0, []) == pytest.approx(5.8 * error, rel=1e-4)
 
 
-def test_the_start_of_a_fit_does_not_matter():
+def test_start_order_and_a_rotation_about_the_vertical_do_not_matter():
     shots, states, _, _ = parabolas()
-    shifted = evidence_of(shots, states + 0.01)
-    assert shifted.scores == pytest.approx(evidence_of(shots, states).scores, rel=1e-4)
-
-
-def test_the_order_of_shots_does_not_matter():
-    shots, states, _, _ = parabolas()
+    scores = evidence_of(shots, states).scores
+    assert evidence_of(shots, states + 0.01).scores == pytest.approx(scores, rel=1e-4)
     order = np.array([3, 1, 4, 0, 2])
-    turned = evidence_of(shots[order], states[order])
-    assert turned.scores == pytest.approx(evidence_of(shots, states).scores[order], rel=1e-9)
+    assert evidence_of(shots[order], states[order]).scores == pytest.approx(scores[order], rel=1e-9)
+    half_turn = np.array([-1.0, -1.0, 1.0])
+    rotated = replace(shots, positions=shots.positions * half_turn)
+    evidence = evidence_of(rotated, states * np.tile(half_turn, 2))
+    assert evidence.scores == pytest.approx(scores, rel=1e-6)
 
 
-def test_turning_the_frame_about_the_vertical_leaves_gravity_alone():
-    shots, states, _, _ = parabolas()
-    turn = np.array([-1.0, -1.0, 1.0])
-    turned = Shots(**{**vars(shots), "positions": shots.positions * turn})
-    evidence = evidence_of(turned, states * np.tile(turn, 2))
-    assert evidence.scores == pytest.approx(evidence_of(shots, states).scores, rel=1e-6)
-
-
-def test_what_is_exactly_alike_cannot_be_decided():
+def test_exactly_collinear_hypotheses_are_not_decidable():
     shots, states, _, _ = parabolas()
     columns = (*GRAVITY, Hypothesis("buoyancy", "b"), Hypothesis("drag", "cd"))
     evidence = evidence_of(shots, states, columns)
@@ -89,24 +78,24 @@ def test_what_is_exactly_alike_cannot_be_decided():
 
 
 def drawn(random, shots=40, columns=6, effect=0.0):
-    """Evidence of a linear model: shots of unequal information, errors twice what is believed."""
+    """Evidence of a linear model: shots of unequal information, errors of twice the noise."""
     rows = random.standard_normal((shots, 12, columns)) * random.uniform(0.3, 2, (shots, 1, 1))
     rows[..., 1] += 0.9 * rows[..., 0]
     errors = 2 * random.standard_normal((shots, 12)) + effect * rows[..., 2]
     listed = np.arange(columns) < 2
     names = tuple(Hypothesis("wind", "x") for _ in range(columns))
     information = np.swapaxes(rows, 1, 2) @ rows
-    return Evidence(
-        names, listed, np.einsum("brk,br->bk", rows, errors), information, settings=SETTINGS
-    )
+    return Evidence(names, listed, np.einsum("brk,br->bk", rows, errors), information, SETTINGS)
 
 
-def p_value(evidence, blocks=((2,), (3,), (4, 5))):
-    return familywise_p_values([evidence.score_test(block, evidence.free) for block in blocks])
+def least_p_value(evidence):
+    blocks = (2,), (3,), (4, 5)
+    tests = [evidence.score_test(block, evidence.free) for block in blocks]
+    return familywise_p_values(tests).min()
 
 
-def believed(evidence):
-    """The same evidence where the noise is believed to be what it is."""
+def with_true_noise(evidence):
+    """The same evidence in the noise that the errors have."""
     return replace(evidence, scores=evidence.scores / 4, information=evidence.information / 4)
 
 
@@ -118,41 +107,43 @@ def shown_by(evidence, shots):
     return replace(evidence, scores=evidence.scores * shown, information=information)
 
 
-def test_chances_are_uniform_where_there_is_no_effect():
+def test_p_values_are_uniform_without_an_effect():
     random = np.random.default_rng(0)
-    least = [p_value(believed(drawn(random))).min() for _ in range(120)]
+    least = [least_p_value(with_true_noise(drawn(random))) for _ in range(120)]
     assert kstest(least, "uniform").pvalue > 0.01
 
 
-def test_surprises_of_shots_alike_are_their_distances_from_the_mean():
+def test_residuals_of_shots_of_equal_information_are_distances_from_the_mean():
     scores = np.array([1.0, 4.0, -2.0, 0.0])[:, None]
-    test = Evidence(
-        GRAVITY, np.array([False]), scores, np.ones((4, 1, 1)), settings=SETTINGS
-    ).score_test([0], [])
+    test = Evidence(GRAVITY, np.array([False]), scores, np.ones((4, 1, 1)), SETTINGS).score_test(
+        [0], []
+    )
     assert test.effective_sample_size == pytest.approx(4.0)
     assert test.leave_one_out_residuals == pytest.approx(4 / 3 * (scores - scores.mean()))
     between = (test.leave_one_out_residuals**2).sum()
     assert test.variance == pytest.approx((3 * between + 8 * 4) / 11)
 
 
-def test_what_six_shots_in_sixty_say_plainly_is_heard():
+def test_an_effect_that_six_of_sixty_shots_show_is_significant():
     random = np.random.default_rng(4)
-    evidence = believed(shown_by(drawn(random, shots=60, effect=3.0), range(0, 60, 10)))
+    evidence = with_true_noise(shown_by(drawn(random, shots=60, effect=3.0), range(0, 60, 10)))
     test = evidence.score_test([2], evidence.free)
     assert 2.5 < test.effective_sample_size < 6.1
     assert familywise_p_values([test])[0] < 1e-4
     assert abs(test.estimate[0] - 3.0) < test.margin[0]
 
 
-def test_one_shot_that_is_far_off_says_nothing():
-    evidence = believed(shown_by(drawn(np.random.default_rng(5), shots=60), range(0, 60, 10)))
+def test_one_outlying_shot_is_not_significant():
+    evidence = with_true_noise(
+        shown_by(drawn(np.random.default_rng(5), shots=60), range(0, 60, 10))
+    )
     evidence.scores[10, 2] += 12 * np.sqrt(evidence.information[10, 2, 2])
     test = evidence.score_test([2], evidence.free)
     assert test.gain > 20.0
     assert test.p_value > 0.01
 
 
-def test_margins_hold_the_truth_as_often_as_they_say():
+def test_margins_have_their_coverage():
     random, inside = np.random.default_rng(6), []
     for _ in range(150):
         test = drawn(random, shots=20, effect=0.5).score_test([2], [0, 1])
@@ -160,13 +151,13 @@ def test_margins_hold_the_truth_as_often_as_they_say():
     assert 0.88 < np.mean(inside) < 0.99
 
 
-def test_a_noise_believed_too_small_does_not_make_effects():
+def test_underestimated_noise_makes_no_effects():
     random = np.random.default_rng(1)
-    least = np.array([p_value(drawn(random)).min() for _ in range(80)])
+    least = np.array([least_p_value(drawn(random)) for _ in range(80)])
     assert np.mean(least < 0.05) < 0.1
 
 
-def test_an_effect_is_found_at_its_place_with_its_size():
+def test_only_the_true_effect_is_significant_with_its_size():
     evidence = drawn(np.random.default_rng(2), effect=0.7)
     tests = [evidence.score_test([k], evidence.free) for k in (2, 3, 4, 5)]
     assert familywise_p_values(tests)[0] < 1e-3

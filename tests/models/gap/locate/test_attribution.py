@@ -1,4 +1,4 @@
-"""Locate: the share points to the phase that is wrong, and growth to what it grows with."""
+"""Locate: shares point to the wrong phase, and trends to the right covariate."""
 
 import numpy as np
 import pytest
@@ -7,6 +7,7 @@ from models.gap.fit.noise import Noise
 from models.gap.fit.refit import fit_nuisance
 from models.gap.locate.attribution import locate
 from models.gap.locate.trends import TIME
+from models.gap.settings import Question
 from models.gap.verify.prediction_error import errors
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
@@ -14,14 +15,10 @@ NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.
 EXACT = Noise(white=1e-4, slow=1e-5, label=0.01, label_common=1e-3, scatter=(1e-3, 1e-3, 1e-3))
 
 
-def located(hall, withheld=(), count=30, seed=1001):
-    shots = measured(hall, count=count, seed=seed)
-    return locate(fit_nuisance(shots, NOMINAL, NOISE, SETTINGS.fit), NOMINAL, SETTINGS, withheld)
-
-
-@pytest.fixture(scope="module")
-def windy():
-    return located(NOMINAL.amended("wind", x=0.15))
+def located(truth, withheld=(), count=30, seed=1001):
+    shots = measured(truth, count=count, seed=seed)
+    fit = fit_nuisance(shots, NOMINAL, NOISE, SETTINGS.fit)
+    return locate(fit, Question(NOMINAL, withheld=withheld))
 
 
 @pytest.mark.parametrize(
@@ -40,7 +37,7 @@ def test_the_share_points_to_the_phase_that_is_wrong(phase, effect, values):
     assert sum(where.values()) == pytest.approx(1.0)
 
 
-def test_nothing_parts_where_nothing_is_wrong():
+def test_a_right_simulator_has_no_discrepancy():
     found = located(NOMINAL)
     assert found.phase_shares == {"flight": 0.0, "table": 0.0, "sensor": 0.0}
     assert not found.discrepancy.any()
@@ -54,28 +51,26 @@ def test_a_phase_is_found_without_the_effect_in_the_catalogue():
 
 
 def test_a_wrong_table_counts_from_the_bounce_on():
-    hall = NOMINAL.amended("wind", x=0.15).amended("table_bounce", restitution=0.895)
-    shares = located(hall).shares
+    truth = NOMINAL.amended("wind", x=0.15).amended("table_bounce", restitution=0.895)
+    shares = located(truth).shares
     assert shares["table"][1] < 0.1
     assert shares["table"][-1] > 0.2
     np.testing.assert_allclose(sum(shares.values()), 1.0)
 
 
-def test_the_parting_is_what_predictions_of_exact_shots_err_by():
-    hall = NOMINAL.amended("drag", cd=0.45)
-    shots = measured(hall, count=16, noise=1e-5, label=1e-3, scatter=(0.0, 0.0, 0.0))
-    about = fit_nuisance(shots, hall, EXACT, settings=SETTINGS.fit)
-    found, predicted = (
-        locate(about, NOMINAL, settings=SETTINGS),
-        errors(about, NOMINAL, hall, EXACT, (150.0, 150.0), settings=SETTINGS),
-    )
-    sizes = np.sqrt(np.nanmean(predicted.before, axis=0))
+def test_the_discrepancy_is_the_error_of_predictions_of_exact_shots():
+    truth = NOMINAL.amended("drag", cd=0.45)
+    shots = measured(truth, count=16, noise=1e-5, label=1e-3, scatter=(0.0, 0.0, 0.0))
+    about = fit_nuisance(shots, truth, EXACT, SETTINGS.fit)
+    found = locate(about, Question(NOMINAL))
+    predicted = errors(about, (NOMINAL, truth), EXACT, (150.0, 150.0), SETTINGS)
+    sizes = np.sqrt(np.nanmean(predicted.squares[0], axis=0))
     discrepancies = np.interp(predicted.horizons, found.horizons, found.discrepancy)
     np.testing.assert_allclose(discrepancies, sizes, rtol=0.1)
 
 
-def test_a_cross_wind_shows_in_the_direction_of_play(windy):
-    most = windy.growth[0]
+def test_a_cross_wind_shows_in_the_direction_of_play():
+    most = located(NOMINAL.amended("wind", x=0.15)).growth[0]
     assert (most.covariate, most.kinds) == ("direction of play", ("towards −y", "towards +y"))
     assert most.p_value < 0.01
     # The wind blows towards +x: to the left of who looks towards −y.
@@ -94,7 +89,5 @@ def test_too_strong_a_drag_grows_with_speed_and_time():
 
 def test_spins_without_a_label_are_no_axis():
     shots = measured(count=20, labels=None)
-    found = locate(
-        fit_nuisance(shots, NOMINAL, NOISE, settings=SETTINGS.fit), NOMINAL, settings=SETTINGS
-    )
+    found = locate(fit_nuisance(shots, NOMINAL, NOISE, SETTINGS.fit), Question(NOMINAL))
     assert not {one.covariate for one in found.growth} & {"spin at launch", "spin axis"}

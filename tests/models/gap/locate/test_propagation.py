@@ -1,25 +1,35 @@
-"""Carried: changes of the whole state, against exact flights."""
+"""Propagation of perturbations, against exact flights."""
 
 import numpy as np
 import pytest
 
 from models.ball.state import SPIN, VELOCITY
-from models.gap.fit.measurement import Schedule, predict_measurements
-from models.gap.locate.propagation import after_forcing, after_jump
-from models.gap.locate.sensitivity import arcs
+from models.gap.fit.measurement import KINK, Schedule, predict_measurements
+from models.gap.locate.propagation import after_forcing, after_jump, arcs
 from tests.models.gap.hidden import NOMINAL, launches
 
 TIMES = np.arange(0.0, 0.7, 0.005)
 COUNT = 5
 STATES = launches(COUNT, np.random.default_rng(1))
 PLACES = np.tile(np.arange(len(TIMES)), (COUNT, 1))
-MOMENTS = Schedule(np.tile(TIMES, (COUNT, 1)), PLACES, PLACES)
-ARCS = arcs(NOMINAL, STATES, MOMENTS.times)
+SCHEDULE = Schedule(np.tile(TIMES, (COUNT, 1)), PLACES, PLACES)
+ARCS = arcs(NOMINAL, STATES, SCHEDULE.times)
 PATH = NOMINAL.fly(STATES, TIMES)
-AWAY = predict_measurements(NOMINAL, MOMENTS, STATES).is_smooth(MOMENTS.times, 0.006)
+PREDICTION = predict_measurements(NOMINAL, SCHEDULE, STATES)
+AWAY = PREDICTION.is_smooth(SCHEDULE.times, 0.006)
 
 
-def test_a_loss_of_spin_shows_in_the_spins_through_bounces():
+def test_every_time_away_from_bounces_is_within_one_arc():
+    covered = np.zeros(SCHEDULE.times.shape)
+    for arc in ARCS:
+        covered[arc.rows] += arc.inside
+    assert np.all(covered[PREDICTION.is_smooth(SCHEDULE.times, 2 * KINK)] == 1)
+    assert np.all(covered <= 1)
+    first = ARCS[0].inside
+    assert ARCS[0].states[first] == pytest.approx(PATH.states[first])
+
+
+def test_a_loss_of_spin_propagates_through_bounces():
     h = 1e-3
     exact = (NOMINAL.amended("spin_decay", c=h).fly(STATES, TIMES).states - PATH.states) / h
     forcing = np.zeros((*PATH.states.shape, 1))
@@ -30,7 +40,7 @@ def test_a_loss_of_spin_shows_in_the_spins_through_bounces():
     assert change[AWAY] == pytest.approx(exact[AWAY][:, SPIN], abs=0.02 * largest)
 
 
-def test_a_jump_at_a_bounce_is_that_of_a_ball_that_leaves_it_otherwise():
+def test_a_jump_at_a_bounce_propagates_like_another_rebound():
     jump = np.array([0.0, 0.0, 0.0, 1.0, -0.5, 0.0, 0.0, 20.0, 0.0])
     jumps = np.tile(jump, (COUNT, 1))[..., None]
     change = after_jump(ARCS, 0, jumps, len(TIMES))[..., 0]
@@ -43,5 +53,5 @@ def test_a_jump_at_a_bounce_is_that_of_a_ball_that_leaves_it_otherwise():
     assert change[AWAY] == pytest.approx(exact[AWAY], abs=0.01 * np.abs(exact).max())
 
 
-def test_a_bounce_that_is_not_there_strikes_nobody():
+def test_a_missing_bounce_changes_nothing():
     assert not after_jump(ARCS, len(ARCS), np.ones((COUNT, 9, 2)), len(TIMES)).any()

@@ -1,4 +1,4 @@
-"""Basis: its terms are what the catalogue's effects do, by an independent way."""
+"""Omnibus terms reproduce the catalogue's effects, by an independent way."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from models.ball.state import BALL_RADIUS
 from models.gap.fit.linearize import ballistic_nuisance, linearise
 from models.gap.hypotheses import Hypothesis
-from models.gap.locate.term_library import terms_about, with_terms
+from models.gap.locate.term_library import terms_about
 from models.gap.locate.terms import TYPICAL_FALL, TYPICAL_SPEED
 from tests.models.gap.hidden import NOMINAL, launches, measured
 
@@ -47,7 +47,7 @@ def term(name):
         (6, ["-w (|u|/8)^1"], TYPICAL_SPEED),
     ],
 )
-def test_terms_do_what_effects_do(column, terms, factor):
+def test_terms_reproduce_effects(column, terms, factor):
     found = factor * sum(BASIS.positions[..., term(name)] for name in terms)
     effect = LINEAR.positions[..., LINEAR.nuisance_count + column]
     assert np.abs(effect).max() > 0.0
@@ -84,14 +84,6 @@ def test_effects_lie_in_the_span_of_terms():
     assert np.all((left**2).sum(axis=0) < 0.02 * (effects**2).sum(axis=0))
 
 
-def test_terms_stand_before_the_residual():
-    extended = with_terms(LINEAR)
-    count = len(BASIS.terms)
-    assert extended.columns == (*COLUMNS, *BASIS.terms)
-    assert np.array_equal(extended.positions[..., -1], LINEAR.positions[..., -1])
-    assert np.array_equal(extended.positions[..., -1 - count : -1], BASIS.positions)
-
-
 def test_shots_without_labels_or_bounces_have_a_basis():
     shots = measured(count=3, labels=None, seconds=0.15)
     linear = linearise(shots, NOMINAL, ballistic_nuisance(STATES[:3], 0), COLUMNS)
@@ -100,8 +92,3 @@ def test_shots_without_labels_or_bounces_have_a_basis():
     assert found.labels.shape[1] == 0
     assert not found.positions[..., term("n v_n")].any()
     assert found.positions[..., term("z")].any()
-
-
-def test_terms_are_nobodys_own_numbers():
-    assert not any(one.listed(NOMINAL) for one in BASIS.terms)
-    assert {one.effect for one in BASIS.terms} == {"flight", "table", "sensor"}

@@ -13,9 +13,7 @@ def set_scores(scores, correlation=0.0):
     count = len(scores)
     information = np.full((count, count), correlation) + (1 - correlation) * np.eye(count)
     bounds, refitted = np.tile([-1e3, 1e3], (count, 1)), np.zeros(count, dtype=bool)
-    return SetScores(
-        information, np.array(scores), np.zeros(count), bounds, refitted, settings=SETTINGS
-    )
+    return SetScores(information, np.array(scores), np.zeros(count), bounds, refitted, SETTINGS)
 
 
 def test_causes_apart_have_what_each_gains_alone():

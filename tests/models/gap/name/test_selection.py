@@ -33,7 +33,7 @@ def explainer(effect, seed=0, shots=60, of_drag=0.0):
     measured = rows @ np.asarray(effect, dtype=float) + random.standard_normal((shots, 10))
     scores = np.einsum("bri,br->bi", rows, measured)
     listed = np.array([one.listed(NOMINAL) for one in COLUMNS])
-    evidence = Evidence(COLUMNS, listed, scores, np.swapaxes(rows, 1, 2) @ rows, settings=SETTINGS)
+    evidence = Evidence(COLUMNS, listed, scores, np.swapaxes(rows, 1, 2) @ rows, SETTINGS)
     return Explainer(evidence, NOMINAL)
 
 
@@ -125,7 +125,7 @@ def random_world(causes, columns=40, shots=60, seed=0):
     names = tuple(Hypothesis("wind", "xyz"[k % 3]) for k in range(columns))
     listed = np.zeros(columns, dtype=bool)
     evidence = Evidence(
-        names, listed, np.einsum("bri,br->bi", rows, measured), information, settings=SETTINGS
+        names, listed, np.einsum("bri,br->bi", rows, measured), information, SETTINGS
     )
     return Explainer(evidence, NOMINAL)
 

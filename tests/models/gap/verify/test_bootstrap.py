@@ -16,20 +16,20 @@ def squares(shots=60, seed=0):
 
 def test_draws_scatter_about_what_was_measured():
     found = squares()
-    drawn = resampled(found, SETTINGS.verify.bootstrap_draws, 0)
+    drawn = resampled(found, SETTINGS.verify.bootstrap_draws)
     assert drawn.mean(axis=0) == pytest.approx(root_mean_squares(found), rel=0.02)
     low, high = interval(drawn[:, 0, 0], 0.95)
     assert low < root_mean_squares(found)[0, 0] < high
 
 
 def test_what_is_compared_is_drawn_together():
-    drawn = resampled(squares(), SETTINGS.verify.bootstrap_draws, 0)
+    drawn = resampled(squares(), SETTINGS.verify.bootstrap_draws)
     assert drawn[:, 0] / drawn[:, 1] == pytest.approx(np.full((2000, 2), 1.5))
 
 
 def test_shots_without_an_error_do_not_count():
     found = squares()
     found[:, ::2, 1] = np.nan
-    drawn = resampled(found, SETTINGS.verify.bootstrap_draws, 0)
+    drawn = resampled(found, SETTINGS.verify.bootstrap_draws)
     assert np.isfinite(drawn).all()
     assert drawn[:, :, 1].mean(axis=0) == pytest.approx(root_mean_squares(found)[:, 1], rel=0.05)

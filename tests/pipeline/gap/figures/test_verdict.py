@@ -1,7 +1,6 @@
 """The figures of a verdict show the numbers they were given."""
 
 import numpy as np
-import pytest
 
 from pipeline.gap.figures.verdict import causes_figure, error_figure
 from tests.pipeline.verdicts import GAP, GRAVITY, WIND, verdict
@@ -24,23 +23,11 @@ def test_causes_are_drawn_in_minimum_detectable_effects_of_the_verdict():
         np.testing.assert_allclose([*interval, estimate], expected)
 
 
-def test_a_cause_at_its_bound_is_drawn_at_its_bound():
-    at_bound = WIND.model_copy(update={"estimate": 3.0, "interval": (2.9, 3.0)})
-    size = verdict().minimum_detectable["wind.x"]
-    ((interval, estimate),) = departures(verdict(causes=(at_bound,)))
-    assert [*interval, estimate] == pytest.approx([2.9 / size, 3.0 / size, 3.0 / size])
-
-
 def test_a_cause_without_a_minimum_detectable_effect_has_its_estimate_as_text():
     found = verdict(minimum_detectable={})
     assert departures(found) == []
     (text,) = causes_figure(found).figure.axes[0].texts
     assert text.get_text().startswith("0.61 m/s, simulator 0; no minimum detectable effect")
-
-
-def test_without_causes_there_is_nothing_to_draw():
-    with pytest.raises(ValueError, match="without causes"):
-        causes_figure(verdict("no_gap", ()))
 
 
 def test_errors_are_drawn_over_the_horizon():
