@@ -100,6 +100,7 @@ def open_run(start: RunStart) -> OpenRun:
             _prepare_store(home / "mlflow.db")
         client = MlflowClient(store)
         experiment = _experiment_id(client, None if named else (home / "mlartifacts").as_uri())
+        mlflow.set_experiment(experiment_id=experiment)  # of the predictors that are logged
         _close_abandoned(client, experiment)
         parent_id = _parent_run(client, experiment, start.parent) if start.parent else None
     process = psutil.Process()
