@@ -12,9 +12,10 @@ import torch
 from models.predictors.learned import build_network
 from models.predictors.settings import TrainingSettings, TransformerSettings
 from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
+from pipeline.runtime.provenance import Provenance
 from pipeline.tracking.lineage import _newest_run
 from pipeline.tracking.model_registry import EXAMPLE, beats, register_predictors
-from pipeline.tracking.recording import InputData, Results
+from pipeline.tracking.recording import InputData, Results, recorded
 
 ROOT = Path(__file__).parents[3]
 NETWORK = TransformerSettings(
@@ -91,6 +92,22 @@ def test_a_model_predicts_the_same_in_a_fresh_process(store, tmp_path):
     np.testing.assert_allclose(again["states"], expected, rtol=1e-4, atol=1e-4)
     assert again["spin_measured"].tolist() == [True]
     assert "'states'" in str(again["signature"]) and "'mask'" in str(again["signature"])
+
+
+def test_a_stage_logs_its_predictors_in_the_experiment_of_its_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("DVC_ROOT", str(tmp_path))
+    monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
+    trained(tmp_path, 0)
+    results = Results(
+        {"small": {"10": {"validation": 2.0}}}, [InputData("arena", "samples.parquet", 1, "a")]
+    )
+    with recorded("train_predictor", Provenance("train", "f" * 64), {}, lambda: results):
+        pass
+    client = mlflow.MlflowClient(f"sqlite:///{tmp_path / 'mlflow.db'}")
+    experiment = client.get_experiment_by_name("rallygap").experiment_id
+    assert len(client.search_logged_models([experiment])) == 1
+    assert not (tmp_path / "mlruns").exists()
 
 
 def test_nothing_in_a_logged_model_is_pickled(store):
