@@ -147,7 +147,7 @@ def measure_training(processes: int, times: int) -> dict[str, Any]:
     data.fit_normaliser(training.network)
     with tempfile.TemporaryDirectory() as folder:
         train(training, data, Path(folder))
-    done = data.train.episodes * changed.windows_an_episode * changed.epochs
+    done = data.train.episodes * changed.windows_per_episode * changed.epochs
     return row("train the predictor", "windows", processes, done, training.seconds)
 
 

@@ -72,7 +72,7 @@ class FineTuningSettings(Settings):
     sources: list[Name]
     """Data sets; an empty list leaves fine-tuning out."""
     epochs: Annotated[int, Field(ge=1, le=10_000)]
-    windows_an_episode: Annotated[int, Field(ge=1, le=100)]
+    windows_per_episode: Annotated[int, Field(ge=1, le=100)]
     learning_rate: Annotated[float, Field(gt=0, le=1)]
     matrix_learning_rate: Annotated[float, Field(gt=0, le=1)] | None
     """As in training: without one (null) Adam trains all."""
@@ -256,6 +256,21 @@ class Params(Settings):
     retrain_policy: RetrainPolicySettings
     hidden_effects: HiddenEffectsSettings
     report: ReportSettings
+
+
+# Keys of kept runs that have other names today.
+FORMER_KEYS = {
+    "states_a_row": "states_per_row",
+    "windows_an_episode": "windows_per_episode",
+    "longest_gradient": "max_gradient_norm",
+}
+
+
+def with_current_keys(content: Any) -> Any:
+    """Return the parameters of a kept run under today's keys."""
+    if not isinstance(content, dict):
+        return content
+    return {FORMER_KEYS.get(key, key): with_current_keys(value) for key, value in content.items()}
 
 
 class ParameterError(InputError):

@@ -60,7 +60,7 @@ def _save(
 ) -> None:
     learning = Learning(
         episodes=data.train.episodes,
-        windows=data.train.episodes * data.settings.windows_an_episode * data.settings.epochs,
+        windows=data.train.episodes * data.settings.windows_per_episode * data.settings.epochs,
         validation_episodes=data.validation.episodes,
         settings=data.settings,
         seed=run.seed,

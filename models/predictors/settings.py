@@ -24,7 +24,7 @@ class TransformerSettings(_Settings):
     """Of every attention; they share the width."""
     encoder_layers: Layers
     decoder_layers: Layers
-    states_a_row: Literal[1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60]
+    states_per_row: Literal[1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60]
     """Future states per decoder row, 1 in the paper; more make training faster."""
     uniform_motion: bool
     """Whether the network reads the ball's uniform motion: as the decoder's placeholders (zeros in
@@ -77,8 +77,8 @@ class TrainingSettings(_Settings):
     """How networks are trained, on the mean squared error of normalised states."""
 
     epochs: Annotated[int, Field(ge=1, le=10_000)]
-    """In each epoch, ``windows_an_episode`` new windows are drawn from every training episode."""
-    windows_an_episode: Annotated[int, Field(ge=1, le=100)]
+    """In each epoch, ``windows_per_episode`` new windows are drawn from every training episode."""
+    windows_per_episode: Annotated[int, Field(ge=1, le=100)]
     batch: Annotated[int, Field(ge=1, le=65_536)]
     """Windows per step."""
     learning_rate: Annotated[float, Field(gt=0, le=1)]
@@ -88,7 +88,7 @@ class TrainingSettings(_Settings):
     decay: Annotated[float, Field(gt=0, le=1)] | None
     """Factor of the learning rate after every epoch, as in the paper; null: a cosine schedule with
     warm-up."""
-    longest_gradient: Annotated[float, Field(gt=0)] | None
+    max_gradient_norm: Annotated[float, Field(gt=0)] | None
     """Norm to which the gradient is clipped; null: not, as in the paper. A ball that hits the net
     can dominate a small batch."""
     hidden_spin: Annotated[float, Field(ge=0, le=1)]

@@ -147,7 +147,7 @@ class WindowData(lightning.LightningDataModule):
         """Return the batches of the trainer's current epoch."""
         epoch = self.trainer.current_epoch if self.trainer else 0
         random = np.random.default_rng([self.seed, _EPOCHS, epoch])
-        every = np.repeat(np.arange(self.train.episodes), self.settings.windows_an_episode)
+        every = np.repeat(np.arange(self.train.episodes), self.settings.windows_per_episode)
         return self._loader(self.train, random.permutation(every), random)
 
     def val_dataloader(self) -> DataLoader[Batch]:

@@ -117,13 +117,13 @@ class Transformer(nn.Module):
         heads: int,
         encoder_layers: int,
         decoder_layers: int,
-        states_a_row: int,
+        states_per_row: int,
         uniform_motion: bool,
     ) -> None:
         super().__init__()
         self.uniform_motion = uniform_motion
         inputs = INPUTS + RESIDUALS * uniform_motion
-        self.rows = FUTURE // states_a_row
+        self.rows = FUTURE // states_per_row
         self.encoder_embedding = Embedding(inputs, HISTORY, width)
         self.decoder_embedding = Embedding(inputs, HISTORY + self.rows, width)
         self.encoder = nn.ModuleList(
@@ -132,7 +132,7 @@ class Transformer(nn.Module):
         self.decoder = nn.ModuleList(
             DecoderLayer(width, expanded, heads) for _ in range(decoder_layers)
         )
-        self.projection = nn.Linear(width, states_a_row * OUTPUTS)
+        self.projection = nn.Linear(width, states_per_row * OUTPUTS)
 
     def forward(self, history: Tensor, mask: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
         """Return (B, 60, 9) normalised future states; ``ForecastNetwork`` describes the inputs.

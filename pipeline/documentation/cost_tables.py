@@ -33,7 +33,7 @@ def extrapolation_table(root: Path) -> str:
     rates = measured.groupby("unit", sort=False)["per_second"].last()
     params = load_params(root / "params.yaml")
     training = params.train_predictor.training
-    windows = SHOTS * training.windows_an_episode
+    windows = SHOTS * training.windows_per_episode
     group = params.train_policy.groups["sim2sim"]
     policies = len(group.simulators) * len(group.horizons_ms) * group.repeats
     ticks = policies * group.learning.iterations * group.learning.steps_per_iteration

@@ -10,7 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from pipeline.experiments.profiles import merged
 from pipeline.io.artifacts import read_json
-from pipeline.params import check_params, load_params, read_yaml
+from pipeline.params import check_params, load_params, read_yaml, with_current_keys
 from pipeline.runtime.errors import InputError
 
 Value = TypeVar("Value")
@@ -111,4 +111,4 @@ def _kept_params(path: Path) -> dict[str, Any]:
     if not isinstance(params, dict):
         problem = "is missing or holds no parameters; run `rallygap keep` again"
         raise InputError(path, problem, field="params")
-    return params
+    return dict(with_current_keys(params))

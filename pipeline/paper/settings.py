@@ -86,7 +86,7 @@ def _decay(run: Reports) -> Value:
 
 
 def _future_rows(run: Reports) -> int | None:
-    states = run.param(f"{NETWORK}.states_a_row", PositiveInt)
+    states = run.param(f"{NETWORK}.states_per_row", PositiveInt)
     return None if states is None else FUTURE // states
 
 
@@ -116,8 +116,8 @@ COMPUTED: dict[str, tuple[Callable[[Reports], Value], str]] = {
     "test_episodes": (lambda run: _episodes(run, "split", ["test"]), f"{SPLITS}: episodes"),
     "training_share": (_training_share, f"{SPLITS}: episodes"),
     "player_levels": (lambda run: len(_players(run)) or None, f"{SPLITS}: group"),
-    "decoder_rows": (_decoder_rows, f"params.yaml: {NETWORK}.states_a_row"),
-    "placeholders": (_placeholders, f"params.yaml: {NETWORK}.states_a_row, uniform_motion"),
+    "decoder_rows": (_decoder_rows, f"params.yaml: {NETWORK}.states_per_row"),
+    "placeholders": (_placeholders, f"params.yaml: {NETWORK}.states_per_row, uniform_motion"),
     "decay": (_decay, f"params.yaml: {TRAINING}.decay"),
     "optimizer": (_optimizer, f"params.yaml: {TRAINING}.matrix_learning_rate"),
     "near_horizons": (lambda run: _horizons(run, 0), f"params.yaml: {HORIZONS}"),

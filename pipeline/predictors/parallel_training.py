@@ -33,7 +33,7 @@ class TrainingJob:
     def steps(self) -> int:
         """Number of its optimizer steps."""
         settings = self.data.settings
-        windows = self.data.train.episodes * settings.windows_an_episode
+        windows = self.data.train.episodes * settings.windows_per_episode
         return settings.epochs * -(-windows // settings.batch)
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import torch
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, model_validator
 from safetensors import SafetensorError
 from safetensors.torch import load, save
 from torch import Tensor
@@ -13,6 +13,7 @@ from torch import Tensor
 from models.predictors.learned import ForecastNetwork, LearnedPredictor, build_network
 from models.predictors.settings import NetworkSettings, TrainingSettings
 from pipeline.io.artifacts import read_as, replacing_folder, write_json, write_text
+from pipeline.params import with_current_keys
 from pipeline.runtime.errors import InputError
 
 WEIGHTS, DESCRIPTION, CARD = "weights.safetensors", "predictor.json", "MODEL_CARD.md"
@@ -59,6 +60,11 @@ class TrainedPredictor(BaseModel):
     sources: list[str]
     starts_from: str | None
     learning: Learning
+
+    @model_validator(mode="before")
+    @classmethod
+    def _current_keys(cls, content: Any) -> Any:
+        return with_current_keys(content)
 
 
 def save_predictor(folder: Path, network: ForecastNetwork, description: TrainedPredictor) -> None:

@@ -81,7 +81,7 @@ def _configured(
         use_distributed_sampler=False,  # WindowData shares batches itself
         max_epochs=settings.epochs,
         precision=settings.precision,
-        gradient_clip_val=settings.longest_gradient,
+        gradient_clip_val=settings.max_gradient_norm,
         deterministic=True,
         # Batches depend on the number of the epoch.
         reload_dataloaders_every_n_epochs=1,

@@ -20,7 +20,7 @@ from tests.pipeline.measured_shots import params, shot_tables, write_inputs
 
 NETWORKS = {
     "small": TINY,
-    "wide": changed(TINY, width=24, states_a_row=1, uniform_motion=False),
+    "wide": changed(TINY, width=24, states_per_row=1, uniform_motion=False),
     "tae": TINY_TAE,
     "gru_tae": TINY_GRU_TAE,
 }
@@ -41,7 +41,7 @@ def prepared(root, fine_tuning=(), networks=("small",), splits=SPLITS):
     tuning = FineTuningSettings(
         sources=list(fine_tuning),
         epochs=1,
-        windows_an_episode=2,
+        windows_per_episode=2,
         learning_rate=0.001,
         matrix_learning_rate=None,
     )
@@ -100,7 +100,7 @@ def test_fine_tuning_starts_from_the_trained_weights(whole):
     assert described.learning.settings == changed(
         BRIEF,
         epochs=1,
-        windows_an_episode=2,
+        windows_per_episode=2,
         learning_rate=0.001,
         matrix_learning_rate=None,
     )

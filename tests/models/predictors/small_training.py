@@ -24,7 +24,7 @@ torch.set_num_threads(1)
 
 TINY = TransformerSettings(
     kind="transformer", width=16, expanded=32, heads=2, encoder_layers=1, decoder_layers=1,
-    states_a_row=5, uniform_motion=True,
+    states_per_row=5, uniform_motion=True,
 )  # fmt: skip
 TINY_TAE = TaeSettings(
     kind="tae", hidden=32, features=16, latent=8, decoded=32, uniform_motion=True
@@ -34,8 +34,8 @@ TINY_GRU_TAE = GruTaeSettings(
 )  # fmt: skip
 NETWORKS = {one.kind: one for one in (TINY, TINY_TAE, TINY_GRU_TAE)}
 BRIEF = TrainingSettings(
-    epochs=3, windows_an_episode=4, batch=8, learning_rate=0.01, matrix_learning_rate=None,
-    decay=0.5, longest_gradient=1.0, hidden_spin=0.3, precision="32-true", threads=1,
+    epochs=3, windows_per_episode=4, batch=8, learning_rate=0.01, matrix_learning_rate=None,
+    decay=0.5, max_gradient_norm=1.0, hidden_spin=0.3, precision="32-true", threads=1,
 )  # fmt: skip
 
 

@@ -67,7 +67,9 @@ def joined(loader):
 def test_a_network_overfits_three_windows(shape):
     flights = build_tracks([flown(first) for first in FIRST])
     one_each = replace(flights, anchors=flights.anchors[flights.bounds[:-1]], bounds=np.arange(4))
-    settings = changed(BRIEF, epochs=6, windows_an_episode=100, batch=6, decay=0.6, hidden_spin=0.0)
+    settings = changed(
+        BRIEF, epochs=6, windows_per_episode=100, batch=6, decay=0.6, hidden_spin=0.0
+    )
     training = ForecastTraining(network(shape), settings)
     windows = WindowData(one_each, one_each, settings, seed=0)
     windows.fit_normaliser(training.network)
@@ -130,7 +132,7 @@ def test_hidden_spin_is_masked_in_input_and_loss():
 def test_spin_without_a_label_in_the_history_is_masked_in_the_loss():
     late = flown()
     late.spins[:50] = np.nan  # so that some windows see no label, but have one in their future
-    settings = changed(BRIEF, hidden_spin=0.0, windows_an_episode=100)
+    settings = changed(BRIEF, hidden_spin=0.0, windows_per_episode=100)
     windows = WindowData(build_tracks([late]), build_tracks([late]), settings, seed=0)
     _, seen, future, measured = joined(windows.train_dataloader())
     labelled = seen[..., 3:].any(axis=(1, 2))
@@ -140,7 +142,7 @@ def test_spin_without_a_label_in_the_history_is_masked_in_the_loss():
 
 
 def test_the_requested_share_of_windows_has_hidden_spin():
-    whole, some = (hiding(share, windows_an_episode=100)[1][..., 3:] for share in (0.0, 0.3))
+    whole, some = (hiding(share, windows_per_episode=100)[1][..., 3:] for share in (0.0, 0.3))
     hidden = ~some.any(axis=(1, 2))
     assert hidden.mean() == pytest.approx(0.3, abs=0.06)  # of 600 windows: three deviations
     np.testing.assert_array_equal(some[~hidden], whole[~hidden])

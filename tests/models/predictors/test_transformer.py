@@ -41,11 +41,11 @@ class Restated:
         self.weights, self.uniform_motion = network.state_dict(), network.uniform_motion
 
     def __call__(self, history, seen, residual, expected):
-        states_a_row = len(self.weights["projection.bias"]) // 9
-        placeholders = torch.zeros(len(history), 60 // states_a_row, 6, dtype=history.dtype)
+        states_per_row = len(self.weights["projection.bias"]) // 9
+        placeholders = torch.zeros(len(history), 60 // states_per_row, 6, dtype=history.dtype)
         if self.uniform_motion:
             history = torch.cat([history, residual], 2)
-            last_of_each_row = expected[:, states_a_row - 1 :: states_a_row]
+            last_of_each_row = expected[:, states_per_row - 1 :: states_per_row]
             placeholders = torch.cat([last_of_each_row, placeholders[..., :3]], 2)
         encoded = self.embedded("encoder_embedding", history)
         for layer in range(ENCODER_LAYERS):

@@ -41,7 +41,7 @@ def test_every_value_has_its_own_id_and_a_stage_that_exists():
 
 
 def test_settings_that_no_parameter_changes_are_those_of_the_network():
-    network = Transformer(8, 16, 2, 1, 1, states_a_row=1, uniform_motion=False)
+    network = Transformer(8, 16, 2, 1, 1, states_per_row=1, uniform_motion=False)
     convolution = network.decoder_embedding.projection
     found = compare(Reports(Path("nowhere"), {}))
     assert convolution.kernel_size == (found["setting.kernel"].value,)
@@ -52,8 +52,8 @@ def test_settings_that_no_parameter_changes_are_those_of_the_network():
 
 @pytest.mark.parametrize("states", [1, 10])
 def test_rows_of_the_decoder_are_the_networks(tmp_path, states):
-    network = Transformer(8, 16, 2, 1, 1, states_a_row=states, uniform_motion=True)
-    settings = {"states_a_row": states, "uniform_motion": True}
+    network = Transformer(8, 16, 2, 1, 1, states_per_row=states, uniform_motion=True)
+    settings = {"states_per_row": states, "uniform_motion": True}
     params = {"train_predictor": {"networks": {"transformer": settings}}}
     found = compare(Reports(tmp_path, params))
     assert found["setting.decoder_rows"].value == len(network.decoder_embedding.positions)
@@ -115,7 +115,7 @@ def test_a_broken_record_of_the_kept_run_is_named(tmp_path, record):
         ("train_predictor.training", 7),
         ("train_predictor.training.decay", []),
         ("train_predictor.networks.transformer.width", float("nan")),
-        ("train_predictor.networks.transformer.states_a_row", 0),
+        ("train_predictor.networks.transformer.states_per_row", 0),
         ("train_policy.groups.sim2sim.horizons_ms", [[120, None]]),
         ("sim2real.simulator", "another"),
     ],
@@ -124,7 +124,7 @@ def test_a_kept_parameter_of_the_wrong_type_is_named(tmp_path, path, value):
     shutil.copy(ROOT / "params.yaml", tmp_path)
     kept = tmp_path / "reports" / "paper" / "run.json"
     kept.parent.mkdir(parents=True)
-    states = {"train_predictor.networks.transformer.states_a_row": 1}
+    states = {"train_predictor.networks.transformer.states_per_row": 1}
     params = nested({"train_predictor.training.epochs": 80} | states | {path: value})
     kept.write_text(json.dumps({"params": params}))
     with pytest.raises(InputError, match=rf"run\.json, {path}: .*`rallygap keep`"):

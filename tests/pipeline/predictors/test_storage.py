@@ -2,6 +2,7 @@
 
 import json
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,6 +29,7 @@ from tests.models.predictors.small_training import (
     small_training,
 )
 
+ROOT = Path(__file__).parents[3]
 LEARNING = Learning(
     episodes=4321, windows=98765, validation_episodes=432, settings=BRIEF, seed=17
 )  # fmt: skip
@@ -136,3 +138,9 @@ def test_saving_that_fails_leaves_the_former_predictor_and_nothing_else(folder, 
         save_predictor(folder, network(seed=1), description(name="other"))
     after = {path: path.read_bytes() for path in folder.parent.rglob("*") if path.is_file()}
     assert after == before
+
+
+def test_a_kept_predictor_is_read_under_todays_names_of_settings():
+    described = read_description(ROOT / "reports" / "paper" / "predictors" / "transformer")
+    assert described.network.states_per_row == 10
+    assert described.learning.settings.windows_per_episode == 1

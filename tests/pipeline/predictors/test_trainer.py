@@ -151,7 +151,7 @@ class Moved(ForecastTraining):
 
 
 def moves(checkpoints, longest):
-    training, data = small_training(changed(BRIEF, longest_gradient=longest, epochs=1), kind=Moved)
+    training, data = small_training(changed(BRIEF, max_gradient_norm=longest, epochs=1), kind=Moved)
     train(training, data, checkpoints)
     return training.moves
 

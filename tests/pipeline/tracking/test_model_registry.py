@@ -20,11 +20,11 @@ from pipeline.tracking.recording import InputData, Results, recorded
 ROOT = Path(__file__).parents[3]
 NETWORK = TransformerSettings(
     kind="transformer", width=8, expanded=8, heads=2, encoder_layers=1, decoder_layers=1,
-    states_a_row=10, uniform_motion=True,
+    states_per_row=10, uniform_motion=True,
 )  # fmt: skip
 TRAINING = TrainingSettings(
-    epochs=2, windows_an_episode=1, batch=1, learning_rate=0.1, matrix_learning_rate=None,
-    decay=None, longest_gradient=None, hidden_spin=0, precision="32-true", threads=1,
+    epochs=2, windows_per_episode=1, batch=1, learning_rate=0.1, matrix_learning_rate=None,
+    decay=None, max_gradient_norm=None, hidden_spin=0, precision="32-true", threads=1,
 )  # fmt: skip
 LEARNING = Learning(episodes=1, windows=1, validation_episodes=1, settings=TRAINING, seed=0)
 
