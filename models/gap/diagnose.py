@@ -7,16 +7,10 @@ from models.gap.fit.refit import RefitResult, fit_nuisance
 from models.gap.fit.shots import Shots, held_out
 from models.gap.locate.attribution import locate
 from models.gap.location import Located
-from models.gap.name.causes import (
-    GapShares,
-    answer,
-    causes,
-    detection_limits,
-    limits_of,
-    unexplained,
-)
+from models.gap.name.causes import GapShares, answer, causes, detection_limits, unexplained
 from models.gap.name.label_signs import find_flipped_labels, no_flipped_labels
 from models.gap.name.naming import Named, name
+from models.gap.name.selection import evidence_about
 from models.gap.name.unexplained import find_unexplained
 from models.gap.settings import DEFAULTS, GapSettings, Question
 from models.gap.types import PHASES
@@ -68,7 +62,8 @@ def diagnose(
     structure = find_unexplained(named.fit, question)
     significant = structure.p_value <= settings.level and structure.confirmed(verification)
     gap_shares = GapShares.of(named, structure if significant else None)
-    found, limits = causes(named, gap_shares), limits_of(named, question)
+    found, before = causes(named, gap_shares), evidence_about(named.before, question)
+    limits = detection_limits(before, named.signs, question)
     located = locate(named.fit, question)
     progress(LOCATED)
     verdict = Verdict(

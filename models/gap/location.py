@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from models.ball.types import Floats, Integers
+from models.ball.types import Floats
 from models.gap.types import PHASES, Phase
 
 
@@ -16,10 +16,8 @@ class Growth:
         centres: (K,) medians of the covariate in the bins, or numbers of categories.
         kinds: (K,) names of the bins where they are categories.
         means: (K, 3) m along the course, across it (to the right) and up.
-        errors: (K, 3) m, half the 95 % interval of a mean.
-        counts: (K,) shots.
-        share: of the discrepancies' variance that the covariate explains; of the time since launch,
-            share of the mean square that all shots have in common.
+        margins: (K, 3) m, half the 95 % interval of a mean.
+        share: of the discrepancies' variance that the covariate explains.
         p_value: probability that any covariate explains as much where none has an influence.
     """
 
@@ -28,8 +26,7 @@ class Growth:
     centres: Floats
     kinds: tuple[str, ...]
     means: Floats
-    errors: Floats
-    counts: Integers
+    margins: Floats
     share: float
     p_value: float
 
@@ -42,7 +39,8 @@ class Located:
         horizons: (H,) s after the last sample that a prediction uses.
         discrepancy: (H,) m, root mean square over shots, without noise and scatter.
         shares: (H,) of each phase in its square; zero where there is no discrepancy.
-        time: its growth with the time since launch.
+        means: (H, 3) m along the course, across it (to the right) and up, over shots.
+        margins: (H, 3) m, half the 95 % interval of a mean.
         growth: its growth with every covariate, the most informative first.
         trend_horizon: s, the horizon at which ``growth`` is evaluated.
     """
@@ -50,7 +48,8 @@ class Located:
     horizons: Floats
     discrepancy: Floats
     shares: dict[Phase, Floats]
-    time: Growth
+    means: Floats
+    margins: Floats
     growth: tuple[Growth, ...]
     trend_horizon: float
 

@@ -67,11 +67,6 @@ class Cause(_Part):
         return self.identity.partition(".")[0]
 
     @property
-    def parameter(self) -> str:
-        """Name of the parameter of the effect."""
-        return self.identity.partition(".")[2]
-
-    @property
     def hypothesis(self) -> Hypothesis:
         """The parameter in question, with its unit and bounds.
 
@@ -83,12 +78,12 @@ class Cause(_Part):
     @property
     def alternatives(self) -> tuple[str, ...]:
         """Identities of the other possible causes."""
-        return tuple(one for one in self.possible if one != self.identity)
+        return tuple(identity for identity in self.possible if identity != self.identity)
 
     @property
     def ambiguous(self) -> bool:
         """Whether it could be another quantity; the components of a vector are one quantity."""
-        return len({Hypothesis(*one.split(".", 1)).quantity for one in self.possible}) > 1
+        return len({Hypothesis(*name.split(".", 1)).quantity for name in self.possible}) > 1
 
 
 class Unexplained(_Part):

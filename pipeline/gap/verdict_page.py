@@ -77,7 +77,7 @@ def _causes(findings: Findings) -> dict[str, list[str]]:
 def _growth(located: Located) -> dict[str, list[str]]:
     return {
         "covariate": [one.covariate for one in located.growth],
-        "bins ": [str(len(one.counts)) for one in located.growth],
+        "bins ": [str(len(one.centres)) for one in located.growth],
         "share of the variance ": [percent(one.share) for one in located.growth],
         "p ": [_p_cell(one.p_value) for one in located.growth],
     }

@@ -7,6 +7,7 @@ from models.gap.fit.shots import Shots
 from models.gap.location import Growth, Located
 from models.gap.settings import DEFAULTS
 from models.gap.verdict import Cause, Gap, Landing, PhaseShares, Unexplained, Verdict
+from pipeline.gap.cases import Case, Diagnosed
 from pipeline.gap.measured_shots import MeasuredShots
 from pipeline.gap.summary import Findings
 
@@ -47,8 +48,7 @@ def growth(covariate="speed at launch", kinds=(), p_value=2e-4, centres=SPEEDS):
         centres=centres,
         kinds=kinds,
         means=means,
-        errors=np.full(means.shape, 5e-4),
-        counts=np.full(len(centres), 9),
+        margins=np.full(means.shape, 5e-4),
         share=0.4,
         p_value=p_value,
     )
@@ -62,7 +62,8 @@ LOCATED = Located(
         "table": np.array([0.0, 0.5, 0.25]),
         "sensor": np.array([0.0, 0.0, 0.25]),
     },
-    time=growth("time since launch", centres=np.array([100.0, 200.0, 300.0])),
+    means=growth().means,
+    margins=growth().margins,
     growth=(
         growth(),
         growth("direction of play", ("towards −y", "towards +y"), 0.3, np.array([0.0, 1.0])),
@@ -105,6 +106,12 @@ def verdict(answer="named", causes=(WIND,), **changes):
         "located": LOCATED if causes else None,
     }
     return Verdict(verdict=answer, causes=tuple(causes), **{**parts, **changes})
+
+
+def diagnosed(found, simulator_name="mine", split=0):
+    """A verdict as one of a case."""
+    shots = Shots.from_arrays([TIMES] * 4, [PATH] * 4)
+    return Diagnosed(Case("lab", simulator_name, split, shipped("literature"), shots, 0.003), found)
 
 
 def findings(of=None, simulator_name="sim.yaml", name="lab"):

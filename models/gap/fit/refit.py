@@ -103,21 +103,21 @@ def fit_nuisance(
     )
 
 
-def likelihood_gain(one: RefitResult, other: RefitResult) -> float:
+def likelihood_gain(before: RefitResult, after: RefitResult) -> float:
     """Return twice the gain of log likelihood from one fit of the same shots to another.
 
-    It is evaluated in the noise of the other fit, with the samples, labels and shots that both use.
-    Errors of labels and time stamps scale with spins and velocities: those of the other fit serve
+    It is evaluated in the noise of the later fit, with the samples, labels and shots that both use.
+    Errors of labels and time stamps scale with spins and velocities: those of the later fit serve
     for both, or else smaller spins and velocities would pass for a worse fit.
     """
-    noise = other.noise_estimate.noise
-    about = replace(other.linear, labelled=one.linear.labelled & other.linear.labelled)
-    weights = np.minimum(one.noise_estimate.weights, other.noise_estimate.weights)
-    shot_weights = np.minimum(one.noise_estimate.shot_weights, other.noise_estimate.shot_weights)
-    before, after = (
-        _misfit(result.linear, about, noise, weights, shot_weights) for result in (one, other)
-    )
-    return before - after
+    old, new = before.noise_estimate, after.noise_estimate
+    about = replace(after.linear, labelled=before.linear.labelled & after.linear.labelled)
+    weights = np.minimum(old.weights, new.weights)
+    shot_weights = np.minimum(old.shot_weights, new.shot_weights)
+    misfits = [
+        _misfit(fit.linear, about, new.noise, weights, shot_weights) for fit in (before, after)
+    ]
+    return misfits[0] - misfits[1]
 
 
 def _misfit(

@@ -129,11 +129,6 @@ class _Problem:
     settings: FitSettings
     spin: float
 
-    @property
-    def label_times(self) -> Floats:
-        """(B, L) s from the first sample."""
-        return self.shots.label_times - self.shots.times[:, :1]
-
     @classmethod
     def of(
         cls,
@@ -190,7 +185,8 @@ class _Problem:
         prediction = predict_measurements(self.simulator, self.schedule, nuisance)
         miss = np.where(self.used[..., None], self.shots.positions - prediction.positions, 0.0)
         residual = self.noise.whiten_timing(miss[..., None], prediction.velocities)[..., 0]
-        used = self.shots.labelled & prediction.is_smooth(self.label_times, JUMP)
+        label_times = self.shots.label_times - self.shots.times[:, :1]
+        used = self.shots.labelled & prediction.is_smooth(label_times, JUMP)
         scale = used / (label_scales(prediction.labels) * self._label_error()[:, None])
         errors = np.nan_to_num(self.shots.labels - prediction.labels) * scale[..., None]
         weights = np.where(self.used, inlier_probability(residual, self.noise, self.settings), 0.0)

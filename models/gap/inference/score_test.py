@@ -195,12 +195,6 @@ class Evidence:
         within = information * reach**2 > settings.detectable**2
         return bool(identifiable and within and test.effective_sample_size > least)
 
-    def correlation(self, one: int, other: int, given: Sequence[int]) -> float:
-        """Return the correlation of two hypotheses' signatures, all given others projected out."""
-        rest = [k for k in given if k not in (one, other)]
-        pair = self.score_test([one, other], rest).information
-        return float(abs(pair[0, 1]) / np.sqrt(pair[0, 0] * pair[1, 1]))
-
     def minimum_detectable_effect(self, k: int, given: Sequence[int]) -> float:
         """Return the minimum detectable effect of a hypothesis, in its unit."""
         return self.settings.inference.detectable * float(

@@ -17,7 +17,7 @@ from models.gap.locate.covariates import axes, course_frames
 from models.gap.locate.discrepancy import discrepancy, reliable
 from models.gap.locate.free_fit import free_discrepancy
 from models.gap.locate.phase_selection import Candidates
-from models.gap.locate.trends import over_time, trends_against
+from models.gap.locate.trends import means_and_margins, trends_against
 from models.gap.location import Located
 from models.gap.settings import Question
 from models.gap.types import PHASES, Places
@@ -46,7 +46,7 @@ def locate(fit: RefitResult, question: Question) -> Located | None:
         horizons,
         np.sqrt(squares.sum(axis=1)),
         dict(zip(PHASES, _shares(squares).T, strict=True)),
-        over_time(horizons, discrepancies, limits),
+        *means_and_margins(discrepancies),
         trends_against(axes(fit.linear, places, limits), discrepancy_there, limits),
         float(horizons[trend]),
     )

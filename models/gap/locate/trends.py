@@ -2,9 +2,7 @@
 
 Shots are binned by a covariate; its statistic is the spread of the bins' means. The null
 distribution comes from permutations of the shots, the same for all covariates, and a p-value is
-that of the largest of all standardised statistics (max-T, Westfall and Young 1993). Over the time
-since launch the statistic is the mean over all shots, and its null distribution comes from random
-signs of the shots.
+that of the largest of all standardised statistics (max-T, Westfall and Young 1993).
 """
 
 from collections.abc import Sequence
@@ -19,7 +17,6 @@ from models.gap.locate.covariates import Axis
 from models.gap.location import Growth
 from models.gap.settings import LocateSettings
 
-TIME = "time since launch"
 BATCH = 500  # permutations at once
 
 
@@ -44,27 +41,12 @@ def trends_against(
     return tuple(sorted(found, key=lambda one: (one.p_value, -one.share)))
 
 
-def over_time(horizons: Floats, discrepancies: Floats, settings: LocateSettings) -> Growth:
-    """Return the growth of (B, H, 3) discrepancies over (H,) s, NaN beyond a shot."""
-    draws, there = settings.permutations, np.isfinite(discrepancies)
-    filled = np.where(there, discrepancies, 0.0)
-    counts = there.sum(axis=0)
-    size = np.sqrt((filled**2).sum(axis=0)) + 1e-12
-    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(draws, len(filled)))
-    largest = np.abs(np.einsum("rb,bhc->rhc", signs, filled, optimize=True) / size).max(axis=(1, 2))
-    observed = np.abs(filled.sum(axis=0) / size).max()
-    means, errors = _means(discrepancies)
-    return Growth(
-        covariate=TIME,
-        unit="ms",
-        centres=1000 * horizons,
-        kinds=(),
-        means=means,
-        errors=errors,
-        counts=counts[:, 0],
-        share=float((counts * means**2).sum() / max((filled**2).sum(), 1e-300)),
-        p_value=float((1 + (largest >= observed).sum()) / (1 + draws)),
-    )
+def means_and_margins(discrepancies: Floats) -> tuple[Floats, Floats]:
+    """Return means of (B, ...) discrepancies and half their 95 % intervals, NaN aside."""
+    count = np.isfinite(discrepancies).sum(axis=0)
+    spread = np.nanstd(discrepancies, axis=0, ddof=1)
+    half = student.ppf(0.975, np.maximum(count - 1, 1)) * spread / np.sqrt(count)
+    return np.nanmean(discrepancies, axis=0), half
 
 
 def _bins(axis: Axis, settings: LocateSettings) -> list[Floats]:
@@ -84,7 +66,7 @@ def _bins(axis: Axis, settings: LocateSettings) -> list[Floats]:
 
 def _growth(axis: Axis, bins: list[Floats], discrepancies: Floats, p_value: float) -> Growth:
     masks = [mask > 0 for mask in bins]
-    moments = [_means(discrepancies[mask]) for mask in masks]
+    moments = [means_and_margins(discrepancies[mask]) for mask in masks]
     centres = np.array([np.median(axis.values[mask]) for mask in masks])
     return Growth(
         covariate=axis.name,
@@ -92,19 +74,10 @@ def _growth(axis: Axis, bins: list[Floats], discrepancies: Floats, p_value: floa
         centres=centres,
         kinds=tuple(axis.kinds[int(number)] for number in centres) if axis.kinds else (),
         means=np.array([mean for mean, _ in moments]),
-        errors=np.array([error for _, error in moments]),
-        counts=np.array([mask.sum() for mask in masks]),
+        margins=np.array([margin for _, margin in moments]),
         share=_share(masks, discrepancies),
         p_value=p_value,
     )
-
-
-def _means(discrepancies: Floats) -> tuple[Floats, Floats]:
-    """Return means of (B, ...) discrepancies and half their 95 % intervals, NaN aside."""
-    count = np.isfinite(discrepancies).sum(axis=0)
-    spread = np.nanstd(discrepancies, axis=0, ddof=1)
-    half = student.ppf(0.975, np.maximum(count - 1, 1)) * spread / np.sqrt(count)
-    return np.nanmean(discrepancies, axis=0), half
 
 
 def _share(masks: list[NDArray[np.bool_]], discrepancies: Floats) -> float:

@@ -12,7 +12,6 @@ from models.gap.name.gap_share import shares
 from models.gap.name.intervals import within
 from models.gap.name.label_signs import LabelSigns
 from models.gap.name.naming import Named
-from models.gap.name.selection import evidence_about
 from models.gap.name.unexplained import UnexplainedStructure
 from models.gap.settings import Question
 from models.gap.verdict import Answer, Cause, DetectionLimits, Unexplained
@@ -36,7 +35,7 @@ class GapShares:
     def of(cls, named: Named, structure: UnexplainedStructure | None) -> "GapShares":
         """Return the shares of causes and significant structure in the likelihood gain."""
         gains = shares(named.explainer.set_scores, named.explanation.causes)
-        signs, unexplained = _gain_of_signs(named), structure.gain if structure else 0.0
+        signs, unexplained = _gain_of_signs(named), structure.test.gain if structure else 0.0
         whole = max(sum(gains.values()) + signs, 1e-12) + unexplained
         parts = {k: gain / whole for k, gain in gains.items()}
         return cls(parts, signs / whole, unexplained / whole)
@@ -71,13 +70,8 @@ def answer(found: tuple[Cause, ...], significant: bool, settled: bool) -> Answer
     return "named" if settled and not any(cause.ambiguous for cause in found) else "ambiguous"
 
 
-def limits_of(named: Named, question: Question) -> DetectionLimits:
-    """Return the detection limits of the shots about the nominal simulator."""
-    return detection_limits(evidence_about(named.before, question), named.signs, question)
-
-
 def detection_limits(evidence: Evidence, labels: LabelSigns, question: Question) -> DetectionLimits:
-    """Return the detection limits, each with the listed parameters of the simulator free."""
+    """Return the detection limits, by evidence about the nominal simulator, listed ones free."""
     free = evidence.free
     sizes = {
         evidence.columns[k].identity: evidence.minimum_detectable_effect(k, free)

@@ -27,13 +27,11 @@ class LabelSigns:
     """Which labels are flipped.
 
     Attributes:
-        count: of shots in all.
         flipped: numbers of the shots whose labels are flipped.
         labelled: how many shots have labels.
         settings: of the workflow.
     """
 
-    count: int
     flipped: frozenset[int]
     labelled: int
     settings: GapSettings
@@ -64,7 +62,7 @@ class LabelSigns:
         """Return shots with the flipped labels negated, if they are significant."""
         if not self.significant:
             return shots
-        sign = np.ones((self.count, 1, 1))
+        sign = np.ones((len(shots), 1, 1))
         sign[sorted(self.flipped)] = -1.0
         return replace(shots, labels=shots.labels * sign)
 
@@ -77,7 +75,7 @@ class LabelSigns:
 
 def no_flipped_labels(shots: Shots, settings: GapSettings) -> LabelSigns:
     """Return that no label is flipped."""
-    return LabelSigns(len(shots), frozenset(), _labelled(shots).sum().item(), settings)
+    return LabelSigns(frozenset(), _labelled(shots).sum().item(), settings)
 
 
 def find_flipped_labels(shots: Shots, fit: RefitResult, settings: GapSettings) -> LabelSigns:

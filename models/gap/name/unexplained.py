@@ -40,11 +40,6 @@ class UnexplainedStructure:
     noise: Noise
 
     @property
-    def gain(self) -> float:
-        """Twice the gain of log likelihood beyond what as many directions of noise gain."""
-        return self.test.gain
-
-    @property
     def candidate_formula(self) -> str:
         """A sparse formula of terms of which a good part is not in the span of the catalogue."""
         test, some = self.test, list(self.test.alone)

@@ -33,7 +33,7 @@ def discrepancy_figure(located: Located) -> ReportFigure:
     left.plot(times, np.sum(bands, axis=0), color=INK, lw=1.2)
     left.set_ylabel("root mean square discrepancy (mm)")
     left.set_title("Size, by phase")
-    _draw_time(right, located.time)
+    _draw_means(right, located)
     right.set_ylabel("mean discrepancy (mm)")
     right.set_title("Mean of all shots, by direction")
     for axes in (left, right):
@@ -80,12 +80,13 @@ def growth_figure(located: Located) -> ReportFigure:
     )
 
 
-def _draw_time(axes: Axes, growth: Growth) -> None:
+def _draw_means(axes: Axes, located: Located) -> None:
+    times = 1000 * located.horizons
     axes.axhline(0, color=INK, lw=1)
     for direction, (name, colour) in enumerate(DIRECTIONS.items()):
-        mean, error = 1000 * growth.means[:, direction], 1000 * growth.errors[:, direction]
-        axes.fill_between(growth.centres, mean - error, mean + error, color=colour, alpha=0.2, lw=0)
-        axes.plot(growth.centres, mean, color=colour, label=name)
+        mean, margin = 1000 * located.means[:, direction], 1000 * located.margins[:, direction]
+        axes.fill_between(times, mean - margin, mean + margin, color=colour, alpha=0.2, lw=0)
+        axes.plot(times, mean, color=colour, label=name)
     low, high = axes.get_ylim()
     axes.set_ylim(low, high + 0.15 * (high - low))
 
@@ -98,7 +99,7 @@ def _draw_growth(axes: Axes, growth: Growth, direction: int) -> None:
     axes.errorbar(
         places,
         1000 * growth.means[:, direction],
-        1000 * growth.errors[:, direction],
+        1000 * growth.margins[:, direction],
         fmt="o" if growth.kinds else "o-",
         color=colour,
         ms=4,

@@ -8,11 +8,8 @@ import pytest
 
 from models.ball.simulator import Simulator
 from models.gap.diagnose import diagnose
-from models.gap.fit.shots import Shots
+from models.gap.fit.horizons import first_samples
 from tests.models.gap.hidden import NOMINAL, measured
-
-FALL = Simulator.from_dict({"gravity": {"g": 9.81}})
-BOUNCE = FALL.amended("table_bounce", restitution=0.92, friction=0.25)
 
 
 @pytest.fixture(scope="module")
@@ -36,18 +33,9 @@ def checked(shots, simulator=NOMINAL):
     return verdict
 
 
-def first(shots, count):
-    """The first samples of every shot."""
-    cut = [slice(0, min(count, n)) for n in shots.valid.sum(axis=1)]
-    return Shots.from_arrays(
-        [t[some] for t, some in zip(shots.times, cut, strict=True)],
-        [p[some] for p, some in zip(shots.positions, cut, strict=True)],
-    )
-
-
 @pytest.mark.parametrize("count", [1, 3, 13])
-def test_few_samples(shots, count):
-    assert checked(first(shots, count)).verdict == "no_gap"
+def test_few_samples(bare, count):
+    assert checked(first_samples(bare, count)).verdict == "no_gap"
 
 
 def test_all_shots_equal(shots):
@@ -84,6 +72,5 @@ def test_labels_that_cannot_be(shots, factor):
 
 
 def test_simulators_without_most_effects(shots, bare):
-    checked(shots, FALL)
-    checked(bare, BOUNCE)
+    checked(shots, Simulator.from_dict({"gravity": {"g": 9.81}}))
     checked(bare, Simulator.from_dict({}))

@@ -105,7 +105,7 @@ def test_missing_lift_is_named_without_spin_labels():
 
 @pytest.mark.parametrize("flipped", [0, pytest.param(8, marks=pytest.mark.slow)])
 def test_missing_lift_is_named_with_spin_labels(flipped):
-    shots = measured(count=45)
+    shots = measured(count=45 if flipped else 24)
     shots.labels[:flipped] *= -1.0
     verdict = diagnose(shots, WITHOUT_MAGNUS)
     effects = {cause.effect for cause in verdict.causes}

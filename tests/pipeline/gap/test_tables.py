@@ -3,23 +3,15 @@
 import pandas as pd
 import pytest
 
-from models.ball.simulators import shipped
-from models.gap.fit.shots import Shots
-from pipeline.gap.cases import Case, Diagnosed
 from pipeline.gap.tables import cause_table, error_table, stability_table, verdict_table
-from tests.pipeline.verdicts import GRAVITY, PATH, TIMES, WIND, verdict
-
-
-def diagnosed(found, split=0, simulator_name="mine"):
-    shots = Shots.from_arrays([TIMES] * 4, [PATH] * 4)
-    return Diagnosed(Case("lab", simulator_name, split, shipped("literature"), shots, 0.003), found)
+from tests.pipeline.verdicts import GRAVITY, WIND, diagnosed, verdict
 
 
 def three():
     """Splits that find a wind, another wind and a gravity, and nothing."""
     stronger = WIND.model_copy(update={"estimate": 0.65})
     found = [verdict(), verdict("ambiguous", (stronger, GRAVITY)), verdict("no_gap", (), gap=None)]
-    return [diagnosed(one, split) for split, one in enumerate(found)]
+    return [diagnosed(one, split=split) for split, one in enumerate(found)]
 
 
 def test_a_case_has_a_row_with_its_causes_as_text():

@@ -74,7 +74,6 @@ def test_exactly_collinear_hypotheses_are_not_decidable():
     assert evidence.free == (0,)
     assert evidence.decidable(evidence.free) == (0, 2)
     assert evidence.decidable([]) == (0, 1, 2)
-    assert evidence.correlation(0, 1, []) == pytest.approx(1.0, abs=1e-9)
 
 
 def drawn(random, shots=40, columns=6, effect=0.0):

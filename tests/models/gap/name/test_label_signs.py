@@ -34,14 +34,14 @@ def test_correct_labels_are_left_alone():
 
 
 def test_the_interval_of_a_share_is_wilsons():
-    signs = LabelSigns(120, frozenset(range(10)), 100, SETTINGS)
+    signs = LabelSigns(frozenset(range(10)), 100, SETTINGS)
     assert signs.share == 0.1
     assert signs.interval == pytest.approx((0.0552, 0.1744), abs=1e-4)
 
 
 def test_doubtful_labels_alone_are_left_out():
     shots = measured(count=6)
-    left = LabelSigns(6, frozenset({1, 4}), 6, SETTINGS).left_out(shots)
+    left = LabelSigns(frozenset({1, 4}), 6, SETTINGS).left_out(shots)
     assert left.labelled.any(axis=1).tolist() == [True, False, True, True, False, True]
     kept = [0, 2, 3, 5]
     assert np.array_equal(left.labels[kept], shots.labels[kept], equal_nan=True)

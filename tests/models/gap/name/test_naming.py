@@ -46,7 +46,7 @@ def test_six_causes_at_ten_times_their_size_are_all_named():
         assert cause.value(found.simulator) == pytest.approx(cause.value(truth), rel=0.15)
 
 
-@pytest.mark.parametrize("labels", ["rows", "one"])
+@pytest.mark.parametrize("labels", ["one", pytest.param("rows", marks=pytest.mark.slow)])
 def test_a_slow_clock_is_neither_gravity_nor_flipped_labels(labels):
     """Gravity and a spin sensor's gain act like such a clock; labels seem to contradict."""
     shots = measured(NOMINAL.amended("clock_rate", d=-0.18), count=24, seed=1, labels=labels)

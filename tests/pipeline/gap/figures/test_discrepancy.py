@@ -22,13 +22,8 @@ def test_bands_of_the_phases_add_up_to_the_discrepancy():
     }
     assert [tops[colour] for colour in PHASE_COLOURS.values()] == pytest.approx([6, 9, 12])
     np.testing.assert_allclose(axes.lines[0].get_ydata(), [0, 2, 6, 12])
-
-
-def test_the_legend_says_every_phase_with_its_share():
-    texts = discrepancy_figure(LOCATED).figure.axes[0].get_legend().get_texts()
-    assert [text.get_text() for text in texts] == [
-        "in the measurement, 15 %", "at the table, 30 %", "in flight, 55 %",
-    ]  # fmt: skip
+    texts = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert [text.rpartition(", ")[2] for text in texts] == ["15 %", "30 %", "55 %"]
 
 
 def test_means_over_time_are_drawn_in_each_direction():
@@ -54,7 +49,4 @@ def test_growth_has_a_column_a_covariate_and_a_row_a_direction():
 
 def test_covariates_that_are_not_significant_are_pale():
     grid = np.array(growth_figure(LOCATED).figure.axes).reshape(3, 2)
-    assert [axes.get_title(loc="left") for axes in grid[0]] == [
-        "share 40 %, p < 0.001", "share 40 %, p = 0.3",
-    ]  # fmt: skip
     assert [axes.lines[1].get_color() == MUTED for axes in grid[0]] == [False, True]

@@ -3,23 +3,15 @@
 import numpy as np
 import pytest
 
-from models.ball.simulators import shipped
-from models.gap.fit.shots import Shots
-from pipeline.gap.cases import Case, Diagnosed
 from pipeline.gap.figures.stability import closing_figure, stability_figure
 from pipeline.gap.figures.verdict import LINE_NAMES, LINES
 from pipeline.io.figure_style import apply_style
-from tests.pipeline.verdicts import GAP, GRAVITY, PATH, TIMES, WIND, verdict
+from tests.pipeline.verdicts import GAP, GRAVITY, WIND, diagnosed, verdict
 
 
 @pytest.fixture(autouse=True)
 def style():
     apply_style()
-
-
-def diagnosed(found, simulator_name, split):
-    shots = Shots.from_arrays([TIMES] * 4, [PATH] * 4)
-    return Diagnosed(Case("lab", simulator_name, split, shipped("literature"), shots, 0.003), found)
 
 
 def found():
