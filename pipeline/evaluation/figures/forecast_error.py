@@ -40,13 +40,7 @@ def forecast_error_figure(frame: pd.DataFrame) -> Figure:
         frame: one row for each predictor, quantity and horizon of one set, with columns set,
             predictor, quantity ("position" mm, "velocity" m/s, "spin" rad/s), horizon_ms,
             bounce ("all", "with", "without"), mean, std, n, ci_low, ci_high.
-
-    Raises:
-        ValueError: if the frame does not hold exactly one set.
     """
-    sets = frame["set"].unique()
-    if len(sets) != 1:
-        raise ValueError(f"one figure shows one set, but the frame holds {sorted(sets)}")
     quantities = [name for name in QUANTITIES if name in set(frame["quantity"])]
     titles = [title for title, (window, _) in ROWS.items() if window in set(frame["bounce"])]
     predictors = sorted(frame["predictor"].unique(), key=predictor_order)
@@ -61,7 +55,7 @@ def forecast_error_figure(frame: pd.DataFrame) -> Figure:
             _draw_panel(axes, rows, statistic, predictors)
         axes_row[0].set_title(title)
     _label_axes(grid, quantities)
-    _add_legends(figure, f"{sets[0]}: forecast error", predictors)
+    _add_legends(figure, f"{frame['set'].iloc[0]}: forecast error", predictors)
     return figure
 
 

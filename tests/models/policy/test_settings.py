@@ -8,11 +8,6 @@ from models.policy.settings import GoalSettings, HorizonsMs
 GOALS = {"landing_across": (-0.4, 0.4), "landing_along": (0.5, 1.1), "speed": None, "topspin": None}
 
 
-@pytest.mark.parametrize("horizons", [(115, 120, 125), (5, 10, 300)])
-def test_horizons_on_the_predictors_grid_are_taken(horizons):
-    assert TypeAdapter(HorizonsMs).validate_python(horizons) == horizons
-
-
 @pytest.mark.parametrize(
     "horizons", [(120, 115, 125), (115, 115, 120), (117, 120, 125), (0, 5, 10), (295, 300, 305)]
 )

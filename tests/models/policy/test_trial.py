@@ -5,12 +5,10 @@ import pandas as pd
 import pytest
 
 from models.policy import trial
-from models.policy.batch_simulation import BatchSimulation
 from models.policy.goals import Goals
 from models.policy.trial import play
 from tests.models.policy.schooling import TASK, drawn_policy, resting_policy
 from tests.models.policy.simulations import (
-    CENTRE,
     SIMULATOR,
     beside_centre,
     passing,
@@ -67,13 +65,3 @@ def test_what_was_asked_for_is_told_where_it_was():
 
     assert table["goal_speed"].tolist() == speeds.tolist()
     assert "goal_topspin" not in table
-
-
-def test_the_world_is_released_even_after_a_failure(monkeypatch):
-    closed = []
-    monkeypatch.setattr(BatchSimulation, "close", lambda simulation: closed.append(simulation))
-
-    with pytest.raises(ValueError):
-        play(drawn_policy(goals=4), SIMULATOR, passing(CENTRE), aimed(1), "strict")
-
-    assert len(closed) == 1

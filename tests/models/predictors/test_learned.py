@@ -41,20 +41,6 @@ def test_forecast_is_uniform_motion_plus_network_output():
     )  # fmt: skip
 
 
-def test_network_inputs_are_normalised():
-    history, _ = observed(labelled=False)
-    inner = Constant(0.0)
-    outer = fitted(inner)
-    LearnedPredictor(outer).predict(history)
-    measured = torch.from_numpy(history.states).float(), torch.from_numpy(history.mask)
-    motion = uniform_motion(*measured)
-    assert torch.equal(inner.inputs, outer.normaliser.normalised(*measured, motion))
-    assert torch.equal(inner.mask, measured[1])
-    assert torch.equal(inner.residual, outer.normaliser.residual(*measured, motion))
-    assert torch.equal(inner.expected, outer.normaliser.expected(motion))
-    assert not inner.inputs[..., 3:].any()
-
-
 def test_forecast_is_equivariant_under_a_half_turn():
     history, _ = observed(noise=0.003)
     predictor = LearnedPredictor(small_training()[0].network)

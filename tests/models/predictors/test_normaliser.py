@@ -130,13 +130,6 @@ def test_an_outlier_of_30_cm_moves_uniform_motion_by_3_at_most(sample):
     assert largest_move(uniform_motion(degraded, ALL), uniform_motion(history, ALL)) < 0.03
 
 
-@pytest.mark.parametrize("lost", [[0, 1, 2], [4, 6, 7], [9, 10, 11]])
-def test_lost_samples_move_uniform_motion_by_5_cm_at_most(lost):
-    seen = ALL.clone()
-    seen[:, lost] = False
-    assert largest_move(uniform_motion(one_ball(), seen), uniform_motion(one_ball(), ALL)) < 0.05
-
-
 def test_states_come_back_from_their_deviation():
     history, seen, future, measured = measured_balls()
     normaliser = Normaliser()

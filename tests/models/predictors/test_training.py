@@ -26,8 +26,6 @@ from tests.models.predictors.small_training import (
     tracks,
 )
 
-WIDER = changed(TINY, width=32, expanded=64)
-
 
 class ZeroNetwork(torch.nn.Module):
     """A network whose output is zero."""

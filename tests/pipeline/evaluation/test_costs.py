@@ -1,7 +1,5 @@
 """Costs of predictors: latency, size and training time."""
 
-import io
-import json
 import shutil
 from pathlib import Path
 
@@ -10,16 +8,12 @@ import pandas as pd
 import psutil
 import pytest
 import torch
-from rich.console import Console
 
 from models.predictors.protocol import History
 from pipeline.evaluation.costs import (
-    costs_table,
     latency,
-    machine,
     measure_costs,
     one_core,
-    write_costs,
 )
 from pipeline.evaluation.error_table import KEYS, NUMBERS, REPORT
 from pipeline.io.artifacts import write_json
@@ -109,22 +103,6 @@ def test_one_core_is_given_back():
         assert torch.get_num_threads() == 1
         assert len(process.cpu_affinity()) == 1
     assert (process.cpu_affinity(), torch.get_num_threads()) == (before, threads)
-
-
-def test_files_hold_the_table_and_the_machine(tmp_path, costs):
-    write_costs(tmp_path, costs, machine(REPOSITORY))
-    assert list(pd.read_csv(tmp_path / "costs.csv")["predictor"]) == list(costs["predictor"])
-    measured_on = json.loads((tmp_path / "costs.json").read_text())
-    assert measured_on["torch"] == torch.__version__
-    assert measured_on["cores"] >= 1
-
-
-def test_the_table_fits_a_terminal_of_80_characters(costs):
-    shown = io.StringIO()
-    wide = costs.replace({"predictor": {"tiny": "transformer_fine_tuned"}})
-    Console(file=shown, width=80).print(costs_table(wide))
-    assert "…" not in shown.getvalue()
-    assert "transformer_fine_tuned" in shown.getvalue()
 
 
 def test_without_a_finished_run_the_stage_to_run_is_named(tmp_path):

@@ -141,17 +141,3 @@ def test_a_policy_is_tried_on_balls_that_it_was_never_watched_on(undisturbed):
     pd.testing.assert_frame_equal(
         tables[0], play_test_shots(undisturbed, 6)[0].table, check_exact=True
     )
-
-
-@pytest.mark.slow
-def test_it_does_not_matter_how_many_processes_there_are(tmp_path, monkeypatch):
-    monkeypatch.undo()  # workers watch policies on as many balls as ever
-    trained, tried = [], []
-    for processes in ("1", "2"):
-        monkeypatch.setenv("LOKY_MAX_CPU_COUNT", processes)
-        trained.append(train_policies(jobs(tmp_path / processes)))
-        tried.append(play_test_shots(trained[0], 9))
-
-    assert_same(*trained)
-    for one, other in zip(*tried, strict=True):
-        pd.testing.assert_frame_equal(one.table, other.table, check_exact=True)

@@ -2,7 +2,6 @@
 
 import pandas as pd
 
-from pipeline.paper.values import printed_transfer
 from pipeline.transfer.rates import rates
 from pipeline.transfer.transfer_table import PAPER_ROW, paper_form_table
 from tests.pipeline.played_trials import KEYS, everything, trials
@@ -27,9 +26,3 @@ def test_sets_and_horizons_that_the_paper_has_not_are_ours_alone():
     table = paper_form_table(rates(played, KEYS, 0, 0), ["transformer"])
     assert list(table["set"]) == ["spindoe", "stroke_pro", "stroke_pro"]
     assert table["60-70 ms: physics hits"].notna().tolist() == [False, True, False]
-
-
-def test_printed_returns_are_at_most_hits_and_hits_at_most_shots():
-    for shots, counts in printed_transfer().values():
-        for predictor in [one for by_horizons in counts.values() for one in by_horizons.values()]:
-            assert predictor["returns"] <= predictor["hits"] <= shots

@@ -47,30 +47,6 @@ def test_every_policy_is_a_line_in_the_row_of_its_group(column, rate):
     assert [title for title in titles if title] == ["sim2sim", "strict inputs"]
 
 
-def test_simulators_differ_by_colour_and_horizons_by_dashes_in_all_groups():
-    a, a_far, c, c_again, strict = [
-        (line.get_color(), line.get_linestyle())
-        for panel in learning_figure(CURVES).axes[::2]
-        for line in panel.lines
-    ]
-
-    assert a[0] == a_far[0] != c[0] == c_again[0] == strict[0]
-    assert a[1] == c[1] == c_again[1] != a_far[1] == strict[1]
-
-
-def test_the_legend_names_simulators_and_horizons_as_they_are_drawn():
-    figure = learning_figure(CURVES)
-
-    (legend,) = figure.legends
-
-    names = [text.get_text() for text in legend.get_texts()]
-    horizons = ["horizons 115–125 ms", "horizons 170–180 ms"]
-    assert names == ["imperfect a", "imperfect c", *horizons]
-    far = figure.axes[0].lines[1]
-    assert legend.get_lines()[0].get_color() == far.get_color()
-    assert legend.get_lines()[3].get_linestyle() == far.get_linestyle()
-
-
 def returns(*asked):
     """Returns that achieve 1 + half of what was asked, here and there a little more or less."""
     columns = {}
@@ -95,12 +71,6 @@ def test_every_goal_has_a_panel_with_its_returns_and_their_line():
         np.testing.assert_allclose(fitted.get_ydata(), 1 + 0.5 * fitted.get_xdata())
         assert panel.get_title(loc="left") == "slope 0.50"
         assert panel.get_xlabel() == f"goal: {GOALS[name]}"
-
-
-def test_what_was_not_asked_for_has_no_panel():
-    figure = achieved_figure(returns("landing_across", "landing_along", "topspin"))
-
-    assert [panel.get_xlabel() for panel in figure.axes][2:] == ["goal: topspin (rad/s)"]
 
 
 def test_without_returns_there_is_no_line_and_the_panel_says_so():

@@ -28,9 +28,3 @@ def test_every_predictor_has_a_panel_with_both_its_curves(panel, name):
     assert set(drawn) == {"training", "validation"}
     for label, points in drawn.items():
         np.testing.assert_array_equal(points, rows[["epoch", label]])
-
-
-def test_losses_are_comparable_between_panels():
-    one, other = training_figure(CURVES).axes
-    assert one.get_ylim() == other.get_ylim()
-    assert one.get_yscale() == other.get_yscale() == "log"

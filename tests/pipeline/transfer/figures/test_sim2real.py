@@ -55,17 +55,6 @@ def test_hits_and_returns_of_every_set_are_drawn_in_the_predictor_s_colour():
             np.testing.assert_allclose(bars(axes, predictor_colour(name)), expected)
 
 
-def test_physics_comes_first_and_sets_tell_how_many_shots_they_have():
-    figure = transfer_figure(made_up())
-    labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == [
-        "physics, first window", "physics, every control step", "oracle, every control step",
-        "transformer, every control step",
-    ]  # fmt: skip
-    ticks = [tick.get_text() for tick in figure.axes[-1].get_xticklabels()]
-    assert ticks == ["stroke pro\nn = 20", "spindoe\nn = 20"]
-
-
 def tolerated(horizons=HORIZONS):
     """Return rates that fall with the error."""
     sizes = [("bias", 0.0), ("bias", 5.0), ("noise", 0.0), ("noise", 5.0), ("no_spin", 0.0)]
@@ -83,17 +72,3 @@ def test_every_kind_of_error_has_a_panel_with_a_line_for_each_horizons():
         for horizons, rows in rates[rates["error"] == error].groupby("horizons_ms"):
             expected = np.column_stack([rows["size_cm"], 100 * rows["return_rate"]])
             np.testing.assert_allclose(drawn[f"{horizons} ms"], expected)
-
-
-def test_no_horizons_are_left_out_however_many_there_are():
-    horizons = [f"{ahead}-{ahead + 5}-{ahead + 10}" for ahead in range(100, 280, 30)]
-    for axes in tolerance_figure(tolerated(horizons)).axes:
-        assert {f"{one} ms" for one in horizons} <= {line.get_label() for line in axes.lines}
-
-
-def test_what_missing_spin_costs_is_drawn_beside_it():
-    rates = tolerated()
-    drawn = {line.get_label(): line.get_ydata() for line in tolerance_figure(rates).axes[0].lines}
-    spinless = rates[rates["error"] == "no_spin"].set_index("horizons_ms")["return_rate"]
-    for horizons, rate in spinless.items():
-        np.testing.assert_allclose(drawn[f"{horizons} ms, zero spin"], 100 * rate)

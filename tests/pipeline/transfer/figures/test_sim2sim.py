@@ -1,11 +1,9 @@
 """The figure of the sim-to-sim experiment shows the numbers it was given."""
 
-import io
 from itertools import product
 
 import numpy as np
 import pandas as pd
-import pytest
 
 from pipeline.io.figure_style import apply_style
 from pipeline.transfer.figures.sim2sim import COLOURS, sim2sim_figure
@@ -45,43 +43,9 @@ def test_every_protocol_has_a_panel_with_two_bars_a_simulator_and_horizons():
             np.testing.assert_allclose(drawn, 100 * rows["return_rate"])
 
 
-def test_a_bar_stands_at_its_simulator_and_horizons():
-    rates = made_up(["first_state"])
-    axes = sim2sim_figure(rates).axes[0]
-    ticks = {tick.get_text(): [] for tick in axes.get_xticklabels()}
-    for place, tick in zip(axes.get_xticks(), axes.get_xticklabels(), strict=True):
-        ticks[tick.get_text()].append(place)
-    best = bars(axes, "ground_truth")[0]  # imperfect_a, 115-125
-    assert best.get_x() + best.get_width() == pytest.approx(ticks["imperfect a"][0])
-    below = axes.child_axes[0]
-    labels = [label.get_text() for label in below.get_xticklabels()]
-    assert labels == ["horizons 115–125 ms", "horizons 170–180 ms"]
-    assert list(below.get_xticks()) == [np.mean(block) for block in ([0, 1, 2], [3.5, 4.5, 5.5])]
-
-
 def test_whiskers_are_the_interval():
     rates = made_up(["first_state"])
     axes = sim2sim_figure(rates).axes[0]
     drawn = [path.vertices[:, 1] for lines in axes.collections for path in lines.get_paths()]
     rows = pd.concat([part for _, part in rates.groupby("predictor", sort=False)])
     np.testing.assert_allclose(drawn, 100 * rows[["ci_low", "ci_high"]])
-
-
-@pytest.mark.parametrize(("policies", "dots"), [(1, 0), (3, 12)])
-def test_single_policies_are_shown_where_there_are_several(policies, dots):
-    figure = sim2sim_figure(made_up(["first_state"], policies))
-    drawn = [line for line in figure.axes[0].lines if line.get_marker() == "o"]
-    legend = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert len(drawn) == dots
-    assert ("single policy" in legend) == (dots > 0)
-
-
-def test_the_same_rates_give_the_same_bytes():
-    apply_style()
-
-    def png():
-        buffer = io.BytesIO()
-        sim2sim_figure(made_up()).savefig(buffer, metadata={"Software": None})
-        return buffer.getvalue()
-
-    assert png() == png()
