@@ -17,11 +17,10 @@ from models.predictors.evaluation import (
 from models.predictors.protocol import Forecast
 from pipeline.benchmark.forecasts import read_forecasts
 from pipeline.benchmark.windows import run_sets
-from pipeline.evaluation.error_table import NUMBERS
 from pipeline.evaluation.predictors import NamedPredictor, read_predictors
 from pipeline.evaluation.test_windows import MeasuredSet
 from pipeline.io.artifacts import write_json
-from pipeline.io.metrics import place, rounded
+from pipeline.io.metrics import nested
 from pipeline.params import Params
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.progress import progress
@@ -91,11 +90,8 @@ def _errors(forecasts: dict[str, Forecast], one: MeasuredSet, params: Params) ->
 
 def write_scores(path: Path, scores: Scores) -> None:
     """Write all as JSON: ``{set: {predictor: {quantity: {horizon_ms: {mean, std, n, …}}}}}``."""
-    result: dict[str, Any] = {}
-    for row in scores.errors.to_dict("records"):
-        keys = (row["set"], row["predictor"], row["quantity"], row["horizon_ms"])
-        place(result, keys).update({name: rounded(row[name]) for name in NUMBERS})
-    write_json(path, result)
+    keys = ["set", "predictor", "quantity", "horizon_ms"]
+    write_json(path, nested(scores.errors, keys))
 
 
 def score_tables(scores: Scores) -> Iterator[Table]:

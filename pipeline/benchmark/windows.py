@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from numpy.typing import NDArray
 
 from models.predictors.errors import HORIZONS_MS
@@ -16,13 +15,14 @@ from models.predictors.windows import Windows
 from pipeline.benchmark.schemas import FORECASTS, WINDOWS, json_schema, type_of
 from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
 from pipeline.io.artifacts import write_json, write_table, write_text
+from pipeline.io.markdown import markdown_page
 from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, checked
 from pipeline.params import Params
 from pipeline.runtime.errors import InputError
 
 TABLE, SCHEMA, README = "windows.parquet", "schema.json", "README.md"
 ID_BYTES, DIGITS = 8, 6
-_TEMPLATES = Path(__file__).parent / "templates"
+_TEMPLATE = Path(__file__).parent / "templates" / "benchmark.md"
 
 
 def run_sets(root: Path, params: Params) -> list[MeasuredSet]:
@@ -115,15 +115,8 @@ def _rows(one: MeasuredSet) -> pd.DataFrame:
 
 
 def _readme(sets: Sequence[MeasuredSet]) -> str:
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        undefined=StrictUndefined,
-        keep_trailing_newline=True,
-        trim_blocks=True,
-        autoescape=False,
-    )
-    template = environment.get_template("benchmark.md")
-    return template.render(
+    return markdown_page(
+        _TEMPLATE,
         sets=sets,
         windows=WINDOWS,
         forecasts=FORECASTS,

@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 import torch
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from pydantic import BaseModel, ConfigDict, model_validator
 from safetensors import SafetensorError
 from safetensors.torch import load, save
@@ -13,11 +12,12 @@ from torch import Tensor
 from models.predictors.learned import ForecastNetwork, LearnedPredictor, build_network
 from models.predictors.settings import NetworkSettings, TrainingSettings
 from pipeline.io.artifacts import read_as, replacing_folder, write_json, write_text
+from pipeline.io.markdown import markdown_page
 from pipeline.params import with_current_keys
 from pipeline.runtime.errors import InputError
 
 WEIGHTS, DESCRIPTION, CARD = "weights.safetensors", "predictor.json", "MODEL_CARD.md"
-_TEMPLATES = Path(__file__).parent / "templates"
+_TEMPLATE = Path(__file__).parent / "templates" / "model_card.md"
 
 
 class Learning(BaseModel):
@@ -70,10 +70,11 @@ class TrainedPredictor(BaseModel):
 def save_predictor(folder: Path, network: ForecastNetwork, description: TrainedPredictor) -> None:
     """Write a trained predictor; the same weights give the same bytes."""
     weights = {name: value.contiguous().cpu() for name, value in network.state_dict().items()}
+    content = description.model_dump(mode="json")
     with replacing_folder(folder) as temporary:
         (temporary / WEIGHTS).write_bytes(save(weights))
-        write_json(temporary / DESCRIPTION, description.model_dump(mode="json"))
-        write_text(temporary / CARD, _model_card(description))
+        write_json(temporary / DESCRIPTION, content)
+        write_text(temporary / CARD, markdown_page(_TEMPLATE, **content))
 
 
 def read_description(folder: Path) -> TrainedPredictor:
@@ -120,15 +121,3 @@ def _read_weights(path: Path) -> dict[str, Tensor]:
         raise InputError(path, "there is no such file; run the stage train_predictor") from None
     except (OSError, SafetensorError, ValueError, KeyError) as error:
         raise InputError(path, f"is not a file of weights: {error}") from None
-
-
-def _model_card(description: TrainedPredictor) -> str:
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        undefined=StrictUndefined,
-        keep_trailing_newline=True,
-        trim_blocks=True,
-        autoescape=False,
-    )
-    content: dict[str, Any] = description.model_dump(mode="json")
-    return environment.get_template("model_card.md").render(content)

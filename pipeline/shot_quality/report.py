@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from models.shot_quality.shots import Shots
-from pipeline.io.metrics import place, rounded
+from pipeline.io.metrics import nested
 from pipeline.io.report_items import ReportFigure, ReportItem, ReportTable
 from pipeline.shot_quality.figures.returns import calibration_figure, medians_figure
 from pipeline.shot_quality.returns import KEYS, METRICS
@@ -131,15 +131,8 @@ def receiver_items(points: int, receivers: pd.DataFrame, medians: pd.DataFrame) 
 
 def metrics(quality: pd.DataFrame, scores: pd.DataFrame, receivers: pd.DataFrame) -> dict[str, Any]:
     """Return the values of the tables by their keys, without those that are not finite."""
-    result: dict[str, Any] = {}
-    _insert(place(result, ["returns"]), quality, KEYS)
-    _insert(place(result, ["scores"]), scores, ["outcome", "method"])
-    _insert(place(result, ["receivers"]), receivers, ["receiver"])
-    return result
-
-
-def _insert(target: dict[str, Any], table: pd.DataFrame, keys: list[str]) -> None:
-    for row in table.to_dict("records"):
-        values = {str(name): value for name, value in row.items() if name not in keys}
-        known = {name: rounded(value) for name, value in values.items() if np.isfinite(value)}
-        place(target, [row[key] for key in keys]).update(known)
+    return {
+        "returns": nested(quality, KEYS),
+        "scores": nested(scores, ["outcome", "method"]),
+        "receivers": nested(receivers, ["receiver"]),
+    }

@@ -1,9 +1,7 @@
 """The report of retrain_policy: metrics, figure, tables and their captions."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping
 
-import numpy as np
 import pandas as pd
 
 from models.ball.simulator import Simulator
@@ -11,7 +9,7 @@ from pipeline.evaluation.predictors import ARENA
 from pipeline.io.amended_simulators import verdict_path
 from pipeline.io.artifacts import read_as
 from pipeline.io.ground_truth import read_truth
-from pipeline.io.metrics import place, rounded
+from pipeline.io.metrics import nested
 from pipeline.io.report_items import ReportFigure, ReportTable
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Sim2RealSettings
@@ -46,7 +44,7 @@ def report_retraining(
         for source, one in replayed.items()
     ]
     table = pd.concat(tables, ignore_index=True)
-    run.write_metrics({"replayed": _nested(table, KEYS), "own_simulator": _nested(own, OWN)})
+    run.write_metrics({"replayed": nested(table, KEYS), "own_simulator": nested(own, OWN)})
     caption = (
         f"The policies of {settings.group} from {settings.simulator}, and the same policies "
         "retrained in the simulator amended from training shots of the source, with the same "
@@ -110,13 +108,3 @@ def report_parameters(run: StageRun, nominal: str, simulators: Mapping[str, Simu
             "from close_gap.",
         )
     )
-
-
-def _nested(table: pd.DataFrame, keys: Sequence[str]) -> dict[str, Any]:
-    """Return ``{key: {...: {column: value}}}``; values that are not finite are left out."""
-    metrics: dict[str, Any] = {}
-    for row in table.to_dict("records"):
-        values = {name: value for name, value in row.items() if name not in keys}
-        finite = {str(name): rounded(v) for name, v in values.items() if np.isfinite(v)}
-        place(metrics, [row[key] for key in keys]).update(finite)
-    return metrics

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.io.metrics import place, rounded
+from pipeline.io.metrics import nested, place
 from pipeline.io.report_items import ReportFigure, ReportTable
 from pipeline.runtime.stage_run import StageRun
 from pipeline.transfer.figures.sim2real import transfer_figure
@@ -118,14 +118,8 @@ def _metrics(table: pd.DataFrame, gains: pd.DataFrame) -> dict[str, Any]:
 
     The values of the rates' table, and ``gained_hits`` and ``gained_returns`` over physics.
     """
-    metrics: dict[str, Any] = {}
-    for row in table.to_dict("records"):
-        place(metrics, [row[key] for key in KEYS]).update(_values(row))
-    for row in gains.to_dict("records"):
-        keys = [*(row[key] for key in KEYS), f"gained_{row['outcome']}"]
-        place(metrics, keys).update(_values(row))
+    metrics = nested(table, KEYS)
+    for key, rows in gains.groupby(KEYS, sort=False):
+        gained = nested(rows.drop(columns=KEYS), ["outcome"])
+        place(metrics, key).update({f"gained_{name}": values for name, values in gained.items()})
     return metrics
-
-
-def _values(row: dict[Any, Any]) -> dict[str, float]:
-    return {name: rounded(value) for name, value in row.items() if name not in (*KEYS, "outcome")}
