@@ -4,25 +4,13 @@ from pipeline.evaluation.example_shots import read_shots
 from pipeline.io.artifacts import replacing, write_text
 from pipeline.io.report_manifest import read_contents
 from pipeline.paper.run_reports import Reports
+from pipeline.params import Params
 from pipeline.runtime.stage_run import StageRun, run_stage
 from pipeline.transfer.example_returns import read_returns
 from pipeline.web.pdf import write_pdf
 from pipeline.web.report_page import render_page
 
-STAGES = (
-    "ingest",
-    "segment",
-    "score_segmentation",
-    "train_predictor",
-    "close_gap",
-    "evaluate_predictor",
-    "train_policy",
-    "sim2sim",
-    "sim2real",
-    "shot_quality",
-    "retrain_policy",
-    "hidden_effects",
-)
+STAGES = [name for name in Params.model_fields if name not in ("seed", "report")]
 
 
 def report(run: StageRun) -> None:

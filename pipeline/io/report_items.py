@@ -20,7 +20,7 @@ from PIL import Image
 
 from pipeline.io.artifacts import replacing, write_csv
 from pipeline.io.figure_style import save_figure
-from pipeline.io.report_manifest import Item
+from pipeline.io.report_manifest import Item, Kind
 
 FRAME_MS, LAST_FRAME_MS = 40, 1000  # how long an animation shows each frame, and its last
 
@@ -37,8 +37,7 @@ class ReportFigure:
     @property
     def item(self) -> Item:
         """The entry in the report's contents.json."""
-        file = f"figures/{self.name}.png"
-        return Item(kind="figure", file=file, title=self.title, caption=self.caption)
+        return _item("figure", f"figures/{self.name}.png", self)
 
     def write(self, path: Path) -> None:
         """Draw the figure into a file."""
@@ -60,8 +59,7 @@ class ReportAnimation:
     @property
     def item(self) -> Item:
         """The entry in the report's contents.json."""
-        file = f"figures/{self.name}.png"
-        return Item(kind="animation", file=file, title=self.title, caption=self.caption)
+        return _item("animation", f"figures/{self.name}.png", self)
 
     def write(self, path: Path) -> None:
         """Write the frames into a file."""
@@ -83,7 +81,7 @@ class ReportTable:
     @property
     def item(self) -> Item:
         """The entry in the report's contents.json."""
-        return Item(kind="table", file=f"{self.name}.csv", title=self.title, caption=self.caption)
+        return _item("table", f"{self.name}.csv", self)
 
     def write(self, path: Path) -> None:
         """Write the table into a file."""
@@ -91,3 +89,7 @@ class ReportTable:
 
 
 ReportItem = ReportFigure | ReportAnimation | ReportTable
+
+
+def _item(kind: Kind, file: str, item: ReportItem) -> Item:
+    return Item(kind=kind, file=file, title=item.title, caption=item.caption)

@@ -19,12 +19,15 @@ from pipeline.runtime.errors import InputError
 SHOWN_DIGITS = 4  # of the largest number of a column; the file has them all
 
 
+Kind = Literal["figure", "animation", "table"]
+
+
 class Item(BaseModel):
     """A figure or animation (png) or table (csv); ``file`` is relative to the report's folder."""
 
     model_config = ConfigDict(extra="forbid")
 
-    kind: Literal["figure", "animation", "table"]
+    kind: Kind
     file: str
     title: str
     caption: str

@@ -30,130 +30,134 @@ def _number(limit: float | None = None, nullable: bool = False) -> pa.Column:
     return pa.Column(float, bounded, nullable=nullable)
 
 
+def _one_of(*values: str) -> pa.Column:
+    return pa.Column(str, pa.Check.isin(values))
+
+
+def _count(smallest: int) -> pa.Column:
+    return pa.Column(int, pa.Check.ge(smallest))
+
+
+def _schema(
+    name: str, columns: dict[str, pa.Column], description: str, checks: pa.Check | None = None
+) -> pa.DataFrameSchema:
+    return pa.DataFrameSchema(
+        columns, checks, strict=True, ordered=True, name=name, description=description
+    )
+
+
+_text, _flag, _id = pa.Column(str), pa.Column(bool), pa.Column(str, unique=True)
 _positions = {name: _number(FARTHEST_POSITION) for name in POSITION_COLUMNS}
 _velocities = {name: _number(FASTEST_BALL) for name in VELOCITY_COLUMNS}
 _spins = {name: _number(FASTEST_SPIN, nullable=True) for name in SPIN_COLUMNS}
+_player = _one_of("near", "far")
 
-_player = pa.Column(str, pa.Check.isin(["near", "far"]))
+
+def _steps(table: pd.DataFrame) -> pd.Series:
+    """Return the time from one sample of a recording to the next (s)."""
+    return table.groupby("recording_id", sort=False)["t"].diff().dropna()
+
 
 _time_forward = pa.Check(
-    lambda table: (table.groupby("recording_id", sort=False)["t"].diff().dropna() > 0).all(),
-    error="time must grow within every recording",
+    lambda table: (_steps(table) > 0).all(), error="time must grow within every recording"
 )
 
-RECORDINGS = pa.DataFrameSchema(
-    {"recording_id": pa.Column(str), "t": _number(), **_positions, **_spins},
-    checks=_time_forward,
-    strict=True,
-    ordered=True,
-    name="recordings",
-    description="measured balls, one row a sample, raw time stamps (s), table frame",
+RECORDINGS = _schema(
+    "recordings",
+    {"recording_id": _text, "t": _number(), **_positions, **_spins},
+    "measured balls, one row per sample, raw time stamps (s), table frame",
+    _time_forward,
 )
 
-LAUNCHES = pa.DataFrameSchema(
-    {"launch_id": pa.Column(str, unique=True), **_positions, **_velocities, **_spins},
-    strict=True,
-    ordered=True,
-    name="launches",
-    description="ball states just after a stroke, one row a launch",
+LAUNCHES = _schema(
+    "launches",
+    {"launch_id": _id, **_positions, **_velocities, **_spins},
+    "ball states just after a stroke, one row per launch",
 )
 
-POINTS = pa.DataFrameSchema(
+POINTS = _schema(
+    "points",
     {
-        "recording_id": pa.Column(str),
+        "recording_id": _text,
         "start": _number(),
         "end": _number(),
         "server": _player,
         "winner": _player,
-        "ended_by": pa.Column(str, pa.Check.isin(["net", "out", "double_bounce", "missed"])),
-        "strokes": pa.Column(int, pa.Check.ge(1)),
+        "ended_by": _one_of("net", "out", "double_bounce", "missed"),
+        "strokes": _count(1),
     },
-    checks=pa.Check(lambda table: table["end"] > table["start"], error="end must be after start"),
-    strict=True,
-    ordered=True,
-    name="points",
-    description="the umpire's record of simulated games, one row a point",
+    "the umpire's record of simulated games, one row per point",
+    pa.Check(lambda table: table["end"] > table["start"], error="end must be after start"),
 )
 
-TRUE_CONTACTS = pa.DataFrameSchema(
+TRUE_CONTACTS = _schema(
+    "true_contacts",
     {
-        "recording_id": pa.Column(str),
+        "recording_id": _text,
         "t": _number(),
-        "kind": pa.Column(str, pa.Check.isin(["launch", "racket", "table", "net", "floor"])),
+        "kind": _one_of("launch", "racket", "table", "net", "floor"),
         **_positions,
         **_velocities,
         **{name: _number(FASTEST_SPIN) for name in SPIN_COLUMNS},
     },
-    checks=pa.Check(
-        lambda table: (table.groupby("recording_id", sort=False)["t"].diff().dropna() >= 0).all(),
-        error="time must not go back within a recording",
+    "launches and contacts of a simulated ball, with its true state just after",
+    pa.Check(
+        lambda table: (_steps(table) >= 0).all(), error="time must not go back within a recording"
     ),
-    strict=True,
-    ordered=True,
-    name="true_contacts",
-    description="everything that changed a simulated ball, with its true state just after",
 )
 
-SAMPLES = pa.DataFrameSchema(
+SAMPLES = _schema(
+    "samples",
     {
-        "recording_id": pa.Column(str),
-        "episode_id": pa.Column(str),
-        "arc": pa.Column(int, pa.Check.ge(0)),
+        "recording_id": _text,
+        "episode_id": _text,
+        "arc": _count(0),
         "t": _number(),
         **_positions,
         **{name: _number() for name in VELOCITY_COLUMNS},
         **_spins,
-        "outlier": pa.Column(bool),
+        "outlier": _flag,
     },
-    checks=_time_forward,
-    strict=True,
-    ordered=True,
-    name="samples",
-    description="every episode's measured samples, with arc number, velocity and outlier mark",
+    "every episode's measured samples, with arc number, velocity and outlier mark",
+    _time_forward,
 )
 
-CONTACTS = pa.DataFrameSchema(
+CONTACTS = _schema(
+    "contacts",
     {
-        "recording_id": pa.Column(str),
-        "episode_id": pa.Column(str),
-        "kind": pa.Column(str, pa.Check.isin(["racket", "table", "floor", "unknown"])),
+        "recording_id": _text,
+        "episode_id": _text,
+        "kind": _one_of("racket", "table", "floor", "unknown"),
         "t": _number(),
         **_positions,
         "speed_change": _number(),
     },
-    strict=True,
-    ordered=True,
-    name="contacts",
-    description="where a ball's path breaks: an episode's start, inside it, a rally's end",
+    "breaks of a ball's path: an episode's start, inside it, a rally's end",
 )
 
-EPISODES = pa.DataFrameSchema(
+EPISODES = _schema(
+    "episodes",
     {
-        "episode_id": pa.Column(str, unique=True),
-        "recording_id": pa.Column(str),
-        "source": pa.Column(str),
+        "episode_id": _id,
+        "recording_id": _text,
+        "source": _text,
         "start": _number(),
         "end": _number(),
-        "starts_with": pa.Column(str, pa.Check.isin(["launch", "racket", "gap", "recording"])),
-        "ends_with": pa.Column(str, pa.Check.isin(["racket", "gap", "recording", "rally_end"])),
-        "samples": pa.Column(int, pa.Check.ge(1)),
-        "outliers": pa.Column(int, pa.Check.ge(0)),
-        "bounces": pa.Column(int, pa.Check.ge(0)),
+        "starts_with": _one_of("launch", "racket", "gap", "recording"),
+        "ends_with": _one_of("racket", "gap", "recording", "rally_end"),
+        "samples": _count(1),
+        "outliers": _count(0),
+        "bounces": _count(0),
         "residual": _number(),
-        "unbroken": pa.Column(bool),
-        "split": pa.Column(str, pa.Check.isin(SPLITS)),
-        "replay_set": pa.Column(
-            str, pa.Check.isin(["none", "stroke_pro", "stroke_uni", "receive"])
-        ),
+        "unbroken": _flag,
+        "split": _one_of(*SPLITS),
+        "replay_set": _one_of("none", "stroke_pro", "stroke_uni", "receive"),
     },
-    checks=pa.Check(
+    "one ball from a racket contact (or launch) to the next or to the rally's end",
+    pa.Check(
         lambda table: (table.groupby("recording_id")["split"].nunique() == 1).all(),
         error="every recording must be in one split",
     ),
-    strict=True,
-    ordered=True,
-    name="episodes",
-    description="one ball from a racket contact (or launch) to the next or to the rally's end",
 )
 
 

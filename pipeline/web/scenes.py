@@ -24,7 +24,7 @@ def shot_scenes(shots: Sequence[Shot]) -> dict[str, Any]:
 
     The error of a forecast is its distance from the ball at the same time.
     """
-    return _view([_shot_scene(one) for one in shots])
+    return _view([_shot_scene(shot) for shot in shots])
 
 
 def return_scenes(returns: Sequence[Return]) -> dict[str, Any]:
@@ -32,7 +32,7 @@ def return_scenes(returns: Sequence[Return]) -> dict[str, Any]:
 
     The error of a forecast is taken at the policy's horizon, until the racket contact.
     """
-    return _view([_return_scene(one) for one in returns])
+    return _view([_return_scene(played) for played in returns])
 
 
 def _view(scenes: list[dict[str, Any]]) -> dict[str, Any]:
@@ -53,7 +53,7 @@ def _view(scenes: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _shot_scene(shot: Shot) -> dict[str, Any]:
     measured = {"t": shot.t, "position": shot.measured}
-    last = max([shot.anchor, *(one.t[-1] for one in shot.forecasts.values())])
+    last = max([shot.anchor, *(forecast.t[-1] for forecast in shot.forecasts.values())])
     return {
         "name": shot.episode_id,
         "start": shot.t[0],
@@ -64,40 +64,42 @@ def _shot_scene(shot: Shot) -> dict[str, Any]:
         "measured": measured,
         "ball": measured,
         "judged": {"ahead": 0.0, "until": shot.t[-1]},
-        "forecasts": {name: [_shown(shot.t[0], one)] for name, one in shot.forecasts.items()},
+        "forecasts": {
+            name: [_forecast(shot.t[0], forecast)] for name, forecast in shot.forecasts.items()
+        },
         "arm": None,
     }
 
 
-def _shown(made: float, forecast: Forecast) -> dict[str, Any]:
-    return {"from": made, "t": forecast.t, "position": forecast.position}
+def _forecast(start: float, forecast: Forecast) -> dict[str, Any]:
+    return {"from": start, "t": forecast.t, "position": forecast.position}
 
 
-def _return_scene(one: Return) -> dict[str, Any]:
-    first, last = one.ball.t[0], one.ball.t[-1]
-    met = last if one.hit is None else one.hit
+def _return_scene(played: Return) -> dict[str, Any]:
+    first, last = played.ball.t[0], played.ball.t[-1]
+    met = last if played.hit is None else played.hit
     return {
-        "name": f"{one.name}, predictor {one.predictor.replace('_', ' ')}: {one.outcome}",
+        "name": f"{played.name}, predictor {played.predictor.replace('_', ' ')}: {played.outcome}",
         "start": first,
         "end": last,
         "zero": met,
-        "shown": max(met - one.horizon, first),
+        "shown": max(met - played.horizon, first),
         "seen": None,
-        "measured": one.measured.model_dump(),
-        "ball": one.ball.model_dump(),
-        "judged": {"ahead": one.horizon, "until": met},
+        "measured": played.measured.model_dump(),
+        "ball": played.ball.model_dump(),
+        "judged": {"ahead": played.horizon, "until": met},
         "forecasts": {
-            name: [_shown(told.at, told.track) for told in own]
-            for name, own in one.forecasts.items()
+            name: [_forecast(timed.at, timed.track) for timed in timed_forecasts]
+            for name, timed_forecasts in played.forecasts.items()
         },
-        "arm": _arm(one),
+        "arm": _arm(played),
     }
 
 
-def _arm(one: Return) -> dict[str, Any]:
-    points, normals = arm_lines(one.joints)
+def _arm(played: Return) -> dict[str, Any]:
+    points, normals = arm_lines(played.joints)
     return {
-        "t": (one.frame * np.arange(len(points))).round(6).tolist(),
+        "t": (played.frame * np.arange(len(points))).round(6).tolist(),
         "links": points.round(3).reshape(len(points), -1).tolist(),
         "normal": normals.round(3).tolist(),
     }

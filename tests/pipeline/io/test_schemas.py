@@ -109,18 +109,9 @@ def test_a_file_at_fault_is_named_with_the_column(tmp_path, table, contract):
             read_checked(path, contract)
 
 
-@pytest.mark.parametrize(("table", "contract"), TABLES)
-def test_a_missing_unknown_or_displaced_column_is_named(table, contract):
-    good = table()
-    last = good.columns[-1]
-
-    for broken, problem in [
-        (good.drop(columns=last), f"{last}: is missing"),
-        (good.assign(extra=1.0), "extra: is no column of this table"),
-        (good[good.columns[::-1]], "is out of order"),
-    ]:
-        with pytest.raises(InputError, match=f"table of {contract.name}, .*{problem}"):
-            checked(broken, contract)
+def test_a_displaced_column_is_named():
+    with pytest.raises(InputError, match=r"table of launches, .*is out of order"):
+        checked(launches().iloc[:, ::-1], LAUNCHES)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ import sys
 import pytest
 
 from pipeline.runtime.determinism import ARITHMETIC
-from tests.test_repository import PIPELINE, STAGES
 
 pytestmark = pytest.mark.skipif(
     platform.machine() not in ("x86_64", "AMD64"), reason="other processors have no AVX2"
@@ -40,8 +39,3 @@ def test_libraries_use_nothing_wider_than_avx2():
 def test_who_sets_another_arithmetic_keeps_it():
     program = "import os, pipeline; print(os.environ['OPENBLAS_CORETYPE'])"
     assert fresh(program, OPENBLAS_CORETYPE="Zen") == ["Zen"]
-
-
-@pytest.mark.parametrize("stage", STAGES)
-def test_a_stage_runs_anew_when_the_arithmetic_changes(stage):
-    assert "pipeline/runtime" in PIPELINE["stages"][stage]["deps"]

@@ -71,10 +71,6 @@ def test_results_come_in_the_order_of_the_tasks(tmp_path):
     assert processes(tmp_path) == {os.getpid()}
 
 
-def test_no_task_is_no_work():
-    assert list(parallel([])) == []
-
-
 def test_a_task_has_one_thread():
     assert list(parallel([threads])) == [{1}]
 

@@ -43,13 +43,6 @@ def test_a_folder_that_is_there_or_can_be_made_is_accepted(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_relative_folder_is_one_of_the_working_directory(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "notes").touch()
-    with pytest.raises(InputError, match=r"^notes: is a file"):
-        check_folder(type(tmp_path)("notes"))
-
-
 def test_what_is_a_file_or_below_one_is_refused_by_the_file(tmp_path):
     notes = tmp_path / "notes.txt"
     notes.touch()

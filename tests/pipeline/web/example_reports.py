@@ -79,19 +79,19 @@ def made_up_return(**changes) -> Return:
         "ball": ball,
         "frame": 0.02,
         "joints": [(0.1 * s, 0.0, 0.2 * s, 0.0, 0.0, 0.1 * s) for s in np.linspace(0, 1, 46)],
-        "forecasts": {name: _told(offset) for name, offset in OFFSETS.items()},
+        "forecasts": {name: _timed(offset) for name, offset in OFFSETS.items()},
     }
     return Return(**{**plain, **changes})
 
 
-def _told(offset: tuple[float, float, float]) -> list[TimedForecast]:
-    """What is told at 55, 95, ... ms."""
-    told = []
+def _timed(offset: tuple[float, float, float]) -> list[TimedForecast]:
+    """Forecasts at 55, 95, ... ms."""
+    timed = []
     for at in np.arange(0.055, 0.5, 0.04).round(6):
         ahead = (at + np.arange(0.02, 0.301, 0.02)).round(6)
         places = (bouncing_ball(ahead) + offset).tolist()
-        told.append(TimedForecast(at=at, track=Forecast(t=ahead.tolist(), position=places)))
-    return told
+        timed.append(TimedForecast(at=at, track=Forecast(t=ahead.tolist(), position=places)))
+    return timed
 
 
 def moving_dot() -> list[np.ndarray]:

@@ -30,14 +30,6 @@ def group(table):
     return table["recording_id"].str.split("/").str[1]
 
 
-def test_it_needs_no_folder_and_says_that_it_is_synthetic(session):
-    record = session.manifest.sources["arena"]
-
-    assert record.note.startswith("Synthetic: simulated")
-    assert (record.rate_hz, record.files) == (ARENA.rate_hz, [])
-    assert record.recordings == session.recordings["recording_id"].nunique()
-
-
 def test_shots_of_the_cannon_begin_with_a_launch_and_games_do_not(session):
     ids = session.recordings["recording_id"].drop_duplicates()
 
@@ -79,13 +71,6 @@ def test_a_cluster_that_is_not_there_is_an_error_and_leaves_nothing(tmp_path, mo
     with pytest.raises(InputError, match=f"{CLUSTER}: no scheduler answers"):
         written(tmp_path, 1)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_another_seed_gives_other_balls_and_other_physics():
-    one, other = read(None, "arena"), read(None, "arena", seed=1)
-
-    assert not one.recordings.equals(other.recordings)
-    assert one.truth["simulator"] != other.truth["simulator"]
 
 
 def test_the_sealed_truth_is_the_seed_s_and_can_be_read_again(session):

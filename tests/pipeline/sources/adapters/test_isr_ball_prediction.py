@@ -44,15 +44,6 @@ def test_a_refused_sample_is_named_with_its_shot(tmp_path):
     assert record.rows_refused["not a number"].rows == {"no_spin.hdf5/originals/2": [3]}
 
 
-def test_a_shot_without_samples_is_one_error(tmp_path):
-    path = write_isr(tmp_path)
-    change(path, "originals/2/time_stamps", np.zeros(0))
-    change(path, "originals/2/positions", np.zeros((0, 3)))
-
-    with pytest.raises(InputError, match="shot 2 has no samples"):
-        read(tmp_path, "isr_ball_prediction")
-
-
 @pytest.mark.parametrize(
     ("name", "value"),
     [
@@ -72,12 +63,19 @@ def test_another_hdf5_file_is_one_error(tmp_path, name, value):
         read(tmp_path, "isr_ball_prediction")
 
 
-def test_samples_in_another_shape_are_one_error(tmp_path):
+@pytest.mark.parametrize(
+    ("times", "positions", "problem"),
+    [
+        (np.zeros(0), np.zeros((0, 3)), "shot 2 has no samples"),
+        (TIMES[:, None], PATH[:, None], "shot 2 has"),
+    ],
+)
+def test_a_shot_of_another_shape_is_one_error(tmp_path, times, positions, problem):
     path = write_isr(tmp_path)
-    change(path, "originals/2/time_stamps", TIMES[:, None])
-    change(path, "originals/2/positions", PATH[:, None])
+    change(path, "originals/2/time_stamps", times)
+    change(path, "originals/2/positions", positions)
 
-    with pytest.raises(InputError, match="shot 2 has"):
+    with pytest.raises(InputError, match=problem):
         read(tmp_path, "isr_ball_prediction")
 
 

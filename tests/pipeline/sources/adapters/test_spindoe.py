@@ -5,7 +5,7 @@ import pytest
 
 from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
 from pipeline.runtime.errors import InputError
-from tests.pipeline.sources.made_up import PATH, SPIN, TIMES, read, write_lines, write_spindoe
+from tests.pipeline.sources.made_up import PATH, SPIN, TIMES, read, write_spindoe
 
 
 def test_positions_and_times_are_left_as_they_are(tmp_path):
@@ -81,14 +81,6 @@ def test_the_index_is_needed(tmp_path):
     write_spindoe(tmp_path).with_name("index.csv").unlink()
 
     with pytest.raises(InputError, match=r"index\.csv: there is no such file"):
-        read(tmp_path, "spindoe")
-
-
-def test_an_index_with_another_header_is_an_error(tmp_path):
-    write_spindoe(tmp_path)
-    write_lines(tmp_path / "spindoe" / "index.csv", ["file,spin", "1,2"])
-
-    with pytest.raises(InputError, match=r"index\.csv, row 1: the first line must be traj_file"):
         read(tmp_path, "spindoe")
 
 

@@ -10,19 +10,13 @@ from tests.pipeline.sources.made_up import PATH, TIMES, read, write_tt3d
 def test_positions_and_the_running_clock_are_left_as_they_are(tmp_path):
     write_tt3d(tmp_path)
 
-    recordings = read(tmp_path, "tt3d").recordings
+    gathered = read(tmp_path, "tt3d")
 
+    recordings = gathered.recordings
     assert set(recordings["recording_id"]) == {"tt3d/003"}
     assert np.array_equal(recordings["t"], TIMES + 15.0)
     assert np.array_equal(recordings[POSITION_COLUMNS], PATH)
-
-
-def test_there_is_no_spin(tmp_path):
-    write_tt3d(tmp_path)
-
-    gathered = read(tmp_path, "tt3d")
-
-    assert gathered.recordings[SPIN_COLUMNS].isna().all(axis=None)
+    assert recordings[SPIN_COLUMNS].isna().all(axis=None)
     assert gathered.manifest.sources["tt3d"].spin == "none"
 
 

@@ -104,27 +104,6 @@ def test_strokes_are_compared_with_strokes_of_their_kind_only():
     assert launch_distributions(drawn)["distance to measured"].isna().all()
 
 
-def test_without_launches_the_table_has_only_its_columns():
-    nothing = simulated_launches(true_contacts())
-
-    assert list(launch_distributions(nothing).columns)[:3] == ["stroke", "quantity", "group"]
-    assert launch_distributions(nothing).empty
-
-
-def test_a_line_is_a_group_s_distribution_function():
-    random = np.random.default_rng(0)
-    drawn = made_up("rally", random, amateur=0.0, pro=3.0)
-
-    figure = launches_figure(drawn)
-
-    amateur, pro = figure.axes[0].lines
-    assert (amateur.get_label(), pro.get_label()) == ("amateur", "pro")
-    values, shares = amateur.get_data()
-    speeds = drawn["speed"][drawn["group"] == "amateur"]
-    at = np.searchsorted(values, np.median(speeds))
-    assert shares[at] == pytest.approx(0.5, abs=0.01)
-
-
 def test_a_kind_of_stroke_that_nobody_played_has_no_panels():
     drawn = made_up("serve", np.random.default_rng(0), club=0.0)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.io.schemas import POSITION_COLUMNS, VELOCITY_COLUMNS
+from pipeline.io.schemas import POSITION_COLUMNS
 from pipeline.sources.figures.measured_balls import (
     DRAWN_BALLS,
     DRAWN_LAUNCHES,
@@ -27,23 +27,6 @@ def test_a_source_is_drawn_from_the_side_and_from_above():
     assert points(side).tolist() == [[1.0, 0.3], [-1.0, 0.4]]
     assert points(above).tolist() == [[1.0, 0.1], [-1.0, 0.2]]
     assert side.get_title(loc="left") + side.get_title() == "hall, from the side"
-
-
-def test_seen_from_above_x_points_down_where_y_points_right():
-    above = measured_balls_figure({"hall": BALLS}).axes[1]
-
-    assert above.get_xlim()[0] < above.get_xlim()[1]
-    assert above.get_ylim()[0] > above.get_ylim()[1]
-
-
-def test_a_launch_is_drawn_with_its_way():
-    launches = BALLS.assign(**dict.fromkeys(VELOCITY_COLUMNS, 1.0))
-
-    side = measured_balls_figure({"launches": launches}).axes[0]
-
-    starts, ends = side.lines[-2].get_xydata()
-    assert starts.tolist() == [1.0, 0.3]
-    assert np.allclose(ends - starts, 0.03)
 
 
 def test_of_many_launches_an_even_choice_is_drawn():
@@ -69,7 +52,3 @@ def test_rows_are_drawn_once_each(rows):
     chosen = drawn_rows(rows, launches=False)
 
     assert len(set(chosen)) == len(chosen) == min(rows, DRAWN_BALLS)
-
-
-def test_of_few_balls_all_are_drawn():
-    assert drawn_rows(3, launches=False).tolist() == [0, 1, 2]
