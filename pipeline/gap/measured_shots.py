@@ -75,14 +75,14 @@ def read_shots(folder: Path | str, source: str) -> MeasuredShots:
     settings = SegmentSettings(noise=_noise(parts))
     episodes = _episodes(parts, manifest, settings)
     record = next(iter(manifest.sources.values()))
-    chosen = [one for one in episodes if is_shot(one)]
+    chosen = [member for member in episodes if is_shot(member)]
     return MeasuredShots(
         name=record.name,
         shots=shots_of(chosen),
         recordings=record.recordings,
         refused=record.refused_counts,
         episodes=len(episodes),
-        bounces=sum(bool(one.episode.arc.any()) for one in chosen),
+        bounces=sum(bool(member.episode.arc.any()) for member in chosen),
         noise=settings.noise,
     )
 

@@ -17,26 +17,26 @@ def read_training_shots(artifacts: Path) -> dict[str, list[MeasuredEpisode]]:
     """
     manifest = read_manifest(artifacts / "ingest" / "manifest.json")
     episodes = read_episodes(artifacts / "segment", manifest.labelled_once, splits=("train",))
-    chosen: dict[str, list[MeasuredEpisode]] = {one.source: [] for one in episodes}
-    for one in filter(is_shot, episodes):
-        chosen[one.source].append(one)
+    chosen: dict[str, list[MeasuredEpisode]] = {member.source: [] for member in episodes}
+    for member in filter(is_shot, episodes):
+        chosen[member.source].append(member)
     return dict(sorted(chosen.items()))
 
 
 def shots_of(episodes: Sequence[MeasuredEpisode]) -> Shots:
     """Return episodes as the gap workflow takes them."""
     return Shots.from_arrays(
-        [one.episode.times for one in episodes],
-        [one.episode.positions for one in episodes],
-        [one.episode.spins for one in episodes],
-        names=[one.episode_id for one in episodes],
-        groups=[one.recording_id for one in episodes],
+        [member.episode.times for member in episodes],
+        [member.episode.positions for member in episodes],
+        [member.episode.spins for member in episodes],
+        names=[member.episode_id for member in episodes],
+        groups=[member.recording_id for member in episodes],
     )
 
 
-def is_shot(one: MeasuredEpisode) -> bool:
+def is_shot(member: MeasuredEpisode) -> bool:
     """Return whether an episode is unbroken, long enough, and touches nothing but the table."""
-    times = one.episode.times
-    touches = int(one.episode.arc.max())
-    bounces = int((one.episode.bounces < times[-1]).sum())
-    return one.unbroken and len(times) > DEFAULTS.observed_samples and touches == bounces
+    times = member.episode.times
+    touches = int(member.episode.arc.max())
+    bounces = int((member.episode.bounces < times[-1]).sum())
+    return member.unbroken and len(times) > DEFAULTS.observed_samples and touches == bounces

@@ -1,7 +1,7 @@
 """Tables and metrics of many verdicts."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -90,22 +90,26 @@ def metrics(diagnosed: Sequence[Diagnosed]) -> dict[str, Any]:
 
 def verdict_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
     """Return one row per case: the verdict, with its causes in text."""
-    return pd.DataFrame([{**_case(one), **_verdict(one)} for one in diagnosed])
+    return pd.DataFrame([{**_case(diagnosis), **_verdict(diagnosis)} for diagnosis in diagnosed])
 
 
 def cause_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
     """Return one row per case and cause."""
-    rows = [{**_case(one), **_cause(cause)} for one in diagnosed for cause in one.verdict.causes]
+    rows = [
+        {**_case(diagnosis), **_cause(cause)}
+        for diagnosis in diagnosed
+        for cause in diagnosis.verdict.causes
+    ]
     return pd.DataFrame(rows, columns=[*CASE, *CAUSE, "possible"])
 
 
 def error_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
     """Return one row per case and horizon: errors on held-out shots."""
     rows = [
-        {**_case(one), **row}
-        for one in diagnosed
-        if one.verdict.gap
-        for row in _errors(one.verdict.gap)
+        {**_case(diagnosis), **row}
+        for diagnosis in diagnosed
+        if diagnosis.verdict.gap
+        for row in _errors(diagnosis.verdict.gap)
         if FIRST_MS <= row["horizon_ms"] <= LAST_MS
     ]
     return pd.DataFrame(rows, columns=[*CASE, *ERRORS])
@@ -126,7 +130,7 @@ def stability_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
             "splits": len(cases),
         }
         members = causes[(causes[CASE[:2]] == setting).all(axis=1)]
-        rows += [{**row, **one} for one in _over_splits(members)] or [row]
+        rows += [{**row, **cause} for cause in _over_splits(members)] or [row]
     columns = ["verdicts", "cause", "unit", "found", "splits", "estimate", "lowest", "highest"]
     return pd.DataFrame(rows, columns=[*CASE[:2], *columns])
 
@@ -145,27 +149,22 @@ def _over_splits(causes: pd.DataFrame) -> list[dict[str, Any]]:
     ]
 
 
-def _errors(gap: Gap) -> Iterator[dict[str, float]]:
-    for ms, before, before_interval, after, after_interval, floor in zip(
-        gap.horizons_ms,
-        gap.before_mm,
-        gap.before_interval_mm,
-        gap.after_mm,
-        gap.after_interval_mm,
-        gap.floor_mm,
-        strict=True,
-    ):
-        values = (ms, before, *before_interval, after, *after_interval, floor)
-        yield dict(zip(ERRORS, values, strict=True))
+def _errors(gap: Gap) -> list[dict[str, float]]:
+    before, after = (
+        zip(*gap.before_interval_mm, strict=True),
+        zip(*gap.after_interval_mm, strict=True),
+    )
+    columns = (gap.horizons_ms, gap.before_mm, *before, gap.after_mm, *after, gap.floor_mm)
+    return [dict(zip(ERRORS, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
-def _case(one: Diagnosed) -> dict[str, Any]:
-    values = (one.case.source, one.case.simulator_name, one.case.split)
+def _case(diagnosis: Diagnosed) -> dict[str, Any]:
+    values = (diagnosis.case.source, diagnosis.case.simulator_name, diagnosis.case.split)
     return dict(zip(CASE, values, strict=True))
 
 
-def _verdict(one: Diagnosed) -> dict[str, Any]:
-    verdict, gap = one.verdict, one.verdict.gap
+def _verdict(diagnosis: Diagnosed) -> dict[str, Any]:
+    verdict, gap = diagnosis.verdict, diagnosis.verdict.gap
     closed = landing = (np.nan, np.nan, np.nan)
     reduction = (np.nan, np.nan)
     if gap and gap.removable_closed is not None and gap.removable_closed_interval:
@@ -175,7 +174,7 @@ def _verdict(one: Diagnosed) -> dict[str, Any]:
     if gap and gap.landing:
         landing = (gap.landing.before_mm, gap.landing.after_mm, gap.landing.floor_mm)
     return {
-        "shots": len(one.case.shots),
+        "shots": len(diagnosis.case.shots),
         "verdict": verdict.verdict,
         "causes": "; ".join(_text(cause) for cause in verdict.causes) or None,
         "unexplained": verdict.unexplained.share,

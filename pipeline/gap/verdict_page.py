@@ -32,22 +32,24 @@ def render_gap_page(
     return template.render(
         answer=verdict.verdict.replace("_", " "),
         sentences=findings.sentences,
-        figures={one.name: _shown(one, folder) for one in figures},
+        figures={figure.name: _shown(figure, folder) for figure in figures},
         causes=_table(_causes(findings)) if verdict.causes else None,
         growth=_table(_growth(located)) if located and located.growth else None,
         errors=_table(_errors(gap)) if gap else None,
         reduction=_reduction(gap) if gap else "",
         detectable=_table(_detectable(findings)),
-        not_identifiable=[f"{one}: {title(one)}" for one in verdict.not_identifiable],
+        not_identifiable=[
+            f"{identity}: {title(identity)}" for identity in verdict.not_identifiable
+        ],
         limitations=verdict.limitations,
         amended=amended,
         facts=_facts(findings),
     )
 
 
-def _shown(one: ReportFigure, folder: Path) -> dict[str, str]:
-    source = read_figure(folder / f"{one.name}.png")
-    return {"title": one.title, "caption": one.caption, "source": source}
+def _shown(figure: ReportFigure, folder: Path) -> dict[str, str]:
+    source = read_figure(folder / f"{figure.name}.png")
+    return {"title": figure.title, "caption": figure.caption, "source": source}
 
 
 def _table(columns: dict[str, list[str]]) -> dict[str, Any]:
@@ -62,33 +64,34 @@ def _table(columns: dict[str, list[str]]) -> dict[str, Any]:
 def _causes(findings: Findings) -> dict[str, list[str]]:
     causes = findings.verdict.causes
     return {
-        "cause": [one.identity for one in causes],
-        "kind": [KIND_NAMES[one.kind] for one in causes],
-        "simulator ": [number(one.nominal) for one in causes],
-        "estimate ": [with_unit(one.estimate, one.unit) for one in causes],
-        "95 % interval ": [interval_text(one.interval) for one in causes],
-        "p ": [_p_cell(one.p_value) for one in causes],
-        "share of the gap ": [percent(one.gap_share) for one in causes],
-        "not separable from": [", ".join(one.alternatives) or "–" for one in causes],
-        "recommended experiment": [findings.separating_experiment(one) or "–" for one in causes],
+        "cause": [cause.identity for cause in causes],
+        "kind": [KIND_NAMES[cause.kind] for cause in causes],
+        "simulator ": [number(cause.nominal) for cause in causes],
+        "estimate ": [with_unit(cause.estimate, cause.unit) for cause in causes],
+        "95 % interval ": [interval_text(cause.interval) for cause in causes],
+        "p ": [_p_cell(cause.p_value) for cause in causes],
+        "share of the gap ": [percent(cause.gap_share) for cause in causes],
+        "not separable from": [", ".join(cause.alternatives) or "–" for cause in causes],
+        "recommended experiment": [
+            findings.separating_experiment(cause) or "–" for cause in causes
+        ],
     }
 
 
 def _growth(located: Located) -> dict[str, list[str]]:
     return {
-        "covariate": [one.covariate for one in located.growth],
-        "bins ": [str(len(one.centres)) for one in located.growth],
-        "share of the variance ": [percent(one.share) for one in located.growth],
-        "p ": [_p_cell(one.p_value) for one in located.growth],
+        "covariate": [growth.covariate for growth in located.growth],
+        "bins ": [str(len(growth.centres)) for growth in located.growth],
+        "share of the variance ": [percent(growth.share) for growth in located.growth],
+        "p ": [_p_cell(growth.p_value) for growth in located.growth],
     }
 
 
 def _errors(gap: Gap) -> dict[str, list[str]]:
+    errors = zip(gap.horizons_ms, gap.before_mm, gap.after_mm, gap.floor_mm, strict=True)
     rows = [
         (f"position, {horizon} ms ahead", *(f"{size:.1f} mm" for size in sizes))
-        for horizon, *sizes in zip(
-            gap.horizons_ms, gap.before_mm, gap.after_mm, gap.floor_mm, strict=True
-        )
+        for horizon, *sizes in errors
     ]
     if gap.landing:
         places, times = zip(*gap.landing.sizes, strict=True)

@@ -30,7 +30,7 @@ GRAVITY = 9.81  # m/s^2
 
 
 def of_bounces(flown: Flown) -> Terms:
-    """Return the terms of bounces of balls."""
+    """Return the terms of bounces."""
     count = (flown.linear.nuisance_count - STATE_SIZE) // KICK_SIZE
     impacts = [_ends(arc, len(flown.states)) for arc in flown.arcs[:count]]
     return Terms.together([_of_kicks(flown.linear, impacts), _of_jumps(flown, impacts)])
@@ -76,7 +76,7 @@ def _factors(states: Floats) -> Floats:
 
 
 def _of_jumps(flown: Flown, impacts: list[Floats]) -> Terms:
-    """Return jumps of the state after bounces of balls that had (B, 9) states before."""
+    """Return jumps of the state after bounces, given the (B, 9) states before them."""
     count, width, _ = flown.states.shape
     changes = np.zeros((count, width, STATE_SIZE, len(JUMPS)))
     for number, before in enumerate(impacts[: len(flown.arcs) - 1]):
@@ -87,7 +87,7 @@ def _of_jumps(flown: Flown, impacts: list[Floats]) -> Terms:
 
 
 def _jumps(before: Floats, after: Floats) -> Floats:
-    """Return the (B, 9, J) jumps of balls that bounce from one (B, 9) state to another.
+    """Return the (B, 9, J) jumps at bounces, given the (B, 9) states before and after them.
 
     A surface higher by h is met h / |v_z| earlier, when the ball fell less fast.
     """
@@ -106,13 +106,13 @@ def _fall(states: Floats) -> Floats:
 
 
 def _ends(arc: Arc, count: int) -> Floats:
-    """Return the (B, 9) states of balls that bounce where an arc ends, NaN of all others."""
+    """Return the (B, 9) states where an arc ends with a bounce, else NaN."""
     last = arc.inside.argmax(axis=1) + arc.inside.sum(axis=1) - 1
     return _states(arc, last, np.asarray(arc.beyond.any(axis=1)), count)
 
 
 def _starts(arc: Arc, count: int) -> Floats:
-    """Return the (B, 9) states of balls where an arc begins, NaN of all others."""
+    """Return the (B, 9) states at the start of an arc, NaN of balls without it."""
     return _states(arc, arc.inside.argmax(axis=1), np.ones(len(arc.rows), dtype=bool), count)
 
 

@@ -1,13 +1,10 @@
-"""Discrepancy: how far balls are from where they were predicted, after the launch is fitted.
+"""Discrepancy of predictions whose launch is fitted to the first samples and labels of a shot.
 
-A prediction is launched from the first samples of a shot and the labels among them, as the
-simulator reads them. A difference from the simulator shifts this fitted launch as well, and only
-the rest of it shows later: near fitted shots (linearize.py)
+A departure F from the simulator shifts the fitted launch as well: near fitted shots (linearize.py)
 
     discrepancy of F = F - G (G'WG)^-1 G'WF,    the products over the first samples alone,
 
-with G the columns of the launch. Spins without a label are held at those of the whole path: a
-prediction that does not know them would err by this alone.
+with G the columns of the launch. Spins without a label are held at those of the whole path.
 """
 
 import numpy as np

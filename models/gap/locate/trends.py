@@ -28,7 +28,7 @@ def trends_against(
     Shots whose discrepancy is NaN are left out, and covariates in which shots hardly differ.
     """
     there = np.isfinite(discrepancies).all(axis=1)
-    axes = [replace(one, values=one.values[there]) for one in axes]
+    axes = [replace(axis, values=axis.values[there]) for axis in axes]
     discrepancies = discrepancies[there]
     binned = [(axis, bins) for axis in axes if len(bins := _bins(axis, settings)) > 1]
     if not binned:
@@ -38,7 +38,7 @@ def trends_against(
         _growth(axis, bins, discrepancies, float(p_value))
         for (axis, bins), p_value in zip(binned, p_values, strict=True)
     ]
-    return tuple(sorted(found, key=lambda one: (one.p_value, -one.share)))
+    return tuple(sorted(found, key=lambda growth: (growth.p_value, -growth.share)))
 
 
 def means_and_margins(discrepancies: Floats) -> tuple[Floats, Floats]:

@@ -1,8 +1,7 @@
 """Intervals of estimates within physical bounds.
 
-The 95 % interval of a value within bounds holds the likeliest values with 95 % of the probability
-that its normal distribution has between them. Far from the bounds it is the usual one; at a bound
-it ends there, and it always holds the estimate.
+The interval holds the likeliest values with 95 % of the probability that a normal distribution has
+between the bounds.
 """
 
 import numpy as np

@@ -26,9 +26,10 @@ def discrepancy_figure(located: Located) -> ReportFigure:
     left, right = figure.subplots(1, 2)
     times = np.concatenate([[0.0], 1000 * located.horizons])
     bands = [
-        np.concatenate([[0.0], 1000 * located.discrepancy * located.shares[one]]) for one in PHASES
+        np.concatenate([[0.0], 1000 * located.discrepancy * located.shares[phase]])
+        for phase in PHASES
     ]
-    names = [f"{PLACES[one]}, {percent(located.phase_shares[one])}" for one in PHASES]
+    names = [f"{PLACES[phase]}, {percent(located.phase_shares[phase])}" for phase in PHASES]
     left.stackplot(times, bands, colors=PHASE_COLOURS.values(), labels=names, lw=0)
     left.plot(times, np.sum(bands, axis=0), color=INK, lw=1.2)
     left.set_ylabel("root mean square discrepancy (mm)")

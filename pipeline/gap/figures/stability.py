@@ -26,9 +26,9 @@ def closing_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
     figure = Figure(figsize=(FIGURE_WIDTH, 3.6))
     panels = figure.subplots(1, len(simulators), sharey=True, squeeze=False)[0]
     for axes, simulator in zip(panels, simulators, strict=True):
-        for one in diagnosed:
-            if one.case.simulator_name == simulator and one.verdict.gap:
-                draw_errors(axes, one.verdict.gap)
+        for diagnosis in diagnosed:
+            if diagnosis.case.simulator_name == simulator and diagnosis.verdict.gap:
+                draw_errors(axes, diagnosis.verdict.gap)
         axes.set(title=_title(simulator), xlabel="prediction horizon (ms)")
     panels[0].set_ylim(bottom=0)
     panels[0].set_ylabel("position error (mm)")
@@ -46,7 +46,9 @@ def closing_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
 def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
     """Draw the causes on one source, a panel per simulator and a mark per split."""
     source, simulators = diagnosed[0].case.source, _simulators(diagnosed)
-    names = list(dict.fromkeys(c.identity for one in diagnosed for c in one.verdict.causes))
+    names = list(
+        dict.fromkeys(c.identity for diagnosis in diagnosed for c in diagnosis.verdict.causes)
+    )
     figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW_HEIGHT * len(names) / 1.6))
     panels = figure.subplots(1, len(simulators), sharex=True, sharey=True, squeeze=False)[0]
     for axes, simulator in zip(panels, simulators, strict=True):
@@ -68,18 +70,18 @@ def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
 
 def _draw_causes(axes: Axes, diagnosed: Sequence[Diagnosed], names: Sequence[str]) -> None:
     shade_undetectable(axes)
-    for place, one in enumerate(diagnosed):
+    for place, diagnosis in enumerate(diagnosed):
         offset = SPREAD * ((place + 0.5) / len(diagnosed) - 0.5)
-        for cause in one.verdict.causes:
+        for cause in diagnosis.verdict.causes:
             row = names.index(cause.identity) + offset
-            draw_departure(axes, row, cause, one.verdict, line=2, mark=4)
+            draw_departure(axes, row, cause, diagnosis.verdict, line=2, mark=4)
     axes.set_xscale("symlog", linthresh=1.0, linscale=0.3)
     axes.xaxis.set_major_formatter("{x:g}")
     axes.grid(axis="y", visible=False)
 
 
 def _simulators(diagnosed: Sequence[Diagnosed]) -> list[str]:
-    return list(dict.fromkeys(one.case.simulator_name for one in diagnosed))
+    return list(dict.fromkeys(diagnosis.case.simulator_name for diagnosis in diagnosed))
 
 
 def _title(name: str) -> str:

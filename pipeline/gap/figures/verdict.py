@@ -38,7 +38,7 @@ def causes_figure(verdict: Verdict) -> ReportFigure:
     shade_undetectable(axes)
     for row, cause in enumerate(verdict.causes):
         _draw_cause(axes, row, cause, verdict)
-    axes.set_yticks(range(rows), [one.identity for one in verdict.causes])
+    axes.set_yticks(range(rows), [cause.identity for cause in verdict.causes])
     axes.set_ylim(rows - 0.5, -0.5)
     axes.margins(x=0.3)
     axes.grid(axis="y", visible=False)

@@ -80,7 +80,7 @@ def test_effects_can_be_taken_out_of_a_simulator():
 
 
 @pytest.mark.parametrize(
-    ("one", "said"),
+    ("settings", "message"),
     [
         (simulator("imperfect_d"), "imperfect_d.*did you mean imperfect_"),
         (
@@ -90,6 +90,6 @@ def test_effects_can_be_taken_out_of_a_simulator():
         (simulator(without=["table_bounce"]), r"close_gap\.simulators\.mine: needs table_bounce"),
     ],
 )
-def test_a_simulator_that_cannot_be_used_is_named(one, said):
-    with pytest.raises(InputError, match=said):
-        nominal_simulator(one, "mine")
+def test_a_simulator_that_cannot_be_used_is_refused(settings, message):
+    with pytest.raises(InputError, match=message):
+        nominal_simulator(settings, "mine")

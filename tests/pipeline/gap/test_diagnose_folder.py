@@ -84,7 +84,7 @@ def test_same_findings_same_bytes(tmp_path):
         assert (tmp_path / "first" / file).read_bytes() == (tmp_path / "second" / file).read_bytes()
 
 
-def test_what_fails_halfway_leaves_the_earlier_verdict(tmp_path, monkeypatch):
+def test_a_failure_leaves_the_earlier_verdict(tmp_path, monkeypatch):
     write_findings(findings(), tmp_path)
     before = {name: (tmp_path / name).read_bytes() for name in files(tmp_path)}
 
@@ -121,7 +121,7 @@ def test_a_simulator_without_a_table_is_refused_where_balls_bounce(tmp_path):
         diagnose_folder(folder, "csv", str(tmp_path / "air.yaml"), 0.003, tmp_path / "out")
 
 
-def test_a_file_where_the_folder_should_be_is_left_alone(tmp_path):
+def test_a_file_in_place_of_the_output_folder_is_refused(tmp_path):
     (tmp_path / "out").write_text("mine")
     with pytest.raises(InputError, match="out: is a file; give a folder"):
         diagnose_folder(tmp_path, "csv", NOMINAL, 0.003, tmp_path / "out")

@@ -14,7 +14,7 @@ def episode(samples=20, touched=None, bounces=(), unbroken=True):
     times, places = 0.01 * np.arange(samples), np.zeros((samples, 3))
     arc = np.arange(samples) >= (samples if touched is None else touched)
     whole = Episode(times, places, places, places, arc < 0, arc.astype(int), np.array(bounces))
-    return MeasuredEpisode("hall/0/00", "hall/0", "hall", "test", unbroken, whole)
+    return MeasuredEpisode("lab/0/00", "lab/0", "lab", "test", unbroken, whole)
 
 
 @pytest.mark.parametrize(

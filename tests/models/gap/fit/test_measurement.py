@@ -44,7 +44,7 @@ def is_smooth(prediction):
 
 
 @pytest.mark.parametrize("late", [0.0, 0.003])
-def test_balls_are_looked_at_when_they_are_sampled_and_when_they_are_labelled(late):
+def test_the_schedule_has_the_times_of_samples_and_labels(late):
     shots = measured(count=3, seconds=0.3)
     shots = replace(shots, label_times=shots.label_times + late)
     schedule = Schedule.of(shots)
@@ -56,7 +56,7 @@ def test_balls_are_looked_at_when_they_are_sampled_and_when_they_are_labelled(la
     assert labels[shots.labelled] == pytest.approx(shots.label_times[shots.labelled], abs=1e-12)
 
 
-def test_a_sensor_without_noise_is_that_of_the_simulator():
+def test_predictions_are_those_of_the_sensor_without_noise():
     positions, spins = sensor.measured(DISTORTED, STATES, TIMES, np.random.default_rng(0))
     prediction = predict_measurements(DISTORTED, MOMENTS, UNKNOWNS)
     assert prediction.positions == pytest.approx(positions, abs=1e-9)
@@ -83,7 +83,7 @@ def test_a_kick_changes_the_rebound_and_conserves_angular_momentum_about_the_con
     assert change[np.arange(COUNT), last, :2] == pytest.approx(turn, abs=1e-6)
 
 
-def test_derivatives_by_unknowns_agree_with_fourth_order_differences():
+def test_derivatives_by_nuisance_parameters_agree_with_fourth_order_differences():
     prediction = predict_measurements(NOMINAL, MOMENTS, UNKNOWNS)
     slopes = nuisance_derivatives(NOMINAL, MOMENTS, UNKNOWNS, prediction).positions
     where = is_smooth(prediction)

@@ -27,7 +27,7 @@ def covariance(shot):
     return slow + np.diag(NOISE.white**2 / WEIGHTS[shot, used])
 
 
-def test_stamps_that_err_are_errors_along_the_velocity():
+def test_errors_of_time_stamps_are_along_the_velocity():
     noise = replace(NOISE, timing=4e-4)
     products, determinants = white_gram(LINEAR.positions, LINEAR, noise, SHOTS.valid * 1.0)
     for shot in range(3):
@@ -76,7 +76,7 @@ def test_labels_have_the_products_of_their_dense_covariance(labels):
         )
 
 
-def test_kicks_are_pulled_to_zero_and_unlabelled_spins_are_not():
+def test_kicks_have_a_prior_and_unlabelled_spins_a_diffuse_one():
     bare = measured(count=3, seconds=0.3, labels=None)
     nuisance = UNKNOWNS.copy()
     nuisance[:, 9:] = 0.05
@@ -88,7 +88,7 @@ def test_kicks_are_pulled_to_zero_and_unlabelled_spins_are_not():
     assert np.all(prior[:9, -1] == 0.0)
 
 
-def test_outliers_are_told_from_noise():
+def test_outliers_are_separated_from_noise():
     residuals = np.array([[[0.0, 0.0, 0.0], [0.006, 0.006, 0.0], [0.03, 0.0, 0.0]]])
     noise = Noise(white=0.003, slow=0.0)
     inside, edge, outside = inlier_probability(residuals, noise, SETTINGS.fit)[0]

@@ -108,7 +108,7 @@ def test_shots_are_likelier_about_the_simulator_with_the_hidden_effect():
     assert likelihood_gain(after, after) == 0.0
 
 
-def test_labels_that_only_one_of_two_fits_can_use_are_not_compared():
+def test_only_labels_that_both_fits_use_are_compared():
     found = refit(measured(count=10, seed=4), NOMINAL, (), SETTINGS.fit)
     labels, labelled = found.linear.labels.copy(), found.linear.labelled.copy()
     labels[0], labelled[0] = 0.0, False

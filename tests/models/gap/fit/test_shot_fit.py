@@ -33,7 +33,7 @@ def test_outliers_are_found_and_change_little():
     assert fit.nuisance[:, 3:6] == pytest.approx(clean.nuisance[:, 3:6], abs=0.02)
 
 
-def test_the_noise_is_guessed():
+def test_the_first_guess_of_the_noise():
     fit = fit_shots(measured(count=12, noise=0.006), NOMINAL, SETTINGS.fit)
     assert fit.noise.white == pytest.approx(0.006, rel=0.15)
 
@@ -46,7 +46,7 @@ def test_shots_without_labels_have_the_spin_that_bends_them():
 
 
 @pytest.mark.parametrize("times", [1e3, 1e30, 1e160])
-def test_a_start_that_no_ball_can_have_is_no_crash(times):
+def test_implausible_starts_have_a_fit(times):
     shots, late = measured(count=4), NOMINAL.amended("speed_dependent_latency", tau=5e-4)
     start = fit_shots(shots, NOMINAL, SETTINGS.fit).nuisance
     start[:, 3:9] *= times

@@ -28,7 +28,7 @@ def test_noise_and_scatter_are_found():
     assert noise.scatter == pytest.approx((0.015, 0.03, 0.01), rel=0.35)
 
 
-def test_rounded_time_stamps_are_told_from_white_noise():
+def test_rounded_time_stamps_are_separated_from_white_noise():
     shots = measured(count=40)
     stamps = np.where(shots.valid, shots.times, np.nan)
     random = np.random.default_rng(1)
@@ -39,7 +39,7 @@ def test_rounded_time_stamps_are_told_from_white_noise():
     assert noise.white == pytest.approx(0.003, rel=0.05)
 
 
-def test_a_guess_by_which_all_samples_are_outliers_is_put_right():
+def test_a_guess_by_which_all_samples_are_outliers_is_corrected():
     shots = measured(count=20)
     fit = fit_shots(shots, NOMINAL, SETTINGS.fit)
     linear = linearise(shots, NOMINAL, fit.nuisance, hypotheses(NOMINAL))
@@ -50,14 +50,14 @@ def test_a_guess_by_which_all_samples_are_outliers_is_put_right():
     assert known.weights[linear.sampled].mean() > 0.9
 
 
-def test_a_missing_effect_does_not_pass_for_scatter_or_slow_errors():
-    hall = NOMINAL.amended("wind", y=0.3).amended("table_tilt", y=0.01)
-    noise = found(measured(hall, count=60)).noise
+def test_a_missing_effect_is_neither_scatter_nor_slow_errors():
+    truth = NOMINAL.amended("wind", y=0.3).amended("table_tilt", y=0.01)
+    noise = found(measured(truth, count=60)).noise
     assert noise.slow < 0.0006
     assert noise.scatter == pytest.approx((0.01, 0.02, 0.005), rel=0.4)
 
 
-def test_a_shot_unlike_the_others_is_not_trusted():
+def test_a_shot_that_fits_far_worse_has_little_weight():
     shots = measured(count=30)
     wobble = 0.007 * np.sin(2 * np.pi * shots.times[4] / 0.2)
     shots.positions[4] += wobble[:, None]

@@ -16,12 +16,12 @@ def set_scores(scores, correlation=0.0):
     return SetScores(information, np.array(scores), np.zeros(count), bounds, refitted, SETTINGS)
 
 
-def test_causes_apart_have_what_each_gains_alone():
+def test_separate_causes_have_what_each_gains_alone():
     found = shares(set_scores([1.0, 2.0, 3.0]), (0, 1, 2))
     assert found == pytest.approx({0: 1.0, 1: 4.0, 2: 9.0})
 
 
-def test_causes_alike_share_what_either_explains():
+def test_correlated_causes_share_what_either_explains():
     found = shares(set_scores([3.0, 3.0], correlation=0.5), (0, 1))
     assert found[0] == pytest.approx(found[1])
     assert sum(found.values()) == pytest.approx(2 * 3.0**2 / 1.5)

@@ -41,7 +41,7 @@ def effect(**values):
     return [values.get(name, 0.0) for name in ("g", "cd", "x", "y", "z", "b")]
 
 
-def test_nothing_needs_no_cause():
+def test_a_clean_set_has_no_cause():
     assert all(best_explanation(explainer(effect(), seed)).causes == () for seed in range(20))
 
 
@@ -54,44 +54,44 @@ def test_two_causes_are_found_with_their_sizes():
     assert estimates[0] == pytest.approx([-0.3, 0.4], abs=0.15)
 
 
-def test_one_cause_goes_before_two_that_explain_as_much():
+def test_one_cause_is_preferred_to_two_that_explain_as_much():
     assert best_explanation(explainer(effect(x=0.5))).causes == (X,)
     assert best_explanation(explainer(effect(y=0.5, z=0.5))).causes == (X,)
     assert best_explanation(explainer(effect(y=0.5))).causes == (Y,)
 
 
-def test_a_number_of_the_simulator_goes_before_a_missing_effect_that_it_could_absorb():
+def test_a_listed_parameter_is_preferred_to_a_missing_effect_that_it_absorbs():
     weighing = explainer(effect(b=0.5))
     assert best_explanation(weighing).causes == (G,)
     assert weighing.absorbed == (B,)
 
 
-def test_a_missing_effect_goes_before_two_numbers_that_together_could_absorb_it():
+def test_a_missing_effect_is_preferred_to_two_listed_parameters_that_absorb_it():
     weighing = explainer(effect(b=0.2), of_drag=-1.0)
     assert best_explanation(weighing).causes == (B,)
     assert weighing.alternatives(B, (B,)) == (B, G, CD)
 
 
-def test_two_numbers_go_before_a_missing_effect_that_does_not_explain_both():
+def test_two_listed_parameters_are_preferred_to_a_missing_effect_that_explains_less():
     weighing = explainer(effect(g=0.4, cd=0.3), of_drag=-1.0)
     assert best_explanation(weighing).causes == (G, CD)
     assert best_explanation(explainer(effect(cd=-0.3), of_drag=-1.0)).causes == (CD,)
 
 
-def test_rivals_are_those_that_explain_as_much_in_its_place():
+def test_alternatives_explain_as_much_in_the_place_of_a_cause():
     weighing = explainer(effect(g=0.5, z=1.0))
     assert best_explanation(weighing).causes == (G, Z)
     assert weighing.alternatives(G, (G, Z)) == (G, B)
     assert weighing.alternatives(Z, (G, Z)) == (Z,)
 
 
-def test_values_that_cannot_be_explain_nothing():
+def test_implausible_values_explain_nothing():
     weighing = explainer(effect(cd=-0.9))
     assert weighing.set_scores.gains(np.array([[CD]]))[0][0] == -np.inf
     assert weighing.set_scores.gains(np.array([[Y]]))[0][0] > -np.inf
 
 
-def test_causes_that_look_much_alike_stand_where_shots_were_refitted_with_them():
+def test_refitted_causes_may_be_collinear():
     weighing = explainer(effect(x=6.0, y=-6.5, z=-5.0))
     assert best_explanation(weighing).causes == (X, Y)
     assert best_explanation(replace(weighing, refitted=(X, Y, Z))).causes == (X, Y, Z)
@@ -107,7 +107,7 @@ def test_a_known_cause_that_the_shots_see_nothing_of_is_not_significant():
     assert blind.evidence.score_test([Z], [Y]).estimate == 0.0
 
 
-def test_what_rests_on_one_shot_is_no_cause():
+def test_no_cause_rests_on_one_shot():
     weighing = explainer(effect())
     weighing.evidence.scores[7, Y] += 120.0
     assert best_explanation(weighing).causes == ()

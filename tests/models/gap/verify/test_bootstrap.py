@@ -14,7 +14,7 @@ def squares(shots=60, seed=0):
     return common * np.array([9.0, 4.0, 1.0])[:, None, None]
 
 
-def test_draws_scatter_about_what_was_measured():
+def test_draws_scatter_about_the_measured_errors():
     found = squares()
     drawn = resampled(found, SETTINGS.verify.bootstrap_draws)
     assert drawn.mean(axis=0) == pytest.approx(root_mean_squares(found), rel=0.02)
@@ -22,7 +22,7 @@ def test_draws_scatter_about_what_was_measured():
     assert low < root_mean_squares(found)[0, 0] < high
 
 
-def test_what_is_compared_is_drawn_together():
+def test_draws_are_paired():
     drawn = resampled(squares(), SETTINGS.verify.bootstrap_draws)
     assert drawn[:, 0] / drawn[:, 1] == pytest.approx(np.full((2000, 2), 1.5))
 

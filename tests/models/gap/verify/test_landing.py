@@ -18,23 +18,17 @@ def test_a_ball_without_air_lands_where_the_closed_form_says():
     np.testing.assert_allclose(found.places, [[0.1 + 0.2 * FALL, 0.5 - FALL]], rtol=1e-9)
 
 
-def test_sensors_see_landings_late_and_elsewhere():
+def test_landings_have_the_errors_of_the_sensor():
     sensor = FALLING.amended("clock_rate", d=0.01).amended("position_scale", s=0.02)
-    found = landings(sensor, DROPPED, np.array([1.0]))
-    np.testing.assert_allclose(found.times, [1.01 * FALL], rtol=1e-9)
-    np.testing.assert_allclose(found.places, [[1.02 * (0.1 + 0.2 * FALL), 1.02 * (0.5 - FALL)]])
-
-
-def test_landings_are_seen_late_by_what_the_sensor_lags():
-    lagging = FALLING.amended("clock_rate", d=0.01).amended("time_offset", tau=0.004)
-    found = landings(lagging, DROPPED, np.array([1.0]))
+    found = landings(sensor.amended("time_offset", tau=0.004), DROPPED, np.array([1.0]))
     np.testing.assert_allclose(found.times, [1.01 * (FALL + 0.004)], rtol=1e-9)
+    np.testing.assert_allclose(found.places, [[1.02 * (0.1 + 0.2 * FALL), 1.02 * (0.5 - FALL)]])
     speed = np.linalg.norm([0.2, -1.0, 9.81 * FALL])
     with_speed = FALLING.amended("speed_dependent_latency", tau=0.001)
     found = landings(with_speed, DROPPED, np.array([1.0]))
     np.testing.assert_allclose(found.times, [FALL + 0.001 * speed], rtol=1e-9)
 
 
-def test_a_ball_that_is_not_followed_until_then_has_no_landing():
+def test_a_ball_that_has_not_landed_in_time_has_no_landing():
     found = landings(FALLING, np.repeat(DROPPED, 2, axis=0), np.array([FALL / 2, 1.0]))
     assert np.isnan(found.times).tolist() == [True, False]

@@ -24,22 +24,22 @@ def test_good_data_have_no_limitations():
     assert limitations(measured(count=24), [], limits("time_offset.tau"), True, SETTINGS) == ()
 
 
-def test_what_is_missing_is_named():
+def test_missing_data_are_named():
     shots = one_way(measured(count=24, labels=None))
     no_table = limits("table_bounce.restitution", "table_bounce.friction")
-    said = limitations(shots, [], no_table, True, SETTINGS)
+    found = limitations(shots, [], no_table, True, SETTINGS)
     assert [
-        any(part in one for one in said)
+        any(part in one for one in found)
         for part in ("12 shots", "no spin", "one direction", "no bounces")
     ] == [True] * 4
 
 
-def test_estimates_at_their_bounds_are_doubted():
+def test_estimates_at_their_bounds_are_limitations():
     inside = like("wind.y")
     at_bound = inside.model_copy(update={"estimate": 3.0, "interval": (2.1, 3.0), "unit": "m/s"})
-    said = limitations(measured(count=24), [inside, at_bound], limits(), True, SETTINGS)
-    assert len(said) == 1
-    assert said[0].startswith("wind.y: 3 m/s is the bound")
+    found = limitations(measured(count=24), [inside, at_bound], limits(), True, SETTINGS)
+    assert len(found) == 1
+    assert found[0].startswith("wind.y: 3 m/s is the bound")
 
 
 @pytest.mark.parametrize(

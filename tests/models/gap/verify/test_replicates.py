@@ -26,7 +26,7 @@ def errors(noise, count=200):
     return again, again.positions - prediction.positions, (again.labels - prediction.labels) / sizes
 
 
-def test_without_noise_balls_are_where_the_simulator_says():
+def test_replicates_without_noise_are_simulated_shots():
     still = Noise(0.0, 0.0, label=0.0, label_common=0.0, scatter=(0.0, 0.0, 0.0), timing=0.0)
     again, off, turned = errors(still, count=5)
     assert np.abs(off).max() < 1e-12
@@ -34,7 +34,7 @@ def test_without_noise_balls_are_where_the_simulator_says():
     assert np.isnan(again.labels[~again.labelled]).all()
 
 
-def test_positions_err_by_what_is_white_and_what_changes_slowly():
+def test_positions_have_white_and_slow_errors():
     again, off, _ = errors(EVEN)
     long = off[again.valid.all(axis=1) | (again.valid.sum(axis=1) > 40), :40]
     assert long.std() == pytest.approx(NOISE.position, rel=0.03)
@@ -42,7 +42,7 @@ def test_positions_err_by_what_is_white_and_what_changes_slowly():
     assert kept == pytest.approx(np.exp(-0.005 / NOISE.slow_time), abs=0.05)
 
 
-def test_late_stamps_move_balls_along_their_way():
+def test_errors_of_time_stamps_are_along_the_velocity():
     _, off, _ = errors(replace(EVEN, white=1e-9, slow=0.0, timing=0.001))
     first, velocities = off[:, 0], STATES[:, 3:6]
     lengths = np.einsum("bi,bi->b", first, velocities) / (velocities**2).sum(axis=1)
@@ -51,7 +51,7 @@ def test_late_stamps_move_balls_along_their_way():
     assert np.abs(across).max() < 1e-6
 
 
-def test_labels_err_in_every_row_and_in_all_rows_alike():
+def test_labels_have_independent_and_common_errors():
     again, _, turned = errors(EVEN)
     rows = zip(turned, again.labelled, strict=True)
     means = np.stack([row[there].mean(axis=0) for row, there in rows])
