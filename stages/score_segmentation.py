@@ -1,11 +1,11 @@
 """Score the contacts that segmentation detects against the truth of simulated recordings."""
 
+from pipeline.io.schemas import TRUE_CONTACTS, read_checked
 from pipeline.runtime.console import warn
 from pipeline.runtime.stage_run import StageRun, run_stage
 from pipeline.segmentation.contact_scores import (
     contact_metrics,
     contacts_table,
-    read_true_contacts,
     score_test_recordings,
 )
 from pipeline.segmentation.figures.contact_scores import contact_scores_figure
@@ -17,7 +17,7 @@ def score_segmentation(run: StageRun) -> None:
     ingested = run.input("ingest", "recordings.parquet").parent
     segmented = run.input("segment", "episodes.parquet").parent
     truth = run.input("ingest", "true_contacts.parquet")
-    true = read_true_contacts(truth)
+    true = read_checked(truth, TRUE_CONTACTS)
     run.log_input("true_contacts", truth, len(true))
     scored = score_test_recordings(ingested, segmented, true, settings)
     table = contacts_table(scored, settings)

@@ -42,14 +42,13 @@ def run_question(
     seconds: dict[str, float] = {}
     for name, method in methods.items():
         answers[name], seconds[name] = _answer(method, recordings, trial)
-    if limits is None:
-        return _record(question, answers=_answer_records(answers, None)), seconds
-    gap = RemovableGap(truth)
+    gap = RemovableGap(truth) if limits else None
+    causes = [_hidden_cause(c, question, truth, limits) for c in question.hidden] if limits else []
     record = _record(
         question,
-        hidden=_hidden_causes(question, truth, limits),
-        gap_before_mm=gap.remaining(trial.nominal),
-        answers=_answer_records(answers, gap),
+        hidden=tuple(causes),
+        gap_before_mm=gap.remaining(trial.nominal) if gap else None,
+        answers={name: _answer_record(answer, gap) for name, answer in answers.items()},
     )
     return record, seconds
 
@@ -67,12 +66,6 @@ def _answer(
     return answer, time.process_time() - start
 
 
-def _answer_records(
-    answers: Mapping[str, Answer | Exception], gap: RemovableGap | None
-) -> dict[str, AnswerRecord]:
-    return {name: _answer_record(answer, gap) for name, answer in answers.items()}
-
-
 def _answer_record(answer: Answer | Exception, gap: RemovableGap | None) -> AnswerRecord:
     try:
         if isinstance(answer, Exception):
@@ -83,23 +76,14 @@ def _answer_record(answer: Answer | Exception, gap: RemovableGap | None) -> Answ
         return AnswerRecord(conclusion=None, error=f"{type(error).__name__}: {error}")
 
 
-def _hidden_causes(
-    question: Question, truth: SealedTruth, limits: DetectionLimits
-) -> tuple[HiddenCause, ...]:
-    nominal, true = truth.trial.nominal, truth.trial.simulator
-    return tuple(
-        _hidden_cause(hidden, hidden.value(nominal), hidden.value(true), question, limits)
-        for hidden in question.hidden
-    )
-
-
 def _hidden_cause(
-    hidden: Hypothesis, nominal: float, value: float, question: Question, limits: DetectionLimits
+    hidden: Hypothesis, question: Question, truth: SealedTruth, limits: DetectionLimits
 ) -> HiddenCause:
+    nominal, value = hidden.value(truth.trial.nominal), hidden.value(truth.trial.simulator)
     others = tuple(other for other in question.hidden if other != hidden)
     return HiddenCause(
         identity=hidden.identity,
-        kind="wrong_value" if hidden.listed(question.trial.nominal) else "missing_effect",
+        kind="wrong_value" if hidden.listed(truth.trial.nominal) else "missing_effect",
         nominal=nominal,
         value=value,
         indistinguishable=limits.indistinguishable(hidden, value - nominal, others),

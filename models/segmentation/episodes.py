@@ -22,11 +22,6 @@ class Episode:
     ends_with: End = "recording"  # the event at the end
     end_contact: Contact | None = None  # the contact at the end; None where the samples end
 
-    @property
-    def start_contact(self) -> Contact | None:
-        """The racket contact at the start; ``None`` where the samples start."""
-        return self.contacts[0] if self.starts_with == "racket" else None
-
     def ends_rally(self, contact: Contact) -> bool:
         """Whether ``contact`` ends the rally: the floor, or a second bounce on one side."""
         if contact.kind == "floor":

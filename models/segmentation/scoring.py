@@ -109,10 +109,8 @@ def score(
         of_recording = by_id.get(recording_id, detected.iloc[:0])
         table = _described(contacts, measured.get(recording_id, np.empty(0)), settings)
         for kind in SCORED_KINDS:
-            of_kind, candidates = (
-                table[table["kind"] == kind],
-                of_recording[of_recording["kind"] == kind],
-            )
+            of_kind = table[table["kind"] == kind]
+            candidates = of_recording[of_recording["kind"] == kind]
             times = candidates["t"].to_numpy()
             matched = match_contacts(of_kind["t"].to_numpy(), times, settings.tolerance)
             parts.append(_outcomes(of_kind, times, matched))

@@ -16,8 +16,12 @@ import pandas as pd
 
 from models.segmentation.settings import SplitSettings
 
-STROKE_GROUPS = {"stroke_pro": ["pro"], "stroke_uni": ["club", "semi_pro"]}
-RECEIVE_GROUPS = ["pro", "club", "semi_pro"]
+# Sets to replay, in the order of reports: kind of shot, and the groups that it is from.
+REPLAY_SETS = {
+    "stroke_pro": ("stroke", ["pro"]),
+    "stroke_uni": ("stroke", ["club", "semi_pro"]),
+    "receive": ("serve", ["pro", "club", "semi_pro"]),
+}
 NOT_REPLAYED = "none"
 
 
@@ -43,13 +47,12 @@ def split(
     """
     shots = _shots(episodes, contacts)
     assignment = _Assignment(_recordings(shots, seed), settings)
-    for replay_set, groups in STROKE_GROUPS.items():
-        assignment.assign_replay(replay_set, groups, "stroke")
-    assignment.assign_replay("receive", RECEIVE_GROUPS, "serve")
+    for replay_set, (kind, groups) in REPLAY_SETS.items():
+        assignment.assign_replay(replay_set, groups, kind)
     assignment.assign_test()
     assignment.assign_validation()
     shots["split"] = shots["recording_id"].map(assignment.split)
-    shots["rank"] = shots["recording_id"].map(assignment.ranks())
+    shots["rank"] = assignment.recordings.index.get_indexer(pd.Index(shots["recording_id"]))
     return Split(shots["split"], _replay_sets(shots, settings), assignment.shortages)
 
 
@@ -65,10 +68,6 @@ class _Assignment:
         self.recordings, self.settings = recordings, settings
         self.split = pd.Series("train", index=recordings.index, dtype="str")
         self.shortages: list[str] = []
-
-    def ranks(self) -> "pd.Series[int]":
-        """Return the rank of every recording."""
-        return pd.Series(range(len(self.recordings)), index=self.recordings.index)
 
     def assign_replay(self, replay_set: str, groups: Sequence[str], kind: str) -> None:
         members = self.recordings["group"].isin(groups)
@@ -143,9 +142,7 @@ def _replay_sets(shots: pd.DataFrame, settings: SplitSettings) -> "pd.Series[str
     replay_sets = pd.Series(NOT_REPLAYED, index=shots.index, dtype="str")
     kept = shots[shots["split"] == "replay"].sort_values("rank", kind="stable")
     groups = recording_groups(kept["recording_id"])
-    for replay_set, levels in STROKE_GROUPS.items():
-        strokes = kept.index[kept["stroke"] & groups.isin(levels)]
-        replay_sets[strokes[: getattr(settings.replay, replay_set)]] = replay_set
-    serves = kept.index[kept["serve"] & groups.isin(RECEIVE_GROUPS)]
-    replay_sets[serves[: settings.replay.receive]] = "receive"
+    for replay_set, (kind, levels) in REPLAY_SETS.items():
+        shots_of_kind = kept.index[kept[kind] & groups.isin(levels)]
+        replay_sets[shots_of_kind[: getattr(settings.replay, replay_set)]] = replay_set
     return replay_sets

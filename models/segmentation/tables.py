@@ -125,7 +125,7 @@ def _contact(contact: Contact) -> Row:
 
 def _episode(episode: Episode) -> Row:
     return {
-        "start": episode.start_contact.time if episode.start_contact else np.nan,
+        "start": episode.contacts[0].time if episode.starts_with == "racket" else np.nan,
         "end": episode.end_contact.time if episode.end_contact else np.nan,
         "starts_with": episode.starts_with,
         "ends_with": episode.ends_with,
@@ -138,16 +138,10 @@ def _with_sample_columns(
 ) -> pd.DataFrame:
     """Add what the samples give: times of ends without a contact, counts and residuals."""
     table = pd.DataFrame(rows, columns=list(EPISODE_TYPES))
-    samples = pd.DataFrame(
-        {
-            "t": t,
-            "outlier": labels.outlier,
-            "square": np.where(labels.outlier, np.nan, labels.residual) ** 2,
-        }
-    )
-    grouped = samples[labels.episode != NO_EPISODE].groupby(
-        labels.episode[labels.episode != NO_EPISODE]
-    )
+    square = np.where(labels.outlier, np.nan, labels.residual) ** 2
+    samples = pd.DataFrame({"t": t, "outlier": labels.outlier, "square": square})
+    inside = labels.episode != NO_EPISODE
+    grouped = samples[inside].groupby(labels.episode[inside])
     table["source"] = table["recording_id"].str.split("/").str[0]
     table["start"] = table["start"].fillna(grouped["t"].first())
     table["end"] = table["end"].fillna(grouped["t"].last())

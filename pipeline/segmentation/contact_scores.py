@@ -16,7 +16,6 @@ from pipeline.io.schemas import (
     CONTACTS,
     EPISODES,
     RECORDINGS,
-    TRUE_CONTACTS,
     check_columns,
     read_checked,
 )
@@ -51,15 +50,6 @@ def score_test_recordings(
     )
     true, detected = (table[table["recording_id"].isin(testing)] for table in (true, detected))
     return score(true, detected, samples, settings)
-
-
-def read_true_contacts(path: Path) -> pd.DataFrame:
-    """Return the contacts of all simulated recordings.
-
-    Raises:
-        InputError: the table is missing or breaks its data contract.
-    """
-    return read_checked(path, TRUE_CONTACTS)
 
 
 def contacts_table(scored: Scored, settings: ScoringSettings) -> ReportTable:

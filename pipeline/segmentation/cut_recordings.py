@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -31,23 +32,6 @@ class CutRecordings:
     measured: pd.DataFrame  # measured samples of the recordings to draw
     segmented: Segmented  # all contacts and episodes, and the samples of the recordings to draw
     gaps: "pd.Series[str]"  # the recording of every gap
-
-
-@dataclass(frozen=True)
-class _RowGroup:
-    path: Path
-    number: int
-    manifest: Manifest
-    settings: SegmentSettings
-    drawn: Sequence[str]
-
-    def cut(self) -> CutRecordings:
-        """Cut the recordings of this row group; ``segmented`` has all their samples."""
-        recordings = checked(read_row_group(self.path, self.number), RECORDINGS, self.path)
-        found = segment_recordings(recordings, self.manifest.starts_with_launch, self.settings)
-        checked(found.samples, SAMPLES)
-        measured = recordings[recordings["recording_id"].isin(self.drawn)]
-        return CutRecordings(measured, found, _gaps(recordings, self.settings.longest_gap))
 
 
 def count_samples(path: Path) -> "pd.Series[int]":
@@ -100,16 +84,28 @@ def cut_recordings(
         InputError: the recordings break their data contract.
     """
     numbers = range(count_row_groups(recordings))
-    groups = [_RowGroup(recordings, number, manifest, settings, drawn) for number in numbers]
+    tasks = [partial(_cut, recordings, number, manifest, settings, drawn) for number in numbers]
     cuts = []
     with table_writer(samples, empty(SAMPLES)) as write:
-        for cut in parallel([group.cut for group in groups], "parts of the recordings"):
+        for cut in parallel(tasks, "parts of the recordings"):
             table = cut.segmented.samples
             write(table)
             kept = table[table["recording_id"].isin(drawn)]
             segmented = Segmented(kept, cut.segmented.contacts, cut.segmented.episodes)
             cuts.append(CutRecordings(cut.measured, segmented, cut.gaps))
     return _joined(cuts)
+
+
+def _cut(
+    path: Path, number: int, manifest: Manifest, settings: SegmentSettings, drawn: Sequence[str]
+) -> CutRecordings:
+    """Cut the recordings of a row group; ``segmented`` has all their samples."""
+    recordings = checked(read_row_group(path, number), RECORDINGS, path)
+    found = segment_recordings(recordings, manifest.starts_with_launch, settings)
+    checked(found.samples, SAMPLES)
+    ids = recordings["recording_id"]
+    gaps = ids[(recordings["t"].diff() > settings.longest_gap) & (ids == ids.shift())]
+    return CutRecordings(recordings[ids.isin(drawn)], found, gaps)
 
 
 def _joined(cuts: Sequence[CutRecordings]) -> CutRecordings:
@@ -120,8 +116,3 @@ def _joined(cuts: Sequence[CutRecordings]) -> CutRecordings:
     )
     measured = pd.concat([cut.measured for cut in cuts])
     return CutRecordings(measured, segmented, pd.concat([cut.gaps for cut in cuts]))
-
-
-def _gaps(recordings: pd.DataFrame, longest: float) -> "pd.Series[str]":
-    ids = recordings["recording_id"]
-    return ids[(recordings["t"].diff() > longest) & (ids == ids.shift())]

@@ -27,7 +27,7 @@ from models.replay.shots import (
     half_turn,
 )
 from models.replay.true_path import true_path
-from models.segmentation.split import NOT_REPLAYED, STROKE_GROUPS
+from models.segmentation.split import NOT_REPLAYED, REPLAY_SETS
 from pipeline.evaluation.predictors import ARENA
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
 from pipeline.io.ground_truth import read_contacts, read_truth
@@ -39,7 +39,7 @@ from pipeline.runtime.errors import InputError
 
 LITERATURE = shipped("literature")
 
-ARENA_SETS = (*STROKE_GROUPS, "receive")  # in the order of reports
+ARENA_SETS = tuple(REPLAY_SETS)  # in the order of reports
 
 # Why a shot is excluded.
 TOO_FEW_SAMPLES = "too few samples in the first 55 ms"

@@ -44,19 +44,10 @@ SWEEPS = (
 )
 
 
-@dataclass(frozen=True)
-class Counts:
-    """How often the exam asks: repeats of each parameter and cell, and sizes of other groups."""
-
-    base: int = 5
-    sweep: int = 3
-    clean: int = 500
-    pairs: int = 80
-    sensor_faults: int = 40
-    nominal_off: int = 50
-    withheld: int = 50
-    unlabelled: int = 40
-    one_direction: int = 40
+# How often the exam asks: repeats of each parameter in the base and other cells, and group sizes.
+BASE_REPEATS, SWEEP_REPEATS = 5, 3
+CLEAN, PAIRS = 500, 80
+SENSOR_FAULTS, NOMINAL_OFF, WITHHELD, UNLABELLED, ONE_DIRECTION = 40, 50, 50, 40, 40
 
 
 @dataclass(frozen=True)
@@ -70,11 +61,7 @@ class Question:
     cell: str = ""  # of the sweeps; empty in other groups
 
     def posed(self, minimum_sizes: Sequence[float]) -> Trial | None:
-        """Return the trial with its causes, or None where a size has no value within bounds.
-
-        Args:
-            minimum_sizes: minimum detectable size of each hidden parameter.
-        """
+        """Return the trial with its causes, or None where a size has no value within bounds."""
         causes: dict[str, dict[str, float]] = {}
         for hidden, size in zip(self.hidden, minimum_sizes, strict=True):
             value = self._value(hidden, self.multiple * size)
@@ -94,15 +81,10 @@ class Question:
         return None
 
 
-def exam(nominal: Simulator, seed: int, counts: Counts | None = None) -> list[Question]:
+def exam(nominal: Simulator, seed: int) -> list[Question]:
     """Return all questions about a nominal simulator, each with a seed that its name gives it."""
-    counts = Counts() if counts is None else counts
-    return [
-        *_sweeps(nominal, seed, counts),
-        *_clean(nominal, seed, counts.clean),
-        *_pairs(nominal, seed, counts.pairs),
-        *_other_groups(nominal, seed, counts),
-    ]
+    groups = (_sweeps, _clean, _pairs, _sensor_faults, _nominal_off, _other_groups)
+    return [question for group in groups for question in group(nominal, seed)]
 
 
 def _seed(seed: int, name: str) -> int:
@@ -127,73 +109,69 @@ def _question(
     return Question(group, trial, hidden, multiple, detail)
 
 
-def _sweeps(nominal: Simulator, seed: int, counts: Counts) -> Iterator[Question]:
+def _sweeps(nominal: Simulator, seed: int) -> Iterator[Question]:
     for cell in (BASE, *SWEEPS):
-        settings = {
-            "shots": cell.shots,
-            "cameras": replace(CAMERAS, position_noise=cell.noise),
-        }
+        cameras = replace(CAMERAS, position_noise=cell.noise)
+        settings: dict[str, Any] = {"shots": cell.shots, "cameras": cameras}
         for hidden in hideable():
-            for number in range(counts.base if cell is BASE else counts.sweep):
+            for number in range(BASE_REPEATS if cell is BASE else SWEEP_REPEATS):
                 yield _question(
                     "sweep", cell.name, number, nominal, seed, (hidden,), cell.multiple, **settings
                 )
 
 
-def _clean(nominal: Simulator, seed: int, count: int) -> Iterator[Question]:
+def _clean(nominal: Simulator, seed: int) -> Iterator[Question]:
     """Yield clean sets of all kinds of labels, mostly in both directions."""
     random = np.random.default_rng(_seed(seed, "clean"))
-    for number in range(count):
+    for number in range(CLEAN):
         labels, directions = LABELS[random.integers(3)], int(random.choice([2, 2, 2, 1]))
         settings: dict[str, Any] = {"spin_labels": labels, "directions": directions}
         yield _question("clean", "", number, nominal, seed, **settings)
 
 
-def _pairs(nominal: Simulator, seed: int, count: int) -> Iterator[Question]:
+def _pairs(nominal: Simulator, seed: int) -> Iterator[Question]:
     """Yield pairs of causes of different families."""
     random = np.random.default_rng(_seed(seed, "pairs"))
     parameters = hideable()
-    for number in range(count):
+    for number in range(PAIRS):
         first = parameters[random.integers(len(parameters))]
-        others = [one for one in parameters if family(one) != family(first)]
+        others = [other for other in parameters if family(other) != family(first)]
         second = others[random.integers(len(others))]
         yield _question("pair", "", number, nominal, seed, (first, second))
 
 
-def _other_groups(nominal: Simulator, seed: int, counts: Counts) -> Iterator[Question]:
-    yield from _sensor_faults(nominal, seed, counts.sensor_faults)
-    yield from _nominal_off(nominal, seed, counts.nominal_off)
-    missing = [one for one in hideable() if not one.listed(nominal)]
-    for number, hidden in _drawn(missing, seed, "withheld", counts.withheld):
+def _other_groups(nominal: Simulator, seed: int) -> Iterator[Question]:
+    missing = [hidden for hidden in hideable() if not hidden.listed(nominal)]
+    for number, hidden in _drawn(missing, seed, "withheld", WITHHELD):
         settings: dict[str, Any] = {"withheld": (hidden.effect,)}
         yield _question("withheld", "", number, nominal, seed, (hidden,), **settings)
-    need_no_label = [one for one in hideable() if one.effect not in NEED_LABELS]
-    for number, hidden in _drawn(need_no_label, seed, "unlabelled", counts.unlabelled):
+    need_no_label = [hidden for hidden in hideable() if hidden.effect not in NEED_LABELS]
+    for number, hidden in _drawn(need_no_label, seed, "unlabelled", UNLABELLED):
         settings = {"spin_labels": "none"}
         yield _question("unlabelled", "", number, nominal, seed, (hidden,), **settings)
-    for number, hidden in _drawn(hideable(), seed, "one_direction", counts.one_direction):
+    for number, hidden in _drawn(hideable(), seed, "one_direction", ONE_DIRECTION):
         yield _question("one_direction", "", number, nominal, seed, (hidden,), directions=1)
 
 
-def _sensor_faults(nominal: Simulator, seed: int, count: int) -> Iterator[Question]:
+def _sensor_faults(nominal: Simulator, seed: int) -> Iterator[Question]:
     """Yield faults of the sensor, with cameras that are worse in every other way, too."""
-    faults = [one for one in hideable() if catalogue()[one.effect].acts == "sensor"]
+    faults = [hidden for hidden in hideable() if catalogue()[hidden.effect].acts == "sensor"]
     settings: dict[str, Any] = {
         "cameras": FAULTY,
         "time_resolution": TIME_RESOLUTION,
         "spin_labels": "per_shot",
     }
-    for number, hidden in _drawn(faults, seed, "sensor_fault", count):
+    for number, hidden in _drawn(faults, seed, "sensor_fault", SENSOR_FAULTS):
         yield _question("sensor_fault", "", number, nominal, seed, (hidden,), **settings)
 
 
-def _nominal_off(nominal: Simulator, seed: int, count: int) -> Iterator[Question]:
+def _nominal_off(nominal: Simulator, seed: int) -> Iterator[Question]:
     """Yield missing effects while a parameter of the nominal simulator is off at the same time."""
-    missing = [one for one in hideable() if not one.listed(nominal)]
-    listed = [one for one in hideable() if one.listed(nominal)]
+    missing = [hidden for hidden in hideable() if not hidden.listed(nominal)]
+    listed = [hidden for hidden in hideable() if hidden.listed(nominal)]
     random = np.random.default_rng(_seed(seed, "own"))
-    for number, hidden in _drawn(missing, seed, "nominal_off", count):
-        others = [one for one in listed if family(one) != family(hidden)]
+    for number, hidden in _drawn(missing, seed, "nominal_off", NOMINAL_OFF):
+        others = [other for other in listed if family(other) != family(hidden)]
         off = others[random.integers(len(others))]
         yield _question("nominal_off", "", number, nominal, seed, (hidden, off))
 

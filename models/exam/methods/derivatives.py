@@ -10,8 +10,6 @@ they are the smoothed state after it, less the simulator's from the state before
 they are the slope along an arc.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legint, legvander
 
@@ -42,43 +40,31 @@ HUBER = 3.0  # standard deviations; rows with larger residuals have less weight
 MINIMUM_SINGULAR_VALUE = 1e-3  # of the largest, in the reweighting fit
 RIDGE = 1e-9  # of the trace, where a spin does not act on an arc
 
+# P rows: (P, K + 1) library terms and, last, measured derivatives; the shot and the kind of each.
+Rows = tuple[Floats, Integers, Integers]
+
 
 def derivative_grams(shots: Shots, simulator: Simulator, columns: tuple[Hypothesis, ...]) -> Floats:
     """Return (B, K + 1, K + 1) Gram matrices of shots: K terms and the measured derivatives.
 
-    Rows are in units of the noise, estimated from the residuals of the whole library.
-
-    Args:
-        shots: measured.
-        simulator: nominal, without sensor effects.
-        columns: the parameters of the library.
+    Rows are in units of the noise, estimated from the residuals of the whole library. The nominal
+    simulator has no sensor effects.
     """
     smoothed = SmoothedArcs.of(arcs_of(shots, simulator), simulator)
     parts = (*_in_flight(smoothed, columns), _bounces(smoothed, simulator, columns))
-    rows = np.concatenate([part.rows for part in parts])
-    members = np.concatenate([part.shots for part in parts])
-    kinds = np.concatenate([part.kinds for part in parts])
+    rows, members, kinds = (np.concatenate(part) for part in zip(*parts, strict=True))
     rows = rows * _weights(rows, kinds)[:, None]
     of_shots = [rows[members == shot] for shot in range(len(shots))]
     return np.array([some.T @ some for some in of_shots])
 
 
-@dataclass(frozen=True)
-class _Rows:
-    """P rows of the regression."""
-
-    rows: Floats  # (P, K + 1) library terms and, last, measured derivatives
-    shots: Integers  # (P,) the shot of each
-    kinds: Integers  # (P,) rows of one kind have noise of the same size
-
-    @classmethod
-    def of(cls, rows: Floats, shots: Integers, kinds: Integers, used: Bools) -> "_Rows":
-        """Return the used ones of (R, D, K + 1) rows of (R,) shots and (R, D) kinds."""
-        each = np.repeat(shots[:, None], rows.shape[1], axis=1)
-        return cls(rows[used], each[used], kinds[used])
+def _selected(rows: Floats, shots: Integers, kinds: Integers, used: Bools) -> Rows:
+    """Return the used ones of (R, D, K + 1) rows of (R,) shots and (R, D) kinds."""
+    each = np.repeat(shots[:, None], rows.shape[1], axis=1)
+    return rows[used], each[used], kinds[used]
 
 
-def _in_flight(smoothed: SmoothedArcs, columns: tuple[Hypothesis, ...]) -> tuple[_Rows, _Rows]:
+def _in_flight(smoothed: SmoothedArcs, columns: tuple[Hypothesis, ...]) -> tuple[Rows, Rows]:
     """Return the rows of R arcs' positions, and those of their spin labels."""
     nodes, _ = leggauss(NODES)
     times = smoothed.times(nodes)
@@ -97,7 +83,7 @@ def _in_flight(smoothed: SmoothedArcs, columns: tuple[Hypothesis, ...]) -> tuple
 
 def _position_rows(
     smoothed: SmoothedArcs, terms: Floats, expected: Floats, by_spin: Floats
-) -> _Rows:
+) -> Rows:
     """Return the rows of arcs' positions, from terms and accelerations at the nodes."""
     fitted = smoothed.fitted(smoothed.times(leggauss(NODES)[0]))
     of_fit = rates(smoothed.simulator, fitted.reshape(-1, STATE_SIZE))[:, :3]
@@ -110,10 +96,10 @@ def _position_rows(
     spins = _integrated(integral, by_spin).reshape(len(rows), -1, 3)
     rows[unlabelled] = _without_spin(rows[unlabelled], spins[unlabelled])
     kinds = np.repeat(unlabelled[:, None], rows.shape[1], axis=1).astype(np.int64)
-    return _Rows.of(rows, smoothed.arcs.parents, kinds, np.ones(kinds.shape, dtype=bool))
+    return _selected(rows, smoothed.arcs.parents, kinds, np.ones(kinds.shape, dtype=bool))
 
 
-def _label_rows(smoothed: SmoothedArcs, terms: Floats, expected: Floats) -> _Rows:
+def _label_rows(smoothed: SmoothedArcs, terms: Floats, expected: Floats) -> Rows:
     """Return the rows of labels' slopes over time, in units of a label's error."""
     shots = smoothed.arcs.shots
     count = np.maximum(shots.labelled.sum(axis=1), 1)[:, None]
@@ -125,7 +111,7 @@ def _label_rows(smoothed: SmoothedArcs, terms: Floats, expected: Floats) -> _Row
     joined = np.concatenate([terms, (slope - expected)[..., None]], axis=-1)
     rows = joined * (np.sqrt(square) / LABEL_NOISE / np.maximum(size, SLOW_SPIN))[..., None]
     used = np.repeat(count >= MINIMUM_LABELS, 3, axis=1)
-    return _Rows.of(rows, smoothed.arcs.parents, np.full(used.shape, 2), used)
+    return _selected(rows, smoothed.arcs.parents, np.full(used.shape, 2), used)
 
 
 def _integrals(smoothed: SmoothedArcs) -> Floats:
@@ -153,9 +139,7 @@ def _without_spin(rows: Floats, spins: Floats) -> Floats:
     return projected_out(rows, spins, np.repeat(ridge[:, None], 3, axis=1))
 
 
-def _bounces(
-    smoothed: SmoothedArcs, simulator: Simulator, columns: tuple[Hypothesis, ...]
-) -> _Rows:
+def _bounces(smoothed: SmoothedArcs, simulator: Simulator, columns: tuple[Hypothesis, ...]) -> Rows:
     """Return the rows of states after bounces, from those before."""
     arcs = smoothed.arcs
     first = np.flatnonzero(arcs.ends[:-1] == arcs.starts[1:])
@@ -168,7 +152,7 @@ def _bounces(
     scale = (used / _rough_noise(after))[..., None]
     rows = np.concatenate([found.terms, (after - found.expected)[..., None]], axis=-1) * scale
     kinds = AFTER_BOUNCE + len(AFTER_BOUNCE) * ~arcs.labelled[first, None]
-    return _Rows.of(rows, arcs.parents[first], kinds, used)
+    return _selected(rows, arcs.parents[first], kinds, used)
 
 
 def _rough_noise(states: Floats) -> Floats:

@@ -17,15 +17,8 @@ def rallygap(
 ) -> Answer:
     """Name causes by the gap workflow."""
     verdict = diagnose(shots_of(recordings), nominal, withheld=withheld)
-    causes = tuple(
-        NamedCause(
-            identity=cause.identity,
-            estimate=cause.estimate,
-            interval=cause.interval,
-            possible=cause.possible,
-        )
-        for cause in verdict.causes
-    )
+    fields = set(NamedCause.model_fields)
+    causes = tuple(NamedCause(**cause.model_dump(include=fields)) for cause in verdict.causes)
     return Answer(verdict.verdict, causes, amended(nominal, verdict))
 
 

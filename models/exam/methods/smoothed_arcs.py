@@ -4,9 +4,9 @@ Each arc is fitted by the nominal simulator, and its small residuals by a parabo
 of the labels where an arc has any.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.polynomial.legendre import legder, legvander
@@ -49,37 +49,27 @@ def arcs_of(shots: Shots, simulator: Simulator) -> Arcs:
     usable = (
         shots.valid & (fit.weights > MINIMUM_WEIGHT) & ~(since > prediction.smooth_until[:, None])
     )
-    pieces: list[dict[str, Any]] = []
-    for shot, contacts in enumerate(prediction.contacts + shots.times[:, :1]):
-        bounces = np.sort(contacts[np.isfinite(contacts)])
-        for start, end in pairwise([-np.inf, *bounces, np.inf]):
-            pieces += _arc(shots, shot, usable[shot], start, end)
-    samples = ("times", "positions", "labels", "label_times")
-    return Arcs(
-        Shots.from_arrays(**{name: [piece[name] for piece in pieces] for name in samples}),
-        np.array([piece["parent"] for piece in pieces]),
-        np.array([piece["start"] for piece in pieces]),
-        np.array([piece["end"] for piece in pieces]),
-    )
-
-
-def _arc(shots: Shots, shot: int, usable: Bools, start: float, end: float) -> list[dict[str, Any]]:
-    times, when = shots.times[shot], shots.label_times[shot]
-    inside = usable & (times > start + NEAR_BOUNCE) & (times < end - NEAR_BOUNCE)
-    labels = (when > start + JUMP) & (when < end - JUMP)
-    if inside.sum() < MINIMUM_SAMPLES:
-        return []
-    return [
-        {
-            "times": times[inside],
-            "positions": shots.positions[shot, inside],
-            "labels": shots.labels[shot, labels],
-            "label_times": when[labels],
-            "parent": shot,
-            "start": start,
-            "end": end,
-        }
+    pieces = [
+        piece
+        for shot, contacts in enumerate(prediction.contacts + shots.times[:, :1])
+        for piece in _pieces(shots, shot, usable[shot], np.sort(contacts[np.isfinite(contacts)]))
     ]
+    times, positions, labels, label_times, parents, starts, ends = zip(*pieces, strict=True)
+    measured = Shots.from_arrays(times, positions, labels, label_times)
+    return Arcs(measured, np.array(parents), np.array(starts), np.array(ends))
+
+
+def _pieces(
+    shots: Shots, shot: int, usable: Bools, bounces: Floats
+) -> Iterator[tuple[Floats, Floats, Floats, Floats, int, float, float]]:
+    """Yield samples and labels between two bounces each, with shot, start and end."""
+    times, when = shots.times[shot], shots.label_times[shot]
+    for start, end in pairwise([-np.inf, *bounces, np.inf]):
+        inside = usable & (times > start + NEAR_BOUNCE) & (times < end - NEAR_BOUNCE)
+        labels = (when > start + JUMP) & (when < end - JUMP)
+        if inside.sum() >= MINIMUM_SAMPLES:
+            samples = times[inside], shots.positions[shot, inside]
+            yield *samples, shots.labels[shot, labels], when[labels], shot, start, end
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Trials for the tests: the nominal simulator, with and without errors of cameras and bounces."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -8,6 +9,7 @@ from models.arena.bounce_scatter import BounceScatter
 from models.arena.cameras import SlowError
 from models.ball.simulators import shipped
 from models.exam.simulate.launches import launches
+from models.exam.simulate.recordings import simulate_trial
 from models.exam.simulate.trial import CAMERAS, Trial
 
 NOMINAL = shipped("literature")
@@ -32,3 +34,9 @@ def ideal(**settings):
 
 def drawn(shots=100, directions=2, seed=0):
     return launches(NOMINAL, shots, directions, np.random.default_rng(seed))
+
+
+@cache
+def recorded(effect=None, parameter="", value=0.0, **settings):
+    causes = {effect: {parameter: value}} if effect else {}
+    return simulate_trial(ideal(shots=24, seed=1002, causes=causes, **settings))[0]

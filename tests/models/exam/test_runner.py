@@ -2,7 +2,6 @@
 
 from dataclasses import fields
 
-import grimp
 import pytest
 
 from models.exam.design.questions import Question
@@ -12,16 +11,6 @@ from models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL, trial
 
 WIND = Hypothesis("wind", "x")
-SEALED = {
-    "models.exam.design.detection_limits",
-    "models.exam.records",
-    "models.exam.runner",
-    "models.exam.scoring.rates",
-    "models.exam.scoring.removable_gap",
-    "models.exam.simulate.equivalent_sizes",
-    "models.exam.simulate.recordings",
-    "models.exam.simulate.scattered_shots",
-}
 
 
 def question(*hidden, group="sweep", **settings):
@@ -45,12 +34,6 @@ def test_a_method_receives_recordings_the_nominal_simulator_and_withheld_effects
     assert {type(recording) for recording in recordings} == {Recording}
     known = {"times", "positions", "label_times", "labels"}
     assert {field.name for field in fields(Recording)} == known
-
-
-def test_methods_do_not_import_what_knows_the_truth():
-    graph = grimp.build_graph("models")
-    assert graph.modules >= SEALED
-    assert not graph.find_upstream_modules("models.exam.methods.registry") & SEALED
 
 
 def test_the_record_has_the_truth_and_is_reproducible():

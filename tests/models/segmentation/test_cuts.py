@@ -37,14 +37,6 @@ def test_contacts_are_found_and_nothing_else(pairs, kind):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["racket", "table"])
-def test_contacts_are_found_in_many_rallies(kind):
-    precision, recall = scores(contacts(cut_rallies(300, 1000)), kind)
-    assert precision >= 0.995
-    assert recall >= 0.993
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["racket", "table"])
 def test_contacts_are_found_in_poor_measurements(kind):
     poor = cut_rallies(100, 1000, noise=0.0045, outliers=0.05, bursts=2.0)
     precision, recall = scores(contacts(poor), kind)

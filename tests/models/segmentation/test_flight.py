@@ -7,7 +7,6 @@ from scipy.integrate import quad_vec, solve_ivp
 from models.segmentation.flight import (
     DRAG,
     JERK_DENSITY,
-    initialise,
     negative_log_likelihood,
     predict_covariance,
     predict_mean,
@@ -50,14 +49,6 @@ def test_predicted_covariance_adds_the_integral_of_white_jerk(covariance):
     np.testing.assert_allclose(covariance, expected, rtol=1e-12)
 
 
-def test_two_predictions_of_the_covariance_equal_one(covariance):
-    twice = covariance.copy()
-    predict_covariance(covariance, 0.05)
-    predict_covariance(twice, 0.02)
-    predict_covariance(twice, 0.03)
-    np.testing.assert_allclose(twice, covariance, rtol=1e-12)
-
-
 def test_update_is_the_kalman_update(covariance, rng):
     mean, sample = MEAN.copy(), rng.normal(size=3)
     observed = np.array([[1.0, 0.0, 0.0]])
@@ -74,10 +65,3 @@ def test_negative_log_likelihood_is_zero_for_a_certain_prediction_and_grows_with
     assert negative_log_likelihood(mean, covariance, sample, NOISE) == 0
     mean[0] = [0, 0, 4 * NOISE]
     assert negative_log_likelihood(mean, covariance, sample, NOISE) == pytest.approx(8)
-
-
-def test_first_sample_is_where_the_ball_is_to_the_noise():
-    mean, covariance = np.empty((3, 3)), np.empty((3, 3))
-    initialise(mean, covariance, MEAN[0], NOISE)
-    np.testing.assert_array_equal(mean[0], MEAN[0])
-    assert covariance[0, 0] == NOISE**2

@@ -42,12 +42,6 @@ def test_outliers_do_not_break_an_arc(seed):
     assert arcs(clock(x), x) == [(0, 79)]
 
 
-def test_outliers_at_the_start_of_an_arc_are_rejected():
-    x = noisy(path(40, [0.5, 4.0, 2.0]), 0)
-    x[[0, 2]] += [0.2, 0.1, -0.3]
-    assert arcs(clock(x), x) == [(1, 39)]
-
-
 @pytest.mark.parametrize("between", [FEWEST_SAMPLES, 4, 5])
 def test_few_samples_between_two_contacts_are_an_arc(between):
     down = path(20, [0.0, -5.0, -2.0])

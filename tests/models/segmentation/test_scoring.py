@@ -36,11 +36,6 @@ def test_play_ends_on_the_floor_or_with_a_second_bounce(kinds, y, expected):
     np.testing.assert_array_equal(playing, np.arange(len(y)) < expected)
 
 
-def test_next_launch_begins_play_again():
-    kinds = np.array(["launch", "floor", "table", "launch", "racket"])
-    assert in_play(kinds, np.ones(5)).tolist() == [True, True, False, True, True]
-
-
 @pytest.mark.parametrize(
     ("samples", "expected"),
     [

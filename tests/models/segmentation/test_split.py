@@ -118,18 +118,6 @@ def test_replayed_shots_are_serves_and_strokes_from_the_far_end():
     assert shortages == []
 
 
-@pytest.mark.parametrize(
-    ("replay_set", "groups"),
-    [("stroke_pro", {"pro"}), ("stroke_uni", {"club", "semi_pro"})],
-)
-def test_replayed_strokes_are_of_their_players(replay_set, groups):
-    episodes, _ = assigned(
-        *simulated_games(), replay=ReplaySettings(stroke_pro=6, stroke_uni=12, receive=2)
-    )
-    chosen = episodes[episodes["replay_set"] == replay_set]
-    assert set(recording_groups(chosen["recording_id"])) == groups
-
-
 @pytest.mark.parametrize(("column", "value"), [("unbroken", False), ("bounces", 0)])
 def test_broken_strokes_and_those_off_the_table_are_not_replayed(column, value):
     episodes, contacts = simulated_games()
@@ -143,10 +131,3 @@ def test_near_player_s_serves_are_not_replayed():
     parts = [game(f"arena/pro/{k}", 1, far_first=False) for k in range(20)]
     episodes, _ = assigned(*tables(parts))
     assert set(episodes["replay_set"]) == {"none"}
-
-
-@pytest.mark.parametrize(
-    ("recording_id", "group"), [("arena/pro/0012", "pro"), ("tt3d/003", ""), ("a/b/c/d", "b/c")]
-)
-def test_group_stands_between_source_and_name(recording_id, group):
-    assert recording_groups(pd.Series([recording_id], dtype="str")).tolist() == [group]

@@ -95,11 +95,3 @@ def test_launched_ball_begins_with_its_launch(found):
     assert shot["unbroken"].item()
     samples = found.samples[found.samples["recording_id"] == "gun/1"]
     np.testing.assert_allclose(samples[VELOCITY].iloc[0], [0, -5, 0], atol=0.15)
-
-
-def test_rows_may_come_in_any_order_of_recordings(found, recordings):
-    shuffled = pd.concat([recordings.iloc[::2], recordings.iloc[1::2]], ignore_index=True)
-    again = segment_recordings(shuffled.sort_values("t", kind="stable"), is_shot, SETTINGS)
-    columns = ["residual", "samples", "bounces"]
-    one, other = (table.episodes.set_index("episode_id")[columns] for table in (found, again))
-    pd.testing.assert_frame_equal(one, other.loc[one.index])

@@ -7,7 +7,7 @@ import pytest
 
 from models.ball.catalogue import catalogue
 from models.exam.design.parameters import NOT_OBSERVABLE, family, hideable
-from models.exam.design.questions import Counts, exam
+from models.exam.design.questions import exam
 from models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL
 
@@ -69,15 +69,6 @@ def test_sweeps_change_one_thing_at_a_time():
 def test_the_same_seed_gives_the_same_exam_and_another_one_another():
     assert exam(NOMINAL, seed=0) == QUESTIONS
     assert exam(NOMINAL, seed=1) != QUESTIONS
-
-
-def test_the_seed_of_a_trial_does_not_depend_on_how_many_others_there_are():
-    fewer = exam(NOMINAL, seed=0, counts=Counts(base=1, sweep=1, clean=10))
-    seeds = {question.trial.name: question.trial.seed for question in QUESTIONS}
-
-    sweeps = [q.trial for q in fewer if q.group in ("sweep", "clean")]
-    assert len(sweeps) == 10 * len(hideable()) + 10
-    assert all(seeds[trial.name] == trial.seed for trial in sweeps)
 
 
 def test_a_posed_question_hides_a_multiple_of_the_minimum_size_on_a_possible_side():

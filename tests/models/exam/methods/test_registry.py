@@ -1,6 +1,5 @@
-"""The methods of the exam, and the gap workflow's answer."""
+"""The methods of the exam on recordings without noise, and the gap workflow's answer."""
 
-import numpy as np
 import pytest
 
 from models.exam.interface import rounded, shots_of
@@ -8,19 +7,31 @@ from models.exam.methods.registry import METHODS
 from models.exam.simulate.recordings import simulate_trial
 from models.gap.amend.simulator import amended
 from models.gap.diagnose import diagnose
-from tests.models.exam.example_trials import NOMINAL, trial
+from tests.models.exam.example_trials import NOMINAL, recorded, trial
+
+WIND = {"sindy": (0.1, 0.03), "sindy_ensemble": (0.1, 0.03), "identification": (0.5, 1e-3)}
 
 
-def test_the_workflow_is_compared_with_three_others():
-    assert list(METHODS) == ["rallygap", "sindy", "sindy_ensemble", "identification"]
+@pytest.mark.parametrize("method", WIND)
+def test_a_large_effect_in_flight_is_named_without_noise(method):
+    size, tolerance = WIND[method]
+    found = METHODS[method](recorded("wind", "x", size), NOMINAL, ())
+    assert (found.conclusion, [cause.identity for cause in found.causes]) == ("named", ["wind.x"])
+    (cause,) = found.causes
+    assert cause.estimate == pytest.approx(size, rel=tolerance)
+    assert cause.interval is None or cause.interval[0] <= cause.estimate <= cause.interval[1]
+    assert rounded(found.amended.effects["wind"]["x"]) == cause.estimate
 
 
-def test_recordings_become_shots_with_their_labels():
-    recordings, _ = simulate_trial(trial(shots=5, spin_labels="per_shot"))
-    shots = shots_of(recordings)
-    assert len(shots) == 5
-    assert (shots.labelled.sum(axis=1) <= 1).all()
-    assert np.array_equal(shots.positions[2][shots.valid[2]], recordings[2].positions)
+@pytest.mark.parametrize("method", WIND)
+def test_nothing_is_named_without_noise_and_without_a_gap(method):
+    assert METHODS[method](recorded(), NOMINAL, ()).conclusion == "no_gap"
+
+
+@pytest.mark.parametrize("method", WIND)
+def test_a_withheld_effect_is_never_named(method):
+    found = METHODS[method](recorded("wind", "x", WIND[method][0]), NOMINAL, ("wind",))
+    assert "wind.x" not in {name for cause in found.causes for name in cause.possible}
 
 
 @pytest.mark.slow

@@ -54,11 +54,6 @@ def test_an_estimate_stays_within_bounds():
     assert cause.interval == pytest.approx((1.03, 1.23))
 
 
-def test_nothing_chosen_is_no_gap():
-    found = answer(NOMINAL, regression(), (), np.zeros(0))
-    assert (found.conclusion, found.causes, found.amended) == ("no_gap", (), NOMINAL)
-
-
 def test_candidates_are_what_balls_can_show_without_what_is_withsimulate_trial():
     names = [one.effect for one in candidates(NOMINAL, ("wind",))]
     assert names[:3] == ["drag", "gravity", "magnus"]

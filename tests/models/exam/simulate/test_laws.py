@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
 from models.ball.state import BALL_MASS, BALL_RADIUS
-from models.exam.simulate.laws import FORMS, Physics, bounce, derivative, physics_of, supports
+from models.exam.simulate.laws import bounce, derivative, physics_of
 from tests.models.ball.balls import energy
 from tests.models.ball.reference import Physics as Reference
 from tests.models.exam.example_trials import NOMINAL
@@ -80,14 +79,6 @@ def test_bounces_keep_the_angular_momentum_about_the_contact_and_gain_no_energy(
     twist = np.cross(BALL_RADIUS * normal, change[:, 3:6]) + 2 / 3 * BALL_RADIUS**2 * change[:, 6:]
     assert np.abs(twist).max() < 1e-11
     assert (energy(after) <= energy(before)).all()
-
-
-def test_stribeck_friction_takes_more_than_constant_friction_where_it_slides_fast():
-    fast = np.array([[0, 0, BALL_RADIUS, 12.0, 0, -1.0, 0, 0, 0]])
-
-    more = bounced(fast, with_(slip_dependent_friction_c=0.02))[0, 3]
-
-    assert more < bounced(fast)[0, 3]
 
 
 def test_friction_acts_against_the_slip_of_each_moment():
@@ -164,20 +155,6 @@ def test_lift_saturates_and_breaks_down_only_where_it_should():
     assert lift(slow, lift_crisis_d=1.0) == pytest.approx(1.0)
     assert lift(fast, lift_crisis_d=1.0) == pytest.approx(0.0, abs=1e-12)
     assert lift(slow, lift_saturation_kappa=5.0) < 0.4
-
-
-def test_every_form_belongs_to_a_catalogued_effect_with_independent_dynamics():
-    assert set(FORMS) <= set(catalogue())
-    assert all(supports(effect) for effect in FORMS)
-    assert not supports("net")
-
-
-def test_constants_are_the_parameters_of_the_catalogue():
-    known = {f"{name}_{p.name}" for name, e in catalogue().items() for p in e.parameters}
-
-    assert set(Physics._fields) <= known
-    assert PHYSICS.drag_cd == 0.54
-    assert PHYSICS.wind_x == 0.0
 
 
 def test_effects_without_an_independent_form_are_refused():
