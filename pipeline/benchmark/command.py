@@ -39,12 +39,10 @@ def score(
     from pipeline.params import load_params
 
     root = clone_with_run()
-    if not forecasts.exists():
-        raise InputError(forecasts, "there is no such file; give the parquet file of forecasts")
     if out is not None:
         _check_scores(out, forecasts)
     scores = score_forecasts(root, load_params(root / "params.yaml"), forecasts)
-    for table in score_tables(scores):
+    for table in score_tables(scores, own=forecasts.name):
         show(table)
         typer.echo()
     if out is not None:

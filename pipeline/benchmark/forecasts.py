@@ -42,7 +42,7 @@ def read_forecasts(path: Path, sets: Sequence[MeasuredSet]) -> dict[str, Forecas
     """
     ids = {one.name: window_ids(one) for one in sets}
     set_of = {name: of for of, names in ids.items() for name in names.tolist()}
-    table = _checked(_read(path, rows=len(set_of) * len(HORIZONS_MS)), path)
+    table = checked(_read(path, rows=len(set_of) * len(HORIZONS_MS)), FORECASTS, path)
     if table.empty:
         raise InputError(path, f"has no row; {EXPORT} and forecast them")
     of = table["window_id"].map(set_of)
@@ -78,8 +78,6 @@ def _reading(path: Path) -> Iterator[None]:
     """Turn what goes wrong when the file is read into an ``InputError``."""
     try:
         yield
-    except FileNotFoundError:
-        raise InputError(path, "there is no such file") from None
     except (OSError, ValueError, KeyError, TypeError, NotImplementedError, MemoryError) as error:
         reason = " ".join(str(error).split())[:200]
         raise InputError(path, f"is not a parquet table: {reason}") from None
@@ -106,16 +104,6 @@ def _fits(found: pa.DataType, wanted: str) -> bool:
     if wanted == "int64":
         return bool(pa.types.is_integer(found))
     return bool(pa.types.is_integer(found) or pa.types.is_floating(found))
-
-
-def _checked(table: pd.DataFrame, path: Path) -> pd.DataFrame:
-    """Return the table if it keeps ``FORECASTS``; an error names the file."""
-    try:
-        return checked(table, FORECASTS)
-    except InputError as error:
-        raise InputError(
-            path, f"{error.problem}; correct this row", row=error.row, field=error.field
-        ) from None
 
 
 def _refuse_first(at_fault: "pd.Series[bool]", table: pd.DataFrame, path: Path, what: str) -> None:

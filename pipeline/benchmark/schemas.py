@@ -1,7 +1,5 @@
 """The tables of the benchmark: exported windows, and forecasts to score."""
 
-from typing import Any
-
 import pandera.pandas as pa
 
 from models.predictors.errors import HORIZONS_MS
@@ -13,7 +11,6 @@ QUANTITIES = {
     "velocity (m/s)": VELOCITY_COLUMNS,
     "spin (rad/s)": SPIN_COLUMNS,
 }
-JSON_TYPES = {"string": "string", "int64": "integer", "float64": "number", "bool": "boolean"}
 
 
 def _vectors(*quantities: str, note: str, nullable: bool) -> dict[str, pa.Column]:
@@ -66,31 +63,3 @@ def type_of(column: pa.Column) -> str:
     """Return the type of a column as it is called everywhere: string, int64, float64 or bool."""
     name = str(column.dtype)
     return "string" if name.startswith("str") else name  # pandas knows strings of many kinds
-
-
-def json_schema() -> dict[str, Any]:
-    """Return both tables as JSON Schema, which describes one row of each."""
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "$defs": {contract.name: _row(contract) for contract in (WINDOWS, FORECASTS)},
-    }
-
-
-def _row(contract: pa.DataFrameSchema) -> dict[str, Any]:
-    return {
-        "type": "object",
-        "description": contract.description,
-        "properties": {name: _property(column) for name, column in contract.columns.items()},
-        "required": list(contract.columns),
-        "additionalProperties": False,
-    }
-
-
-def _property(column: pa.Column) -> dict[str, Any]:
-    kind = JSON_TYPES[type_of(column)]
-    allowed = {"enum": HORIZONS_MS} if column.name == "horizon_ms" else {}
-    return {
-        "type": [kind, "null"] if column.nullable else kind,
-        "description": column.description,
-        **allowed,
-    }

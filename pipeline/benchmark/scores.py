@@ -1,7 +1,6 @@
 """Scores of any forecasts, and of the predictors of the run on the same windows."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,27 +28,18 @@ from pipeline.runtime.torch_threads import one_thread
 UNITS = {"position": "mm", "velocity": "m/s", "spin": "rad/s"}
 
 
-@dataclass(frozen=True)
-class Scores:
-    """Errors of forecasts against the measured state, and errors of the predictors of the run.
-
-    Attributes:
-        name: of the file of forecasts, which stands among the predictors, first.
-        errors: a row a set, predictor, quantity and horizon, with mean, std, n and 95 % interval.
-    """
-
-    name: str
-    errors: pd.DataFrame
-
-
 @one_thread()
-def score(root: Path, params: Params, path: Path) -> Scores:
+def score(root: Path, params: Params, path: Path) -> pd.DataFrame:
     """Score forecasts of the last run's test windows, and its own predictors on the same windows.
 
     Args:
         root: of the repository, with the artefacts of a finished run.
         params: of that run.
         path: of the forecasts.
+
+    Returns:
+        Errors against the measured state: a row a set, predictor, quantity and horizon, with mean,
+        std, n and 95 % interval. Of the predictors, the file of forecasts is the first.
 
     Raises:
         InputError: the forecasts or an artefact are missing or broken, or the forecasts are called
@@ -65,7 +55,7 @@ def score(root: Path, params: Params, path: Path) -> Scores:
         if one.name in theirs:
             forecasts = {path.name: theirs[one.name], **_ours(predictors, one)}
             frames[(one.name,)] = _errors(forecasts, one, params)
-    return Scores(path.name, concat_tables(frames, ["set"]))
+    return concat_tables(frames, ["set"])
 
 
 def _ours(predictors: Sequence[NamedPredictor], one: MeasuredSet) -> dict[str, Forecast]:
@@ -88,18 +78,18 @@ def _errors(forecasts: dict[str, Forecast], one: MeasuredSet, params: Params) ->
     return errors[errors["bounce"] == "all"].drop(columns="bounce")
 
 
-def write_scores(path: Path, scores: Scores) -> None:
+def write_scores(path: Path, errors: pd.DataFrame) -> None:
     """Write all as JSON: ``{set: {predictor: {quantity: {horizon_ms: {mean, std, n, …}}}}}``."""
     keys = ["set", "predictor", "quantity", "horizon_ms"]
-    write_json(path, nested(scores.errors, keys))
+    write_json(path, nested(errors, keys))
 
 
-def score_tables(scores: Scores) -> Iterator[Table]:
-    """Yield a table for the terminal a set and quantity, whose cells a narrow one folds."""
-    shown = scores.errors[scores.errors["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
+def score_tables(errors: pd.DataFrame, own: str) -> Iterator[Table]:
+    """Yield a table for the terminal a set and quantity, with one predictor in bold."""
+    shown = errors[errors["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
     for (name, quantity), rows in shown.groupby(["set", "quantity"], sort=False):
         title = f"{name}: mean error of the {quantity} ({UNITS[str(quantity)]})"
-        yield _table(title, rows, scores.name)
+        yield _table(title, rows, own)
 
 
 def _table(title: str, rows: pd.DataFrame, own: str) -> Table:

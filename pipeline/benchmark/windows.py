@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from models.predictors.errors import HORIZONS_MS
 from models.predictors.protocol import HISTORY, HISTORY_TIMES, History
 from models.predictors.windows import Windows
-from pipeline.benchmark.schemas import FORECASTS, WINDOWS, json_schema, type_of
+from pipeline.benchmark.schemas import FORECASTS, WINDOWS, type_of
 from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
-from pipeline.io.artifacts import write_json, write_table, write_text
+from pipeline.io.artifacts import write_table, write_text
 from pipeline.io.markdown import markdown_page
 from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, checked
 from pipeline.params import Params
 from pipeline.runtime.errors import InputError
 
-TABLE, SCHEMA, README = "windows.parquet", "schema.json", "README.md"
+TABLE, README = "windows.parquet", "README.md"
 ID_BYTES, DIGITS = 8, 6
 _TEMPLATE = Path(__file__).parent / "templates" / "benchmark.md"
 
@@ -42,14 +42,13 @@ def export_windows(sets: Sequence[MeasuredSet], folder: Path) -> None:
 
     Args:
         sets: the windows.
-        folder: gets windows.parquet, schema.json and README.md.
+        folder: gets windows.parquet and README.md.
 
     Raises:
         InputError: the folder cannot be written to.
     """
     try:
         write_table(folder / TABLE, window_table(sets))
-        write_json(folder / SCHEMA, json_schema())
         write_text(folder / README, _readme(sets))
     except OSError as error:
         raise InputError(folder, f"cannot be written to: {error.strerror}") from None
@@ -115,12 +114,5 @@ def _rows(one: MeasuredSet) -> pd.DataFrame:
 
 
 def _readme(sets: Sequence[MeasuredSet]) -> str:
-    return markdown_page(
-        _TEMPLATE,
-        sets=sets,
-        windows=WINDOWS,
-        forecasts=FORECASTS,
-        type_of=type_of,
-        first=HORIZONS_MS[0],
-        last=HORIZONS_MS[-1],
-    )
+    tables = {"windows": WINDOWS, "forecasts": FORECASTS, "type_of": type_of}
+    return markdown_page(_TEMPLATE, sets=sets, first=HORIZONS_MS[0], last=HORIZONS_MS[-1], **tables)

@@ -108,5 +108,5 @@ def test_a_file_that_is_no_parquet_table_is_an_error(tmp_path, sets, forecasts, 
         forecasts.to_parquet(path, index=False)
         whole = path.read_bytes()
         path.write_bytes(b"window_id" if made == "text" else whole[: len(whole) // 2])
-    with pytest.raises(InputError, match=r"there is no such file|is not a parquet table"):
+    with pytest.raises(InputError, match="is not a parquet table"):
         read_forecasts(path, sets)

@@ -65,7 +65,7 @@ def test_scores_equal_evaluate_predictor_where_a_flight_has_one_window(tmp_path)
     scores = score(tmp_path, one_window, path)
     report = pd.read_csv(tmp_path / "reports/evaluate_predictor/forecast_error.csv")
     reported = report.query("against == 'measured' and bounce == 'all'")
-    ours = scores.errors[scores.errors["predictor"] != "mine.parquet"]
+    ours = scores[scores["predictor"] != "mine.parquet"]
     shown = ours[ours["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
     six_digits = shown[NUMBERS].map(lambda value: float(f"{value:.6g}"))
     np.testing.assert_array_equal(six_digits.to_numpy(), reported[NUMBERS].to_numpy())
@@ -74,14 +74,14 @@ def test_scores_equal_evaluate_predictor_where_a_flight_has_one_window(tmp_path)
 def test_a_set_may_be_left_out_as_a_whole(tmp_path, root, sets):
     table = window_table([one for one in sets if one.name == "plain"])
     scores = scored(root, forecasts_of(ZeroPredictor(), table), tmp_path)
-    assert set(scores.errors["set"]) == {"plain"}
+    assert set(scores["set"]) == {"plain"}
 
 
 def test_the_tables_show_theirs_above_ours(tmp_path, root, sets):
     scores = scored(root, forecasts_of(ZeroPredictor(), window_table(sets)), tmp_path)
     shown = io.StringIO()
     console = Console(file=shown, width=140)
-    for table in score_tables(scores):
+    for table in score_tables(scores, "mine.parquet"):
         console.print(table)
     text = shown.getvalue()
     assert "…" not in text
@@ -94,7 +94,7 @@ def test_the_tables_show_theirs_above_ours(tmp_path, root, sets):
 
 def test_a_narrow_terminal_loses_no_digit(tmp_path, root, sets):
     scores = scored(root, forecasts_of(ZeroPredictor(), window_table(sets)), tmp_path)
-    for table in score_tables(scores):
+    for table in score_tables(scores, "mine.parquet"):
         wide, narrow = io.StringIO(), io.StringIO()
         Console(file=wide, width=140).print(table)
         Console(file=narrow, width=40).print(table)
@@ -129,7 +129,7 @@ def test_windows_of_a_public_set_are_exported_and_scored(tmp_path, real_data):
     flights = [one for one in sets[0].episodes if len(cut_windows(one.episode, every=0.05))]
     assert exported["window_id"].nunique() == len(flights) > 10
     scores = scored(tmp_path, forecasts_of(ZeroPredictor(), exported), tmp_path)
-    errors = scores.errors.query("quantity == 'position' and horizon_ms == 100")
+    errors = scores.query("quantity == 'position' and horizon_ms == 100")
     by_name = errors.set_index("predictor")["mean"]
     assert by_name["physics_true"] < 0.2 * by_name["mine.parquet"]
 
