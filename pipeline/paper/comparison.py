@@ -6,8 +6,8 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict
 
-from pipeline.paper.run_reports import Reports
-from pipeline.paper.sources import Reading, Source, number
+from pipeline.paper.run_reports import Reading, Reports
+from pipeline.paper.sources import Source, number
 from pipeline.paper.values import group_rows, printed_values
 from pipeline.paper.verdicts import (
     NO_NUMBER,
@@ -21,6 +21,7 @@ from pipeline.paper.verdicts import (
     setting,
     within,
 )
+from pipeline.runtime.errors import InputError
 
 NOTHING = "–"
 CONTEXT = (
@@ -71,8 +72,16 @@ class Value(BaseModel):
         return self.shown or _with_unit(self.value, self.unit)
 
     def find(self, run: Reports) -> Finding:
-        """Return what a run has for it."""
-        found = self.ours.read(run)
+        """Return what a run has for it.
+
+        Raises:
+            InputError: a report is broken, or a parameter of a kept run is.
+        """
+        try:
+            found = self.ours.read(run)
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+            problem = f"cannot be compared: {error}; run `rallygap keep` again"
+            raise InputError(run.written_in, problem, field=self.ours.place) from None
         if found is None:
             return Finding(NO_NUMBER if self.rule == "quoted" else NOT_MEASURED)
         return Finding(self._verdict(found), found.value, found.interval, self._text(found))

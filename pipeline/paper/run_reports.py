@@ -3,17 +3,16 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple
 
 import pandas as pd
-from pydantic import TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict
 
 from pipeline.experiments.profiles import merged
 from pipeline.io.artifacts import read_json
+from pipeline.paper.verdicts import Interval
 from pipeline.params import check_params, load_params, read_yaml, with_current_keys
 from pipeline.runtime.errors import InputError
-
-Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
@@ -30,20 +29,12 @@ class Reports:
     params: Mapping[str, Any]
     written_in: Path = Path("params.yaml")
 
-    def param(self, path: str, kind: type[Value]) -> Value | None:
-        """Return a parameter by its path, such as ``sim2sim.episodes``; ``None`` without it.
-
-        Raises:
-            InputError: it is not of this kind.
-        """
+    def param(self, path: str) -> Any:
+        """Return a parameter by its path, such as ``sim2sim.episodes``; ``None`` without it."""
         found: Any = self.params
         for key in path.split("."):
             found = found.get(key) if isinstance(found, Mapping) else None
-        try:
-            return None if found is None else TypeAdapter(kind).validate_python(found, strict=True)
-        except ValidationError as error:
-            problem = f"has the wrong type: {error.errors()[0]['msg']}; run `rallygap keep` again"
-            raise InputError(self.written_in, problem, field=path) from None
+        return found
 
     def table(self, file: str, keys: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
         """Return a table of the reports, empty if it or one of these columns does not exist.
@@ -79,6 +70,28 @@ class Reports:
         """Return a number of the row with these values; ``None`` if it does not exist."""
         found = self.numbers(file, [name], **keys)
         return None if found is None else found[0]
+
+
+class Reading(NamedTuple):
+    """A number of ours.
+
+    Attributes:
+        value: the number; text where it is none.
+        interval: of 95 %, where there is one.
+        shown: how it is written, if not as value, interval and unit.
+        verdict: where reading it decides the claim.
+    """
+
+    value: float | str
+    interval: Interval | None = None
+    shown: str = ""
+    verdict: str = ""
+
+
+class ReportSource(BaseModel):
+    """Where a number of ours comes from: a kind of ``ours`` in ``values.yaml``."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 def laptop_reports(root: Path) -> Reports:

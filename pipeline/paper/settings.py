@@ -1,11 +1,7 @@
 """Settings of a run, and of the code, in the form in which the paper prints them."""
 
 from collections.abc import Callable, Collection
-from typing import Annotated
 
-from pydantic import AfterValidator, FiniteFloat, PositiveInt
-
-from models.ball.simulators import shipped
 from models.predictors.errors import HORIZONS_MS
 from models.predictors.protocol import FUTURE, HISTORY, TICK
 from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
@@ -34,20 +30,6 @@ CONSTANTS: dict[str, float | str] = {
 }
 
 
-def _checked_name(name: str) -> str:
-    shipped(name)
-    return name
-
-
-Shipped = Annotated[str, AfterValidator(_checked_name)]
-"""The name of a shipped simulator."""
-
-
-def simulator_parameter(name: str, effect: str, parameter: str) -> float:
-    """Return a parameter of a shipped simulator."""
-    return float(shipped(name).effects[effect][parameter])
-
-
 def _episodes(run: Reports, column: str | None = None, values: Collection[str] = ()) -> Value:
     """Return how many of the arena's episodes have one of these values in a column."""
     table = run.table(SPLITS, ["source", *([column] if column else [])], ["episodes"])
@@ -73,21 +55,20 @@ def _training_share(run: Reports) -> Value:
 
 
 def _optimizer(run: Reports) -> Value:
-    if run.param(TRAINING, dict) is None:
+    training = run.param(TRAINING)
+    if training is None:
         return None
-    muon = run.param(f"{TRAINING}.matrix_learning_rate", FiniteFloat) is not None
-    return "Muon and Adam" if muon else "Adam"
+    return "Adam" if training.get("matrix_learning_rate") is None else "Muon and Adam"
 
 
 def _decay(run: Reports) -> Value:
-    if run.param(TRAINING, dict) is None:
-        return None
-    return run.param(f"{TRAINING}.decay", FiniteFloat) or "half a cosine"
+    training = run.param(TRAINING)
+    return None if training is None else training.get("decay") or "half a cosine"
 
 
 def _future_rows(run: Reports) -> int | None:
-    states = run.param(f"{NETWORK}.states_per_row", PositiveInt)
-    return None if states is None else FUTURE // states
+    states = run.param(f"{NETWORK}.states_per_row")
+    return None if states is None else FUTURE // int(states)
 
 
 def _decoder_rows(run: Reports) -> Value:
@@ -99,12 +80,12 @@ def _placeholders(run: Reports) -> Value:
     rows = _future_rows(run)
     if rows is None:
         return None
-    uniform = run.param(f"{NETWORK}.uniform_motion", bool)
+    uniform = run.param(f"{NETWORK}.uniform_motion")
     return f"{rows} rows of uniform motion" if uniform else f"{rows} x {CONSTANTS['inputs']} zeros"
 
 
 def _horizons(run: Reports, index: int) -> Value:
-    found = run.param(HORIZONS, list[list[int]])
+    found = run.param(HORIZONS)
     return ", ".join(map(str, found[index])) if found and len(found) > index else None
 
 

@@ -1,38 +1,17 @@
 """Where our number comes from: the kinds of ``ours`` in ``values.yaml``."""
 
-from typing import NamedTuple
+from pydantic import Field
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
-
-from pipeline.paper import forecast_errors
-from pipeline.paper.run_reports import Reports
-from pipeline.paper.settings import COMPUTED, CONSTANTS, Shipped, simulator_parameter
+from models.ball.simulators import shipped
+from pipeline.paper.forecast_errors import ErrorDifference, ErrorSpread
+from pipeline.paper.run_reports import Reading, Reports, ReportSource
+from pipeline.paper.settings import COMPUTED, CONSTANTS
 from pipeline.paper.verdicts import Interval, difference
 
 DIGITS = 4  # of a difference in percentage points: tables have six digits of a share
 
 
-class Reading(NamedTuple):
-    """A number of ours.
-
-    Attributes:
-        value: the number; text where it is none.
-        interval: of 95 %, where there is one.
-        shown: how it is written, if not as value, interval and unit.
-        verdict: where reading it decides the claim.
-    """
-
-    value: float | str
-    interval: Interval | None = None
-    shown: str = ""
-    verdict: str = ""
-
-
-class _Source(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Table(_Source):
+class Table(ReportSource):
     """A row of a table of the reports: a number, perhaps with its interval and the count behind it.
 
     The number is ``(column + offset) * scale``.
@@ -70,7 +49,7 @@ class Table(_Source):
         return Reading(value, interval, shown)
 
 
-class Difference(_Source):
+class Difference(ReportSource):
     """One number minus another; the half-widths add up where the two are not independent."""
 
     first: "Source"
@@ -93,7 +72,7 @@ class Difference(_Source):
         return Reading(interval.value, interval)
 
 
-class FirstOf(_Source):
+class FirstOf(ReportSource):
     """The first of several sources that the reports have."""
 
     first_of: list["Source"]
@@ -109,41 +88,7 @@ class FirstOf(_Source):
         return next((one for one in found if one is not None), None)
 
 
-class ErrorDifference(_Source):
-    """The transformer's mean forecast error compared with a rival's."""
-
-    rival: str
-    quantity: str
-
-    @property
-    def place(self) -> str:
-        """The table of differences."""
-        return f"{forecast_errors.DIFFERENCES}: mean, lower_share"
-
-    def read(self, run: Reports) -> Reading | None:
-        """Return the verdict and the difference in percent."""
-        found = forecast_errors.smaller_error(run, self.rival, self.quantity)
-        return None if found is None else Reading(found[1].value, found[1], verdict=found[0])
-
-
-class ErrorSpread(_Source):
-    """The standard deviation of the transformer's forecast error compared with all rivals'."""
-
-    smallest_spread: str
-    rivals: list[str]
-
-    @property
-    def place(self) -> str:
-        """The table of errors."""
-        return f"{forecast_errors.ERRORS}: std"
-
-    def read(self, run: Reports) -> Reading | None:
-        """Return the verdict and the excess in percent."""
-        found = forecast_errors.smallest_spread(run, self.smallest_spread, self.rivals)
-        return None if found is None else Reading(found[1], verdict=found[0])
-
-
-class Parameter(_Source):
+class Parameter(ReportSource):
     """A number of params.yaml."""
 
     param: str
@@ -156,11 +101,11 @@ class Parameter(_Source):
 
     def read(self, run: Reports) -> Reading | None:
         """Return the run's parameter."""
-        found = run.param(self.param, FiniteFloat)
-        return None if found is None else Reading(self.scale * found)
+        found = run.param(self.param)
+        return None if found is None else Reading(self.scale * float(found))
 
 
-class Constant(_Source):
+class Constant(ReportSource):
     """A constant of the code, the same in every run."""
 
     constant: str
@@ -176,7 +121,7 @@ class Constant(_Source):
         return Reading(CONSTANTS[self.constant])
 
 
-class SimulatorParameter(_Source):
+class SimulatorParameter(ReportSource):
     """A parameter of a shipped simulator, which is named here or by a parameter of the run."""
 
     effect: str
@@ -193,17 +138,13 @@ class SimulatorParameter(_Source):
 
     def read(self, run: Reports) -> Reading | None:
         """Return the parameter of the simulator."""
-        name = self.simulator
-        if self.simulator_param:
-            name = run.param(self.simulator_param, Shipped)
-        return (
-            None
-            if name is None
-            else Reading(simulator_parameter(name, self.effect, self.parameter))
-        )
+        name = run.param(self.simulator_param) if self.simulator_param else self.simulator
+        if name is None:
+            return None
+        return Reading(float(shipped(name).effects[self.effect][self.parameter]))
 
 
-class Computed(_Source):
+class Computed(ReportSource):
     """A setting that is computed from the reports or the parameters of a run."""
 
     computed: str
@@ -219,7 +160,7 @@ class Computed(_Source):
         return None if found is None else Reading(found)
 
 
-class Unmeasured(_Source):
+class Unmeasured(ReportSource):
     """No number of ours; where to look instead."""
 
     see: str = Field(min_length=1)

@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from scipy.stats import binomtest
+
 SAME, DIFFERS = "same", "differs"  # settings and sizes
 LEVEL, HIGHER, LOWER = "level", "higher", "lower"  # measured rates against printed ones
 HOLDS, OPEN, FAILS = "holds", "open", "fails"  # claims
@@ -24,8 +26,6 @@ MEANINGS = {
     NOT_MEASURED: "the reports of the run do not have the number",
     NO_NUMBER: "a sketch, or a number that the paper quotes from other work",
 }
-
-NORMAL = 1.96  # half-width of a 95 % interval in standard deviations
 
 
 class Interval(NamedTuple):
@@ -63,10 +63,8 @@ def difference(first: Interval, second: Interval, *, independent: bool = True) -
 
 def rate(count: int, of: int) -> Interval:
     """Return a rate with its interval (Wilson 1927)."""
-    middle = count + NORMAL**2 / 2
-    spread = NORMAL * math.sqrt(count * (of - count) / of + NORMAL**2 / 4)
-    whole = of + NORMAL**2
-    return Interval(count / of, (middle - spread) / whole, (middle + spread) / whole)
+    ends = binomtest(count, of).proportion_ci(method="wilson")
+    return Interval(count / of, ends.low, ends.high)
 
 
 def compared(ours: Interval, printed: Interval) -> str:
