@@ -56,10 +56,8 @@ def compared_params(sweep: Sweep) -> list[Params]:
     path = sweep.report / BEST
     if not path.is_file():
         raise InputError(path, f"there is no such file; run `rallygap sweep {sweep.name}`")
-    settings = [
-        check_params(content, path)
-        for content in (sweep.params, merged(sweep.params, with_current_keys(read_yaml(path))))
-    ]
+    best = merged(sweep.params, with_current_keys(read_yaml(path)))
+    settings = [check_params(content, path) for content in (sweep.params, best)]
     if settings[0] == settings[1]:
         raise InputError(path, "equals params.yaml: there is nothing to confirm")
     return settings

@@ -17,25 +17,15 @@ from pipeline.sweeps.trial import Report
 MEASURES = {"returned": "return rate", "hit": "hit rate"}
 
 
-class PolicyTraining:
-    """Trains a policy and validates it on shots that it does not learn from.
-
-    Args:
-        sweep: names the group, the simulator and the forecast horizons.
-    """
-
-    def __init__(self, sweep: PolicySweep) -> None:
-        self.sweep = sweep
-
-    def score(self, params: Params, folder: Path, report: Report) -> float:
-        """Train; return the return rate after the last iteration."""
-        job = TrainingJob(described(self.sweep, params), folder)
-        rate = 0.0
-        for number in range(job.description.learning.iterations):
-            learn(job, number)
-            rate = read_json(job.iteration(number) / RECORD)["return_rate"]
-            report(number + 1, rate)
-        return rate
+def score_policy(sweep: PolicySweep, params: Params, folder: Path, report: Report) -> float:
+    """Train a policy; return the return rate on validation shots after the last iteration."""
+    job = TrainingJob(described(sweep, params), folder)
+    rate = 0.0
+    for number in range(job.description.learning.iterations):
+        learn(job, number)
+        rate = read_json(job.iteration(number) / RECORD)["return_rate"]
+        report(number + 1, rate)
+    return rate
 
 
 def described(sweep: PolicySweep, params: Params, repeat: int = 0) -> TrainedPolicy:

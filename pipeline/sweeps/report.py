@@ -1,19 +1,22 @@
 """The report of a sweep: best parameters as params.yaml takes them, all trials, two figures."""
 
+from pathlib import Path
 from typing import Any
 
+import matplotlib
 import optuna
 import pandas as pd
 import yaml
+from matplotlib import pyplot
 from optuna.trial import TrialState
+from optuna.visualization.matplotlib import plot_optimization_history, plot_param_importances
 
 from pipeline.experiments.profiles import flags, merged
 from pipeline.io.artifacts import write_csv, write_json, write_text
-from pipeline.io.figure_style import apply_style, save_figure
+from pipeline.io.figure_style import save_figure
 from pipeline.io.metrics import rounded
 from pipeline.params import read_yaml
 from pipeline.runtime.errors import InputError
-from pipeline.sweeps.figures import history_figure, importance_figure
 from pipeline.sweeps.settings import Sweep, nested
 
 BEST, TRIALS, SUMMARY = "best_params.yaml", "trials.csv", "sweep.json"
@@ -46,10 +49,7 @@ def write_report(sweep: Sweep, study: optuna.Study) -> list[str]:
     write_text(path, text)
     write_csv(sweep.report / TRIALS, trials)
     write_json(sweep.report / SUMMARY, _summary(sweep, study, trials))
-    apply_style()
-    save_figure(sweep.report / HISTORY, history_figure(trials, sweep.settings))
-    if importances := _importances(study):
-        save_figure(sweep.report / IMPORTANCE, importance_figure(importances))
+    _draw(sweep.report, study, sweep.settings.score)
     return flags(sweep.params, merged(sweep.params, best))
 
 
@@ -95,10 +95,16 @@ def _params_score(sweep: Sweep, trials: pd.DataFrame) -> float | None:
     return None
 
 
-def _importances(study: optuna.Study) -> dict[str, float]:
-    """Return Optuna's importance of each parameter; none if too few trials were completed."""
-    try:
-        found = optuna.importance.get_param_importances(study)
-    except (ValueError, RuntimeError):
-        return {}
-    return {name: share for name, share in found.items() if share == share}
+def _draw(folder: Path, study: optuna.Study, score: str) -> None:
+    """Write Optuna's figures; that of the importance only if enough trials were completed."""
+    pyplot.switch_backend("agg")
+    for name, plot in ((HISTORY, plot_optimization_history), (IMPORTANCE, plot_param_importances)):
+        with matplotlib.rc_context():  # Optuna changes the style of all figures
+            try:
+                plot(study, target_name=score)
+            except (ValueError, RuntimeError):
+                continue
+            pyplot.title("")
+            pyplot.tight_layout()
+            save_figure(folder / name, pyplot.gcf())
+            pyplot.close()

@@ -153,7 +153,7 @@ class Sweep:
     @property
     def path(self) -> Path:
         """The file of the settings."""
-        return self.root / "profiles" / "sweeps" / f"{self.name}.yaml"
+        return _path(self.root, self.name)
 
     @property
     def report(self) -> Path:
@@ -195,13 +195,17 @@ class Sweep:
         return check_params(merged(shortened, nested(values)), self.path)
 
 
+def _path(root: Path, name: str) -> Path:
+    return root / "profiles" / "sweeps" / f"{name}.yaml"
+
+
 def load_sweep(root: Path, name: str) -> Sweep:
     """Read the settings of a sweep and check them against params.yaml.
 
     Raises:
         InputError: there is no such file, or its content is invalid.
     """
-    path = root / "profiles" / "sweeps" / f"{name}.yaml"
+    path = _path(root, name)
     if not path.is_file():
         names = sorted(file.stem for file in path.parent.glob("*.yaml"))
         raise InputError(path, f"there is no such sweep; there are: {', '.join(names)}")
@@ -226,9 +230,8 @@ def _check(sweep: Sweep) -> None:
         load_simulator(settings.simulator)
     for key, parameter in settings.space.items():
         if key in DEFINES_SCORE or not key.startswith(tuple(f"{g}." for g in settings.searchable)):
-            problem = (
-                f"cannot be searched; search parameters of {' and '.join(settings.searchable)}"
-            )
+            searchable = " and ".join(settings.searchable)
+            problem = f"cannot be searched; search parameters of {searchable}"
             raise InputError(sweep.path, problem, field=key)
         for value in parameter.extremes:
             sweep.trial_params({key: value})

@@ -3,6 +3,7 @@
 import math
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import optuna
@@ -32,9 +33,9 @@ def training_of(sweep: Sweep) -> Train:
         from pipeline.sweeps.predictor import PredictorTraining
 
         return PredictorTraining(sweep.root, sweep.settings, sweep.trial_params({})).score
-    from pipeline.sweeps.policy import PolicyTraining
+    from pipeline.sweeps.policy import score_policy
 
-    return PolicyTraining(sweep.settings).score
+    return partial(score_policy, sweep.settings)
 
 
 def run_trial(
@@ -61,7 +62,6 @@ def run_trial(
         if not math.isfinite(score) or trial.should_prune():
             raise TrialPruned(f"{settings.score} {score:.4g} after {settings.step} {step}")
 
-    pruned = None
     try:
         params = sweep.trial_params(sweep.suggest(trial))
     except InputError as error:
@@ -75,14 +75,14 @@ def run_trial(
         tempfile.TemporaryDirectory(dir=folder) as checkpoints,
     ):
         try:
-            score = train(params, Path(checkpoints), report)
-        except TrialPruned as reason:  # for MLflow the run is finished
-            pruned = reason
-    if pruned is not None:
-        typer.echo(f"trial {trial.number}: pruned, {pruned}")
-        raise pruned
-    typer.echo(f"trial {trial.number}: {settings.score} {score:.4g}")
-    return score
+            result: float | TrialPruned = train(params, Path(checkpoints), report)
+        except TrialPruned as pruned:  # for MLflow the run is finished
+            result = pruned
+    if isinstance(result, TrialPruned):
+        typer.echo(f"trial {trial.number}: pruned, {result}")
+        raise result
+    typer.echo(f"trial {trial.number}: {settings.score} {result:.4g}")
+    return result
 
 
 def _mlflow_run(sweep: Sweep, trial: optuna.Trial, params: Params) -> RunStart:
@@ -90,8 +90,8 @@ def _mlflow_run(sweep: Sweep, trial: optuna.Trial, params: Params) -> RunStart:
     study, command = trial.study.study_name, f"rallygap sweep {sweep.name}"
     commit = git_commit(sweep.root)
     shared = {"mlflow.source.git.commit": commit} if commit else {}
-    tags = {**shared, "mlflow.source.name": command}
-    tags |= {"rallygap.study": study, "rallygap.trial": str(trial.number)}
+    own = {"rallygap.study": study, "rallygap.trial": str(trial.number)}
     used = params.model_dump(mode="json", include={"seed", sweep.settings.stage})
     parent = ParentRun(study, command, command, shared, failure_is_final=False)
+    tags = {**shared, **own, "mlflow.source.name": command}
     return RunStart(f"trial {trial.number}", used, tags, parent)
