@@ -16,6 +16,7 @@ from pipeline.runtime.stage_run import StageRun
 from stages.close_gap import close_gap
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs
 from tests.pipeline.verdicts import WIND, verdict
+from tests.stages.outputs import written
 
 SIMULATORS = {
     "c": ComparedSimulatorSettings(simulator="imperfect_c", without=[]),
@@ -54,12 +55,6 @@ def close(run):
         patch.setenv("LOKY_MAX_CPU_COUNT", "1")  # in this process, where the patch holds
         patch.setattr(gap_cases, "diagnose", windy)
         close_gap(run)
-
-
-def written(run):
-    folders = (run.artifact("."), run.report("."))
-    files = (path for folder in folders for path in folder.rglob("*") if path.is_file())
-    return {str(path.relative_to(run.root)): path.read_bytes() for path in files}
 
 
 def test_every_case_leaves_its_verdict_and_its_amended_simulator(whole):

@@ -2,7 +2,6 @@
 
 import json
 
-import pandas as pd
 import pytest
 
 from pipeline.io.artifacts import read_json, read_table
@@ -10,11 +9,8 @@ from pipeline.io.schemas import LAUNCHES, POINTS, RECORDINGS, TRUE_CONTACTS, che
 from pipeline.io.source_manifest import read_manifest
 from pipeline.runtime.errors import InputError
 from tests.pipeline.sources.made_up import ARENA, WRITERS, write_tt3d
+from tests.stages.outputs import table, written
 from tests.stages.small_runs import run_ingest
-
-
-def files(root):
-    return {path.relative_to(root): path for path in sorted(root.rglob("*")) if path.is_file()}
 
 
 @pytest.fixture
@@ -45,11 +41,13 @@ def test_the_truth_of_simulated_balls_is_left_apart(tmp_path):
     assert read_json(run.artifact("truth.json"))["seed"] == 0
 
 
-def test_simulated_launches_stand_beside_measured_ones(tmp_path, everything):
+def test_simulated_and_measured_launches_are_in_one_table(tmp_path, everything):
     run = run_ingest(tmp_path / "run", everything, ["arena", "competitive_robot_table_tennis"])
 
-    table = pd.read_csv(run.report("launch_distributions.csv"))
-    speeds = table[table["quantity"] == "speed (m/s)"].set_index(["stroke", "group"])["launches"]
+    launches = table(run, "launch_distributions")
+    speeds = launches[launches["quantity"] == "speed (m/s)"].set_index(["stroke", "group"])[
+        "launches"
+    ]
     assert speeds.to_dict() == {
         ("cannon", "cannon"): ARENA.cannon_shots,
         ("rally", "measured"): 2,
@@ -63,7 +61,7 @@ def test_measured_balls_leave_an_empty_truth(tmp_path, everything):
     assert read_json(run.artifact("truth.json")) is None
     assert read_table(run.artifact("true_contacts.parquet")).empty
     assert read_table(run.artifact("points.parquet")).empty
-    assert len(pd.read_csv(run.report("launch_distributions.csv"))) == 0
+    assert len(table(run, "launch_distributions")) == 0
 
 
 def test_metrics_say_what_was_read_and_refused(tmp_path, everything):
@@ -88,9 +86,9 @@ def test_metrics_say_what_was_read_and_refused(tmp_path, everything):
 def test_the_report_shows_every_source(tmp_path, everything):
     run = run_ingest(tmp_path / "run", everything, WRITERS)
 
-    table = pd.read_csv(run.report("sources.csv")).set_index("source")
-    assert list(table.index) == list(WRITERS)
-    assert table.loc["tt3d", "licence"] == "not stated upstream"
+    sources = table(run, "sources", "source")
+    assert list(sources.index) == list(WRITERS)
+    assert sources.loc["tt3d", "licence"] == "not stated upstream"
     assert run.report("figures/measured_balls.png").read_bytes().startswith(b"\x89PNG")
     assert [item.file for item in run.items] == [
         "figures/measured_balls.png",
@@ -101,24 +99,19 @@ def test_the_report_shows_every_source(tmp_path, everything):
 
 
 def test_running_twice_writes_the_same_bytes(tmp_path, everything):
-    for name in ("one", "two"):
-        run_ingest(tmp_path / name, everything, ["arena", *WRITERS])
+    one, two = (
+        written(run_ingest(tmp_path / name, everything, ["arena", *WRITERS]))
+        for name in ("one", "two")
+    )
 
-    one, two = files(tmp_path / "one"), files(tmp_path / "two")
-    assert {name: path.read_bytes() for name, path in one.items()} == {
-        name: path.read_bytes() for name, path in two.items()
-    }
+    assert one == two
     assert len(one) == 11
 
 
 def test_nothing_tells_where_the_data_lay(tmp_path, everything):
-    run_ingest(tmp_path / "run", everything, WRITERS)
+    files = written(run_ingest(tmp_path / "run", everything, WRITERS))
 
-    assert not [
-        name
-        for name, path in files(tmp_path / "run").items()
-        if str(tmp_path).encode() in path.read_bytes()
-    ]
+    assert not [name for name, content in files.items() if str(tmp_path).encode() in content]
 
 
 def test_a_bad_file_among_good_ones_stops_it_before_anything_is_written(tmp_path):
@@ -128,7 +121,7 @@ def test_a_bad_file_among_good_ones_stops_it_before_anything_is_written(tmp_path
     with pytest.raises(InputError, match=r"004\.csv"):
         run_ingest(tmp_path / "run", tmp_path, ["tt3d"])
 
-    assert files(tmp_path / "run") == {}
+    assert not [path for path in (tmp_path / "run").rglob("*") if path.is_file()]
 
 
 @pytest.mark.parametrize("target", [".", "loop"])

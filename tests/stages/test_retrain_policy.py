@@ -20,6 +20,7 @@ from tests.pipeline.amendments import write_amended
 from tests.pipeline.measured_shots import params
 from tests.pipeline.replayed import SETTINGS, replayed, write_replays
 from tests.pipeline.trained_policies import chaser, description
+from tests.stages.outputs import table
 
 AMENDED = {"drag": {"cd": 0.54}, "wind": {"x": 0.2}}
 SPELLED = BRIEF.model_copy(update={"iterations": 1})
@@ -59,10 +60,6 @@ def save_unseen(policies, trained):
     write_table(policies / policy_training.TEST_TRIALS, pd.concat([unseen, elsewhere]))
 
 
-def table(run, name, keys):
-    return pd.read_csv(run.report(f"{name}.csv")).set_index(list(keys))
-
-
 def test_policies_differ_from_those_before_in_their_simulator_alone(whole):
     ((_, described),) = load_policies(whole.artifact(""), "small")
     expected = shipped("imperfect_c").amended("drag", cd=0.54).amended("wind", x=0.2)
@@ -73,7 +70,7 @@ def test_policies_differ_from_those_before_in_their_simulator_alone(whole):
 
 
 def test_every_policy_meets_every_predictor_on_the_same_balls(whole):
-    rows = table(whole, "returns", ["set"])
+    rows = table(whole, "returns", "set")
     pairs = [("original", name) for name in ("physics", "tiny", "amended", "oracle")]
     pairs += [("retrained", name) for name in ("tiny", "amended", "oracle")]
     for name, balls in {"arena": 2, "stroke_pro": 1, "receive": 1}.items():
@@ -93,7 +90,7 @@ def test_the_trials_of_before_are_those_of_sim2real(whole):
 
 
 def test_all_policies_play_in_their_own_simulators(whole):
-    rows = table(whole, "own_simulator", ["simulator"])
+    rows = table(whole, "own_simulator", "simulator")
     assert rows["balls"].to_dict() == {"imperfect_c": 10, "amended_by_arena": 10}
     assert rows.loc["imperfect_c", ["hits", "returns"]].tolist() == [8, 6]  # as written above
     metrics = json.loads(whole.report("metrics.json").read_text())
@@ -103,7 +100,7 @@ def test_all_policies_play_in_their_own_simulators(whole):
 
 
 def test_the_amended_simulator_stands_beside_the_truth(whole):
-    rows = table(whole, "numbers", ["source", "effect", "parameter"])
+    rows = table(whole, "numbers", "source", "effect", "parameter")
     drag = rows.loc[("arena", "drag", "cd")]
     assert drag[["original", "amended", "truth"]].tolist() == [0.4, 0.54, 0.54]
     assert drag["low"] < 0.54 < drag["high"]

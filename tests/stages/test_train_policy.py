@@ -18,6 +18,7 @@ from pipeline.runtime.errors import InputError
 from pipeline.runtime.stage_run import StageRun
 from stages.train_policy import train_policy
 from tests.models.policy.schooling import BRIEF, GOALS
+from tests.stages.outputs import written
 
 TRIALS = 12
 GROUP = PolicyGroupSettings(
@@ -66,13 +67,6 @@ def whole(tmp_path_factory):
 
 def policies(run):
     return {name: load_policy(run.artifact(name)) for name in NAMES}
-
-
-def written(run):
-    """The stage's outputs, by name."""
-    folders = (run.artifact("."), run.report("."))
-    files = (path for folder in folders for path in folder.rglob("*") if path.is_file())
-    return {path.relative_to(run.root): path.read_bytes() for path in files}
 
 
 def test_there_is_a_policy_for_each_simulator_horizons_and_repeat(whole):

@@ -17,6 +17,7 @@ from stages.train_predictor import train_predictor
 from tests.models.predictors.balls import observed
 from tests.models.predictors.small_training import BRIEF, TINY, TINY_GRU_TAE, TINY_TAE, changed
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs
+from tests.stages.outputs import written
 
 NETWORKS = {
     "small": TINY,
@@ -74,13 +75,6 @@ def whole(tmp_path_factory, alone):
     """A run that trains networks of every kind and tunes all; not to be changed."""
     root = tmp_path_factory.mktemp("whole")
     return trained(root, fine_tuning=["labelled"], networks=NETWORKS)
-
-
-def written(run):
-    """The stage's outputs, by name."""
-    folders = (run.artifact("."), run.report("."))
-    files = (path for folder in folders for path in folder.rglob("*") if path.is_file())
-    return {path.relative_to(run.root): path.read_bytes() for path in files}
 
 
 def test_every_network_is_saved_as_a_predictor(whole):
