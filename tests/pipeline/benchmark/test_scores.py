@@ -71,14 +71,10 @@ def test_scores_equal_evaluate_predictor_where_a_flight_has_one_window(tmp_path)
     np.testing.assert_array_equal(six_digits.to_numpy(), reported[NUMBERS].to_numpy())
 
 
-def test_a_set_may_be_left_out_as_a_whole(tmp_path, root, sets):
-    table = window_table([one for one in sets if one.name == "plain"])
-    scores = scored(root, forecasts_of(ZeroPredictor(), table), tmp_path)
-    assert set(scores["set"]) == {"plain"}
-
-
 def test_the_tables_show_theirs_above_ours(tmp_path, root, sets):
-    scores = scored(root, forecasts_of(ZeroPredictor(), window_table(sets)), tmp_path)
+    one_set = [one for one in sets if one.name == "arena"]  # the other is left out
+    scores = scored(root, forecasts_of(ZeroPredictor(), window_table(one_set)), tmp_path)
+    assert set(scores["set"]) == {"arena"}
     shown = io.StringIO()
     console = Console(file=shown, width=140)
     for table in score_tables(scores, "mine.parquet"):
@@ -92,30 +88,11 @@ def test_the_tables_show_theirs_above_ours(tmp_path, root, sets):
     ]  # fmt: skip
 
 
-def test_a_narrow_terminal_loses_no_digit(tmp_path, root, sets):
-    scores = scored(root, forecasts_of(ZeroPredictor(), window_table(sets)), tmp_path)
-    for table in score_tables(scores, "mine.parquet"):
-        wide, narrow = io.StringIO(), io.StringIO()
-        Console(file=wide, width=140).print(table)
-        Console(file=narrow, width=40).print(table)
-        assert sorted(narrow.getvalue().replace("\n", "").replace(" ", "")) == sorted(
-            wide.getvalue().replace("\n", "").replace(" ", "")
-        )
-
-
 def test_a_file_named_like_one_of_our_predictors_is_an_error(tmp_path, root, sets):
     path = tmp_path / "tiny"
     forecasts_of(ZeroPredictor(), window_table(sets)).to_parquet(path, index=False)
     with pytest.raises(InputError, match="is called as a predictor of the run; give it another"):
         score(root, params(), path)
-
-
-def test_without_a_trained_predictor_the_error_says_what_to_run(tmp_path, root, sets):
-    for name in ("ingest", "segment"):
-        (tmp_path / "artifacts").mkdir(exist_ok=True)
-        (tmp_path / "artifacts" / name).symlink_to(root / "artifacts" / name)
-    with pytest.raises(InputError, match="run `dvc repro train_predictor`"):
-        scored(tmp_path, forecasts_of(ZeroPredictor(), window_table(sets)), tmp_path)
 
 
 @pytest.mark.real
@@ -166,14 +143,6 @@ def test_the_forecaster_of_the_documentation_runs(repository):
             subprocess.run([sys.executable, "my_forecaster.py"], cwd=repository, check=True)
     assert "forecasts.parquet" in finished.stdout
     assert "physics_c" in finished.stdout
-
-
-def test_an_invalid_file_is_one_line_and_status_2(repository):
-    (repository / "broken.parquet").write_text("not a table")
-    refused = rallygap("benchmark", "score", "broken.parquet", cwd=repository)
-    assert refused.returncode == 2
-    assert refused.stderr.startswith("rallygap: broken.parquet: is not a parquet table")
-    assert len(refused.stderr.splitlines()) == 1
 
 
 @pytest.mark.parametrize(

@@ -83,13 +83,6 @@ def test_the_readme_describes_every_column_and_set(tmp_path, sets):
     assert list(table) == list(WINDOWS.columns)
 
 
-def test_the_same_run_gives_the_same_bytes(tmp_path, sets):
-    for name in "ab":
-        export_windows(sets, tmp_path / name)
-    for path in (tmp_path / "a").iterdir():
-        assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
-
-
 def test_a_folder_that_cannot_be_written_is_an_error(tmp_path, sets):
     (tmp_path / "file").write_text("mine")
     with pytest.raises(InputError, match="cannot be written to"):

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.stats import binomtest
 
 from pipeline.paper.verdicts import (
     DIFFERS,
@@ -40,14 +39,6 @@ def test_a_figure_fails_with_one_claim_and_is_not_measured_without_one():
     assert combined([HOLDS, OPEN, NOT_MEASURED]) == NOT_MEASURED
     assert combined([HOLDS, NOT_MEASURED, FAILS]) == FAILS
     assert combined([]) == NOT_MEASURED
-
-
-@pytest.mark.parametrize(("count", "of"), [(0, 30), (98, 100), (136, 200), (30, 30)])
-def test_rates_have_wilsons_interval(count, of):
-    expected = binomtest(count, of).proportion_ci(method="wilson")
-    found = rate(count, of)
-    assert found.value == count / of
-    assert found[1:] == pytest.approx((expected.low, expected.high), abs=1e-4)
 
 
 def coverage(firsts, seconds, true, **options):

@@ -16,14 +16,6 @@ def root(tmp_path):
     return tmp_path
 
 
-@pytest.mark.parametrize("content", ["{}", "[]", "7", '{"fingerprint": 7}'])
-def test_a_broken_report_is_one_error(root, content):
-    path = root / "reports" / "segment" / "contents.json"
-    path.write_text(content)
-    with pytest.raises(InputError, match=r"contents\.json.*dvc repro -f segment"):
-        origin_of(root, path)
-
-
 def test_a_fingerprint_is_no_pattern_that_any_run_fits(root):
     path = root / "reports" / "segment" / "contents.json"
     path.write_text('{"stage": "segment", "command": "a", "fingerprint": "%", "items": []}')

@@ -17,7 +17,6 @@ from pipeline.runtime.errors import InputError
 from pipeline.runtime.provenance import Provenance
 from pipeline.tracking import mlflow_run
 from pipeline.tracking import recording as tracking
-from pipeline.tracking.dvc_stages import dvc_stages, upstream
 from pipeline.tracking.headlines import HEADLINES, headline_metrics
 from pipeline.tracking.mlflow_run import MlflowClient
 from pipeline.tracking.recording import InputData, Results, recorded
@@ -130,12 +129,6 @@ def test_stages_that_dvc_skips_give_their_headlines_to_the_parent(store, below_d
     record("segment")
     expected = [("ingest/arena/recordings", 7.0)]
     assert rows(store, "SELECT key, value FROM metrics") == expected
-
-
-def test_the_page_is_made_from_all_other_stages():
-    stages = dvc_stages(ROOT / "dvc.yaml")
-    assert upstream(stages, "report") == set(stages) - {"report"}
-    assert upstream(stages, "segment") == {"ingest"}
 
 
 def test_a_headline_with_a_value_an_epoch_is_the_last_one():
