@@ -76,7 +76,7 @@ def options(
         typer.Option("--version", is_eager=True, callback=_print_version, help="print the version"),
     ] = False,
 ) -> None:
-    """Find where a table-tennis simulation and measured balls disagree."""
+    """Find where a table-tennis simulation and measured trajectories disagree."""
 
 
 @app.command(rich_help_panel=GAP)

@@ -29,7 +29,7 @@ def export(folder: Annotated[Path, typer.Argument(help="the folder to write to")
 @app.command()
 def score(
     forecasts: Annotated[
-        Path, typer.Argument(help="parquet, as README.md beside the windows says")
+        Path, typer.Argument(help="parquet, in the format that README.md in the export describes")
     ],
     out: Annotated[Path | None, typer.Option(help="a JSON file: scores at all horizons")] = None,
 ) -> None:

@@ -31,15 +31,20 @@ def position_errors(root: Path, run: str = "", *, arena: bool) -> str:
     return markdown_table(["set", "predictor", *HORIZON_HEADS], rows)
 
 
-def errors_by_group(root: Path) -> str:
-    """Mean position errors in mm at 300 ms by group of recordings, from ``evaluate_predictor``."""
-    name = "evaluate_predictor/forecast_error_by_group.csv"
+def errors_by(root: Path, column: str) -> str:
+    """Mean position errors in mm at 300 ms on the arena, from ``evaluate_predictor``.
+
+    Args:
+        root: of the repository.
+        column: ``group`` of the recordings, or ``net``: with or without net contact.
+    """
+    name = f"evaluate_predictor/forecast_error_by_{column}.csv"
     errors = read_report(root, name, "set == 'arena'")
     rows = []
     for predictor, some in errors.groupby("predictor", sort=False):
         cells = [with_interval(row.mean, row.ci_low, row.ci_high) for row in some.itertuples()]
         rows.append([PREDICTORS[predictor], *cells])
-    return markdown_table(["predictor", *errors["group"].unique()], rows)
+    return markdown_table(["predictor", *errors[column].unique()], rows)
 
 
 def predictor_costs(root: Path) -> str:
