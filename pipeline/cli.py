@@ -5,6 +5,7 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -257,10 +258,10 @@ def stale() -> None:
     """List the kept results whose code has changed since, with the packages that differ."""
     from pipeline.experiments.stale import kept_results
 
-    for one in kept_results(clone()):
-        if one.is_stale:
-            changed = ", ".join(one.changed) or "this clone does not have the commit"
-            typer.echo(f"{one.folder}: {one.commit[:7]} ({one.date or 'unknown'}): {changed}")
+    for kept in filter(lambda kept: kept.is_stale, kept_results(clone())):
+        changed = "changed: " + ", ".join(kept.changed) if kept.date else "not in this clone"
+        typer.echo(f"{kept.folder}: commit {kept.commit[:7]} ({kept.date or 'unknown date'})")
+        typer.echo(fill(changed, 100, initial_indent="    ", subsequent_indent="    "))
 
 
 @app.command("compare-commits", rich_help_panel=MAINTENANCE)

@@ -19,7 +19,7 @@ class KeptResult:
         folder: below the repository.
         commit: of the code that wrote it; empty where git has none.
         date: of that commit; None where this clone does not have it, as a shallow one.
-        changed: packages that differ from that commit.
+        changed: packages of today that differ from that commit; the folder above for former ones.
     """
 
     folder: Path
@@ -64,5 +64,10 @@ def kept_result(root: Path, folder: Path) -> KeptResult:
         commit = git_if_known(root, "log", "-1", "--format=%H", "--", str(folder)) or ""
     date = git_if_known(root, "show", "--no-patch", "--format=%cs", commit) or None
     names = git_if_known(root, "diff", "--name-only", commit, "--", *CODE) if date else None
-    packages = {"/".join(Path(name).parts[:2]) for name in (names or "").split()}
+    packages = {str(_package(root, Path(name))) for name in (names or "").split()}
     return KeptResult(folder.relative_to(root), commit, date, tuple(sorted(packages)))
+
+
+def _package(root: Path, file: Path) -> Path:
+    package = Path(*file.parts[:2])
+    return package if (root / package).is_dir() else package.parent
