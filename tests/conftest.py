@@ -3,7 +3,12 @@
 import os
 from pathlib import Path
 
+import hypothesis
 import pytest
+
+# The same examples in every run, and no limit that a busy machine exceeds.
+hypothesis.settings.register_profile("rallygap", derandomize=True, deadline=None)
+hypothesis.settings.load_profile("rallygap")
 
 pytest_plugins = [
     "tests.browser",

@@ -141,11 +141,9 @@ class NameSettings:
     lift_start: float = 0.1  # C_M; without labels only its product with the spin shows
     min_flipped_labels: int = 3  # shots: no cause rests on one or two
     suspect_misfit: float = 1.1  # times the typical misfit, from which a label is tried flipped
-    decisive_gain: float = 20.0  # of twice the log likelihood of a shot whose label is flipped
     ordinary_misfit: float = 2.0  # times the typical misfit, up to which a flipped label fits
     max_orders: int = 240  # in which causes are added to share out their gain
     sign_flips: int = 20_000  # random signs of shots; p-values are at least 6 / sign_flips
-    confirmation: float = 2.5  # standard errors on shots that naming never saw
     # Share of information left given the catalogue, of a direction of terms and of one term.
     min_direction_information: float = 1e-4
     min_term_information: float = 1e-3
@@ -176,9 +174,9 @@ class GapSettings:
 
     Attributes:
         level: probability of a false cause in a set without any gap. The penalty of a cause, the
-            tolerance between alternatives, and the p-values of causes, lift and unexplained
-            structure follow it; ``name.confirmation``, ``name.decisive_gain`` and the rejection of
-            causes that predict worse (verdict.py) have limits of their own.
+            tolerance between alternatives, flipped labels, and the tests of causes, lift and
+            unexplained structure follow it. The rejection of causes that predict worse (verdict.py)
+            uses the interval of the errors.
         confidence: of intervals.
         observed_samples: first samples of a shot that a prediction observes.
         horizon_window: s about a horizon in which errors are averaged.
@@ -212,9 +210,22 @@ class GapSettings:
         return float(norm.isf(self.level / (2 * max(candidates, 1))) ** 2)
 
     @property
+    def critical_value(self) -> float:
+        """Standard errors of one one-sided test at ``level``."""
+        return float(norm.isf(self.level))
+
+    @property
     def tolerance(self) -> float:
         """By how much less gain another set explains about as much: one test at ``level``."""
-        return float(norm.isf(self.level) ** 2)
+        return self.critical_value**2
+
+    def decisive_gain(self, labels: int) -> float:
+        """Return what flipping one of so many labels must gain in twice the log likelihood.
+
+        If a label is right, its likelihood ratio exceeds k with probability 1 / k at most. So the
+        probability that any right label is called flipped is at most ``level``.
+        """
+        return float(2 * np.log(labels / self.level))
 
 
 DEFAULTS = GapSettings()

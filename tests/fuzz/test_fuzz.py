@@ -74,7 +74,7 @@ def test_bytes_put_anywhere_are_no_fault(reader, tmp_path):
     whole = path.read_bytes()
 
     @given(place=st.integers(0, len(whole)), put=st.binary(min_size=1, max_size=8))
-    @settings(max_examples=5, deadline=None, derandomize=True)
+    @settings(max_examples=5)
     def damage(place, put):
         path.write_bytes(whole[:place] + put + whole[place + len(put) :])
         ended, said = outcome(reader, tmp_path, path)
@@ -141,7 +141,7 @@ def replaced(content, place, value):
 
 @pytest.mark.slow
 @given(place=st.sampled_from(PLACES), value=VALUES)
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=200)
 def test_any_value_in_any_place_of_the_parameters_is_taken_or_refused_by_name(place, value):
     try:
         checked = check_params(replaced(PARAMS, place, value), ROOT / "params.yaml")

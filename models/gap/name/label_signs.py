@@ -14,7 +14,7 @@ from models.ball.simulator import Simulator
 from models.ball.state import SPIN
 from models.ball.types import Floats
 from models.gap.fit.linearize import linearise
-from models.gap.fit.noise import Noise
+from models.gap.fit.noise import Noise, deviance
 from models.gap.fit.refit import RefitResult
 from models.gap.fit.shot_fit import refit_shots
 from models.gap.fit.shots import Shots
@@ -105,7 +105,7 @@ def _flipped(shots: Shots, fit: RefitResult, settings: GapSettings) -> Bools:
         start[:, SPIN] *= -1.0
         refitted = refit_shots(negated, simulator, start, noise, settings.fit)
         other = _misfit(negated, simulator, refitted.nuisance, noise, settings.fit)
-        better = other < misfit[tried] - limits.decisive_gain
+        better = other < misfit[tried] - settings.decisive_gain(int(labelled.sum()))
         flipped[tried] = better & (other < limits.ordinary_misfit * typical * rows[tried])
     return flipped
 
@@ -113,13 +113,10 @@ def _flipped(shots: Shots, fit: RefitResult, settings: GapSettings) -> Bools:
 def _misfit(
     shots: Shots, simulator: Simulator, nuisance: Floats, noise: Noise, settings: FitSettings
 ) -> Floats:
-    """Return (B,) twice the negative log likelihoods; an outlier costs at most a constant."""
+    """Return (B,) twice the negative log likelihoods, of positions as when shots are fitted."""
     linear = linearise(shots, simulator, nuisance, ())
-    distance = (linear.positions[..., -1] ** 2).sum(axis=2) / noise.position**2
-    ratio = noise.position / settings.outlier_spread
-    share = settings.outlier_share
-    density = (1 - share) * np.exp(-distance / 2) + share * ratio**3
-    places = -2 * np.where(linear.sampled, np.log(density), 0.0).sum(axis=1)
+    deviances = deviance(linear.positions[..., -1], noise, settings)
+    places = np.where(linear.sampled, deviances, 0.0).sum(axis=1)
     count = np.maximum(linear.labelled.sum(axis=1), 1)
     variance = noise.label**2 + count * noise.label_common**2
     labels = (linear.labels[..., -1] ** 2).sum(axis=(1, 2)) / variance

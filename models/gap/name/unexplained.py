@@ -52,7 +52,7 @@ class UnexplainedStructure:
         settings = self.test.evidence.settings
         _, evidence = evidence_with_terms(others, self.noise, settings)
         score, error = self.test.predicted_score(self.terms, evidence)
-        return score > settings.name.confirmation * error
+        return score > settings.critical_value * error
 
 
 def find_unexplained(fit: RefitResult, question: Question) -> UnexplainedStructure:

@@ -58,7 +58,7 @@ def test_a_rolling_bounce_leaves_the_contact_point_at_rest():
 
 
 @given(served_balls())
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_table_contacts_conserve_angular_momentum_and_lose_energy(ball):
     before, after = contact(landing(ball))
     up = np.array([0.0, 0.0, 1.0])
@@ -69,7 +69,7 @@ def test_table_contacts_conserve_angular_momentum_and_lose_energy(ball):
 
 
 @given(served_balls(), st.floats(0, 1), st.floats(0, 2), st.floats(0, 1))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_no_table_gives_energy(ball, restitution, friction, elasticity):
     table = simulator(
         gravity={"g": 9.81},
@@ -81,7 +81,7 @@ def test_no_table_gives_energy(ball, restitution, friction, elasticity):
 
 
 @given(served_balls(), st.floats(0.05, 2.0))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_friction_never_reverses_the_slip(ball, friction):
     before, after = contact(landing(ball), NOMINAL.amended("table_bounce", friction=friction))
 
@@ -94,7 +94,7 @@ def test_friction_never_reverses_the_slip(ball, friction):
 
 
 @given(vectors(15.0), vectors(300.0), vectors(10.0), vectors(1.0))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_a_racket_conserves_angular_momentum_and_loses_energy_in_its_frame(v, w, racket, n):
     assume(np.linalg.norm(n) > 0.1)
     n = n / np.linalg.norm(n)

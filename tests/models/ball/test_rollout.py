@@ -73,7 +73,7 @@ def test_a_resting_ball_that_rolls_over_the_edge_falls():
 
 
 @given(served_balls(35.0, 1000.0))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_no_ball_sinks_through_the_table(ball):
     states = NOMINAL.fly(ball, np.arange(1, 801) * 0.001).states[0]
     on_table = (np.abs(states[:, 0]) < TABLE_HALF_WIDTH) & (
@@ -84,7 +84,7 @@ def test_no_ball_sinks_through_the_table(ball):
 
 
 @given(served_balls())
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_energy_never_grows_in_still_air(ball):
     states = NOMINAL.fly(ball, TIMES).states[0]
     total = energy(np.vstack([ball, states]), g=9.81)
@@ -102,21 +102,21 @@ def turned(state):
 
 
 @given(served_balls(35.0, 1000.0))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_a_mirrored_shot_flies_the_mirrored_path(ball):
     flown, image = NOMINAL.fly(ball, TIMES).states, NOMINAL.fly(mirrored(ball), TIMES).states
     np.testing.assert_allclose(image, mirrored(flown), atol=1e-9)
 
 
 @given(served_balls(35.0, 1000.0))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_a_shot_from_the_other_end_flies_the_turned_path(ball):
     flown, image = NOMINAL.fly(ball, TIMES).states, NOMINAL.fly(turned(ball), TIMES).states
     np.testing.assert_allclose(image, turned(flown), atol=1e-9)
 
 
 @given(served_balls(), st.floats(-np.pi, np.pi))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_flight_does_not_depend_on_the_heading_of_the_frame(ball, angle):
     free = simulator(**{k: v for k, v in NOMINAL.to_dict().items() if k != "table_bounce"})
     c, s = np.cos(angle), np.sin(angle)
@@ -126,7 +126,7 @@ def test_flight_does_not_depend_on_the_heading_of_the_frame(ball, angle):
 
 
 @given(served_balls(), st.lists(st.floats(0.001, 0.6), min_size=1, max_size=8))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_states_hardly_depend_on_the_times_asked_for(ball, times):
     asked = np.sort(np.array([*times, 0.6]))
     np.testing.assert_allclose(

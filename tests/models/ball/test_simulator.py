@@ -85,7 +85,7 @@ def test_left_out_parameters_are_neutral():
 
 
 @given(st.sampled_from(list(catalogue())), st.data())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_simulator_survives_yaml(name, data):
     values = {p.name: data.draw(st.floats(*p.bounds)) for p in catalogue()[name].parameters}
     simulator = NOMINAL.amended(name, **values)

@@ -49,7 +49,7 @@ def test_launches_are_of_all_speeds_and_spins():
     assert np.linalg.norm(launches[:, 6:], axis=1).max() < 275
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(0, 40))
 def test_the_same_seed_draws_the_same_launches(seed, count):
     launches = drawn(count, seed=seed)

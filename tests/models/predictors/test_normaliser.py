@@ -46,7 +46,7 @@ def measured_balls(seed=0, balls=200):
     return torch.where(seen, past, 0), seen, torch.where(measured, future, 0), measured
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(numbers(5), numbers(35), numbers(1000), st.sets(st.integers(0, 11), min_size=2))
 def test_a_ball_in_uniform_motion_does_not_deviate_from_it(position, velocity, spin, where):
     history, future = moving(position, velocity, spin)
@@ -56,7 +56,7 @@ def test_a_ball_in_uniform_motion_does_not_deviate_from_it(position, velocity, s
     torch.testing.assert_close(deviation, torch.zeros_like(deviation), rtol=0, atol=1e-9)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(numbers(5), numbers(35), numbers(1000))
 def test_normalised_history_of_uniform_motion(position, velocity, spin):
     assume(abs(velocity[1]) > 1e-3)
@@ -71,7 +71,7 @@ def test_normalised_history_of_uniform_motion(position, velocity, spin):
     np.testing.assert_allclose(ahead, expected, atol=1e-9)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(numbers(5), numbers(35), st.integers(0, 11), numbers(0.003), st.booleans())
 def test_a_sample_off_uniform_motion_shows_in_units_of_6_mm(position, velocity, at, off, known):
     assume(abs(velocity[1]) > 1e-3)
@@ -95,7 +95,7 @@ def test_residuals_are_clipped_at_five_units():
     np.testing.assert_allclose(residual[6], [5.0, -5.0, 5.0], rtol=1e-3)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(arrays(bool, 12), st.integers(0, 100))
 def test_velocity_is_the_theil_sen_estimate(seen, seed):
     heights = np.random.default_rng(seed).normal(size=12)

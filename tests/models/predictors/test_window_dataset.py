@@ -59,7 +59,7 @@ def test_stamps_rounded_to_microseconds_are_on_the_grid():
         np.testing.assert_array_equal(one, other)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.lists(st.tuples(st.integers(1, 60), st.booleans()), min_size=1, max_size=5))
 def test_no_window_reaches_into_another_episode(lengths):
     on_grid, off_grid = flown(), flown(times=GRID * 1.1)

@@ -114,7 +114,7 @@ def test_histories_end_with_the_latest_sample_of_each_tick(rate):
             assert found.age[1, k] > step - end
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(k=st.integers(0, 16), seed=st.integers(0, 99), rate=st.sampled_from([143.0, 200.0]))
 def test_nothing_that_was_measured_after_a_tick_reaches_the_predictor(k, seed, rate):
     measured = degraded(sampled(rate=rate), seed)

@@ -47,7 +47,7 @@ def oracle(ball, velocity, centre, moving, normal, turning, grown, fine=2000):
 
 
 @given(vectors(0.11), vectors(40.0), vectors(3.0), vectors(4.0), directions, vectors(15.0))
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=200)
 def test_meetings_are_those_of_brute_force(ball, velocity, centre, moving, normal, turning):
     assume(abs((velocity - moving) @ normal) > 3.0 and abs(ball @ normal) > MARGIN)
     motion = (ball + centre, velocity, centre, moving, normal, turning)
@@ -70,7 +70,7 @@ def test_meetings_are_those_of_brute_force(ball, velocity, centre, moving, norma
     turning=vectors(5.0),
     early=st.floats(0.0, STEP),
 )
-@settings(max_examples=300, deadline=None, derandomize=True)
+@settings(max_examples=300)
 def test_no_ball_goes_through_a_blade_unseen(speed, slant, around, out, moving, turning, early):
     """At time zero it is in the moving, turning blade's plane; looked at every millisecond."""
     times = np.arange(-60, 2) * STEP + early

@@ -53,7 +53,7 @@ def assigned(episodes, contacts, seed=0, **changes):
     return episodes.assign(split=found.split, replay_set=found.replay_set), found.shortages
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(
     counts=st.lists(st.tuples(st.sampled_from(GROUPS), st.integers(1, 9)), min_size=1, max_size=30),
     test=st.integers(0, 40),

@@ -46,7 +46,7 @@ def damaged(content: bytes, damage) -> bytes:
 @pytest.mark.parametrize("source", [*WRITERS, *SIDE_FILES])
 @given(damage=DAMAGE, kept=st.floats(0, 1) | st.just(1.0))
 @example(damage=[(0.5, b"")], kept=1.0)
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 def test_damaged_files_give_balls_or_an_input_error(source, damage, kept):
     with tempfile.TemporaryDirectory() as folder:
         source, path = write(source, Path(folder))
