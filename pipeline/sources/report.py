@@ -42,7 +42,7 @@ def source_items(manifest: Manifest, artifacts: Path) -> list[ReportItem]:
     figure = ReportFigure(
         measured_balls_figure(_drawn_balls(manifest, artifacts)),
         "measured_balls",
-        title="Measured balls",
+        title="Measured trajectories",
         caption="Measured positions in the table frame, outliers too, and launches with the way "
         "they take in 30 ms; an even choice where a source has many. The robot stands at y < 0.",
     )
@@ -69,7 +69,7 @@ def launch_items(artifacts: Path) -> Iterator[ReportItem]:
         yield ReportFigure(
             launches_figure(launches),
             "launches",
-            title="How balls leave racket and cannon",
+            title="Speed, direction and spin of launches",
             caption="Distribution functions of simulated launches by level, as they truly were, "
             "and of measured ones where a source has them. Height is above the table; direction "
             "from straight ahead, to the right of the player who hits the ball.",

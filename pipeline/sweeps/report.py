@@ -105,6 +105,6 @@ def _draw(folder: Path, study: optuna.Study, score: str) -> None:
             except (ValueError, RuntimeError):
                 continue
             pyplot.title("")
-            pyplot.tight_layout()
+            pyplot.gcf().set_layout_engine("tight")
             save_figure(folder / name, pyplot.gcf())
             pyplot.close()

@@ -23,7 +23,7 @@ from tests.faults.repository import (
 )
 
 INTERRUPTED = Path(__file__).parent / "interrupted"
-WORKERS_GONE = 10.0  # s, within which workers of a stage that was told to stop must be gone
+WORKERS_GONE = 10.0  # s, within which workers of a stage of a stopped stage must have ended
 
 Strike = Callable[[Repository, str], Ended]
 
@@ -59,8 +59,8 @@ class Suffered:
         fault: its name.
         stage: that it struck.
         happened: how ``dvc repro`` ended.
-        as_expected: whether it ended well exactly where it should, and said what it should.
-        message: what it said.
+        as_expected: whether it ended well exactly where it should, and error_text what it should.
+        message: what it error_text.
         half_written: how many outputs stood under their name and were not whole.
         same_hashes: whether ``dvc repro``, run again without the fault, ended with the undisturbed
             run's bytes and lock, and nothing besides.
@@ -176,7 +176,7 @@ def stage_alone_killed(repository: Repository, stage: str) -> Ended:
     return _struck_halfway(repository, stage, signal.SIGKILL)
 
 
-def stage_told_to_stop(repository: Repository, stage: str) -> Ended:
+def stage_stopped(repository: Repository, stage: str) -> Ended:
     ended = _struck_halfway(repository, stage, signal.SIGTERM)
     deadline = time.monotonic() + WORKERS_GONE
     while left := _workers(repository.folder):
@@ -253,8 +253,8 @@ FAULTS = (
     Fault("tracking server hangs", "segment", store_hangs, UNRECORDED, borne=True),
     Fault("tracking store locked", "segment", store_locked, UNRECORDED, borne=True),
     Fault("stage alone killed", WORKERS, stage_alone_killed),
-    Fault("stage told to stop (SIGTERM)", WORKERS, stage_told_to_stop),
-    Fault("stage told to stop (SIGTERM)", "train_predictor", stage_told_to_stop),
+    Fault("stage told to stop (SIGTERM)", WORKERS, stage_stopped),
+    Fault("stage told to stop (SIGTERM)", "train_predictor", stage_stopped),
     Fault("DVC alone killed, started again", "segment", dvc_alone_killed, borne=True),
     Fault("DVC alone killed, started again", "train_policy", dvc_alone_killed, borne=True),
     Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps, unlocked=True),

@@ -107,7 +107,7 @@ def killed_group(repository: Repository, stage: str, after: float) -> tuple[bool
 
 
 def _halted(process: psutil.Process) -> bool:
-    """Wait until a process that was told to stop has; False where it had ended before."""
+    """Wait until a stopped process has ended; False where it had ended before."""
     try:
         while (status := process.status()) != psutil.STATUS_STOPPED:
             if status in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD):

@@ -31,10 +31,10 @@ def faults_table(faults: pd.DataFrame) -> str:
     """One row per fault: result and message of the run."""
     lines = ["| fault | stage | result | message | identical hashes |", "|---|---|---|---|---|"]
     for row in faults.fillna("").itertuples():
-        said = row.message.replace("|", "\\|")
-        said = f"`{said}`" if said else "–"
+        error_text = row.message.replace("|", "\\|")
+        error_text = f"`{error_text}`" if error_text else "–"
         same = "yes" if row.same_hashes else "no"
-        lines.append(f"| {row.fault} | {row.stage} | {row.happened} | {said} | {same} |")
+        lines.append(f"| {row.fault} | {row.stage} | {row.happened} | {error_text} | {same} |")
     return "\n".join(lines)
 
 

@@ -41,7 +41,7 @@ def test_kills_that_came_too_late_do_not_count():
     assert whole == "| all | 2 | | 1 | 1 | 1 of 2 |"
 
 
-def test_a_fault_is_shown_with_what_the_run_said():
+def test_a_fault_is_shown_with_the_message_of_the_run():
     row = {"fault": "disk full", "stage": "a", "happened": "stopped", "message": "x | y"}
     table = faults_table(pd.DataFrame([{**row, "same_hashes": True}]))
     assert table.splitlines()[-1] == "| disk full | a | stopped | `x \\| y` | yes |"

@@ -85,7 +85,7 @@ def _source_reader(
 
 def _write_described_csv(folder: Path) -> Path:
     frame = "frame:\n  rotation: [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]\n  offset: [0, 1.37, -0.76]\n"
-    made_up.write_csv(folder, settings=f"name: hall\nrate: 143\nkind: cannon\n{frame}")
+    made_up.write_csv(folder, settings=f"name: lab\nrate: 143\nkind: cannon\n{frame}")
     return folder / "csv" / "source.yaml"
 
 

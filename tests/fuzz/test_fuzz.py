@@ -30,8 +30,10 @@ VALUES = st.recursive(
 
 
 def judged(reader, count):
-    """How each input ended, what was said of it, and its beginning."""
-    return [(outcome, said, content[:60]) for outcome, said, content in tried(reader, count)]
+    """The outcome of each input, its message, and the beginning of the input."""
+    return [
+        (outcome, error_text, content[:60]) for outcome, error_text, content in tried(reader, count)
+    ]
 
 
 def faults(found):
@@ -77,8 +79,8 @@ def test_bytes_put_anywhere_are_no_fault(reader, tmp_path):
     @settings(max_examples=5)
     def damage(place, put):
         path.write_bytes(whole[:place] + put + whole[place + len(put) :])
-        ended, said = outcome(reader, tmp_path, path)
-        assert ended != "fault", said
+        ended, error_text = outcome(reader, tmp_path, path)
+        assert ended != "fault", error_text
 
     damage()
 
@@ -108,10 +110,14 @@ def test_what_works_too_long_or_runs_code_is_a_fault(tmp_path, monkeypatch):
     def taken(_):
         return len(b"0" * 1_000_000_000) * 0
 
-    for read, said in ((swallowed, "still reading"), (unpickled, "ran code"), (taken, "took")):
+    for read, error_text in (
+        (swallowed, "still reading"),
+        (unpickled, "ran code"),
+        (taken, "took"),
+    ):
         reader = Reader("made up", lambda folder: folder / "file", read, [])
         kind, message = outcome(reader, tmp_path, tmp_path / "file")
-        assert kind == "fault" and said in message
+        assert kind == "fault" and error_text in message
 
 
 @pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda mutation: mutation.__name__)

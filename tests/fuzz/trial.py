@@ -39,7 +39,7 @@ def inputs(reader: Reader, count: int, whole: bytes) -> Iterator[bytes]:
 
 
 def tried(reader: Reader, count: int) -> Iterator[tuple[Outcome, str, bytes]]:
-    """Yield how each input ended, what was said of it, and the input."""
+    """Yield the outcome of each input, its message, and the input."""
     with tempfile.TemporaryDirectory(prefix="rallygap-fuzz.") as name, limited_memory():
         path = reader.write(Path(name))
         for content in inputs(reader, count, path.read_bytes()):
@@ -48,21 +48,21 @@ def tried(reader: Reader, count: int) -> Iterator[tuple[Outcome, str, bytes]]:
 
 
 def outcome(reader: Reader, folder: Path, path: Path) -> tuple[Outcome, str]:
-    """Return how one reading ended, and what was said of it."""
+    """Return the outcome of one reading, and its message."""
     before = _held_from_now()
     SENTINEL.unlink(missing_ok=True)
     try:
         with limited_time():
             refused = reader.read(folder)
-        said: tuple[Outcome, str] = ("in_part" if refused else "accepted", "")
+        error_text: tuple[Outcome, str] = ("in_part" if refused else "accepted", "")
     except InputError as error:
-        said = _judged(str(error), folder, path)
+        error_text = _judged(str(error), folder, path)
     except (Exception, TooLong) as error:
-        said = "fault", f"{type(error).__name__}: {error}"[:MOST_SHOWN]
+        error_text = "fault", f"{type(error).__name__}: {error}"[:MOST_SHOWN]
     taken = _memory("VmHWM") - before
     if taken > LARGEST:
         return "fault", f"took {taken // 1000} MB"
-    return ("fault", "ran code") if SENTINEL.exists() else said
+    return ("fault", "ran code") if SENTINEL.exists() else error_text
 
 
 def _judged(message: str, folder: Path, path: Path) -> tuple[Outcome, str]:
@@ -77,7 +77,7 @@ def _judged(message: str, folder: Path, path: Path) -> tuple[Outcome, str]:
 
 
 def _held_from_now() -> int:
-    """The memory of this process, kB; from here on its peak is counted anew."""
+    """The memory of this process, kB, after a reset of the counter of its peak."""
     Path("/proc/self/clear_refs").write_text("5")
     return _memory("VmRSS")
 

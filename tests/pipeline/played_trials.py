@@ -1,4 +1,4 @@
-"""Trials of sim-to-real by hand: who returned which ball, told of it by whom."""
+"""Hand-made trials of sim-to-real: which policy returned which ball with which predictor."""
 
 import numpy as np
 import pandas as pd

@@ -94,9 +94,9 @@ def queue(experiments, below):
 @anywhere
 def test_a_result_leads_to_its_run_and_the_run_to_its_experiment(experiments, below):
     answer = rallygap(experiments, "run-of", seen(SCORES, below), below=below)
-    told = dict(line.split(maxsplit=1) for line in answer.splitlines())
-    (named,) = runs(experiments, f"attributes.run_id = '{told['run']}'")
-    assert named.data.tags["dvc.experiment"] == told["experiment"]
+    printed = dict(line.split(maxsplit=1) for line in answer.splitlines())
+    (named,) = runs(experiments, f"attributes.run_id = '{printed['run']}'")
+    assert named.data.tags["dvc.experiment"] == printed["experiment"]
     (strict,) = runs(experiments, f"tags.`dvc.experiment` = 'strict' AND run_name = '{TARGET}'")
     assert strict.data.tags["dvc.baseline"] == run(experiments, "git", "rev-parse", "HEAD").strip()
     assert strict.data.tags["dvc.stage"] == TARGET

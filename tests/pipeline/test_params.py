@@ -1,4 +1,4 @@
-"""params.yaml is read typed and bounded; what is wrong is said by name."""
+"""params.yaml is typed and bounded; an error names the key."""
 
 import copy
 from pathlib import Path
@@ -37,7 +37,7 @@ def test_every_parameter_is_written_in_params_yaml():
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "said"),
+    ("key", "value", "message"),
     [
         ("segmnt", {}, "params.yaml, segmnt: is an unknown key; did you mean segment?"),
         ("segment.longest_gup", 1, "segment.longest_gup: is an unknown key; did you mean longest"),
@@ -58,21 +58,21 @@ def test_every_parameter_is_written_in_params_yaml():
         ("sim2sim.protocols", ["first_state"] * 2, "give each name once"),
     ],
 )
-def test_what_is_wrong_is_said_by_name(key, value, said):
-    assert said in complaint(changed(key, value))
+def test_an_error_names_the_key(key, value, message):
+    assert message in complaint(changed(key, value))
 
 
 def test_unknown_keys_inside_named_groups_find_their_near_match():
     predictor = {"kind": "physics", "simulatr": "imperfect_c"}
-    said = complaint(changed("evaluate_predictor.predictors.mine", predictor))
-    assert "predictors.mine.simulatr: is an unknown key; did you mean simulator?" in said
+    message = complaint(changed("evaluate_predictor.predictors.mine", predictor))
+    assert "predictors.mine.simulatr: is an unknown key; did you mean simulator?" in message
 
 
 def test_an_unknown_key_is_compared_with_those_of_its_own_kind():
     network = {"kind": "gru_tae", "recurrent": 8, "latnt": 8, "decoded": 8, "uniform_motion": True}
-    said = complaint(changed("train_predictor.networks.tae", network)).splitlines()
-    assert "networks.tae.latent: is missing" in said[0]
-    assert "networks.tae.latnt: is an unknown key; did you mean latent?" in said[1]
+    message = complaint(changed("train_predictor.networks.tae", network)).splitlines()
+    assert "networks.tae.latent: is missing" in message[0]
+    assert "networks.tae.latnt: is an unknown key; did you mean latent?" in message[1]
 
 
 def test_every_problem_has_a_line():

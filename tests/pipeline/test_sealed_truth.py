@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 STAGES = read_yaml(ROOT / "dvc.yaml")["stages"]
 
 SEALED = {"artifacts/ingest/truth.json", "artifacts/ingest/true_contacts.parquet"}
-# What knows the physics by name (the oracle), scores, or goes on with a ball that was struck anew.
+# What knows the physics by name (the oracle), scores, or continues a ball after a stroke.
 MAY_KNOW = {
     "evaluate_predictor",
     "score_segmentation",

@@ -54,7 +54,7 @@ def test_the_warning_about_a_store_that_fails_is_without_its_password(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("store", STORES)
-def test_the_way_back_to_a_run_is_told_without_the_password(monkeypatch, store):
+def test_the_address_of_a_run_is_shown_without_the_password(monkeypatch, store):
     monkeypatch.setenv("MLFLOW_TRACKING_URI", store)
     monkeypatch.setenv("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "0")
     with pytest.raises(InputError, match="cannot be asked") as error:
@@ -64,10 +64,10 @@ def test_the_way_back_to_a_run_is_told_without_the_password(monkeypatch, store):
 
 @pytest.mark.parametrize("store", STORES)
 def test_what_libraries_quote_of_an_address_is_without_its_password(store):
-    said = without_secrets(f"API request to '{store}' failed, and ({store}) too: refused")
-    assert SECRET not in said
-    assert said.endswith("too: refused")
-    assert "127.0.0.1:9" in said
+    message = without_secrets(f"API request to '{store}' failed, and ({store}) too: refused")
+    assert SECRET not in message
+    assert message.endswith("too: refused")
+    assert "127.0.0.1:9" in message
 
 
 def test_the_pages_of_mlflow_are_lean_and_asked_to_listen_on_loopback(monkeypatch):
@@ -109,5 +109,5 @@ def test_no_command_line_of_the_repository_starts_a_server_for_everyone():
         assert not re.search(r"\b0\.0\.0\.0\b|host[=\", ]+['\"]?(?:\*|::)['\"]", text), name
         for line in STARTS_A_SERVER.findall(text):
             if "--" in line:  # a command, not a sentence about one
-                said = re.search(r"127\.0\.0\.1|localhost|--host 10\.0\.0\.[12]\b", line)
-                assert said, f"{name}: {line}"
+                message = re.search(r"127\.0\.0\.1|localhost|--host 10\.0\.0\.[12]\b", line)
+                assert message, f"{name}: {line}"

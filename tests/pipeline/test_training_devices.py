@@ -18,12 +18,12 @@ from tests.models.predictors.small_training import BRIEF, changed, data, small_t
 class Watched(ForecastTraining):
     """A training whose every process says where it listens."""
 
-    said = Path()
+    message = Path()
 
     def on_train_start(self):
         mine = psutil.Process().net_connections("inet")
         listening = {one.laddr.ip for one in mine if one.status == psutil.CONN_LISTEN}
-        (self.said / str(self.global_rank)).write_text(" ".join(listening))
+        (self.message / str(self.global_rank)).write_text(" ".join(listening))
 
 
 class KilledOnce(ForecastTraining):
@@ -99,7 +99,7 @@ def test_two_processes_train_what_one_does(tmp_path, batch, matrix_learning_rate
 @pytest.mark.slow
 def test_two_processes_print_nothing_and_listen_on_loopback_alone(tmp_path, capfd):
     training, windows = small_training(changed(BRIEF, devices=2, epochs=1), kind=Watched)
-    training.said = tmp_path
+    training.message = tmp_path
     train(training, windows, tmp_path / "checkpoints")
     assert [(tmp_path / rank).read_text() for rank in ("0", "1")] == ["127.0.0.1"] * 2
     assert capfd.readouterr() == ("", "")

@@ -85,10 +85,10 @@ def test_the_report_has_a_row_a_case_and_a_figure_a_source(whole):
 def test_metrics_name_source_simulator_split_and_cause(whole):
     metrics = json.loads(whole.report("metrics.json").read_text())
     assert set(metrics) == {"labelled", "plain"}
-    told = metrics["labelled"]["c"]["1"]
-    assert told["causes"]["wind.x"]["estimate"] == pytest.approx(0.569)
+    shown = metrics["labelled"]["c"]["1"]
+    assert shown["causes"]["wind.x"]["estimate"] == pytest.approx(0.569)
     assert metrics["labelled"]["bare"]["0"]["causes"]["wind.x"]["estimate"] == 0.5
-    assert (told["verdict"], told["removable_closed"]) == ("named", 0.9)
+    assert (shown["verdict"], shown["removable_closed"]) == ("named", 0.9)
 
 
 def test_the_same_inputs_give_the_same_bytes(whole, tmp_path):

@@ -1,4 +1,4 @@
-"""The stage after sim2real: the same balls, policies trained anew, one table."""
+"""The stage after sim2real: the same balls, policies trained in other simulators, one table."""
 
 import json
 
@@ -53,7 +53,7 @@ def whole(tmp_path_factory):
 
 
 def save_unseen(policies, trained):
-    """What train_policy tells of the policy's own balls, and of those of another simulator."""
+    """The report of train_policy on balls of its own simulator and of another one."""
     unseen = pd.DataFrame({"ball": range(10), **trained.labels})
     unseen = unseen.assign(hit=unseen["ball"] < 8, returned=unseen["ball"] < 6)
     elsewhere = unseen.assign(simulator="imperfect_a", hit=True, returned=True)
@@ -94,12 +94,12 @@ def test_all_policies_play_in_their_own_simulators(whole):
     assert rows["balls"].to_dict() == {"imperfect_c": 10, "amended_by_arena": 10}
     assert rows.loc["imperfect_c", ["hits", "returns"]].tolist() == [8, 6]  # as written above
     metrics = json.loads(whole.report("metrics.json").read_text())
-    told = metrics["own_simulator"]["imperfect_c"]["115-125"]["return_rate"]
-    assert told == rows.loc["imperfect_c", "return_rate"]
+    shown = metrics["own_simulator"]["imperfect_c"]["115-125"]["return_rate"]
+    assert shown == rows.loc["imperfect_c", "return_rate"]
     assert set(metrics["replayed"]["arena"]["115-125"]) == {"original", "retrained"}
 
 
-def test_the_amended_simulator_stands_beside_the_truth(whole):
+def test_the_amended_simulator_is_compared_with_the_truth(whole):
     rows = table(whole, "numbers", "source", "effect", "parameter")
     drag = rows.loc[("arena", "drag", "cd")]
     assert drag[["original", "amended", "truth"]].tolist() == [0.4, 0.54, 0.54]
@@ -108,10 +108,10 @@ def test_the_amended_simulator_stands_beside_the_truth(whole):
 
 
 @pytest.mark.parametrize(
-    ("source", "said"), [("hall", "has not amended imperfect_c from shots of hall")]
+    ("source", "message"), [("lab", "has not amended imperfect_c from shots of lab")]
 )
-def test_a_source_that_amended_nothing_is_named(whole, source, said):
+def test_a_source_that_amended_nothing_is_named(whole, source, message):
     settings = RetrainPolicySettings(sources=[source])
     run = StageRun("retrain_policy", whole.root, params(retrain_policy=settings), "f" * 64)
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         retrain_policy(run)

@@ -1,4 +1,4 @@
-"""How balls leave rackets and cannon: players' strokes beside measured ones."""
+"""Distributions of launches: strokes of simulated players and measured ones."""
 
 from collections.abc import Iterator
 from typing import Any

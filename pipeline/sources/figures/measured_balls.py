@@ -1,4 +1,4 @@
-"""Measured balls over the table, from the side and from above, one row of panels a source."""
+"""Measured trajectories over the table, from the side and from above, a row of panels each."""
 
 import numpy as np
 import pandas as pd

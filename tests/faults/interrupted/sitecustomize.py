@@ -1,4 +1,4 @@
-"""Kills a stage in the middle of one of its writes; on the path of processes that shall suffer it.
+"""Kills a stage during one of its writes; put on the path of the processes to be killed.
 
 INTERRUPTED_STAGE names the stage, INTERRUPTED_WRITE counts its writes of outputs from 1.
 """

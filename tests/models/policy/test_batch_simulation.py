@@ -50,7 +50,7 @@ def test_a_ball_that_meets_a_waiting_racket_is_struck_and_judged(speed):
     assert ended.distance == pytest.approx(judge(SIMULATOR, after, goals()).distance, abs=0.05)
 
 
-def test_the_back_of_the_racket_is_told_apart_and_worth_less():
+def test_the_back_of_the_racket_is_distinguished_and_rewarded_less():
     ended = played(simulation_with(passing(CENTRE, velocity=(0.0, 5.0, 0.0))))[0].ended
 
     assert ended.hit[0]

@@ -26,7 +26,7 @@ def played(environment, ticks=60, strength=1.0):
     for action in random.uniform(-1, 1, (ticks, environment.num_envs, 5)).astype(np.float32):
         *arrays, info = environment.step(strength * action)
         seen += [array.tobytes() for array in arrays]
-        infos += [said for said in info if said]
+        infos += [message for message in info if message]
     return seen, infos
 
 

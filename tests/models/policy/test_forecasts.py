@@ -34,14 +34,14 @@ def test_the_true_simulator_forecasts_the_truth():
     np.testing.assert_allclose(first_state(TRUTH, launches, HORIZONS), truth, atol=1e-5)
 
 
-def test_a_wrong_simulator_errs_along_the_flight_unless_it_is_anchored_anew():
+def test_a_wrong_simulator_errs_along_the_flight_unless_it_is_re_anchored():
     launches, path, playable = struck()
     live = control_times(0.0) < playable[:, 1:] - 0.2
     truth = exact(path, HORIZONS)
     first = np.linalg.norm((first_state(WRONG, launches, HORIZONS) - truth)[..., 1, :3], axis=2)
-    anew = np.linalg.norm((re_anchored(WRONG, path, HORIZONS) - truth)[..., 1, :3], axis=2)
-    assert 0.002 < anew[live].mean() < 0.02 < 0.05 < first[live].mean()
-    np.testing.assert_allclose(first[:, 0], anew[:, 0], atol=1e-9)
+    again = np.linalg.norm((re_anchored(WRONG, path, HORIZONS) - truth)[..., 1, :3], axis=2)
+    assert 0.002 < again[live].mean() < 0.02 < 0.05 < first[live].mean()
+    np.testing.assert_allclose(first[:, 0], again[:, 0], atol=1e-9)
 
 
 def test_the_forecast_error_counts_until_the_ball_is_gone():

@@ -48,7 +48,7 @@ def goals_of(samples):
     return scaled * [0.45, 0.3] + [0.0, 0.8]
 
 
-def test_goals_are_drawn_anew_each_time(replay):
+def test_every_call_draws_other_goals(replay):
     across, along = goals_of(replay).T
     assert len(np.unique(across)) == 64
     assert -0.4 <= across.min() < -0.3 < 0.3 < across.max() <= 0.4
@@ -68,7 +68,7 @@ def test_what_ends_without_a_stroke_is_worth_the_same(replay):
     assert (replay.rewards[going_on].numpy() == np.float32(-0.02)).all()
 
 
-def test_nothing_but_the_goal_is_told_differently(replay):
+def test_relabelling_changes_only_the_goal(replay):
     kept = [0, 1, 2, 5, 6]
     assert np.allclose(replay.observations[:, kept].numpy(), np.array(kept) / 10)
     assert np.allclose(replay.next_observations[:, kept].numpy(), np.array(kept) / 10 + 0.01)

@@ -73,7 +73,7 @@ def test_a_ball_hit_to_where_the_racket_cannot_be_in_time_is_not_fair():
     assert is_playable(TRUTH, np.array([fast, middle, slow])).tolist() == [False, True, True]
 
 
-def test_a_hall_without_a_table_has_no_launches():
+def test_an_environment_without_a_table_has_no_launches():
     with pytest.raises(ValueError, match="hardly any stroke"):
         drawn(10, VACUUM)
 

@@ -31,12 +31,12 @@ def schooled(tmp_path_factory):
     return folder, iteration(folder)
 
 
-def test_the_first_leg_follows_from_the_seed(schooled, tmp_path):
+def test_the_first_iteration_follows_from_the_seed(schooled, tmp_path):
     assert same(iteration(tmp_path / "again"), schooled[1])
     assert not same(iteration(tmp_path / "other", seed=4), schooled[1])
 
 
-def test_a_later_leg_follows_from_the_learner_before_it(schooled, tmp_path):
+def test_a_later_iteration_follows_from_the_learner_before_it(schooled, tmp_path):
     before = tmp_path / "elsewhere"
     shutil.copytree(schooled[0], before)
     second = iteration(tmp_path / "second", 1, schooled[0])
@@ -49,7 +49,7 @@ def test_a_later_leg_follows_from_the_learner_before_it(schooled, tmp_path):
     assert not same(iteration(tmp_path / "after_other", 1, tmp_path / "other"), second)
 
 
-def test_a_leg_goes_on_with_all_that_was_learned_from(schooled, tmp_path):
+def test_an_iteration_continues_from_the_whole_replay_buffer(schooled, tmp_path):
     iteration(tmp_path / "second", 1, schooled[0])
 
     learner = SAC.load(tmp_path / "second" / LEARNER)
@@ -82,14 +82,14 @@ def test_sparing_the_critics_changes_nothing_of_what_is_learned(schooled):
     assert not same(trained_policy(plain), trained_policy(before))
 
 
-def test_the_learning_rate_falls_by_the_same_factor_from_leg_to_leg():
+def test_the_learning_rate_falls_by_the_same_factor_from_iteration_to_iteration():
     rates = [learning_rate(BRIEF, number) for number in range(BRIEF.iterations)]
 
     assert rates == pytest.approx([0.01, 0.001, 0.0001])
     assert learning_rate(BRIEF.model_copy(update={"iterations": 1}), 0) == 0.01
 
 
-def test_a_leg_learns_at_its_own_rate(schooled, tmp_path):
+def test_an_iteration_learns_at_its_own_rate(schooled, tmp_path):
     iteration(tmp_path / "second", 1, schooled[0])
 
     learner = SAC.load(tmp_path / "second" / LEARNER)

@@ -41,7 +41,7 @@ def test_a_policy_comes_back_from_its_arrays():
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         ({"weight.0": None}, "no policy has the arrays"),
         ({"weight.2": np.zeros((5, 5)), "bias.2": None}, "no policy has the arrays"),
@@ -51,9 +51,9 @@ def test_a_policy_comes_back_from_its_arrays():
         ({"weight.0": np.zeros(())}, "weight.0 does not fit"),
     ],
 )
-def test_arrays_of_something_else_are_refused(changes, said):
+def test_arrays_of_something_else_are_refused(changes, message):
     arrays = {**drawn_policy().to_arrays(), **changes}
     arrays = {name: array for name, array in arrays.items() if array is not None}
 
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError, match=message):
         Policy.from_arrays(arrays)

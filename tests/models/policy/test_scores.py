@@ -29,7 +29,7 @@ def test_what_was_not_asked_for_has_no_slope():
     assert "topspin_slope" in scores(PLAYED.assign(goal_topspin=1.0))
 
 
-def test_what_cannot_be_told_is_no_number():
+def test_an_undefined_score_is_not_a_number():
     nothing = scores(PLAYED.assign(returned=False))
 
     assert nothing["return_rate"] == 0

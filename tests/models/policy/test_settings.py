@@ -1,4 +1,4 @@
-"""The settings: what is refused, and said of it."""
+"""The settings: which are refused, and with which message."""
 
 import pytest
 from pydantic import TypeAdapter, ValidationError

@@ -57,7 +57,7 @@ def test_it_does_not_matter_how_many_are_played_at_once(monkeypatch):
     pd.testing.assert_frame_equal(pd.concat(halves, ignore_index=True), together, check_exact=True)
 
 
-def test_what_was_asked_for_is_told_where_it_was():
+def test_a_trial_records_the_goal_where_there_is_one():
     speeds = np.array([4.0, 5.0])
     policy = drawn_policy(goals=3, kind="strict")
 

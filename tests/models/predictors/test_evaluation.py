@@ -25,7 +25,7 @@ def errors(**offsets):
     return ForecastErrors(made, RECORDINGS, bounced, resamples=200, seed=1)
 
 
-def test_kinds_of_window_are_told_apart():
+def test_kinds_of_window_are_distinguished():
     rows = errors(a=0.0).over_horizon().query("quantity == 'position' and horizon_ms == 200")
     mean = rows.set_index("bounce")["mean"]
     assert mean["all"] == pytest.approx(HARD.mean())

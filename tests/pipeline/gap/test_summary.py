@@ -10,28 +10,28 @@ def text(*arguments, **changes):
 
 
 def test_no_gap_comes_with_errors_and_detection_limits():
-    said = text("no_gap", ())
-    assert said.startswith("No gap: 4 shots of lab agree with the simulator sim.yaml")
-    assert "200 ms: 21.0 mm with the nominal simulator; prediction floor 7.0 mm" in said
-    assert "3 of 5 parameters; not buoyancy.b, spin_decay.c" in said
-    assert "arises" not in said
+    message = text("no_gap", ())
+    assert message.startswith("No gap: 4 shots of lab agree with the simulator sim.yaml")
+    assert "200 ms: 21.0 mm with the nominal simulator; prediction floor 7.0 mm" in message
+    assert "3 of 5 parameters; not buoyancy.b, spin_decay.c" in message
+    assert "arises" not in message
 
 
 def test_a_cause_comes_with_estimate_interval_share_and_alternatives():
-    said = text("ambiguous", (WIND, GRAVITY))
-    assert "2 causes" in said
-    assert "estimate 0.61 m/s (95 % 0.59 to 0.63), missing in the simulator; 70 % of" in said
-    assert "10.3 m/s^2 (95 % 10.2 to 10.4), simulator 9.81; 30 % of the gap" in said
-    assert "Not separable from buoyancy.b." in said
-    assert "21.0 mm with the nominal simulator, 8.0 mm with the amended one" in said
-    assert "31.0 mm and 4.00 ms with the nominal simulator, 14.0 mm and 1.90 ms with" in said
+    message = text("ambiguous", (WIND, GRAVITY))
+    assert "2 causes" in message
+    assert "estimate 0.61 m/s (95 % 0.59 to 0.63), missing in the simulator; 70 % of" in message
+    assert "10.3 m/s^2 (95 % 10.2 to 10.4), simulator 9.81; 30 % of the gap" in message
+    assert "Not separable from buoyancy.b." in message
+    assert "21.0 mm with the nominal simulator, 8.0 mm with the amended one" in message
+    assert "31.0 mm and 4.00 ms with the nominal simulator, 14.0 mm and 1.90 ms with" in message
 
 
 def test_unexplained_structure_comes_with_its_phase_and_a_formula():
     rest = Unexplained(share=0.6, p_value=1e-4, phase="table", formula="+0.1 [slip]")
-    said = text("unknown", (), unexplained=rest)
-    assert "Unexplained structure at the table: 60 % of the gap." in said
-    assert "+0.1 [slip]" in said
+    message = text("unknown", (), unexplained=rest)
+    assert "Unexplained structure at the table: 60 % of the gap." in message
+    assert "+0.1 [slip]" in message
 
 
 def test_causes_that_predict_worse_are_rejected():

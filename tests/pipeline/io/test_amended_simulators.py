@@ -11,23 +11,23 @@ from tests.pipeline.amendments import write_amended
 
 def test_amended_simulators_of_the_first_split_serve_others(tmp_path):
     for split in range(2):
-        for source in ("hall", "arena"):
+        for source in ("lab", "arena"):
             write_amended(tmp_path, source, "imperfect_c", {"drag": {"cd": 0.5 + split}}, split)
     found = [
         (one.source, one.base, one.simulator.effects["drag"]) for one in read_amended(tmp_path)
     ]
-    assert found == [(name, "imperfect_c", {"cd": 0.5}) for name in ("arena", "hall")]
+    assert found == [(name, "imperfect_c", {"cd": 0.5}) for name in ("arena", "lab")]
 
 
 def test_a_simulator_is_found_by_its_source_and_what_it_was(tmp_path):
-    write_amended(tmp_path, "hall", "imperfect_c", {"wind": {"x": 0.5}})
-    found = amended_by(tmp_path, "hall", "imperfect_c")
+    write_amended(tmp_path, "lab", "imperfect_c", {"wind": {"x": 0.5}})
+    found = amended_by(tmp_path, "lab", "imperfect_c")
     assert found == shipped("imperfect_c").amended("wind", x=0.5)
-    assert amended_by(tmp_path, "hall", "literature") is None
-    assert amended_by(tmp_path / "nowhere", "hall", "imperfect_c") is None
+    assert amended_by(tmp_path, "lab", "literature") is None
+    assert amended_by(tmp_path / "nowhere", "lab", "imperfect_c") is None
 
 
 def test_a_broken_one_is_named(tmp_path):
-    write_text(tmp_path / f"{case_name('hall', 'mine', 0)}.yaml", "drug: {cd: 0.5}\n")
-    with pytest.raises(InputError, match=r"hall-mine-0\.yaml.*did you mean drag"):
+    write_text(tmp_path / f"{case_name('lab', 'mine', 0)}.yaml", "drug: {cd: 0.5}\n")
+    with pytest.raises(InputError, match=r"lab-mine-0\.yaml.*did you mean drag"):
         list(read_amended(tmp_path))

@@ -30,7 +30,7 @@ def zeros(*columns):
 def recordings(**changes):
     """Three samples of one recording, without spin."""
     spins = {column: np.full(3, np.nan) for column in SPIN_COLUMNS}
-    head = {"recording_id": ["hall/1"] * 3, "t": [0.0, 0.1, 0.2]}
+    head = {"recording_id": ["lab/1"] * 3, "t": [0.0, 0.1, 0.2]}
     return pd.DataFrame({**head, **zeros(*POSITION_COLUMNS), **spins, **changes})
 
 
@@ -40,32 +40,32 @@ def launches():
 
 
 def points(**changes):
-    head = {"recording_id": ["hall/1"] * 3, "start": [0.0, 2.0, 4.0], "end": [1.0, 3.0, 5.0]}
+    head = {"recording_id": ["lab/1"] * 3, "start": [0.0, 2.0, 4.0], "end": [1.0, 3.0, 5.0]}
     players = {"server": ["near"] * 3, "winner": ["far"] * 3}
     ends = {"ended_by": ["net", "out", "missed"], "strokes": [1, 2, 3]}
     return pd.DataFrame({**head, **players, **ends, **changes})
 
 
 def true_contacts(**changes):
-    head = {"recording_id": ["hall/1"] * 3, "t": [0.0, 0.1, 0.1]}
+    head = {"recording_id": ["lab/1"] * 3, "t": [0.0, 0.1, 0.1]}
     kinds = {"kind": ["launch", "net", "table"]}
     states = zeros(*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS)
     return pd.DataFrame({**head, **kinds, **states, **changes})
 
 
 def samples():
-    head = {"recording_id": ["hall/1"] * 3, "episode_id": ["hall/1/00"] * 3, "arc": [0, 0, 1]}
+    head = {"recording_id": ["lab/1"] * 3, "episode_id": ["lab/1/00"] * 3, "arc": [0, 0, 1]}
     values = zeros(*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS)
     return pd.DataFrame({**head, "t": [0.0, 0.1, 0.2], **values, "outlier": [False] * 3})
 
 
 def contacts():
-    head = {"recording_id": ["hall/1"] * 3, "episode_id": ["hall/1/00"] * 3, "kind": ["table"] * 3}
+    head = {"recording_id": ["lab/1"] * 3, "episode_id": ["lab/1/00"] * 3, "kind": ["table"] * 3}
     return pd.DataFrame({**head, **zeros("t", *POSITION_COLUMNS, "speed_change")})
 
 
 def episodes(**changes):
-    head = {"episode_id": ["a", "b", "c"], "recording_id": ["hall/1"] * 3, "source": ["hall"] * 3}
+    head = {"episode_id": ["a", "b", "c"], "recording_id": ["lab/1"] * 3, "source": ["lab"] * 3}
     ends = {"starts_with": ["launch"] * 3, "ends_with": ["gap"] * 3}
     counts = {"samples": [5] * 3, "outliers": [0] * 3, "bounces": [1] * 3}
     values = {**head, **zeros("start", "end"), **ends, **counts, **zeros("residual")}

@@ -12,7 +12,7 @@ def test_a_shipped_simulator_goes_by_its_name():
 
 
 def test_a_file_goes_by_its_path(tmp_path):
-    path = tmp_path / "hall.yaml"
+    path = tmp_path / "lab.yaml"
     path.write_text("gravity: {g: 9.79}\ndrag: {cd: 0.5}\n")
     effects = load_simulator(str(path)).effects
     assert effects == {"gravity": {"g": 9.79}, "drag": {"cd": 0.5}}
@@ -28,11 +28,11 @@ def test_a_file_goes_by_its_path(tmp_path):
     ],
 )
 def test_a_file_that_describes_no_simulator_is_refused_by_name(tmp_path, text, says):
-    path = tmp_path / "hall.yaml"
+    path = tmp_path / "lab.yaml"
     path.write_text(text)
     with pytest.raises(InputError, match=says) as caught:
         load_simulator(str(path))
-    assert "hall.yaml" in str(caught.value)
+    assert "lab.yaml" in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["imperfect_d", "no/such/file.yaml"])

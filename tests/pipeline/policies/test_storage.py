@@ -44,7 +44,7 @@ def described_with(**changes):
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "said"),
+    ("name", "content", "message"),
     [
         (WEIGHTS, None, r"there is no such file; run the stage train_policy"),
         (WEIGHTS, b"", "is not a file of weights"),
@@ -57,14 +57,14 @@ def described_with(**changes):
         (DESCRIPTION, described_with(more=1), "more.*train_policy`"),
     ],
 )
-def test_a_broken_file_is_one_error_that_names_it(tmp_path, name, content, said):
+def test_a_broken_file_is_one_error_that_names_it(tmp_path, name, content, message):
     _, described = save_drawn(tmp_path)
     path = tmp_path / described.name / name
     path.unlink()
     if content is not None:
         path.write_bytes(content)
 
-    with pytest.raises(InputError, match=said) as error:
+    with pytest.raises(InputError, match=message) as error:
         load_policy(path.parent)
 
     assert str(error.value).startswith(str(path))

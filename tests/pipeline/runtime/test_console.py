@@ -1,4 +1,4 @@
-"""A table loses nothing on the way to a file, however narrow the terminal is said to be."""
+"""A table in a file is complete, however narrow the terminal is."""
 
 from rich.table import Table
 

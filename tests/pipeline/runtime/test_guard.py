@@ -1,4 +1,4 @@
-"""A stage runs alone, stops when told to, and says what a disk refuses."""
+"""A stage runs alone, stops on a signal, and names what a disk refuses."""
 
 import errno
 import os
@@ -63,7 +63,7 @@ def test_a_killed_run_locks_nobody_out(folder, capsys):
         assert capsys.readouterr().err == ""  # nobody is waited for
 
 
-def test_being_told_to_stop_unwinds_the_stage():
+def test_a_stop_signal_unwinds_the_stage():
     before = signal.getsignal(signal.SIGTERM)
     with pytest.raises(SystemExit) as stopped, guarded("segment"):
         os.kill(os.getpid(), signal.SIGTERM)
@@ -97,7 +97,7 @@ with guarded("segment"):
 """
 
 
-def test_being_told_to_stop_ends_the_workers_too(folder):
+def test_a_stop_signal_ends_the_workers_too(folder):
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     stage = subprocess.Popen(
         [sys.executable, "-c", AT_WORK], cwd=folder, env=environment,

@@ -210,7 +210,7 @@ def test_a_run_with_other_inputs_does_not_take_up_the_scratch(repository):
     assert counts == ["1", "1"]
 
 
-def test_timings_are_written_down_beside_the_outputs_not_in_them(repository, monkeypatch):
+def test_timings_are_not_written_into_the_outputs(repository, monkeypatch):
     monkeypatch.setattr(run_module, "recorded", tracking.recorded)
     monkeypatch.setattr(tracking, "_attempt", lambda *_: None)
     for _ in range(2):

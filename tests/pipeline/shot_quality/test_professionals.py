@@ -87,7 +87,7 @@ def test_landings_are_measured_well(shots, matched):
     assert -0.02 < clearance.min() < np.median(clearance) < 0.4
 
 
-def test_who_won_is_what_the_umpire_said(shots, matched):
+def test_the_winner_is_the_umpires_decision(shots, matched):
     assert (shots.point == matched[1][10].to_numpy(dtype=bool)).all()
     assert (shots.wins == matched[1][11].to_numpy(dtype=bool)).all()
     assert shots.point[shots.wins].all() and shots.wins.any() and not shots.wins.all()

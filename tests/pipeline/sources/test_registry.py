@@ -34,9 +34,9 @@ def test_every_adapter_is_found_under_the_name_of_its_file():
 
 
 def test_a_package_can_offer_a_source(offered):
-    offered("my_hall")
+    offered("my_lab")
 
-    assert find_source("my_hall").name == "my_hall"
+    assert find_source("my_lab").name == "my_lab"
 
 
 def test_a_name_can_be_taken_once(offered):

@@ -179,7 +179,7 @@ def test_there_is_nothing_to_confirm_before_a_sweep_nor_once_it_was_adopted(tmp_
 
 
 def sweep_with_two_workers(root, **environment):
-    """Let the command line do a sweep of four trials with two workers; return all that it said."""
+    """Run a sweep of four trials with two workers from the command line; return its output."""
     (root / "pyproject.toml").touch()
     environment |= {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": str(root)}
     program = [sys.executable, "-c", "from pipeline.cli import main; main()", "sweep", "tiny"]
@@ -219,10 +219,10 @@ def test_a_sweep_in_postgresql_records_every_trial_and_leaves_the_password_nowhe
     tmp_path, postgres_url
 ):
     predictor_sweep(tmp_path)
-    said = sweep_with_two_workers(tmp_path, RALLYGAP_STUDY=postgres_url)
+    message = sweep_with_two_workers(tmp_path, RALLYGAP_STUDY=postgres_url)
     assert_recorded(tmp_path)
     kept = [path for path in tmp_path.rglob("*") if path.is_file()]
     places = {path.relative_to(tmp_path).parts[0] for path in kept}
     assert {"mlflow.db", "reports"} <= places
     assert not [path for path in kept if PASSWORD.encode() in path.read_bytes()]
-    assert PASSWORD not in said
+    assert PASSWORD not in message

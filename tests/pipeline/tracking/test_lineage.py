@@ -1,4 +1,4 @@
-"""A report that cannot tell its run is refused before MLflow is asked."""
+"""A report without its run is refused before MLflow is asked."""
 
 import pytest
 

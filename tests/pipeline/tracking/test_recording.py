@@ -164,7 +164,7 @@ def test_a_failed_stage_fails_its_reproduction(store, below_dvc):
     assert statuses(store) == expected
 
 
-def test_a_stage_that_is_told_to_stop_is_recorded_as_killed(store):
+def test_a_stage_stopped_by_a_signal_is_recorded_as_killed(store):
     with pytest.raises(SystemExit), recorded("segment", ORIGIN, {}, Results):
         signal.raise_signal(signal.SIGTERM)
     assert statuses(store) == {"segment": "KILLED"}

@@ -137,7 +137,7 @@ def test_as_many_launches_are_drawn_as_asked_for_and_measured_with_noise(tmp_pat
     assert off.std() == pytest.approx(0.003, rel=0.1)
 
 
-def test_a_hall_without_a_racket_gets_the_literature_s(tmp_path):
+def test_an_environment_without_a_racket_gets_the_literature_s(tmp_path):
     artifacts = write_replays(tmp_path, [replayed("arena/pro", 5)], sources=("arena",))
     path = artifacts / "ingest" / "truth.json"
     truth = read_json(path)

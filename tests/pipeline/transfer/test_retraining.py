@@ -80,11 +80,11 @@ def test_sets_of_a_source_come_as_one_first_and_each_after():
     assert pooled(alone, "spindoe") is alone
 
 
-def test_a_policy_is_trained_anew_in_nothing_but_another_simulator():
+def test_retraining_changes_only_the_simulator():
     before, windy = description(), shipped("imperfect_c").amended("wind", x=0.5)
-    after = in_simulator(before, "hall", windy)
+    after = in_simulator(before, "lab", windy)
     assert after.task.simulator == windy
-    assert after.name == "small-amended_by_hall-115ms-0"
+    assert after.name == "small-amended_by_lab-115ms-0"
     changed = {
         name for name in TrainedPolicy.model_fields if getattr(before, name) != getattr(after, name)
     }

@@ -27,14 +27,14 @@ def test_trials_come_back_from_a_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         (lambda table: table.drop(columns="landed_vz"), "landed_vz.*is missing"),
         (lambda table: table.assign(after_wx=np.nan), "a return lacks a value"),
         (lambda table: table.assign(ball=-1), "row 1.*ball"),
     ],
 )
-def test_a_broken_table_is_one_error(tmp_path, change, said):
+def test_a_broken_table_is_one_error(tmp_path, change, message):
     write_table(tmp_path / "played.parquet", change(PLAYED))
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         read_played(tmp_path / "played.parquet")

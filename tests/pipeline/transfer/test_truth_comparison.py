@@ -19,7 +19,7 @@ def table(truth):
     return rows.set_index(["effect", "parameter"])
 
 
-def test_numbers_that_were_found_or_missed_stand_beside_the_truth():
+def test_found_and_missed_parameters_are_compared_with_the_truth():
     truth = ORIGINAL.amended("drag", cd=0.55).amended("table_bounce", restitution=0.98)
     rows = table(truth)
     drag = rows.loc["drag", "cd"]

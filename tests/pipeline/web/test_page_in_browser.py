@@ -146,10 +146,10 @@ def test_paper_has_nothing_to_press_or_to_play(browser, page_file):
 
 def test_paper_has_every_article_and_says_what_the_views_show(browser, page_file):
     open_on_paper(browser, page_file)
-    for told in ("article", "h1, h2, h3", ".caption, figcaption", ".run:not(.hint)", ".still"):
-        assert all(displayed(browser, told)), told
-    for told in ("canvas", ".viewer .clock", ".legend output", "select[id$='-picker']"):
-        assert all(displayed(browser, told)), told
+    for shown in ("article", "h1, h2, h3", ".caption, figcaption", ".run:not(.hint)", ".still"):
+        assert all(displayed(browser, shown)), shown
+    for shown in ("canvas", ".viewer .clock", ".legend output", "select[id$='-picker']"):
+        assert all(displayed(browser, shown)), shown
 
 
 @pytest.mark.parametrize("path", [None, *PAGES], ids=lambda path: path and path.parent.name)

@@ -1,4 +1,4 @@
-"""The arena: repeatable, said to be synthetic, and its sealed truth explains what was measured."""
+"""The arena: repeatable, marked as synthetic, and its sealed truth explains what was measured."""
 
 import numpy as np
 import pytest

@@ -63,13 +63,13 @@ def test_source_yaml_moves_positions_and_turns_spins(tmp_path):
 
 
 def test_source_yaml_names_and_describes_the_source(tmp_path):
-    write_csv(tmp_path, settings="{name: hall_b, kind: cannon, rate: 143, licence: CC0}")
+    write_csv(tmp_path, settings="{name: lab_b, kind: cannon, rate: 143, licence: CC0}")
 
     gathered = read(tmp_path, "csv")
 
-    record = gathered.manifest.sources["hall_b"]
+    record = gathered.manifest.sources["lab_b"]
     assert (record.kind, record.licence, record.stated_rate_hz) == ("cannon", "CC0", 143)
-    assert gathered.recordings["recording_id"].iloc[0] == "hall_b/session"
+    assert gathered.recordings["recording_id"].iloc[0] == "lab_b/session"
     assert [entry.file for entry in record.files] == ["source.yaml", "session.csv"]
 
 
@@ -80,7 +80,7 @@ def test_source_yaml_names_and_describes_the_source(tmp_path):
         ("rate: fast", "rate"),
         ("rate: -1", "rate"),
         ("rate: .inf", "rate"),
-        ("name: Hall B", "name"),
+        ("name: Lab B", "name"),
         ("kind: launches", "kind"),
         ("frame: {rotation: [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}", "frame"),
         ("frame: {rotation: [[2, 0, 0], [0, 2, 0], [0, 0, 2]]}", "frame"),

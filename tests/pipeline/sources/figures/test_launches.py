@@ -76,7 +76,7 @@ def test_a_quantity_is_what_its_name_says(state, quantity, value):
     assert measured_launches(launches(**state))[quantity].item() == pytest.approx(value)
 
 
-def test_measured_serves_are_told_from_rallies():
+def test_measured_serves_are_separated_from_rallies():
     both = pd.concat([launches(), launches().assign(launch_id="robot/serves/1")])
 
     assert measured_launches(both)["stroke"].tolist() == ["rally", "serve"]

@@ -22,11 +22,11 @@ def points(axes):
 
 
 def test_a_source_is_drawn_from_the_side_and_from_above():
-    side, above = measured_balls_figure({"hall": BALLS}).axes
+    side, above = measured_balls_figure({"lab": BALLS}).axes
 
     assert points(side).tolist() == [[1.0, 0.3], [-1.0, 0.4]]
     assert points(above).tolist() == [[1.0, 0.1], [-1.0, 0.2]]
-    assert side.get_title(loc="left") + side.get_title() == "hall, from the side"
+    assert side.get_title(loc="left") + side.get_title() == "lab, from the side"
 
 
 def test_of_many_launches_an_even_choice_is_drawn():
