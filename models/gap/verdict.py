@@ -26,6 +26,8 @@ WORSE = 0.02  # share of the nominal error by which amended predictions must be 
 
 Answer = Literal["no_gap", "named", "ambiguous", "unknown"]
 Kind = Literal["wrong_value", "missing_effect"]
+# A physical cause that matters, a fault of the sensor, or structure that is small or unsure.
+Role = Literal["leading", "sensor", "minor"]
 
 
 class VerdictError(ValueError):
@@ -41,6 +43,7 @@ class Cause(_Part):
 
     Attributes:
         identity: ``effect.parameter``, such as ``drag.cd`` or ``wind.x``.
+        role: a leading cause, a fault of the sensor, or minor structure, which is not amended.
         kind: whether the simulator has the effect with a wrong value, or lacks it.
         unit: of nominal, estimate and interval.
         nominal: the simulator's value, neutral where it lacks the effect.
@@ -52,6 +55,7 @@ class Cause(_Part):
     """
 
     identity: str
+    role: Role = "leading"
     kind: Kind
     unit: str
     nominal: float
@@ -223,6 +227,11 @@ class Verdict(_Part):
     not_identifiable: tuple[str, ...]
     limitations: tuple[str, ...] = ()
     located: InstanceOf[Located] | None = Field(default=None, exclude=True)
+
+    @property
+    def main_causes(self) -> tuple[Cause, ...]:
+        """Leading causes and sensor faults: what the verdict names and ``amended.yaml`` has."""
+        return tuple(cause for cause in self.causes if cause.role != "minor")
 
     def to_json(self) -> str:
         """Return the content of ``verdict.json``."""
