@@ -59,6 +59,7 @@ class Effect:
         equation: its exact form.
         acts: where it acts.
         parameters: in the order of the arguments of the hooks.
+        table: names of the columns of its table, whose rows are given as ``nodes``; empty without.
         changes: filled by the decorators ``adds`` and ``scales``.
     """
 
@@ -67,13 +68,14 @@ class Effect:
     equation: str
     acts: Literal["flight", "contact", "sensor"]
     parameters: tuple[Parameter, ...]
+    table: tuple[str, ...] = ()
     changes: list[Change] = field(default_factory=list, compare=False)
 
     def adds(self, quantity: str) -> Callable[[Hook], Hook]:
         """Decorate ``hook(context, *parameters)``, whose value is added to ``quantity``.
 
         The hook is compiled by numba (hooks of sensor quantities stay numpy). It returns a number,
-        or a tuple where the quantity is a vector.
+        or a tuple where the quantity is a vector. The rows of a table come last.
         """
         return self._register(quantity, "adds")
 

@@ -28,9 +28,10 @@ class Impact(NamedTuple):
 
 
 class View(NamedTuple):
-    """The true ball at a measurement: its speed, m/s (arrays of any shape)."""
+    """The true ball at a measurement (arrays of any shape)."""
 
-    speed: float | Floats
+    speed: float | Floats  # m/s
+    place: Floats | None = None  # (..., 3) m, where a quantity depends on it
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,7 @@ QUANTITIES = (
     Quantity("racket_restitution", "contact", Impact, "e of the racket", start=-1.0),
     Quantity("racket_grip", "contact", Impact, "share alpha of the slip that the rubber takes"),
     Quantity("position_gain", "sensor", View, "measured over true position", start=1.0),
+    Quantity("position_error", "sensor", View, "added to measured positions, m", size=3),
     Quantity("clock_gain", "sensor", View, "measured over true time", start=1.0),
     Quantity("delay", "sensor", View, "age of a measured position, s"),
     Quantity("spin_label_gain", "sensor", View, "measured over true spin", start=1.0),

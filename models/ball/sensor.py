@@ -67,7 +67,9 @@ def delays(simulator: Simulator, speeds: Floats) -> Floats:
 
 def measured_positions(simulator: Simulator, positions: Floats) -> Floats:
     """Return (..., 3) measured positions, m, of balls at true positions."""
-    measured: Floats = sensor_quantity(simulator, "position_gain") * positions
+    gain = sensor_quantity(simulator, "position_gain")
+    view = View(np.zeros(()), positions)
+    measured: Floats = gain * positions + sensor_quantity(simulator, "position_error", view)
     return measured
 
 

@@ -17,6 +17,8 @@ from models.ball.types import Floats, Integers
 from models.support.suggestion import suggestion
 from models.support.yaml_file import YamlFileError, load_yaml
 
+NODES = "nodes"  # the rows of an effect's table
+
 
 class SimulatorError(ValueError):
     """An unknown effect or parameter, or an impossible value.
@@ -60,9 +62,12 @@ class Flight:
 
 @dataclass(frozen=True)
 class Simulator:
-    """A ball simulator: effect name -> parameter name -> value, complete and validated."""
+    """A ball simulator: effect name -> parameter name -> value, complete and validated.
 
-    effects: Mapping[str, Mapping[str, float]]
+    An effect with a table has its rows under ``nodes``.
+    """
+
+    effects: Mapping[str, Mapping[str, Any]]
 
     @classmethod
     def from_dict(cls, description: Mapping[str, Any]) -> "Simulator":
@@ -91,11 +96,11 @@ class Simulator:
         except YamlFileError as error:
             raise SimulatorError(str(error), path) from None
 
-    def to_dict(self) -> dict[str, dict[str, float]]:
+    def to_dict(self) -> dict[str, dict[str, Any]]:
         """Return what ``from_dict`` takes, every parameter spelled out."""
         return {name: dict(values) for name, values in self.effects.items()}
 
-    def amended(self, effect: str, **parameters: float) -> "Simulator":
+    def amended(self, effect: str, **parameters: Any) -> "Simulator":
         """Return this simulator with an effect appended, or with some of its values changed."""
         current = {**self.effects.get(effect, {}), **parameters}
         return Simulator.from_dict({**self.effects, effect: current})
@@ -175,7 +180,7 @@ def _parameter(effect: Effect, name: str) -> Parameter:
     return next(parameter for parameter in effect.parameters if parameter.name == name)
 
 
-def _checked(name: str, values: Any) -> dict[str, float]:
+def _checked(name: str, values: Any) -> dict[str, Any]:
     if name not in catalogue():
         hint = suggestion(name, catalogue())
         raise SimulatorError(f"there is no effect called {name!r}; {hint}")
@@ -183,11 +188,27 @@ def _checked(name: str, values: Any) -> dict[str, float]:
     values = {} if values is None else values
     if not isinstance(values, Mapping):
         raise SimulatorError(f"{name}: give its parameters by name, not {values!r}")
-    known = [parameter.name for parameter in effect.parameters]
+    known = [
+        *(parameter.name for parameter in effect.parameters),
+        *([NODES] if effect.table else []),
+    ]
     for unknown in [key for key in values if key not in known]:
         hint = suggestion(unknown, known)
         raise SimulatorError(f"{name} has no parameter {unknown!r}; {hint}")
-    return {parameter.name: _value(name, parameter, values) for parameter in effect.parameters}
+    checked = {one.name: _value(name, one, values) for one in effect.parameters}
+    return {**checked, NODES: _rows_of_table(effect, values)} if effect.table else checked
+
+
+def _rows_of_table(effect: Effect, values: Mapping[str, Any]) -> list[list[float]]:
+    columns = ", ".join(effect.table)
+    wanted = f"{effect.name}.{NODES}: give rows of {len(effect.table)} finite numbers: {columns}"
+    try:
+        rows = np.array(values.get(NODES, ()), dtype=np.float64).reshape(-1, len(effect.table))
+    except (TypeError, ValueError):
+        raise SimulatorError(wanted) from None
+    if not np.isfinite(rows).all():
+        raise SimulatorError(wanted)
+    return rows.tolist()
 
 
 def _value(effect: str, parameter: Parameter, values: Mapping[str, Any]) -> float:

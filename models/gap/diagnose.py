@@ -84,6 +84,9 @@ def diagnose(
 def _fit_held_out(shots: Shots, named: Named, settings: GapSettings) -> RefitResult:
     """Return held-out shots fitted about the amended simulator, flipped labels corrected."""
     simulator, noise = named.fit.simulator, named.fit.noise_estimate.noise
+    if named.field is not None:
+        errors = named.fit.camera_errors
+        shots = named.field.on(shots, shots.positions).corrected(errors).without_shared()
     about = fit_nuisance(shots, simulator, noise, settings.fit)
     if not named.signs.significant:
         return about

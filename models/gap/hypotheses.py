@@ -65,7 +65,7 @@ class Hypothesis:
     def value(self, simulator: Simulator) -> float:
         """Return the value that ``simulator`` has, neutral where it lacks the effect."""
         values = simulator.effects.get(self.effect, {})
-        return values.get(self.parameter, self.declaration.neutral)
+        return float(values.get(self.parameter, self.declaration.neutral))
 
     def listed(self, simulator: Simulator) -> bool:
         """Whether ``simulator`` lists the effect: then a wrong value, else a missing effect."""
@@ -88,12 +88,13 @@ def hypotheses(simulator: Simulator) -> tuple[Hypothesis, ...]:
     """Return every parameter of the catalogue that a small change of ``simulator`` can reach.
 
     Left out are effects without a neutral value that the simulator lacks, such as a missing
-    surface, and surfaces that no shot of the gap workflow touches.
+    surface, surfaces that no shot of the gap workflow touches, and effects with a table, which are
+    not a matter of one number.
     """
     return tuple(
         Hypothesis(effect.name, parameter.name)
         for effect in catalogue().values()
-        if effect.name not in OTHER_SURFACES
+        if effect.name not in OTHER_SURFACES and not effect.table
         if effect.name in simulator.effects or not any(p.required for p in effect.parameters)
         for parameter in effect.parameters
     )

@@ -16,6 +16,18 @@ from models.ball.simulator import Simulator
 
 
 @dataclass(frozen=True)
+class FieldSettings:
+    """The smooth error of the cameras over space."""
+
+    level: float = 0.05  # of the test whether there is one, from which on it is modelled
+    length: float = 0.8  # m, over which errors are correlated
+    variance_share: float = 0.99  # of the field, in its first functions
+    nodes: int = 80  # places that represent the measured ones
+    places: int = 4000  # measured places that nodes are taken from
+    inner_places: float = 0.98  # share of them that are near enough to be nodes
+
+
+@dataclass(frozen=True)
 class FitSettings:
     """Fitting shots: nuisance parameters, noise, and values of chosen hypotheses."""
 
@@ -23,6 +35,8 @@ class FitSettings:
     outlier_share: float = 0.02
     outlier_spread: float = 0.1  # m
     max_noise_to_outlier_spread: float = 0.3  # in larger noise, outliers spread more
+
+    camera_field: FieldSettings = FieldSettings()
 
     # Nuisance parameters of one shot (Levenberg-Marquardt).
     max_kicks: int = 2  # bounces of a shot that may scatter
@@ -62,15 +76,17 @@ class FitSettings:
                 "slow_time": (0.01, 0.5),
                 "timing": (1e-6, 5e-3),
                 "label": (1e-3, 1.0),
+                "label_arc": (1e-3, 1.0),
                 "label_common": (1e-3, 1.0),
                 "scatter": (1e-3, 0.5),
+                "distortion": (1e-5, 0.05),
             }
         )
     )
     # Least sizes that a search starts from: near zero, logarithms of sizes change nothing.
     noise_starts: Mapping[str, float] = field(
         default_factory=lambda: MappingProxyType(
-            {"slow": 3e-4, "timing": 1e-4, "label_common": 5e-3, "scatter": 3e-3}
+            {"slow": 3e-4, "timing": 1e-4, "label_arc": 5e-3, "label_common": 5e-3, "scatter": 3e-3}
         )
     )
 

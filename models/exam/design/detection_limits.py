@@ -167,6 +167,7 @@ def _noise(trial: Trial) -> Noise:
         slow=cameras.position_noise * float(np.sqrt(slow)),
         slow_time=cameras.slow_error.time,
         label=max(cameras.spin_noise, MINIMUM_NOISE),
+        label_arc=MINIMUM_NOISE,
         label_common=MINIMUM_NOISE,
         scatter=(max(upwards, MINIMUM_NOISE), max(along, MINIMUM_NOISE), MINIMUM_NOISE),
     )

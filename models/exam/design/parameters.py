@@ -8,6 +8,7 @@ NOT_OBSERVABLE = {
     "time_offset": "a constant delay only moves the instant from which a shot is counted",
     "racket_bounce": "shots are recorded from after one racket to before the next",
     "net": "every shot clears the net",
+    "camera_distortion": "it is no single number; a group of questions of its own has it",
 }
 
 # Effects that may be similar; the two causes of a pair come from different families. An effect that

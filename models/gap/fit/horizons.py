@@ -27,6 +27,7 @@ def first_samples(shots: Shots, count: int) -> Shots:
         times=shots.times[:, :count],
         positions=shots.positions[:, :count],
         valid=shots.valid[:, :count],
+        shared=shots.shared[:, :count],
         label_times=np.where(known, shots.label_times, np.nan)[:, :width],
         labels=labels,
     )

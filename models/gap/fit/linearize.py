@@ -2,7 +2,8 @@
 
 Near the fitted nuisance parameters ``eta`` of a shot its measurements are ``y = h + G d_eta + F
 d_theta + noise``: G by its nuisance parameters, F by the hypotheses, which all shots share. The
-columns are in this order: E nuisance parameters, K hypotheses, and last the residual ``y - h``.
+columns are in this order: E nuisance parameters, K hypotheses, F coefficients of errors that all
+shots share, in which measurements are exactly linear, and last the residual ``y - h``.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -34,10 +35,11 @@ class Linearised:
         simulator: about which they are linearised.
         columns: the K hypotheses.
         nuisance: (B, E) at which: states and kicks.
-        positions: (B, N, 3, E + K + 1) columns of the positions, zero in padding.
-        labels: (B, L, 3, E + K + 1) columns of the spin labels, zero where there is none, in units
+        positions: (B, N, 3, E + K + F + 1) columns of the positions, zero in padding.
+        labels: (B, L, 3, E + K + F + 1) columns of the labels, zero where there is none, in units
             of the fitted spin.
         label_scales: (B, L) these units, rad/s.
+        label_arcs: (B, L) how many contacts are before a label.
         velocities: (B, N, 3) of the balls at the samples, m/s.
         sampled: (B, N) which samples are used.
         labelled: (B, L) which labels are used.
@@ -50,6 +52,7 @@ class Linearised:
     positions: Floats
     labels: Floats
     label_scales: Floats
+    label_arcs: Indices
     velocities: Floats
     sampled: Bools
     labelled: Bools
@@ -69,6 +72,39 @@ class Linearised:
         return int(self.nuisance.shape[1])
 
     @property
+    def of_hypotheses(self) -> slice:
+        """Places of the K columns of the hypotheses."""
+        return slice(self.nuisance_count, self.nuisance_count + len(self.columns))
+
+    @property
+    def of_shared(self) -> slice:
+        """Places of the F columns of shared errors."""
+        return slice(self.of_hypotheses.stop, self.positions.shape[-1] - 1)
+
+    def with_shared(self, shots: Shots) -> "Linearised":
+        """Return the shots with the columns of the errors that ``shots``, the same, share."""
+        shared, unlabelled = _shared_columns(shots)
+
+        def put(columns: Floats, more: Floats) -> Floats:
+            parts = columns[..., : self.of_shared.start], more, columns[..., -1:]
+            return np.concatenate(parts, axis=-1)
+
+        positions = put(self.positions, np.where(self.sampled[..., None, None], shared, 0.0))
+        labels = put(self.labels, unlabelled)
+        return replace(self, shots=shots, positions=positions, labels=labels)
+
+    @property
+    def in_arcs(self) -> Bools:
+        """(B, L, J) in which of the arcs between contacts a label is."""
+        arcs = np.arange(int(self.label_arcs.max(initial=0)) + 1)
+        return np.asarray(self.label_arcs[..., None] == arcs)
+
+    @property
+    def label_counts(self) -> tuple[Floats, Floats]:
+        """(B, L) how many labels are in the arc of a label, and (B, 1) in its shot."""
+        return label_counts(self.labelled, self.label_arcs)
+
+    @property
     def listed(self) -> Bools:
         """(K,) which of the hypotheses are about parameters that the simulator lists."""
         return np.array([column.listed(self.simulator) for column in self.columns], dtype=bool)
@@ -83,8 +119,10 @@ def linearise(
     inner = nuisance_derivatives(simulator, schedule, nuisance, prediction)
     outer = hypothesis_derivatives(simulator, schedule, nuisance, prediction, columns)
     prediction = replace(prediction, smooth_until=np.fmin(inner.smooth_until, outer.smooth_until))
-    positions = _joined(inner.positions, outer.positions, shots.positions - prediction.positions)
-    labels = _joined(inner.labels, outer.labels, np.nan_to_num(shots.labels) - prediction.labels)
+    shared, unlabelled = _shared_columns(shots)
+    miss = shots.positions - prediction.positions, np.nan_to_num(shots.labels) - prediction.labels
+    positions = _joined(inner.positions, outer.positions, shared, miss[0])
+    labels = _joined(inner.labels, outer.labels, unlabelled, miss[1])
     start = shots.times[:, :1]
     sampled = shots.valid & prediction.is_smooth(shots.times - start, KINK)
     sampled &= np.isfinite(positions).all(axis=(2, 3))
@@ -101,6 +139,7 @@ def linearise(
         positions=positions,
         labels=labels,
         label_scales=scales,
+        label_arcs=prediction.arcs(shots.label_times - start),
         velocities=prediction.velocities,
         sampled=sampled,
         labelled=labelled,
@@ -119,10 +158,25 @@ def label_scales(spins: Floats) -> Floats:
     return scales
 
 
+def label_counts(labelled: Bools, arcs: Indices) -> tuple[Floats, Floats]:
+    """Return (B, L) how many labels are in the arc of a label, and (B, 1) in its shot."""
+    together = labelled[:, None] & (arcs[:, None] == arcs[..., None])
+    in_arc = np.maximum(together.sum(axis=2), 1).astype(np.float64)
+    in_shot = np.maximum(labelled.sum(axis=1, keepdims=True), 1).astype(np.float64)
+    return in_arc, in_shot
+
+
 def ballistic_nuisance(states: Floats, kicks: int) -> Floats:
     """Return (B, 9 + 3 kicks) nuisance parameters of (B, 9) states without kicks."""
     return np.concatenate([states[:, :STATE_SIZE], np.zeros((len(states), 3 * kicks))], axis=1)
 
 
-def _joined(inner: Floats, outer: Floats, residual: Floats) -> Floats:
-    return np.concatenate([inner, outer, residual[..., None]], axis=-1)
+def _shared_columns(shots: Shots) -> tuple[Floats, Floats]:
+    """Return (B, N, 3, F) columns of shared errors, and those of labels, which are zero."""
+    by_axis = np.einsum("bnr,ij->bnijr", shots.shared, np.eye(3))
+    positions = by_axis.reshape(*shots.positions.shape, -1)
+    return positions, np.zeros((*shots.labels.shape, positions.shape[-1]))
+
+
+def _joined(inner: Floats, outer: Floats, shared: Floats, residual: Floats) -> Floats:
+    return np.concatenate([inner, outer, shared, residual[..., None]], axis=-1)

@@ -110,6 +110,11 @@ class Prediction:
     contacts: Floats
     smooth_until: Floats
 
+    def arcs(self, times: Floats) -> Indices:
+        """Return (B, T) how many contacts are before each of (B, T) times."""
+        before: Indices = (times[..., None] > self.contacts[:, None]).sum(axis=-1)
+        return before
+
     def is_smooth(self, times: Floats, least: float) -> Bools:
         """Return which of (B, T) times are ``least`` from any contact and before the end."""
         near = np.abs(times[..., None] - self.contacts[:, None]) < least

@@ -32,7 +32,9 @@ class Noise:
         slow: of its slow error, m.
         slow_time: in which the slow error's correlation falls to 1/e, s.
         timing: of a time stamp, s.
+        distortion: of a coordinate's error as a function of place, common to all shots, m.
         label: of a component of a label, as a share of the spin, independent in every row.
+        label_arc: the same, common to all rows between two contacts.
         label_common: the same, common to all rows of a shot.
         scatter: of a bounce upwards, along the slip and across, as a share of the normal speed.
     """
@@ -41,14 +43,24 @@ class Noise:
     slow: float = 0.001
     slow_time: float = 0.05
     label: float = 0.05
+    label_arc: float = 0.0
     label_common: float = 0.02
     scatter: tuple[float, float, float] = (0.02, 0.02, 0.02)
     timing: float = 1e-4
+    distortion: float = 1e-3
 
     @property
     def position(self) -> float:
         """Standard deviation of a coordinate, m, that of the time stamps aside."""
         return float(np.hypot(self.white, self.slow))
+
+    def label_variance(self, in_arc: Floats, in_shot: Floats) -> Floats:
+        """Return the variance that each label counts as, as if labels were independent.
+
+        The arguments are the numbers of labels that share its errors, its own included.
+        """
+        variance: Floats = self.label**2 + in_arc * self.label_arc**2
+        return variance + in_shot * self.label_common**2
 
     def timing_scale(self, velocities: Floats) -> Floats:
         """Return (...) the size of errors across (..., 3) velocities, in that of errors along."""
@@ -86,16 +98,16 @@ class GramMatrices:
 
     Attributes:
         positions: in the metric of the positions' noise.
-        label_deviations: of labels less their mean, in units of the spin.
-        label_mean: of the labels' mean, times their number.
-        counts: (B,) labels a shot.
+        label_deviations: of labels less the mean of their arc, in units of the spin.
+        label_means: (B, J, 3, C) columns of the mean label of every arc, zero where it has none.
+        counts: (B, J) labels an arc.
         nuisance: (B, E) where the shots are linearised.
         shot_weights: (B,) the inverse of a factor on the variance of a shot's measurements.
     """
 
     positions: Floats
     label_deviations: Floats
-    label_mean: Floats
+    label_means: Floats
     counts: Floats
     nuisance: Floats
     shot_weights: Floats
@@ -104,14 +116,18 @@ class GramMatrices:
         """Return those of some of the shots."""
         return GramMatrices(*(getattr(self, field.name)[rows] for field in fields(self)))
 
+    def transformed(self, kept: Floats) -> "GramMatrices":
+        """Return those of (C', C) sums of the columns; the nuisance parameters stay first."""
+        return replace(
+            self,
+            positions=kept @ self.positions @ kept.T,
+            label_deviations=kept @ self.label_deviations @ kept.T,
+            label_means=self.label_means @ kept.T,
+        )
+
     def total(self, noise: Noise) -> Floats:
         """Return (B, C, C) in the metric of all noise, priors included as measurements."""
-        common = noise.label**2 + self.counts * noise.label_common**2
-        gram = (
-            self.positions
-            + self.label_deviations / noise.label**2
-            + self.label_mean / common[:, None, None]
-        )
+        gram = self.positions + self.label_deviations / noise.label**2 + self._of_means(noise)
         precision, nuisance_count = self.precision(noise), np.arange(self.nuisance.shape[1])
         gram[:, nuisance_count, nuisance_count] += precision
         pull = precision * self.nuisance
@@ -123,14 +139,32 @@ class GramMatrices:
 
     def precision(self, noise: Noise) -> Floats:
         """Return (B, E) the precision of each nuisance parameter's prior."""
-        return prior_precision(self.counts == 0, self.nuisance.shape[1], noise, ANY_SPIN)
+        return prior_precision(
+            self.counts.sum(axis=1) == 0, self.nuisance.shape[1], noise, ANY_SPIN
+        )
 
     def label_determinants(self, noise: Noise) -> Floats:
         """Return (B,) logarithms of the determinants of labels' errors, in units of the spin."""
+        n, white = self.counts, noise.label**2
+        of_arcs = (n - 1) * np.log(white) + np.log(white + n * noise.label_arc**2)
+        shared = np.log1p(noise.label_common**2 * self._mean_precision(noise).sum(axis=1))
+        determinants: Floats = 3 * (np.where(n > 0, of_arcs, 0.0).sum(axis=1) + shared)
+        return determinants
+
+    def _mean_precision(self, noise: Noise) -> Floats:
+        """Return (B, J) the precision of the mean label of an arc, errors of shots aside."""
         n = self.counts
-        common = np.log(noise.label**2 + n * noise.label_common**2)
-        determinants = 3 * ((n - 1) * np.log(noise.label**2) + common)
-        return np.where(n > 0, determinants, 0.0)
+        variance = noise.label_arc**2 + noise.label**2 / np.maximum(n, 1.0)
+        return np.where(n > 0, 1 / variance, 0.0)
+
+    def _of_means(self, noise: Noise) -> Floats:
+        """Return (B, C, C) of the arcs' mean labels, whose common error is integrated out."""
+        precision = self._mean_precision(noise)[..., None, None]
+        common = noise.label_common**2
+        total = (precision * self.label_means).sum(axis=1, keepdims=True)
+        shrunk = common / (1 + common * precision.sum(axis=1, keepdims=True))
+        of_means: Floats = gram(np.sqrt(precision) * self.label_means)
+        return of_means - gram(np.sqrt(shrunk) * total)
 
 
 def gram_matrices(
@@ -142,18 +176,18 @@ def gram_matrices(
     whole shot.
     """
     positions, _ = white_gram(linear.positions, linear, noise, weights)
-    labels = linear.labels
-    counts = linear.labelled.sum(axis=1).astype(np.float64)
-    label_mean = labels.sum(axis=1, keepdims=True) / np.maximum(counts, 1.0)[:, None, None, None]
-    label_deviations = np.where(linear.labelled[..., None, None], labels - label_mean, 0.0)
-    return GramMatrices(
-        positions,
-        gram(label_deviations),
-        gram(label_mean) * counts[:, None, None],
-        counts,
-        linear.nuisance,
-        shot_weights,
-    )
+    deviations, means, counts = _by_arc(linear)
+    return GramMatrices(positions, gram(deviations), means, counts, linear.nuisance, shot_weights)
+
+
+def _by_arc(linear: Linearised) -> tuple[Floats, Floats, Floats]:
+    """Return labels less the means of their arcs, (B, J, 3, C) these means, (B, J) their counts."""
+    member = (linear.labelled[..., None] & linear.in_arcs).astype(np.float64)
+    counts = member.sum(axis=1)
+    sums = np.einsum("blj,blic->bjic", member, linear.labels, optimize=True)
+    means = sums / np.maximum(counts, 1.0)[..., None, None]
+    deviations = linear.labels - np.einsum("blj,bjic->blic", member, means, optimize=True)
+    return deviations, means, counts
 
 
 def gram(rows: Floats) -> Floats:

@@ -14,9 +14,10 @@ from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised, linearise
 from models.gap.fit.noise import GramMatrices, Noise, gram_matrices
 from models.gap.fit.projection import eliminate_nuisance, nuisance_solution
+from models.gap.fit.shared_errors import SharedErrors
 from models.gap.fit.shot_fit import ShotFit, fit_shots, refit_shots
 from models.gap.fit.shots import Shots
-from models.gap.fit.variance_components import NoiseEstimate, estimate_noise
+from models.gap.fit.variance_components import NoiseEstimate, estimate_noise, shared_errors
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.settings import FitSettings
 from models.gap.types import Indices
@@ -37,6 +38,27 @@ class RefitResult:
     free: tuple[Hypothesis, ...]
     linear: Linearised
     noise_estimate: NoiseEstimate
+
+    @property
+    def shared_errors(self) -> SharedErrors:
+        """What the shots say of hypotheses and shared errors."""
+        known = self.noise_estimate
+        return shared_errors(self.linear, known.gram_matrices, known.noise)
+
+    @property
+    def camera_errors(self) -> Floats:
+        """(F,) likeliest coefficients of shared errors, with the simulator as it is."""
+        return self.shared_errors.coefficients(np.zeros(len(self.linear.columns)))
+
+    @property
+    def fitted_places(self) -> Floats:
+        """(B, N, 3) m where the fit has the balls at the samples."""
+        return self.linear.shots.positions - self.linear.positions[..., -1]
+
+    @property
+    def corrected_shots(self) -> Shots:
+        """The shots less their shared errors."""
+        return self.linear.shots.corrected(self.camera_errors)
 
     def __getitem__(self, rows: Indices) -> "RefitResult":
         """Return some of the shots, about the same simulator in the same noise."""
@@ -75,9 +97,8 @@ def refit(
             fit = replace(fit, weights=result.weights, noise=result.noise)
             shot_weights = result.shot_weights
         parts = gram_matrices(linear, fit.noise, fit.weights, shot_weights)
-        step, error = _step(
-            parts.total(fit.noise), linear.nuisance_count, free, values, origin, settings
-        )
+        errors = shared_errors(linear, parts.total(fit.noise), fit.noise)
+        step, error = _step(errors, free, values, origin, settings)
         stepped = _stepped(linear, parts, fit, step, settings)
         if stepped is None:
             break
@@ -123,7 +144,8 @@ def likelihood_gain(before: RefitResult, after: RefitResult) -> float:
 def _misfit(
     linear: Linearised, about: Linearised, noise: Noise, weights: Floats, shot_weights: Floats
 ) -> float:
-    kept = [*range(linear.nuisance_count), -1]  # nuisance parameters and residuals
+    # Nuisance parameters, shared errors and residuals.
+    kept = np.delete(np.arange(linear.positions.shape[-1]), linear.of_hypotheses)
     units = np.where(about.labelled, linear.label_scales / about.label_scales, 0.0)
     alone = replace(
         linear,
@@ -133,10 +155,10 @@ def _misfit(
         labels=linear.labels[..., kept] * units[..., None, None],
         labelled=about.labelled,
     )
-    left = eliminate_nuisance(
-        gram_matrices(alone, noise, weights, shot_weights).total(noise), linear.nuisance_count
-    )
-    return float(left.misfit.sum())
+    total = gram_matrices(alone, noise, weights, shot_weights).total(noise)
+    left = eliminate_nuisance(total, linear.nuisance_count)
+    shared = SharedErrors.of(left, 0, noise.distortion)
+    return float(left.misfit.sum()) - shared.explained
 
 
 def _values(simulator: Simulator, free: tuple[Hypothesis, ...]) -> Floats:
@@ -153,29 +175,31 @@ def _resumed(start: RefitResult, simulator: Simulator, settings: FitSettings) ->
     """Return shots fitted about a simulator near that of an earlier refit."""
     linear, known = start.linear, start.noise_estimate
     change = _values(simulator, linear.columns) - _values(start.simulator, linear.columns)
+    errors = start.shared_errors.coefficients(change)
+    changes = np.concatenate([change, errors])
     nuisance = linear.nuisance + nuisance_solution(
-        known.gram_matrices, linear.nuisance_count, change
+        known.gram_matrices, linear.nuisance_count, changes
     )
+    shots = linear.shots.corrected(errors)
     return refit_shots(
-        linear.shots, simulator, nuisance, known.noise, settings, settings.nearby_iterations
+        shots, simulator, nuisance, known.noise, settings, settings.nearby_iterations
     )
 
 
 def _step(
-    total: Floats,
-    nuisance_count: int,
+    errors: SharedErrors,
     free: tuple[Hypothesis, ...],
     values: Floats,
     origin: Floats,
     settings: FitSettings,
 ) -> tuple[Floats, Floats]:
     """Return the best step of the free values within their bounds, and their standard errors."""
-    left = eliminate_nuisance(total, nuisance_count)
+    total, scores = errors.marginal
     bounds = np.array([hypothesis.declaration.bounds for hypothesis in free])
     scale = settings.value_prior * np.ptp(bounds, axis=1)
     # In units of the prior's standard deviations, whose precision is one.
-    information = left.information.sum(axis=0) * np.outer(scale, scale) + np.eye(len(free))
-    score = left.scores.sum(axis=0) * scale - (values - origin) / scale
+    information = total * np.outer(scale, scale) + np.eye(len(free))
+    score = scores * scale - (values - origin) / scale
     root = np.linalg.cholesky(information)
     low, high = ((bounds - values[:, None]) / scale[:, None]).T
     result = lsq_linear(root.T, np.linalg.solve(root, score), (low, high))
@@ -186,13 +210,17 @@ def _stepped(
     linear: Linearised, parts: GramMatrices, fit: ShotFit, step: Floats, settings: FitSettings
 ) -> tuple[Simulator, ShotFit] | None:
     """Return the simulator after as much of a step as fits no worse, and the shots about it."""
-    shots, free, noise = linear.shots, linear.columns, fit.noise
-    values, total = _values(linear.simulator, free), parts.total(noise)
+    free, noise, values = linear.columns, fit.noise, _values(linear.simulator, linear.columns)
+    total = parts.total(noise)
+    errors = shared_errors(linear, total, noise)
+    shots = linear.shots.corrected(errors.coefficients(0 * step))
     here = refit_shots(shots, linear.simulator, fit.nuisance, noise, settings, 0)
     for part in settings.step_fractions:
         simulator = _with_values(linear.simulator, free, values + part * step)
-        nuisance = fit.nuisance + nuisance_solution(total, linear.nuisance_count, part * step)
-        there = _refitted(shots, simulator, nuisance, here, settings)
+        shared = errors.coefficients(part * step)
+        changes = np.concatenate([part * step, shared])
+        nuisance = fit.nuisance + nuisance_solution(total, linear.nuisance_count, changes)
+        there = _refitted(linear.shots.corrected(shared), simulator, nuisance, here, settings)
         if parts.shot_weights @ there.cost <= settings.cost_tolerance * (
             parts.shot_weights @ here.cost
         ):

@@ -11,7 +11,7 @@ import numpy as np
 
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
-from models.gap.fit.linearize import ballistic_nuisance, label_scales
+from models.gap.fit.linearize import ballistic_nuisance, label_counts, label_scales
 from models.gap.fit.measurement import (
     JUMP,
     Prediction,
@@ -187,16 +187,11 @@ class _Problem:
         residual = self.noise.whiten_timing(miss[..., None], prediction.velocities)[..., 0]
         label_times = self.shots.label_times - self.shots.times[:, :1]
         used = self.shots.labelled & prediction.is_smooth(label_times, JUMP)
-        scale = used / (label_scales(prediction.labels) * self._label_error()[:, None])
+        variance = self.noise.label_variance(*label_counts(used, prediction.arcs(label_times)))
+        scale = used / (label_scales(prediction.labels) * np.sqrt(variance))
         errors = np.nan_to_num(self.shots.labels - prediction.labels) * scale[..., None]
         weights = np.where(self.used, inlier_probability(residual, self.noise, self.settings), 0.0)
         return _Point(nuisance, prediction, residual, errors, scale, weights)
-
-    def _label_error(self) -> Floats:
-        """Return (B,) the error of a label in units of the spin, as if independent in every row."""
-        count = np.maximum(self.shots.labelled.sum(axis=1), 1)
-        error: Floats = np.sqrt(self.noise.label**2 + count * self.noise.label_common**2)
-        return error
 
     def _precision(self, nuisance: Floats) -> Floats:
         labelled = np.asarray(self.shots.labelled.any(axis=1))

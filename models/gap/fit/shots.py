@@ -1,7 +1,7 @@
 """Shots: times and positions as the sensor gave them, and spin labels where there are any."""
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,8 @@ class Shots:
         labels: (B, L, 3) rad/s, NaN where there is none.
         names: (B,) of the shots.
         groups: (B,) the recording that each is from.
+        shared: (B, N, R) functions of place, of which errors that all shots share are sums; R is
+            zero where there are none (camera_field.py).
     """
 
     times: Floats
@@ -38,6 +40,7 @@ class Shots:
     labels: Floats
     names: NDArray[Any]
     groups: NDArray[Any]
+    shared: Floats
 
     @classmethod
     def from_arrays(
@@ -51,7 +54,7 @@ class Shots:
     ) -> "Shots":
         """Build shots from one array a shot.
 
-        Rows of labels with a NaN are dropped. A label repeated in every row of a shot is one
+        Rows of labels with a NaN are dropped. A label repeated in successive rows is one
         measurement, of the spin at the first of these rows.
 
         Args:
@@ -83,6 +86,7 @@ class Shots:
             _padded([w for _, w in spins]),
             np.array(shot_names),
             np.array(shot_names if groups is None else list(groups)),
+            np.zeros((count, max(map(len, all_times), default=0), 0)),
         )
 
     def __len__(self) -> int:
@@ -96,6 +100,15 @@ class Shots:
     def labelled(self) -> Bools:
         """(B, L) where there is a spin label."""
         return np.isfinite(self.label_times)
+
+    def corrected(self, coefficients: Floats) -> "Shots":
+        """Return shots less the shared errors of (3 R,) coefficients, m, R for each axis."""
+        errors = self.shared @ coefficients.reshape(3, -1).T
+        return replace(self, positions=self.positions - errors)
+
+    def without_shared(self) -> "Shots":
+        """Return shots that share no errors."""
+        return replace(self, shared=self.shared[..., :0])
 
 
 def held_out(shots: Shots, settings: GapSettings) -> Bools:
@@ -119,9 +132,9 @@ def _distinct(times: ArrayLike, labels: ArrayLike) -> tuple[Floats, Floats]:
         raise ValueError(f"{len(spins)} labels at {len(when)} times")
     there = np.isfinite(spins).all(axis=1)
     when, spins = when[there], spins[there]
-    if len(spins) > 1 and (spins == spins[0]).all():
-        return when[:1], spins[:1]
-    return when, spins
+    new = np.ones(len(spins), dtype=bool)
+    new[1:] = (spins[1:] != spins[:-1]).any(axis=1)
+    return when[new], spins[new]
 
 
 def _check(times: list[Floats], positions: list[Floats], labels: list[Floats]) -> None:

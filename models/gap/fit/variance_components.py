@@ -24,6 +24,7 @@ from models.gap.fit.noise import (
     white_gram,
 )
 from models.gap.fit.projection import eliminate_nuisance, identifiable_directions, nuisance_solution
+from models.gap.fit.shared_errors import DistortionLikelihood, SharedErrors
 from models.gap.fit.shots import spread_evenly
 from models.gap.settings import FitSettings
 from models.gap.types import Bools, Indices
@@ -57,7 +58,7 @@ class NoiseEstimate:
     ) -> "NoiseEstimate":
         """Return the shots' weights and Gram matrices in a given noise."""
         parts = gram_matrices(linear, noise, weights, np.ones(len(weights)))
-        shot_weights = _shot_weights(linear, parts.total(noise), settings)
+        shot_weights = _shot_weights(linear, parts.total(noise), noise, settings)
         return cls(
             noise, weights, shot_weights, replace(parts, shot_weights=shot_weights).total(noise)
         )
@@ -71,14 +72,17 @@ def estimate_noise(
     for _ in range(settings.noise_rounds):
         before = noise.position
         parts = gram_matrices(linear, noise, weights, shot_weights)
+        noise = _with_distortion(linear, parts, noise, settings)
         residuals = _residuals(linear, parts.total(noise), noise, settings)
         noise, weights = _inliers(linear, residuals, noise, settings)
         noise = _with_position_noise(linear, parts, noise, weights, settings)
         parts = gram_matrices(linear, noise, weights, np.ones(len(weights)))
-        shot_weights = _shot_weights(linear, parts.total(noise), settings)
+        shot_weights = _shot_weights(linear, parts.total(noise), noise, settings)
         some = spread_evenly(len(weights), settings.bounce_shots)
         noise = _with_label_noise_and_scatter(
-            replace(parts, shot_weights=shot_weights)[some], noise, settings
+            _without_shared(linear, replace(parts, shot_weights=shot_weights), noise)[some],
+            noise,
+            settings,
         )
         if abs(noise.position - before) < settings.noise_converged * before:
             break
@@ -89,7 +93,7 @@ def estimate_noise(
 
 def _residuals(linear: Linearised, total: Floats, noise: Noise, settings: FitSettings) -> Floats:
     """Return (B, N, 3) residuals after nuisance parameters and significant hypotheses."""
-    values = _significant_values(total, linear.nuisance_count, settings)
+    values = _significant_values(linear, total, noise, settings)
     inner = nuisance_solution(total, linear.nuisance_count, values)
     changes = np.concatenate([inner, np.broadcast_to(values, (len(inner), len(values)))], axis=1)
     rest = linear.positions[..., -1] - np.einsum(
@@ -111,11 +115,19 @@ def _inliers(
     return noise, np.where(linear.sampled, inlier_probability(rest, noise, settings), 0.0)
 
 
-def _significant_values(total: Floats, nuisance_count: int, settings: FitSettings) -> Floats:
-    """Return (K,) values of the hypotheses along their significant directions."""
-    left = eliminate_nuisance(total, nuisance_count)
-    directions = identifiable_directions(left.information.sum(axis=0))
-    scores = directions.T @ left.scores.sum(axis=0)
+def shared_errors(linear: Linearised, total: Floats, noise: Noise) -> SharedErrors:
+    """Return what (B, C, C) Gram matrices say of hypotheses and shared errors."""
+    system = eliminate_nuisance(total, linear.nuisance_count)
+    return SharedErrors.of(system, len(linear.columns), noise.distortion)
+
+
+def _significant_values(
+    linear: Linearised, total: Floats, noise: Noise, settings: FitSettings
+) -> Floats:
+    """Return (K + F,) values of hypotheses and shared errors along their significant directions."""
+    shared = shared_errors(linear, total, noise)
+    directions = identifiable_directions(shared.with_prior)
+    scores = directions.T @ shared.scores
     significant = np.abs(scores) > settings.significant_direction
     return directions @ np.where(significant, scores, 0.0)
 
@@ -125,7 +137,7 @@ def _with_position_noise(
 ) -> Noise:
     """Return noise whose position part maximises the restricted likelihood of some shots."""
     some = spread_evenly(len(weights), settings.noise_shots)
-    values = _significant_values(parts.total(noise), linear.nuisance_count, settings)
+    values = _significant_values(linear, parts.total(noise), noise, settings)
     shots = _reduced(linear, some, values)
     shot_weights = parts.shot_weights[some, None, None]
     rest = parts.total(noise)[some] - shot_weights * parts.positions[some]
@@ -142,6 +154,28 @@ def _with_position_noise(
         return float((weighted + left.misfit).sum())
 
     return _minimised(criterion, noise, ("white", "slow", "slow_time", "timing"), settings)
+
+
+def _with_distortion(
+    linear: Linearised, parts: GramMatrices, noise: Noise, settings: FitSettings
+) -> Noise:
+    """Return noise whose shared errors have their likeliest size."""
+    if not linear.shots.shared.shape[-1]:
+        return noise
+    shared = shared_errors(linear, parts.total(noise), noise)
+    likelihood = DistortionLikelihood.of(shared, settings.noise_bounds["distortion"])
+    return replace(noise, distortion=likelihood.estimate)
+
+
+def _without_shared(linear: Linearised, parts: GramMatrices, noise: Noise) -> GramMatrices:
+    """Return Gram matrices of nuisance parameters, hypotheses and residuals less shared errors."""
+    if not linear.shots.shared.shape[-1]:
+        return parts
+    errors = shared_errors(linear, parts.total(noise), noise)
+    first, width = linear.of_shared.start, linear.positions.shape[-1]
+    kept = np.eye(first + 1, width)
+    kept[-1, first:] = [*-errors.coefficients(np.zeros(len(linear.columns))), 1.0]
+    return parts.transformed(kept)
 
 
 def _reduced(linear: Linearised, some: Indices, values: Floats) -> Linearised:
@@ -173,8 +207,10 @@ def _with_label_noise_and_scatter(
         total = parts.shot_weights @ determinants + np.linalg.slogdet(information)[1]
         return float(total + left.misfit.sum() - explained)
 
-    names = [] if (parts.counts == 0).all() else ["label"]
-    names += ["label_common"] if (parts.counts > 1).any() else []
+    arcs = (parts.counts > 0).sum(axis=1)
+    names = ["label"] if arcs.any() else []
+    names += ["label_arc"] if (parts.counts > 1).any() else []
+    names += ["label_common"] if (arcs > 1).any() else []
     names += ["scatter"] if nuisance_count > STATE_SIZE else []
     return _minimised(criterion, noise, tuple(names), settings) if names else noise
 
@@ -213,7 +249,7 @@ def _minimised(
     return changed(result.x)
 
 
-def _shot_weights(linear: Linearised, total: Floats, settings: FitSettings) -> Floats:
+def _shot_weights(linear: Linearised, total: Floats, noise: Noise, settings: FitSettings) -> Floats:
     """Return (B,) weights of shots: those that fit far worse than most count less.
 
     First by their fit to the simulator, then by that to the values estimated from all shots.
@@ -223,7 +259,7 @@ def _shot_weights(linear: Linearised, total: Floats, settings: FitSettings) -> F
     rows = np.maximum(rows, 1)
     shot_weights = _robust_weights(left.misfit, rows, settings)
     total = total * shot_weights[:, None, None]
-    values = _significant_values(total, linear.nuisance_count, settings)
+    values = _significant_values(linear, total, noise, settings)
     misfit = left.misfit - 2 * left.scores @ values
     misfit += np.einsum("i,bij,j->b", values, left.information, values)
     weights = _robust_weights(misfit, rows, settings)

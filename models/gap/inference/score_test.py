@@ -25,6 +25,7 @@ from scipy.stats import t as student
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised
 from models.gap.fit.projection import Projection, eliminate_nuisance, regularised
+from models.gap.fit.shared_errors import SharedErrors
 from models.gap.fit.variance_components import NoiseEstimate
 from models.gap.hypotheses import Hypothesis
 from models.gap.settings import GapSettings
@@ -39,12 +40,20 @@ class ScoreTest:
         block: places of the block's hypotheses.
         scores: (B, D) efficient scores of the shots.
         shares: (B, D, D) of each shot in the information.
+        settings: of the workflow.
+        of_prior: how many of the last rows are not of shots but of the prior of shared errors.
     """
 
     block: Places
     scores: Floats
     shares: Floats
     settings: GapSettings
+    of_prior: int = 0
+
+    @property
+    def shots(self) -> slice:
+        """Rows of the shots."""
+        return slice(len(self.scores) - self.of_prior)
 
     @cached_property
     def information(self) -> Floats:
@@ -72,6 +81,7 @@ class ScoreTest:
         """Twice the gain of log likelihood of each fold by the estimate of the others."""
         folds = self.settings.inference.folds
         fold = np.arange(len(self.scores)) % folds
+        fold[self.shots.stop :] = folds
         parts = [(self.scores[fold == f].sum(axis=0), self.shares[fold == f]) for f in range(folds)]
         total, gain = self.scores.sum(axis=0), 0.0
         for score, shares in parts:
@@ -83,16 +93,18 @@ class ScoreTest:
     @cached_property
     def effective_sample_size(self) -> float:
         """How many shots of equal information would have this total: no verdict rests on one."""
-        shares = np.einsum("bdd->b", np.linalg.solve(regularised(self.information), self.shares))
+        parts = np.linalg.solve(regularised(self.information), self.shares[self.shots])
+        shares = np.einsum("bdd->b", parts)
         return float(shares.sum() ** 2 / np.maximum((shares**2).sum(), 1e-300))
 
     @cached_property
     def leave_one_out_residuals(self) -> Floats:
         """(B, D) how far each shot's score is from its prediction by the others."""
-        others = regularised(self.information - self.shares)
-        rest = self.scores.sum(axis=0) - self.scores
+        scores, shares = self.scores[self.shots], self.shares[self.shots]
+        others = regularised(self.information - shares)
+        rest = self.scores.sum(axis=0) - scores
         said = np.linalg.solve(others, rest[..., None])
-        return self.scores - (self.shares @ said)[..., 0]
+        return scores - (shares @ said)[..., 0]
 
     @cached_property
     def degrees(self) -> float:
@@ -104,6 +116,7 @@ class ScoreTest:
         """(D, D) of the sum of the scores, by the shots' spread and by the noise."""
         share = self.settings.inference.noise_degrees / self.degrees
         between = self.leave_one_out_residuals.T @ self.leave_one_out_residuals
+        between += self.shares[self.shots.stop :].sum(axis=0)
         return (1 - share) * between + share * self.information
 
     @cached_property
@@ -132,6 +145,8 @@ class Evidence:
         listed: (K,) which of them the simulator lists.
         scores: (B, K) of the shots.
         information: (B, K, K) of the shots.
+        settings: of the workflow.
+        of_prior: how many of the last rows are not of shots but of the prior of shared errors.
     """
 
     columns: tuple[Hypothesis, ...]
@@ -139,6 +154,7 @@ class Evidence:
     scores: Floats
     information: Floats
     settings: GapSettings
+    of_prior: int = 0
 
     @classmethod
     def of(
@@ -146,7 +162,10 @@ class Evidence:
     ) -> "Evidence":
         """Return the evidence of linearised shots in the metric of their noise."""
         left = eliminate_nuisance(noise_estimate.gram_matrices, linear.nuisance_count)
-        return cls(linear.columns, linear.listed, left.scores, left.information, settings)
+        shared = SharedErrors.of(left, len(linear.columns), noise_estimate.noise.distortion)
+        scores, information = shared.parts(left)
+        of_prior = len(scores) - len(linear.shots)
+        return cls(linear.columns, linear.listed, scores, information, settings, of_prior)
 
     @cached_property
     def total(self) -> Floats:
@@ -171,7 +190,7 @@ class Evidence:
         projection = Projection.of(self.total, self.scores, list(block), others)
         scores = projection.scores(self.scores, self.information)
         shares = projection.information(self.information)
-        return ScoreTest(tuple(block), scores, shares, self.settings)
+        return ScoreTest(tuple(block), scores, shares, self.settings, self.of_prior)
 
     def decidable(self, given: Sequence[int], min_size: float | None = None) -> Places:
         """Return the places of hypotheses that the shots can tell from all given ones.

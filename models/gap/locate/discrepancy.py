@@ -12,7 +12,7 @@ import numpy as np
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
 from models.gap.fit.horizons import last_observed_time
-from models.gap.fit.linearize import Linearised
+from models.gap.fit.linearize import Linearised, label_counts
 from models.gap.fit.noise import prior_precision
 from models.gap.fit.variance_components import NoiseEstimate
 from models.gap.settings import GapSettings
@@ -42,8 +42,7 @@ def discrepancy(
     labelled = linear.labelled & (
         linear.shots.label_times <= last_observed_time(linear.shots, settings)
     )
-    count = np.maximum(labelled.sum(axis=1, keepdims=True), 1)
-    label_weights = labelled / (sizes.label**2 + count * sizes.label_common**2)
+    label_weights = labelled / sizes.label_variance(*label_counts(labelled, linear.label_arcs))
     unlabelled = ~np.asarray(labelled.any(axis=1))
     prior = prior_precision(unlabelled, STATE_SIZE, sizes, settings.locate.known_spin)
     normal = _products(launch, early, launch) + _products(spins, label_weights, spins)

@@ -26,7 +26,7 @@ UP = POSITION.stop - 1
 def free_discrepancy(fit: RefitResult, question: Question) -> Floats:
     """Return (B, N, 3) m the discrepancy of shots from the nominal simulator's predictions."""
     linear, settings = fit.linear, question.settings
-    free, spread = _freed(linear, question.simulator, settings.locate)
+    free, spread = _freed(fit, question.simulator, settings.locate)
     noise = replace(fit.noise_estimate.noise, scatter=(settings.locate.kick_prior,) * 3)
     parts = gram_matrices(free, noise, fit.noise_estimate.weights, np.ones(len(linear.nuisance)))
     total, size = parts.total(noise), free.positions.shape[-1] - 1
@@ -41,9 +41,10 @@ def free_discrepancy(fit: RefitResult, question: Question) -> Floats:
 
 
 def _freed(
-    linear: Linearised, nominal: Simulator, settings: LocateSettings
+    fit: RefitResult, nominal: Simulator, settings: LocateSettings
 ) -> tuple[Linearised, Floats]:
     """Return shots with the columns of their free departures, and the priors of these."""
+    linear = fit.linear
     flown = Flown.of(linear)
     changes = [
         *((change, settings.acceleration_prior) for change in _accelerations(flown)),
@@ -53,14 +54,17 @@ def _freed(
     ahead.positions[~linear.sampled] = 0.0
     ahead.labels[~linear.labelled] = 0.0
     nuisance_count, departure = linear.nuisance_count, linear.departures(nominal)
+    errors = fit.camera_errors
 
     def put(columns: Floats, more: Floats) -> Floats:
-        residual = columns[..., -1] + columns[..., nuisance_count:-1] @ departure
+        residual = columns[..., -1] + columns[..., linear.of_hypotheses] @ departure
+        residual -= columns[..., linear.of_shared] @ errors
         return np.concatenate([columns[..., :nuisance_count], more, residual[..., None]], axis=-1)
 
     positions, labels = put(linear.positions, ahead.positions), put(linear.labels, ahead.labels)
     spread = np.concatenate([np.full(change.shape[3], size) for change, size in changes])
-    return replace(linear, columns=(), positions=positions, labels=labels), spread
+    shots = linear.shots.without_shared()
+    return replace(linear, shots=shots, columns=(), positions=positions, labels=labels), spread
 
 
 def _accelerations(flown: Flown) -> Iterator[Floats]:

@@ -49,10 +49,10 @@ def evidence_with_terms(
 
 def with_terms(linear: Linearised) -> Linearised:
     """Return linearised shots with the terms among their columns."""
-    terms = terms_about(linear)
+    terms, end = terms_about(linear), linear.of_hypotheses.stop
 
     def put(columns: Floats, more: Floats) -> Floats:
-        return np.concatenate([columns[..., :-1], more, columns[..., -1:]], axis=-1)
+        return np.concatenate([columns[..., :end], more, columns[..., end:]], axis=-1)
 
     return replace(
         linear,

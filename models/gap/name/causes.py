@@ -131,7 +131,7 @@ def _gain_of_signs(named: Named) -> float:
         return 0.0
     fit, settings = named.fit, named.signs.settings.fit
     rows = np.array(sorted(named.signs.flipped))
-    corrected, nuisance = fit.linear.shots[rows], fit.linear.nuisance[rows]
+    corrected, nuisance = fit.corrected_shots[rows], fit.linear.nuisance[rows]
     as_read = replace(corrected, labels=-corrected.labels)
     costs = [
         refit_shots(shots, fit.simulator, nuisance, fit.noise_estimate.noise, settings).cost.sum()

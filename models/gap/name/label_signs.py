@@ -93,6 +93,7 @@ def _labelled(shots: Shots) -> Bools:
 
 def _flipped(shots: Shots, fit: RefitResult, settings: GapSettings) -> Bools:
     limits, labelled = settings.name, _labelled(shots)
+    shots = shots.corrected(fit.camera_errors)
     simulator, noise, nuisance = fit.simulator, fit.noise_estimate.noise, fit.linear.nuisance
     misfit = _misfit(shots, simulator, nuisance, noise, settings.fit)
     rows = shots.valid.sum(axis=1) + shots.labelled.sum(axis=1)
@@ -117,7 +118,6 @@ def _misfit(
     linear = linearise(shots, simulator, nuisance, ())
     deviances = deviance(linear.positions[..., -1], noise, settings)
     places = np.where(linear.sampled, deviances, 0.0).sum(axis=1)
-    count = np.maximum(linear.labelled.sum(axis=1), 1)
-    variance = noise.label**2 + count * noise.label_common**2
-    labels = (linear.labels[..., -1] ** 2).sum(axis=(1, 2)) / variance
+    variance = noise.label_variance(*linear.label_counts)
+    labels = ((linear.labels[..., -1] ** 2).sum(axis=2) / variance).sum(axis=1)
     return np.asarray(places + labels, dtype=np.float64)

@@ -18,8 +18,10 @@ from models.gap.fit.linearize import Linearised, linearise
 from models.gap.fit.noise import Noise, gram_matrices
 from models.gap.fit.projection import eliminate_nuisance
 from models.gap.fit.refit import RefitResult, refit
+from models.gap.fit.shared_errors import SharedErrors
 from models.gap.fit.shot_fit import refit_shots
 from models.gap.fit.shots import Shots
+from models.gap.fit.variance_components import NoiseEstimate
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.inference.score_test import Evidence
 from models.gap.settings import GapSettings
@@ -44,7 +46,8 @@ def lift_test(shots: Shots, without: RefitResult, settings: GapSettings) -> Lift
     free = (*without.free, Hypothesis("magnus", "cm"))
     with_lift = refit(shots, simulator, free, settings.fit)
     noise = with_lift.noise_estimate.noise
-    fit = refit_shots(shots, without.simulator, without.linear.nuisance, noise, settings.fit)
+    corrected = with_lift.corrected_shots
+    fit = refit_shots(corrected, without.simulator, without.linear.nuisance, noise, settings.fit)
     columns = hypotheses(without.simulator)
     linear = linearise(shots, without.simulator, fit.nuisance, columns)
     weights = np.minimum(fit.weights, with_lift.noise_estimate.weights)
@@ -55,8 +58,10 @@ def lift_test(shots: Shots, without: RefitResult, settings: GapSettings) -> Lift
 
 def _misfit(linear: Linearised, noise: Noise, weights: Floats, settings: GapSettings) -> float:
     """Return the squared errors when nuisance parameters and listed parameters are fitted."""
-    grams = gram_matrices(linear, noise, weights, np.ones(len(weights))).total(noise)
+    whole = np.ones(len(weights))
+    grams = gram_matrices(linear, noise, weights, whole).total(noise)
+    evidence = Evidence.of(linear, NoiseEstimate(noise, weights, whole, grams), settings)
     left = eliminate_nuisance(grams, linear.nuisance_count)
-    evidence = Evidence(linear.columns, linear.listed, left.scores, left.information, settings)
+    shared = SharedErrors.of(left, len(linear.columns), noise.distortion)
     free = [k for k in evidence.free if linear.columns[k].effect != "magnus"]
-    return float(left.misfit.sum()) - evidence.score_test(free, []).gain
+    return float(left.misfit.sum()) - shared.explained - evidence.score_test(free, []).gain

@@ -100,7 +100,9 @@ class PhaseTest:
         shares = self.projection.information_diagonal(self.evidence.information)
         least = settings.name.min_term_information * np.diag(self.evidence.total)[k]
         return {
-            d: ScoreTest((k[d],), self.scores[:, [d]], shares[:, [d], None], settings)
+            d: ScoreTest(
+                (k[d],), self.scores[:, [d]], shares[:, [d], None], settings, self.evidence.of_prior
+            )
             for d in np.flatnonzero(shares.sum(axis=0) > least).tolist()
         }
 

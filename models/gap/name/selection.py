@@ -6,7 +6,7 @@ criterion, Foster and George 1994). All is linear about one fit.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -29,7 +29,7 @@ def evidence_about(fit: RefitResult, question: Question) -> Evidence:
     information = evidence.information[:, kept][:, :, kept]
     scores = evidence.scores[:, kept] + information @ fit.linear.departures(nominal)[kept]
     listed = np.array([column.listed(nominal) for column in columns], dtype=bool)
-    return Evidence(columns, listed, scores, information, question.settings)
+    return replace(evidence, columns=columns, listed=listed, scores=scores, information=information)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import numpy as np
 
 from models.ball.sensor import clock_times, delays, measured_positions
 from models.ball.simulator import Simulator
-from models.ball.state import VELOCITY
+from models.ball.state import POSITION, VELOCITY
 from models.ball.types import Floats
 from models.gap.fit.trajectory import first_bounce
 
@@ -37,6 +37,6 @@ def landings(simulator: Simulator, states: Floats, ends: Floats) -> Landings:
     there, time, before, _ = first_bounce(flight)
     speed = np.linalg.norm(before[:, VELOCITY], axis=1)
     places, times = np.full((len(states), 2), np.nan), np.full(len(states), np.nan)
-    places[there] = measured_positions(simulator, before[:, ON_TABLE])
+    places[there] = measured_positions(simulator, before[:, POSITION])[:, ON_TABLE]
     times[there] = clock_times(simulator, time + delays(simulator, speed))
     return Landings(places, times)

@@ -53,8 +53,11 @@ def _position_errors(
 def _labels(
     shots: Shots, prediction: Prediction, noise: Noise, random: np.random.Generator
 ) -> Floats:
-    """Return (B, L, 3) labels with an error of every row, and one of all rows of a shot."""
-    rows = noise.label * random.standard_normal(prediction.labels.shape)
-    common = noise.label_common * random.standard_normal((len(shots), 1, 3))
+    """Return (B, L, 3) labels with errors of every row, of every arc and of the shot."""
+    errors = noise.label * random.standard_normal(prediction.labels.shape)
+    arcs = prediction.arcs(shots.label_times - shots.times[:, :1])
+    of_arcs = random.standard_normal((len(shots), int(arcs.max(initial=0)) + 1, 3))
+    errors += noise.label_arc * np.take_along_axis(of_arcs, arcs[..., None], axis=1)
+    errors += noise.label_common * random.standard_normal((len(shots), 1, 3))
     sizes = np.linalg.norm(prediction.labels, axis=-1, keepdims=True)
-    return np.where(shots.labelled[..., None], prediction.labels + sizes * (rows + common), np.nan)
+    return np.where(shots.labelled[..., None], prediction.labels + sizes * errors, np.nan)

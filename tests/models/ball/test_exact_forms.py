@@ -198,6 +198,15 @@ def rotated(vector, about):
 
 SENSORS = [
     ("position_scale", {"s": 0.02}, 1.02 * parabola(TIMES), TURNING),
+    (
+        "camera_distortion",
+        {"amplitude": 0.01, "length": 0.5, "nodes": [[0.0, 0.0, 1.0, 1.0, -2.0, 0.5]]},
+        parabola(TIMES)
+        + 0.01
+        * np.exp(-2.0 * ((parabola(TIMES) - [0.0, 0.0, 1.0]) ** 2).sum(axis=1))[:, None]
+        * [1.0, -2.0, 0.5],
+        TURNING,
+    ),
     ("clock_rate", {"d": 0.1}, parabola(TIMES / 1.1), TURNING),
     ("time_offset", {"tau": 0.004}, parabola(TIMES - 0.004), TURNING),
     ("spin_gain", {"s": -0.1}, parabola(TIMES), 0.9 * TURNING),
@@ -250,6 +259,8 @@ def seen(simulator):
 def test_the_neutral_value_changes_nothing(name):
     others = {key: value for key, value in FULL.effects.items() if key != name}
     neutral = {parameter.name: parameter.neutral for parameter in catalogue()[name].parameters}
+    if catalogue()[name].table:
+        neutral["nodes"] = [[0.0, 0.0, 1.0, 1.0, 1.0, 1.0]]
     absent, present = Simulator(others), Simulator({**others, name: neutral})
     for without, with_neutral in zip(seen(absent), seen(present), strict=True):
         np.testing.assert_array_equal(with_neutral, without)

@@ -11,7 +11,16 @@ from models.gap.fit.noise import ANY_SPIN, Noise, gram_matrices, inlier_probabil
 from models.gap.hypotheses import Hypothesis
 from tests.models.gap.hidden import NOMINAL, SETTINGS, launches, measured
 
-NOISE = Noise(0.003, 0.002, 0.04, 0.05, 0.03, (0.01, 0.02, 0.03), timing=0.0)
+NOISE = Noise(
+    white=0.003,
+    slow=0.002,
+    slow_time=0.04,
+    label=0.05,
+    label_arc=0.04,
+    label_common=0.03,
+    scatter=(0.01, 0.02, 0.03),
+    timing=0.0,
+)
 COLUMNS = (Hypothesis("drag", "cd"), Hypothesis("spin_gain", "s"))
 SHOTS = measured(count=3, seconds=0.3)
 UNKNOWNS = ballistic_nuisance(launches(3, np.random.default_rng(0)), 1)
@@ -59,12 +68,15 @@ def test_whitened_rows_have_the_products_of_the_dense_covariance():
 
 @pytest.mark.parametrize("labels", ["rows", "one"])
 def test_labels_have_the_products_of_their_dense_covariance(labels):
-    shots = measured(count=3, seconds=0.3, labels=labels)
+    shots = measured(count=3, labels=labels)
     linear = linearise(shots, NOMINAL, UNKNOWNS, COLUMNS)
-    parts = gram_matrices(linear, NOISE, WEIGHTS, np.ones(3))
+    parts = gram_matrices(linear, NOISE, shots.valid * 1.0, np.ones(3))
+    assert labels == "one" or linear.in_arcs.any(axis=1).sum(axis=1).max() > 1
     for shot in range(3):
         used = linear.labelled[shot]
+        arcs = linear.label_arcs[shot, used]
         dense = NOISE.label**2 * np.eye(used.sum()) + NOISE.label_common**2
+        dense += NOISE.label_arc**2 * (arcs[:, None] == arcs)
         rows = linear.labels[shot, used]
         expected = sum(rows[:, a].T @ np.linalg.solve(dense, rows[:, a]) for a in range(3))
         found = (parts.total(NOISE) - parts.positions)[shot]

@@ -27,7 +27,15 @@ def errors(noise, count=200):
 
 
 def test_replicates_without_noise_are_simulated_shots():
-    still = Noise(0.0, 0.0, label=0.0, label_common=0.0, scatter=(0.0, 0.0, 0.0), timing=0.0)
+    still = Noise(
+        white=0.0,
+        slow=0.0,
+        label=0.0,
+        label_arc=0.0,
+        label_common=0.0,
+        scatter=(0.0, 0.0, 0.0),
+        timing=0.0,
+    )
     again, off, turned = errors(still, count=5)
     assert np.abs(off).max() < 1e-12
     assert np.abs(turned[again.labelled]).max() < 1e-12
@@ -58,6 +66,20 @@ def test_labels_have_independent_and_common_errors():
     assert means.std() == pytest.approx(NOISE.label_common, rel=0.2)
     apart = (turned - means[:, None])[again.labelled]
     assert apart.std() == pytest.approx(NOISE.label, rel=0.05)
+
+
+def test_labels_have_errors_of_their_arc():
+    shots, _, turned = errors(replace(EVEN, label=1e-9, label_common=1e-9, label_arc=0.05))
+    arcs = predict_measurements(NOMINAL, Schedule.of(shots), STATES).arcs(
+        shots.label_times - shots.times[:, :1]
+    )
+    for arc in range(2):
+        inside = (arcs == arc) & shots.labelled
+        count = inside.sum(axis=1)[:, None]
+        sums = np.where(inside[..., None], turned, 0.0).sum(axis=1)
+        means = sums / np.maximum(count, 1)
+        assert means[count[:, 0] > 0].std() == pytest.approx(0.05, rel=0.2)
+        assert np.abs(turned - means[:, None])[inside].max() < 1e-6
 
 
 def test_bounces_scatter():
