@@ -24,6 +24,8 @@ class HiddenCause(Record):
     # identities of parameters that explain the data as well: with one of them free, less than the
     # detection limit is left of the cause
     indistinguishable: tuple[str, ...]
+    # of several causes: gap between the environment with and without this one, mm
+    effect_mm: Number | None = None
 
 
 class AnswerRecord(Record):

@@ -14,6 +14,7 @@ from models.exam.scoring.rates import (
     mark,
     of_base,
     rates,
+    removable_closed,
     solved,
 )
 from pipeline.io.report_items import ReportTable
@@ -90,7 +91,7 @@ def group_table(records: Sequence[ExamRecord], method: str) -> ReportTable:
             "questions": len(some),
             "not_posed": sum(record.not_posed is not None for record in some),
             **{name: _solved_share(some, name) for name in methods},
-            "removable_closed": rates(some, method)["removable_closed"],
+            "removable_closed": removable_closed(some, method),
         }
         for (group, cell), some in groups.items()
     ]
