@@ -43,7 +43,7 @@ class ExamRecord(Record):
 
     name: str  # of the trial
     group: str  # the purpose of the question
-    cell: str  # of the sweeps; empty in other groups
+    cell: str  # a part of the group, such as one of the sweeps; empty where it has no parts
     dynamics: Dynamics  # which equations the balls follow
     multiple: Number  # size of a cause, in detection limits
     shots: int  # how many are recorded

@@ -82,7 +82,7 @@ class CameraErrors:
     labels: LabelErrors = LabelErrors()
     distortion: Distortion | None = None
     stamps: Stamps = Stamps()
-    # degrees of freedom of the t distribution of position errors; None: normal
+    # degrees of freedom of the t distribution of a row's whole position error; None: normal
     tails: float | None = None
 
 
