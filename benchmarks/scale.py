@@ -24,7 +24,7 @@ from rich.console import Console
 from benchmarks.comparison import ROOT
 from benchmarks.policy_training import LEARNING, PARAMS, SEED, TASK
 from models.ball.catalogue import catalogue
-from models.exam.design.questions import Question
+from models.exam.design.question import Question
 from models.exam.methods.registry import METHODS, RALLYGAP
 from models.exam.runner import run_question
 from models.exam.simulate.trial import Trial

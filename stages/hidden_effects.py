@@ -1,9 +1,12 @@
 """Scores of the exam's records, and a few of its questions run again."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from models.exam.records import ExamRecord
 from models.exam.scoring.rates import rates
+from models.exam.scoring.robustness import of_robustness, of_sweeps
 from models.gap.fit.shots import spread_evenly
 from pipeline.exam.figures import exam_figures
 from pipeline.exam.records import RECORDS, read_records
@@ -19,14 +22,14 @@ def hidden_effects(run: StageRun) -> None:
     path = run.root / RECORDS
     records = read_records(path)
     run.log_input("exam records", path, len(records))
-    rerun = _rerun(run)
+    rerun = _rerun(run, records)
     different = different_answers(rerun, records)
     if different:
         warn(f"{len(different)} of {len(rerun)} answers differ from {RECORDS}; run `make exam`")
     first, *others = methods = methods_of(records)
     results = {
-        "questions": len(records),
-        "not_posed": sum(record.not_posed is not None for record in records),
+        **_counts(of_sweeps(records), ""),
+        **_counts(of_robustness(records), "_new"),
         **rates(records, first),
         "compared": {name: rates(records, name) for name in others},
     }
@@ -38,9 +41,18 @@ def hidden_effects(run: StageRun) -> None:
     run.add(rerun_table(rerun, different))
 
 
-def _rerun(run: StageRun) -> list[ExamRecord]:
-    """Run a few questions, evenly spaced over the exam, and note the time of each method."""
-    whole = assignments(run.params)
+def _counts(records: Sequence[ExamRecord], suffix: str) -> dict[str, int]:
+    not_posed = sum(record.not_posed is not None for record in records)
+    return {f"questions{suffix}": len(records), f"not_posed{suffix}": not_posed}
+
+
+def _rerun(run: StageRun, records: Sequence[ExamRecord]) -> list[ExamRecord]:
+    """Run a few questions, evenly spaced over the records, and note the time of each method."""
+    known = {record.name for record in records}
+    asked = assignments(run.params)
+    whole = [one for one in asked if one[0].trial.name in known]
+    if len(whole) < len(asked):
+        warn(f"{len(asked) - len(whole)} questions have no record; run `make exam`")
     count = min(run.params.hidden_effects.rerun_questions, len(whole))
     chosen = [whole[k] for k in spread_evenly(len(whole), count)]
     results = run_questions(chosen, run.scratch("records"))

@@ -10,6 +10,7 @@ from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.fit.shots import Shots
 from models.gap.verdict import Answer as Conclusion
+from models.gap.verdict import Role
 
 
 def rounded(value: float) -> float:
@@ -44,6 +45,7 @@ class NamedCause(Record):
     # 95 % confidence interval; None where the method has none
     interval: tuple[Number, Number] | None
     possible: tuple[str, ...]  # identities that the method cannot distinguish, its own first
+    role: Role = "leading"  # leading cause, fault of the sensor, or minor structure
 
 
 @dataclass(frozen=True)

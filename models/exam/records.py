@@ -24,6 +24,8 @@ class HiddenCause(Record):
     # identities of parameters that explain the data as well: with one of them free, less than the
     # detection limit is left of the cause
     indistinguishable: tuple[str, ...]
+    # of several causes: gap between the environment with and without this one, mm
+    effect_mm: Number | None = None
 
 
 class AnswerRecord(Record):
@@ -41,7 +43,7 @@ class ExamRecord(Record):
 
     name: str  # of the trial
     group: str  # the purpose of the question
-    cell: str  # of the sweeps; empty in other groups
+    cell: str  # a part of the group, such as one of the sweeps; empty where it has no parts
     dynamics: Dynamics  # which equations the balls follow
     multiple: Number  # size of a cause, in detection limits
     shots: int  # how many are recorded

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from models.exam.design.detection_limits import DetectionLimits
-from models.exam.design.questions import Question
+from models.exam.design.question import Question
 from models.exam.interface import Answer, Method, Recording
 from models.exam.records import AnswerRecord, ExamRecord, HiddenCause
 from models.exam.scoring.removable_gap import RemovableGap
-from models.exam.simulate.recordings import SealedTruth, simulate_trial
+from models.exam.simulate.recordings import simulate_trial
 from models.exam.simulate.trial import Trial
 from models.gap.hypotheses import Hypothesis
 
@@ -42,8 +42,13 @@ def run_question(
     seconds: dict[str, float] = {}
     for name, method in methods.items():
         answers[name], seconds[name] = _answer(method, recordings, trial)
-    gap = RemovableGap(truth) if limits else None
-    causes = [_hidden_cause(c, question, truth, limits) for c in question.hidden] if limits else []
+    constant = trial.variation is None  # otherwise no simulator of the catalogue has no gap
+    gap = RemovableGap(truth) if limits and constant else None
+    causes = (
+        [_hidden_cause(c, question, trial, limits, gap) for c in question.differences]
+        if limits
+        else []
+    )
     record = _record(
         question,
         hidden=tuple(causes),
@@ -77,16 +82,24 @@ def _answer_record(answer: Answer | Exception, gap: RemovableGap | None) -> Answ
 
 
 def _hidden_cause(
-    hidden: Hypothesis, question: Question, truth: SealedTruth, limits: DetectionLimits
+    hidden: Hypothesis,
+    question: Question,
+    trial: Trial,
+    limits: DetectionLimits,
+    gap: RemovableGap | None,
 ) -> HiddenCause:
-    nominal, value = hidden.value(truth.trial.nominal), hidden.value(truth.trial.simulator)
+    """Return the truth about a cause; its effect is measured where there are several."""
+    nominal, value = hidden.value(trial.nominal), hidden.value(trial.simulator)
     others = tuple(other for other in question.hidden if other != hidden)
+    without = hidden.at(trial.simulator, nominal)
+    measured = gap if len(question.differences) > 1 else None
     return HiddenCause(
         identity=hidden.identity,
-        kind="wrong_value" if hidden.listed(truth.trial.nominal) else "missing_effect",
+        kind="wrong_value" if hidden.listed(trial.nominal) else "missing_effect",
         nominal=nominal,
         value=value,
         indistinguishable=limits.indistinguishable(hidden, value - nominal, others),
+        effect_mm=measured.between(trial.simulator, without) if measured else None,
     )
 
 
@@ -103,6 +116,6 @@ def _record(question: Question, **content: Any) -> ExamRecord:
         spin_labels=trial.spin_labels,
         directions=trial.directions,
         withheld=trial.withheld,
-        parameters=tuple(hidden.identity for hidden in question.hidden),
+        parameters=tuple(hidden.identity for hidden in question.differences),
         **content,
     )

@@ -36,6 +36,21 @@ RATES = {  # what the exam counts: the number of right answers, and of questions
 }
 
 
+ROBUSTNESS_RATES = {  # the same of the robustness groups
+    "clean sets with a physical cause named": ("false_leading", "clean_sets_new"),
+    "constant causes at 3 detection limits: leading cause named": (
+        "leading_right",
+        "constant_new",
+    ),
+    "constant causes at 3 detection limits: all named, and no other": (
+        "exact_right",
+        "constant_new",
+    ),
+    "95 % intervals that contain the true value": ("intervals_new_right", "intervals_new"),
+    "varying cause: no other cause named, not `no_gap`": ("varying_new_right", "varying_new"),
+}
+
+
 def arena_causes(root: Path) -> str:
     """Parameters that were wrong or missing in simulator C, from ``retrain_policy``."""
     table = read_report(root, "retrain_policy/numbers.csv", "source == 'arena'")
@@ -52,17 +67,36 @@ def arena_causes(root: Path) -> str:
 
 def exam_rates(root: Path) -> str:
     """Counts of the exam for every method, from ``hidden_effects``."""
+    methods = _exam_results(root)
+    closed = [f"{100 * one['removable_closed']:.0f}" for one in methods.values()]
+    rows = [*_exam_rows(methods, RATES), ["removable gap closed (%)", *closed]]
+    return markdown_table(["", *methods], rows)
+
+
+def robustness_rates(root: Path) -> str:
+    """Counts of the exam's robustness groups; a dash where they have no records."""
+    methods = _exam_results(root)
+    return markdown_table(["", *methods], _exam_rows(methods, ROBUSTNESS_RATES))
+
+
+def _exam_results(root: Path) -> dict[str, dict[str, Any]]:
     results = read_json(root / "reports/hidden_effects/exam.json")
-    methods = {"rallygap": results, **results["compared"]}
-    rows = [
+    return {"rallygap": results, **results["compared"]}
+
+
+def _exam_rows(
+    methods: dict[str, dict[str, Any]], rates: dict[str, tuple[str, str]]
+) -> list[list[str]]:
+    return [
         [
             name,
-            *(f"{one[right]} of {one[asked]}" if one[asked] else NONE for one in methods.values()),
+            *(
+                f"{one[right]} of {one[asked]}" if one.get(asked) else NONE
+                for one in methods.values()
+            ),
         ]
-        for name, (right, asked) in RATES.items()
+        for name, (right, asked) in rates.items()
     ]
-    closed = [f"{100 * one['removable_closed']:.0f}" for one in methods.values()]
-    return markdown_table(["", *methods], [*rows, ["removable gap closed (%)", *closed]])
 
 
 def retrained_returns(root: Path, run: str = "") -> str:

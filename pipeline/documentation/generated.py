@@ -57,6 +57,7 @@ BLOCKS: dict[str, Writer] = {
     "reproduction-time": cost_tables.reproduction_time,
     "gap-arena": gap_tables.arena_causes,
     "gap-exam": gap_tables.exam_rates,
+    "gap-exam-robustness": gap_tables.robustness_rates,
     "gap-real": gap_tables.real_summary,
     "gap-real-errors": gap_tables.real_errors,
     "gap-real-causes": gap_tables.real_causes,

@@ -16,6 +16,16 @@ GROUPS = {
     "withheld": "an effect that is removed from the methods' catalogue",
     "unlabelled": "one hidden parameter, no spin labels",
     "one_direction": "one hidden parameter, all shots in one direction",
+    "label_kind": "label errors of rows, arcs, shots (all rows or one label) or of the session",
+    "distortion": "a smooth position error field, Gaussian, radial or in half of the room",
+    "heavy_tails": "t distributions of position errors, of bounce scatter or of both",
+    "time_stamps": "rounded or jittered time stamps",
+    "frame_rate": "50 to 250 Hz",
+    "drift": "a parameter that changes linearly over the session",
+    "shot_variation": "a parameter that differs from shot to shot",
+    "place": "a cause in half of the room",
+    "several": "three to six causes, each at 3 detection limits or more",
+    "far_off": "a nominal simulator that is far off, and a missing effect",
 }
 
 

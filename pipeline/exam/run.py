@@ -8,7 +8,8 @@ from zlib import crc32
 
 from pydantic import BaseModel
 
-from models.exam.design.questions import Question, exam
+from models.exam.design.question import Question
+from models.exam.design.questions import exam
 from models.exam.interface import Method
 from models.exam.methods.registry import METHODS, RALLYGAP
 from models.exam.records import ExamRecord

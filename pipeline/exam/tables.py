@@ -14,14 +14,20 @@ from models.exam.scoring.rates import (
     mark,
     of_base,
     rates,
+    removable_closed,
     solved,
 )
+from models.exam.scoring.robustness import of_robustness
 from pipeline.io.report_items import ReportTable
 
 SOLVED = (
     "A question is solved if the answer names the hidden cause where the data distinguish it from "
     "all other parameters, otherwise lists it among the possible ones, and names no other cause. "
     "On clean sets the right answer is no_gap, with a withheld effect unknown."
+)
+ROBUSTNESS_COLUMNS = (  # keys of ``rates``
+    *("clean_sets_new", "false_leading", "constant_new", "leading_right", "exact_right"),
+    *("intervals_new", "intervals_new_right", "varying_new", "varying_new_right"),
 )
 
 
@@ -36,6 +42,7 @@ def exam_tables(records: Sequence[ExamRecord], method: str) -> list[ReportTable]
         rate_table(records),
         effect_table(records, method),
         group_table(records, method),
+        robustness_table(records, method),
         shortfall_table(records, method),
         not_posed_table(records),
     ]
@@ -90,7 +97,7 @@ def group_table(records: Sequence[ExamRecord], method: str) -> ReportTable:
             "questions": len(some),
             "not_posed": sum(record.not_posed is not None for record in some),
             **{name: _solved_share(some, name) for name in methods},
-            "removable_closed": rates(some, method)["removable_closed"],
+            "removable_closed": removable_closed(some, method),
         }
         for (group, cell), some in groups.items()
     ]
@@ -100,6 +107,26 @@ def group_table(records: Sequence[ExamRecord], method: str) -> ReportTable:
         title="The exam: solved questions by group",
         caption=f"Share of solved questions by method. {SOLVED} removable_closed: share of the "
         f"removable gap that {method} closes.",
+    )
+
+
+def robustness_table(records: Sequence[ExamRecord], method: str) -> ReportTable:
+    """Return the counts of the robustness groups: a row a group and part."""
+    groups: dict[tuple[str, str], list[ExamRecord]] = {}
+    for record in of_robustness(records):
+        groups.setdefault((record.group, record.cell), []).append(record)
+    rows = []
+    for key, some in groups.items():
+        found = rates(some, method)
+        rows.append((*key, *(found[name] for name in ROBUSTNESS_COLUMNS)))
+    return ReportTable(
+        pd.DataFrame(rows, columns=["group", "part", *ROBUSTNESS_COLUMNS]),
+        "robustness",
+        title="The exam: robustness groups",
+        caption=f"Answers of {method}. false_leading: clean sets in which a physical cause is "
+        "named. leading_right: sets in which the leading cause is named; exact_right: solved sets. "
+        "varying_new_right: sets with a cause that varies in which no other cause is named, and "
+        "the answer is not no_gap.",
     )
 
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 import stages.hidden_effects
-from models.exam.design.questions import Question
+from models.exam.design.question import Question
 from models.exam.interface import Answer
 from models.exam.records import AnswerRecord
 from models.exam.runner import run_question
@@ -24,6 +24,7 @@ from tests.stages.outputs import written
 REPORTED = {
     "clean_sets", "false_alarms", "false_alarm_rate", "false_alarm_upper95", "top1_at_3x",
     "class_at_3x", "pairs_both", "unknown_recall", "coverage", "removable_closed",
+    "false_leading_rate", "leading_at_3x", "exact_at_3x", "coverage_new", "unknown_recall_new",
 }  # fmt: skip
 
 
@@ -58,7 +59,7 @@ def test_rates_of_rallygap_come_first_and_those_of_others_below(tmp_path):
     assert set(results) >= REPORTED
     assert set(results["compared"]) == {"sindy"}
     assert set(results["compared"]["sindy"]) >= REPORTED
-    assert results["questions"] == len(example_exam(every=20)) + 1
+    assert results["questions"] + results["questions_new"] == len(example_exam(every=20)) + 1
     metrics = json.loads(run.report("metrics.json").read_text())
     assert metrics["exam"]["top1_at_3x"] == results["top1_at_3x"]
     assert metrics["rerun"] == {"questions": 1, "different": 0}
@@ -87,3 +88,13 @@ def test_without_records_there_is_one_error_and_no_report(tmp_path):
     with pytest.raises(InputError, match="run `make exam`"):
         hidden_effects(StageRun("hidden_effects", tmp_path, params()))
     assert not (tmp_path / "reports").exists()
+
+
+def test_questions_without_a_record_are_not_run_again(tmp_path, monkeypatch, capsys):
+    other = Question("clean", Trial("clean/other", NOMINAL, shots=3, seed=1004))
+    asked = [(QUESTION, METHODS), (other, METHODS)]
+    monkeypatch.setattr(stages.hidden_effects, "assignments", lambda params: asked)
+    run = reported(tmp_path)
+
+    assert run.metrics["rerun"] == {"questions": 1, "different": 0}
+    assert "1 questions have no record; run `make exam`" in capsys.readouterr().err

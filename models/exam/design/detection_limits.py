@@ -14,13 +14,15 @@ from itertools import combinations
 import numpy as np
 
 from models.ball.types import Floats
-from models.exam.interface import shots_of
+from models.exam.design.shared_errors import SHARED_SIZE, with_shared_columns
+from models.exam.interface import Recording, shots_of
 from models.exam.simulate.recordings import simulate_trial
 from models.exam.simulate.trial import Trial
 from models.gap.fit.linearize import ballistic_nuisance, linearise
 from models.gap.fit.measurement import Schedule, count_bounces
 from models.gap.fit.noise import Noise, gram_matrices
 from models.gap.fit.projection import eliminate_nuisance, identifiable_directions
+from models.gap.fit.shared_errors import SharedErrors
 from models.gap.fit.shots import Shots
 from models.gap.hypotheses import LABEL_SIGNS, Hypothesis, hypotheses
 from models.gap.inference.score_test import Evidence
@@ -32,6 +34,7 @@ MINIMUM_FLIPPED = 4.0  # spin labels with the wrong sign, on average, in a detec
 MINIMUM_NOISE = (
     1e-3  # of what the workflow takes for random: label errors of a shot, scatter across
 )
+MINIMUM_TIMING = 1e-4  # s, of time stamps that are exact
 MINIMUM_OWN_INFORMATION = 1e-2  # of a parameter's information, with all other parameters free
 
 
@@ -46,10 +49,11 @@ class DetectionLimits:
     @classmethod
     def of(cls, trial: Trial) -> "DetectionLimits":
         """Return the limits of a trial; its causes do not matter."""
-        recordings, truth = simulate_trial(replace(trial, causes={}, dynamics="catalogue"))
-        shots = shots_of(recordings)
+        clean = trial.without_causes
+        recordings, truth = simulate_trial(clean)
+        shots = shots_of([_with_distinct_labels(recording) for recording in recordings])
         states = truth.states(shots.times[:, :1])[:, 0]
-        evidence = _evidence(trial, shots, states)
+        evidence = _evidence(clean, shots, states)
         return cls(evidence, int(shots.labelled.any(axis=1).sum()), trial.withheld)
 
     def minimum_sizes(self, hidden: tuple[Hypothesis, ...]) -> list[float]:
@@ -149,10 +153,13 @@ def _evidence(trial: Trial, shots: Shots, states: Floats) -> Evidence:
     kicks = min(int(bounces.max(initial=0)), SETTINGS.fit.max_kicks)
     nuisance = ballistic_nuisance(states, kicks)
     linear = linearise(shots, trial.nominal, nuisance, hypotheses(trial.nominal))
+    linear = with_shared_columns(linear, trial)
     noise = _noise(trial)
     known = gram_matrices(linear, noise, linear.sampled.astype(float), np.ones(len(shots)))
     left = eliminate_nuisance(known.total(noise), linear.nuisance_count)
-    return Evidence(linear.columns, linear.listed, left.scores, left.information, SETTINGS)
+    scores, information = SharedErrors.of(left, len(linear.columns), SHARED_SIZE).parts(left)
+    of_prior = len(scores) - len(shots)
+    return Evidence(linear.columns, linear.listed, scores, information, SETTINGS, of_prior)
 
 
 def _noise(trial: Trial) -> Noise:
@@ -167,7 +174,16 @@ def _noise(trial: Trial) -> Noise:
         slow=cameras.position_noise * float(np.sqrt(slow)),
         slow_time=cameras.slow_error.time,
         label=max(cameras.spin_noise, MINIMUM_NOISE),
-        label_arc=MINIMUM_NOISE,
-        label_common=MINIMUM_NOISE,
+        label_arc=max(trial.errors.labels.arc, MINIMUM_NOISE),
+        label_common=max(trial.errors.labels.shot, MINIMUM_NOISE),
         scatter=(max(upwards, MINIMUM_NOISE), max(along, MINIMUM_NOISE), MINIMUM_NOISE),
+        timing=max(trial.errors.stamps.deviation, MINIMUM_TIMING),
     )
+
+
+def _with_distinct_labels(recording: Recording) -> Recording:
+    """Return a recording with one label for every run of equal ones, which are one measurement."""
+    labels = recording.labels
+    first = np.ones(len(labels), dtype=bool)
+    first[1:] = (labels[1:] != labels[:-1]).any(axis=1)
+    return replace(recording, label_times=recording.label_times[first], labels=labels[first])

@@ -1,26 +1,20 @@
-"""The questions that the exam asks, as a pure function of a seed and of counts.
+"""The questions that the exam asks, as a pure function of a seed and of counts."""
 
-The causes of a question have no size yet. Sizes are multiples of what its data can show
-(``DetectionLimits.minimum_sizes``), and ``Question.posed`` is given them.
-"""
-
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
-from zlib import crc32
 
 import numpy as np
 
 from models.arena.cameras import SlowError
 from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
-from models.exam.design.parameters import NEED_LABELS, ONLY_INCREASED, family, hideable
-from models.exam.simulate.laws import supports
-from models.exam.simulate.trial import CAMERAS, Dynamics, SpinLabels, Trial
+from models.exam.design.parameters import NEED_LABELS, family, hideable
+from models.exam.design.question import MULTIPLE, Question, question, seed_of
+from models.exam.design.robustness import robustness
+from models.exam.simulate.trial import CAMERAS, SpinLabels
 from models.gap.hypotheses import Hypothesis
 
-MULTIPLE = 3.0  # detection limits, unless a sweep says otherwise
-INDEPENDENT_EVERY = 3  # one trial in three has independent dynamics
 LABELS: tuple[SpinLabels, ...] = ("per_row", "per_shot", "none")
 FAULTY = replace(CAMERAS, outliers=0.03, dropouts=0.10, slow_error=SlowError(share=0.6, time=0.05))
 TIME_RESOLUTION = 0.001  # s, of the time stamps of faulty cameras
@@ -50,63 +44,10 @@ CLEAN, PAIRS = 500, 80
 SENSOR_FAULTS, NOMINAL_OFF, WITHHELD, UNLABELLED, ONE_DIRECTION = 40, 50, 50, 40, 40
 
 
-@dataclass(frozen=True)
-class Question:
-    """A trial whose causes have no size yet."""
-
-    group: str  # the purpose of the question, and the first part of the trial's name
-    trial: Trial  # all but the causes
-    hidden: tuple[Hypothesis, ...] = ()  # the parameters to hide; none in a clean set
-    multiple: float = MULTIPLE  # size of the causes, in detection limits
-    cell: str = ""  # of the sweeps; empty in other groups
-
-    def posed(self, minimum_sizes: Sequence[float]) -> Trial | None:
-        """Return the trial with its causes, or None where a size has no value within bounds."""
-        causes: dict[str, dict[str, float]] = {}
-        for hidden, size in zip(self.hidden, minimum_sizes, strict=True):
-            value = self._value(hidden, self.multiple * size)
-            if value is None:
-                return None
-            causes.setdefault(hidden.effect, {})[hidden.parameter] = value
-        return replace(self.trial, causes=causes)
-
-    def _value(self, hidden: Hypothesis, size: float) -> float | None:
-        """Return a value ``size`` from the nominal one; the seed decides on which side."""
-        sign = 1.0 if _seed(self.trial.seed, hidden.identity) % 2 else -1.0
-        low, high = hidden.declaration.bounds
-        for side in (1.0,) if hidden in ONLY_INCREASED else (sign, -sign):
-            value = float(hidden.value(self.trial.nominal) + side * size)
-            if low <= value <= high:
-                return value
-        return None
-
-
 def exam(nominal: Simulator, seed: int) -> list[Question]:
     """Return all questions about a nominal simulator, each with a seed that its name gives it."""
-    groups = (_sweeps, _clean, _pairs, _sensor_faults, _nominal_off, _other_groups)
-    return [question for group in groups for question in group(nominal, seed)]
-
-
-def _seed(seed: int, name: str) -> int:
-    return int(np.random.SeedSequence([seed, crc32(name.encode())]).generate_state(1)[0])
-
-
-def _question(
-    group: str,
-    detail: str,
-    number: int,
-    nominal: Simulator,
-    seed: int,
-    hidden: tuple[Hypothesis, ...] = (),
-    multiple: float = MULTIPLE,
-    **settings: Any,
-) -> Question:
-    parameters = "+".join(one.identity for one in hidden)
-    name = "/".join(part for part in (group, parameters, detail, str(number)) if part)
-    independent = number % INDEPENDENT_EVERY == 0 and all(supports(one.effect) for one in hidden)
-    dynamics: Dynamics = "independent" if independent else "catalogue"
-    trial = Trial(name, nominal, dynamics=dynamics, seed=_seed(seed, name), **settings)
-    return Question(group, trial, hidden, multiple, detail)
+    groups = (_sweeps, _clean, _pairs, _sensor_faults, _nominal_off, _other_groups, robustness)
+    return [one for group in groups for one in group(nominal, seed)]
 
 
 def _sweeps(nominal: Simulator, seed: int) -> Iterator[Question]:
@@ -115,42 +56,42 @@ def _sweeps(nominal: Simulator, seed: int) -> Iterator[Question]:
         settings: dict[str, Any] = {"shots": cell.shots, "cameras": cameras}
         for hidden in hideable():
             for number in range(BASE_REPEATS if cell is BASE else SWEEP_REPEATS):
-                yield _question(
+                yield question(
                     "sweep", cell.name, number, nominal, seed, (hidden,), cell.multiple, **settings
                 )
 
 
 def _clean(nominal: Simulator, seed: int) -> Iterator[Question]:
     """Yield clean sets of all kinds of labels, mostly in both directions."""
-    random = np.random.default_rng(_seed(seed, "clean"))
+    random = np.random.default_rng(seed_of(seed, "clean"))
     for number in range(CLEAN):
         labels, directions = LABELS[random.integers(3)], int(random.choice([2, 2, 2, 1]))
         settings: dict[str, Any] = {"spin_labels": labels, "directions": directions}
-        yield _question("clean", "", number, nominal, seed, **settings)
+        yield question("clean", "", number, nominal, seed, **settings)
 
 
 def _pairs(nominal: Simulator, seed: int) -> Iterator[Question]:
     """Yield pairs of causes of different families."""
-    random = np.random.default_rng(_seed(seed, "pairs"))
+    random = np.random.default_rng(seed_of(seed, "pairs"))
     parameters = hideable()
     for number in range(PAIRS):
         first = parameters[random.integers(len(parameters))]
         others = [other for other in parameters if family(other) != family(first)]
         second = others[random.integers(len(others))]
-        yield _question("pair", "", number, nominal, seed, (first, second))
+        yield question("pair", "", number, nominal, seed, (first, second))
 
 
 def _other_groups(nominal: Simulator, seed: int) -> Iterator[Question]:
     missing = [hidden for hidden in hideable() if not hidden.listed(nominal)]
     for number, hidden in _drawn(missing, seed, "withheld", WITHHELD):
         settings: dict[str, Any] = {"withheld": (hidden.effect,)}
-        yield _question("withheld", "", number, nominal, seed, (hidden,), **settings)
+        yield question("withheld", "", number, nominal, seed, (hidden,), **settings)
     need_no_label = [hidden for hidden in hideable() if hidden.effect not in NEED_LABELS]
     for number, hidden in _drawn(need_no_label, seed, "unlabelled", UNLABELLED):
         settings = {"spin_labels": "none"}
-        yield _question("unlabelled", "", number, nominal, seed, (hidden,), **settings)
+        yield question("unlabelled", "", number, nominal, seed, (hidden,), **settings)
     for number, hidden in _drawn(hideable(), seed, "one_direction", ONE_DIRECTION):
-        yield _question("one_direction", "", number, nominal, seed, (hidden,), directions=1)
+        yield question("one_direction", "", number, nominal, seed, (hidden,), directions=1)
 
 
 def _sensor_faults(nominal: Simulator, seed: int) -> Iterator[Question]:
@@ -162,24 +103,24 @@ def _sensor_faults(nominal: Simulator, seed: int) -> Iterator[Question]:
         "spin_labels": "per_shot",
     }
     for number, hidden in _drawn(faults, seed, "sensor_fault", SENSOR_FAULTS):
-        yield _question("sensor_fault", "", number, nominal, seed, (hidden,), **settings)
+        yield question("sensor_fault", "", number, nominal, seed, (hidden,), **settings)
 
 
 def _nominal_off(nominal: Simulator, seed: int) -> Iterator[Question]:
     """Yield missing effects while a parameter of the nominal simulator is off at the same time."""
     missing = [hidden for hidden in hideable() if not hidden.listed(nominal)]
     listed = [hidden for hidden in hideable() if hidden.listed(nominal)]
-    random = np.random.default_rng(_seed(seed, "own"))
+    random = np.random.default_rng(seed_of(seed, "own"))
     for number, hidden in _drawn(missing, seed, "nominal_off", NOMINAL_OFF):
         others = [other for other in listed if family(other) != family(hidden)]
         off = others[random.integers(len(others))]
-        yield _question("nominal_off", "", number, nominal, seed, (hidden, off))
+        yield question("nominal_off", "", number, nominal, seed, (hidden, off))
 
 
 def _drawn(
     parameters: list[Hypothesis], seed: int, group: str, count: int
 ) -> Iterator[tuple[int, Hypothesis]]:
     """Yield every parameter equally often, in a random order."""
-    order = np.random.default_rng(_seed(seed, group)).permutation(len(parameters))
+    order = np.random.default_rng(seed_of(seed, group)).permutation(len(parameters))
     for number in range(count):
         yield number, parameters[order[number % len(parameters)]]

@@ -7,9 +7,11 @@
 - *Ambiguous*: as many causes as are hidden, each hidden one among the possible ones of another.
 - *Solved*: each hidden cause is named if it is distinguishable, otherwise it is among the possible
   ones of a cause, and no other cause is named. Clean sets and withheld effects: *right*.
-- *False alarm*: any answer but ``no_gap`` on a clean set. A method that fails is wrong everywhere.
+- *False alarm*: any answer but ``no_gap`` on a set of the group ``clean``. A method that fails is
+  wrong everywhere.
 - *Coverage*: of all parameters at 3 detection limits or more that are named correctly, in answers
   without any wrong cause, the share whose 95 % interval contains the true value.
+- The robustness groups have rates of their own (robustness.py).
 - *Removable gap closed*: over all trials with a cause that can be named, the sum of what an amended
   simulator takes away of the gap, by the sum of the gap (removable_gap.py). A method that fails
   takes nothing away.
@@ -23,9 +25,20 @@ from typing import Any, Literal
 
 from scipy.stats import binomtest
 
-from models.exam.design.questions import BASE, MULTIPLE
+from models.exam.design.question import MULTIPLE
+from models.exam.design.questions import BASE
+from models.exam.design.robustness import GROUPS
 from models.exam.interface import NamedCause, rounded
 from models.exam.records import AnswerRecord, ExamRecord, HiddenCause
+from models.exam.scoring.robustness import (
+    admits_varying_cause,
+    leading,
+    named,
+    names_physical_cause,
+    of_robustness,
+    of_sweeps,
+    varies,
+)
 from models.gap.hypotheses import Hypothesis
 
 Mark = Literal["right", "ambiguous", "wrong", "missed", "failed"]
@@ -57,6 +70,9 @@ def mark(record: ExamRecord, method: str) -> Mark:
     answer = record.answers[method]
     if answer.conclusion is None:
         return "failed"
+    if varies(record):
+        right = admits_varying_cause(record, answer)
+        return "right" if right else "missed" if answer.conclusion == "no_gap" else "wrong"
     if _right(record, answer):
         return "right"
     if answer.conclusion == "no_gap":
@@ -68,7 +84,7 @@ def mark(record: ExamRecord, method: str) -> Mark:
 def solved(record: ExamRecord, method: str) -> bool:
     """Return whether an answer says all that the data show, and nothing else."""
     answer = record.answers[method]
-    if record.withheld or not record.hidden:
+    if record.withheld or varies(record) or not record.hidden:
         return mark(record, method) == "right"
     return answer.conclusion in ("named", "ambiguous") and _match(record, answer, _solves)
 
@@ -78,10 +94,11 @@ def covered(records: Iterable[ExamRecord], method: str) -> list[bool]:
     contains = []
     for record in answered(records, method):
         answer = record.answers[method]
-        if record.multiple < MULTIPLE or record.withheld or not _exact(record, answer):
+        unclear = record.multiple < MULTIPLE or record.withheld or varies(record)
+        if unclear or not _exact(record, answer):
             continue
         truth = {hidden.identity: hidden.value for hidden in record.hidden}
-        for cause in answer.causes:
+        for cause in named(record, answer):
             if cause.interval is not None:
                 low, high = cause.interval
                 contains.append(low <= truth[cause.identity] <= high)
@@ -106,8 +123,8 @@ def interval(part: int, whole: int) -> tuple[float, float]:
 
 
 def rates(records: Sequence[ExamRecord], method: str) -> dict[str, Any]:
-    """Return all rates of a method, each after its counts."""
-    given = answered(records, method)
+    """Return all rates of a method, each after its counts, those of robustness groups last."""
+    given = answered(of_sweeps(records), method)
     base = of_base(given)
     clear = [record for record in base if distinguishable(record)]
     other = [record for record in base if not distinguishable(record)]
@@ -121,6 +138,45 @@ def rates(records: Sequence[ExamRecord], method: str) -> dict[str, Any]:
         **_solved(of_group(given, "withheld"), method, "withheld", "unknown_recall"),
         **_coverage(given, method),
         **_closed(given, method),
+        **_robustness(answered(of_robustness(records), method), method),
+    }
+
+
+def removable_closed(records: Iterable[ExamRecord], method: str) -> float | None:
+    """Return the share of the removable gap that a method closes."""
+    share: float | None = _closed(list(records), method)["removable_closed"]
+    return share
+
+
+def _robustness(given: Sequence[ExamRecord], method: str) -> dict[str, Any]:
+    """Return the rates of the robustness groups (robustness.py)."""
+    clean = [record for record in given if not record.hidden]
+    varying = [record for record in given if varies(record)]
+    constant = [
+        record
+        for record in given
+        if record.hidden and not varies(record) and record.multiple >= MULTIPLE
+    ]
+    false = sum(mark(record, method) != "right" for record in clean)
+    leads = sum(_names_leading(record, record.answers[method]) for record in constant)
+    exact = sum(solved(record, method) for record in constant)
+    admitted = sum(mark(record, method) == "right" for record in varying)
+    contains = covered(constant, method)
+    return {
+        "clean_sets_new": len(clean),
+        "false_leading": false,
+        "false_leading_rate": _share(false, len(clean)),
+        "constant_new": len(constant),
+        "leading_right": leads,
+        "leading_at_3x": _share(leads, len(constant)),
+        "exact_right": exact,
+        "exact_at_3x": _share(exact, len(constant)),
+        "intervals_new": len(contains),
+        "intervals_new_right": sum(contains),
+        "coverage_new": _share(sum(contains), len(contains)),
+        "varying_new": len(varying),
+        "varying_new_right": admitted,
+        "unknown_recall_new": _share(admitted, len(varying)),
     }
 
 
@@ -166,7 +222,8 @@ def _share(part: int, whole: int) -> float | None:
 
 def _right(record: ExamRecord, answer: AnswerRecord) -> bool:
     if not record.hidden:
-        return answer.conclusion == "no_gap"
+        robust = record.group in GROUPS and not names_physical_cause(record, answer)
+        return robust or answer.conclusion == "no_gap"
     if record.withheld:
         return answer.conclusion == "unknown"
     return answer.conclusion == "named" and _exact(record, answer)
@@ -180,10 +237,18 @@ def _match(
     record: ExamRecord, answer: AnswerRecord, fits: Callable[[HiddenCause, NamedCause], bool]
 ) -> bool:
     """Return whether the named causes fit the hidden ones, one to one."""
-    return len(answer.causes) == len(record.hidden) and any(
+    causes = named(record, answer)
+    return len(causes) == len(record.hidden) and any(
         all(fits(hidden, cause) for hidden, cause in zip(record.hidden, order, strict=True))
-        for order in permutations(answer.causes)
+        for order in permutations(causes)
     )
+
+
+def _names_leading(record: ExamRecord, answer: AnswerRecord) -> bool:
+    """Return whether the leading cause is among the named ones, by its class if it has one."""
+    hidden = leading(record)
+    fits = _is_possible if hidden.indistinguishable else _same
+    return any(fits(hidden, cause) for cause in named(record, answer))
 
 
 def _same(hidden: HiddenCause, cause: NamedCause) -> bool:

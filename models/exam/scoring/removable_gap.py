@@ -28,7 +28,7 @@ class RemovableGap:
     def __init__(self, truth: SealedTruth) -> None:
         trial = truth.trial
         random = np.random.default_rng([trial.seed, HELD_OUT])
-        self._drawn: Launches = launches(trial.nominal, BALLS, trial.directions, random)
+        self._drawn: Launches = launches(trial.base, BALLS, trial.directions, random)
         shots = scattered_shots(
             truth.shots.ball,
             trial.simulator,
@@ -41,7 +41,14 @@ class RemovableGap:
 
     def remaining(self, simulator: Simulator) -> float:
         """Return the gap between a simulator and the environment in mm."""
-        squared = ((self._positions(simulator) - self._true) ** 2).sum(axis=2)
+        return self._distance(self._positions(simulator), self._true)
+
+    def between(self, one: Simulator, other: Simulator) -> float:
+        """Return the gap between two simulators in mm."""
+        return self._distance(self._positions(one), self._positions(other))
+
+    def _distance(self, positions: Floats, others: Floats) -> float:
+        squared = ((positions - others) ** 2).sum(axis=2)
         flying = self._drawn.durations[:, None] >= HORIZONS
         mean = (squared * flying).sum(axis=0) / np.maximum(flying.sum(axis=0), 1)
         return 1000.0 * float(np.sqrt(mean).mean())

@@ -139,7 +139,7 @@ def _fitted_parameters(trial: Trial) -> tuple[Hypothesis, ...]:
 
     Surfaces that no shot meets are left out, too.
     """
-    effects = [trial.nominal.effects, trial.causes]
+    effects = [trial.base.effects, trial.causes]
     pairs = {(effect, name) for some in effects for effect in some for name in some[effect]}
     fitted = (Hypothesis(*pair) for pair in sorted(pairs) if pair[0] not in OTHER_SURFACES)
     return tuple(one for one in fitted if catalogue()[one.effect].acts != "sensor")

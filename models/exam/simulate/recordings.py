@@ -1,23 +1,37 @@
 """Recordings of a trial, for the methods, and its sealed truth, for the scoring path only."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from models.ball.sensor import measured
+from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, STATE_SIZE
 from models.ball.types import Floats, Integers
 from models.exam.interface import Recording
+from models.exam.simulate.camera_errors import (
+    LabelErrors,
+    Stamps,
+    rising,
+    tail_factors,
+    with_shared_errors,
+)
 from models.exam.simulate.equivalent_sizes import equivalent_physics
 from models.exam.simulate.independent_ball import IndependentBall
 from models.exam.simulate.launches import Launches, launches
+from models.exam.simulate.laws import physics_of
 from models.exam.simulate.scattered_shots import BallModel, ScatteredShots, scattered_shots
 from models.exam.simulate.trial import Trial
+from models.exam.simulate.varying import HalfRoom
 
 JITTER = 3e-4  # s to either side of a frame's regular time; its time stamp includes it
 MARGIN = 0.1  # s simulated beyond the end of a recording, for a sensor that looks ahead
-LAUNCHES, BOUNCES, SENSOR, FRAMES, NOISE = range(5)  # streams of random numbers
+# Streams of random numbers; the removable gap has number 5.
+LAUNCHES, BOUNCES, SENSOR, FRAMES, NOISE = range(5)
+SHARED, OTHERS, VARIATION = 6, 7, 8
+NO_LABEL_ERRORS, EXACT = LabelErrors(), Stamps()
 
 
 @dataclass(frozen=True)
@@ -25,26 +39,57 @@ class SealedTruth:
     """What the recordings of a trial hide."""
 
     trial: Trial  # with its causes
-    shots: ScatteredShots  # as simulated
+    parts: tuple[ScatteredShots, ...]  # in their order; one, unless a parameter varies by shot
     durations: Floats  # (B,) s that were recorded
+
+    @property
+    def shots(self) -> ScatteredShots:
+        """All shots of a trial whose causes are the same in every shot."""
+        (shots,) = self.parts
+        return shots
 
     def states(self, times: ArrayLike) -> Floats:
         """Return the (B, T, 9) true states at (T,) or (B, T) true times."""
-        return self.shots.fly(self.shots.launches, times).states
+        moments = np.atleast_2d(np.asarray(times, dtype=np.float64))
+        moments = np.broadcast_to(moments, (len(self.durations), moments.shape[1]))
+        return np.concatenate(
+            [part.fly(part.launches, moments[rows]).states for part, rows in self._rows()]
+        )
+
+    def measured(self, times: Floats, random: np.random.Generator) -> tuple[Floats, Floats]:
+        """Return exact (B, T, 3) positions and spin labels at (B, T) times of the cameras."""
+        found = [measured(part, part.launches, times[rows], random) for part, rows in self._rows()]
+        positions, labels = (np.concatenate(some) for some in zip(*found, strict=True))
+        return positions, labels
+
+    @property
+    def bounce_times(self) -> Floats:
+        """(B, K) s of the bounces, NaN beyond the last one."""
+        return np.concatenate([part.contacts.time for part in self.parts])
+
+    def _rows(self) -> Iterator[tuple[ScatteredShots, slice]]:
+        start = 0
+        for part in self.parts:
+            yield part, slice(start, start + len(part.launches))
+            start += len(part.launches)
 
 
 def simulate_trial(trial: Trial) -> tuple[tuple[Recording, ...], SealedTruth]:
     """Return the recordings of a trial, and separately its sealed truth."""
-    drawn = launches(trial.nominal, trial.shots, trial.directions, _random(trial, LAUNCHES))
-    shots = scattered_shots(
-        ball_model(trial, drawn),
-        trial.simulator,
-        drawn.states,
-        drawn.durations + MARGIN,
-        trial.scatter,
-        _random(trial, BOUNCES),
+    drawn = launches(trial.base, trial.shots, trial.directions, _random(trial, LAUNCHES))
+    bounces = _random(trial, BOUNCES)
+    parts = tuple(
+        scattered_shots(
+            ball,
+            simulator,
+            drawn.states[rows],
+            drawn.durations[rows] + MARGIN,
+            trial.scatter,
+            bounces,
+        )
+        for ball, simulator, rows in _environments(trial, drawn)
     )
-    truth = SealedTruth(trial, shots, drawn.durations)
+    truth = SealedTruth(trial, parts, drawn.durations)
     return tuple(_recordings(truth)), truth
 
 
@@ -55,15 +100,62 @@ def ball_model(trial: Trial, drawn: Launches) -> BallModel:
     return trial.simulator
 
 
+def _environments(trial: Trial, drawn: Launches) -> Iterator[tuple[BallModel, Simulator, slice]]:
+    """Yield the dynamics of shots, the simulator with their sensor effects, and their rows."""
+    variation, everything = trial.variation, slice(None)
+    if variation is None:
+        yield ball_model(trial, drawn), trial.simulator, everything
+    elif variation.kind == "place":
+        half_room = HalfRoom(_untuned(trial, trial.simulator), _untuned(trial, trial.base))
+        yield half_room, trial.base, everything
+    else:
+        hidden, mean = variation.parameter, trial.simulator
+        ends, random = (hidden.value(trial.base), hidden.value(mean)), _random(trial, VARIATION)
+        for shot, value in enumerate(variation.values(*ends, trial.shots, random)):
+            simulator = hidden.at(mean, value)
+            yield _untuned(trial, simulator), simulator, slice(shot, shot + 1)
+
+
+def _untuned(trial: Trial, simulator: Simulator) -> BallModel:
+    """Return the dynamics of a cause that varies.
+
+    Constants of the independent dynamics are the parameters' values: no single value of the
+    catalogue's form fits all shots.
+    """
+    independent = trial.dynamics == "independent"
+    return IndependentBall(physics_of(simulator)) if independent else simulator
+
+
 def _recordings(truth: SealedTruth) -> list[Recording]:
-    trial, shots = truth.trial, truth.shots
+    trial = truth.trial
     frames, noise = _random(trial, FRAMES), _random(trial, NOISE)
     times, counts = _frames(truth.durations, trial.cameras.interval, frames)
-    positions, labels = measured(shots, shots.launches, times, _random(trial, SENSOR))
+    positions, labels = truth.measured(times, _random(trial, SENSOR))
+    positions, labels = _with_shared_errors(truth, times, positions, labels)
+    others = _random(trial, OTHERS)
     return [
-        _recording(trial, times[shot, :count], positions[shot, :count], labels[shot, :count], noise)
+        _recording(
+            trial, times[shot, :count], positions[shot, :count], labels[shot, :count], noise, others
+        )
         for shot, count in enumerate(counts)
     ]
+
+
+def _with_shared_errors(
+    truth: SealedTruth, times: Floats, positions: Floats, labels: Floats
+) -> tuple[Floats, Floats]:
+    """Return (B, T, 3) positions and labels with the errors that several rows share."""
+    errors, random = truth.trial.errors, _random(truth.trial, SHARED)
+    if errors.distortion is not None:
+        positions = positions + errors.distortion.errors(positions, random)
+    if errors.labels != NO_LABEL_ERRORS:
+        session = errors.labels.session * random.standard_normal(3)
+        arcs = (times[:, :, None] >= truth.bounce_times[:, None]).sum(axis=2)
+        rows = zip(labels, arcs, strict=True)
+        labels = np.array(
+            [with_shared_errors(*row, errors.labels, session, random) for row in rows]
+        )
+    return positions, labels
 
 
 def _frames(
@@ -80,20 +172,40 @@ def _frames(
 
 
 def _recording(
-    trial: Trial, times: Floats, positions: Floats, labels: Floats, random: np.random.Generator
+    trial: Trial,
+    times: Floats,
+    positions: Floats,
+    labels: Floats,
+    random: np.random.Generator,
+    others: np.random.Generator,
 ) -> Recording:
-    """Return one shot with the errors of the cameras, from exact measurements."""
+    """Return one shot with the errors of the cameras, from exact measurements.
+
+    Args:
+        trial: with the cameras.
+        times: (T,) of the frames.
+        positions: (T, 3) exact ones.
+        labels: (T, 3) exact ones.
+        random: of the cameras' own errors.
+        others: of heavy tails and time stamps.
+    """
     states = np.zeros((len(times), STATE_SIZE))
     states[:, POSITION], states[:, SPIN] = positions, labels
-    positions, labels, kept = trial.cameras.measure(states, random)
+    seen, labels, kept = trial.cameras.measure(states, random)
+    if trial.errors.tails is not None:
+        factors = tail_factors(len(times), trial.errors.tails, others)
+        seen = positions + factors[:, None] * (seen - positions)
     if trial.time_resolution > 0.0:
         times = np.round(times / trial.time_resolution) * trial.time_resolution
+    if trial.errors.stamps != EXACT:
+        times = trial.errors.stamps.stamped(times, others)
+        kept = rising(times, kept)
     labelled = {
         "none": np.zeros(len(kept), dtype=bool),
         "per_shot": np.arange(len(kept)) == 0,
         "per_row": kept,
     }[trial.spin_labels]
-    return Recording(times[kept], positions[kept], times[labelled], labels[labelled])
+    return Recording(times[kept], seen[kept], times[labelled], labels[labelled])
 
 
 def _random(trial: Trial, stream: int) -> np.random.Generator:

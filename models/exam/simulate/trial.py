@@ -1,12 +1,15 @@
 """A trial: everything that its recordings follow from."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from models.arena.bounce_scatter import BounceScatter
 from models.arena.cameras import Cameras, SlowError
 from models.ball.simulator import Simulator
+from models.exam.simulate.camera_errors import CameraErrors
+from models.exam.simulate.varying import Variation
+from models.gap.hypotheses import Hypothesis
 
 Dynamics = Literal["catalogue", "independent"]
 SpinLabels = Literal["none", "per_shot", "per_row"]
@@ -20,6 +23,7 @@ CAMERAS = Cameras(
     interval=0.005,
 )
 SCATTER = BounceScatter(restitution=0.01, friction=0.05)
+NO_ERRORS = CameraErrors()
 
 
 @dataclass(frozen=True)
@@ -30,21 +34,46 @@ class Trial:
     nominal: Simulator  # the simulator that methods are given
     # what is hidden, effect name -> parameter name -> true value
     causes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    # where the nominal simulator is far off: effect name -> parameter name -> true value
+    far_off: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    variation: Variation | None = None  # of a cause that is not the same throughout the session
     # the catalogue's equations, or the independent ones (independent_ball)
     dynamics: Dynamics = "catalogue"
     shots: int = 100  # how many are recorded
     directions: Literal[1, 2] = 2  # 1 (all towards -y) or 2
     spin_labels: SpinLabels = "per_row"  # none, one a shot at its first frame, or one in every row
     cameras: Cameras = CAMERAS  # noise, outliers, dropouts and frame interval
-    time_resolution: float = 0.0  # of the time stamps in s, 0 if they are exact
+    errors: CameraErrors = NO_ERRORS  # of the sensor, beyond those of `cameras`
+    # of the time stamps in s, 0 if they are exact; detection limits leave it out
+    time_resolution: float = 0.0
     scatter: BounceScatter = SCATTER  # standard deviations of the bounces' restitution and friction
     withheld: tuple[str, ...] = ()  # effects that are removed from the methods' catalogue
     seed: int = 0  # of every random draw
 
     @property
+    def base(self) -> Simulator:
+        """The nominal simulator, with true values where it is far off."""
+        return _amended(self.nominal, self.far_off)
+
+    @property
     def simulator(self) -> Simulator:
-        """The nominal simulator with the hidden causes, in the catalogue's forms."""
-        simulator = self.nominal
-        for effect, parameters in self.causes.items():
-            simulator = simulator.amended(effect, **parameters)
-        return simulator
+        """The base with the hidden causes, in the catalogue's forms."""
+        return _amended(self.base, self.causes)
+
+    @property
+    def without_causes(self) -> "Trial":
+        """The trial of an environment that equals the base, which is also its nominal simulator."""
+        return replace(
+            self, nominal=self.base, far_off={}, causes={}, variation=None, dynamics="catalogue"
+        )
+
+
+def hypotheses_of(causes: Mapping[str, Mapping[str, float]]) -> tuple[Hypothesis, ...]:
+    """Return the parameters of causes."""
+    return tuple(Hypothesis(effect, name) for effect, values in causes.items() for name in values)
+
+
+def _amended(simulator: Simulator, causes: Mapping[str, Mapping[str, float]]) -> Simulator:
+    for effect, parameters in causes.items():
+        simulator = simulator.amended(effect, **parameters)
+    return simulator

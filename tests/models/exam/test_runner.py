@@ -1,20 +1,26 @@
 """Methods see recordings only, and the truth is recorded after they have answered."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import pytest
 
-from models.exam.design.questions import Question
+from models.exam.design.question import Question
 from models.exam.interface import Answer, NamedCause, Recording
 from models.exam.runner import run_question
+from models.exam.simulate.varying import Variation
 from models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL, trial
 
-WIND = Hypothesis("wind", "x")
+WIND, DRAG = Hypothesis("wind", "x"), Hypothesis("drag", "cd")
 
 
 def question(*hidden, group="sweep", **settings):
     return Question(group, trial(shots=12, seed=1002, **settings), hidden, cell="base")
+
+
+def several(*hidden, **settings):
+    record, _ = run_question(question(*hidden, group="several", **settings), {"no_gap": no_gap})
+    return record
 
 
 def no_gap(recordings, nominal, withheld):
@@ -75,3 +81,40 @@ def test_a_question_that_cannot_be_posed_has_a_reason_and_no_answers(labels):
     record, seconds = run_question(flipped, {"no_gap": no_gap})
     assert (record.not_posed is not None) == (labels == "none")
     assert (record.answers == {}) == (seconds == {}) == (labels == "none")
+
+
+def test_the_effects_of_several_causes_are_measured():
+    record = several(WIND, DRAG)
+
+    assert all(cause.effect_mm > 0.0 for cause in record.hidden)
+    assert sum(cause.effect_mm for cause in record.hidden) > 0.5 * record.gap_before_mm
+    (alone,) = several(WIND).hidden
+    assert alone.effect_mm is None
+
+
+def test_where_the_nominal_simulator_is_far_off_this_is_part_of_the_truth():
+    calls = []
+
+    def spy(recordings, nominal, withheld):
+        calls.append(nominal)
+        return Answer("no_gap", (), nominal)
+
+    nominal = NOMINAL.amended("drag", cd=0.3)
+    asked = replace(question(WIND), trial=replace(trial(shots=12, seed=1002), nominal=nominal))
+    far = replace(asked, trial=replace(asked.trial, far_off={"drag": {"cd": 0.54}}))
+    record, _ = run_question(far, {"spy": spy})
+
+    assert record.parameters == ("wind.x", "drag.cd")
+    wind, drag = record.hidden
+    assert (drag.nominal, drag.value, drag.kind) == (0.3, 0.54, "wrong_value")
+    assert drag.effect_mm > wind.effect_mm
+    assert calls == [nominal]
+
+
+def test_a_cause_that_varies_has_no_removable_gap():
+    record, _ = run_question(
+        question(WIND, group="drift", variation=Variation("drift", WIND)), {"no_gap": no_gap}
+    )
+
+    assert record.hidden[0].identity == "wind.x"
+    assert (record.gap_before_mm, record.answers["no_gap"].gap_after_mm) == (None, None)

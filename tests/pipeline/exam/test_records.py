@@ -1,10 +1,31 @@
 """The file of exam records."""
 
+import json
+from pathlib import Path
+
 import pytest
 
-from pipeline.exam.records import read_records, write_records
+from models.exam.scoring.rates import rates
+from pipeline.exam.records import RECORDS, read_records, write_records
+from pipeline.exam.tables import methods_of
 from pipeline.runtime.errors import InputError
 from tests.models.exam.example_records import example_exam, record
+
+REPOSITORY = Path(__file__).parents[3]
+
+
+def test_the_committed_records_give_the_committed_rates():
+    records = read_records(REPOSITORY / RECORDS)
+    committed = json.loads((REPOSITORY / "reports/hidden_effects/exam.json").read_text())
+    first, *others = methods_of(records)
+
+    kept = {first: committed, **committed["compared"]}
+    for method in (first, *others):
+        found = rates(records, method)
+        assert {name: kept[method][name] for name in found if name in kept[method]}.items() <= (
+            found.items()
+        )
+    assert {"top1_at_3x", "coverage", "removable_closed"} <= kept[first].keys()
 
 
 def test_written_records_are_read_again_with_six_digits(tmp_path):

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 import pipeline.exam.full_run
-from models.exam.design.questions import Question, exam
+from models.exam.design.question import Question
+from models.exam.design.questions import exam
 from models.exam.interface import Answer
 from models.exam.methods.registry import METHODS, RALLYGAP
 from models.exam.simulate.trial import Trial
-from pipeline.exam.full_run import fingerprint, run_exam, verdict_costs
+from pipeline.exam.full_run import fingerprint, main, run_exam, run_sample, verdict_costs
 from pipeline.exam.records import RECORDS, read_records
 from pipeline.exam.run import Result, assignments, run_questions
 from pipeline.io.simulators import load_simulator
@@ -125,3 +126,42 @@ def test_the_exam_leaves_records_and_costs(root, monkeypatch):
     assert read_records(root / RECORDS) == records
     assert RALLYGAP in (root / "reports/costs/verdicts.csv").read_text()
     assert json.loads((root / "reports/costs/verdicts.json").read_text())["cores"] >= 1
+
+
+def sampled(root, monkeypatch, groups, every):
+    """Names of the questions of a sample, and the folder of their results."""
+    calls = []
+
+    def run(assignments, folder):
+        calls.append(folder)
+        return [Result(record=record(name=q.trial.name), seconds={}) for q, _ in assignments]
+
+    monkeypatch.setattr(pipeline.exam.full_run, "run_questions", run)
+    run_sample(root, root / "sample.jsonl", groups, every)
+    return [one.name for one in read_records(root / "sample.jsonl")], calls[0]
+
+
+def test_a_sample_is_some_questions_of_some_groups(root, monkeypatch):
+    names, folder = sampled(root, monkeypatch, ["distortion", "several"], 6)
+    known = [q.trial.name for q, _ in assignments(params())]
+
+    assert names == [one for one in known if one.startswith(("distortion", "several"))][::6]
+    assert len(names) == 20
+    assert folder.parent == root / "scratch/exam"
+    assert not (root / RECORDS).exists()
+    everything, again = sampled(root, monkeypatch, [], 100)
+    assert (everything, again) == (known[::100], folder)
+
+
+def test_an_unknown_group_is_one_error(root):
+    with pytest.raises(InputError, match="there is no group 'tilt'; groups: sweep"):
+        run_sample(root, root / "sample.jsonl", ["tilt"], 1)
+
+
+@pytest.mark.parametrize("arguments", [["--groups", "several"], ["--every", "6"]])
+def test_a_sample_needs_a_file_of_its_own(arguments, monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["full_run", *arguments])
+
+    with pytest.raises(SystemExit):
+        main()
+    assert "a sample needs --out" in capsys.readouterr().err

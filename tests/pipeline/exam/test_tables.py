@@ -10,6 +10,7 @@ from pipeline.exam.tables import (
     methods_of,
     not_posed_table,
     rate_table,
+    robustness_table,
     shortfall_table,
 )
 from tests.models.exam.example_records import METHODS, answer, example_exam, hidden, named, record
@@ -51,6 +52,23 @@ def test_groups_count_questions_and_solved_ones(records):
     clean = table["group"] == "clean"
     assert table.loc[clean, "removable_closed"].isna().all()
     assert table.loc[table["group"] == "sweep", "removable_closed"].between(0, 1).all()
+
+
+def test_robustness_has_the_counts_of_every_part():
+    clean = {"group": "distortion", "cell": "radial"}
+    given = [record(answers=MISSED, **clean), record(answers=RIGHT, **clean)]
+    given += [record(hidden(), answers=RIGHT, group="distortion", cell="half")]
+    given += [record(hidden(), answers=RIGHT, group="drift", cell=""), record(answers=RIGHT)]
+
+    rows = robustness_table(given, RALLYGAP).table.set_index(["group", "part"])
+    assert len(rows) == 3
+    assert rows.loc[("distortion", "radial"), ["clean_sets_new", "false_leading"]].tolist() == [
+        2,
+        1,
+    ]
+    assert rows.loc[("distortion", "half"), ["constant_new", "leading_right"]].tolist() == [1, 1]
+    assert rows.loc[("drift", ""), ["varying_new", "varying_new_right"]].tolist() == [1, 1]
+    assert robustness_table([record(answers=RIGHT)], RALLYGAP).table.empty
 
 
 def test_every_shortfall_is_listed_by_its_trial(records):

@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 from threadpoolctl import threadpool_info
 
-from models.exam.design.questions import Question
+from models.exam.design.question import Question
 from models.exam.methods.registry import METHODS, RALLYGAP
 from models.exam.simulate.trial import Trial
 from pipeline.exam.run import run_questions

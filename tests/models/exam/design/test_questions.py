@@ -1,5 +1,6 @@
 """The design is complete, balanced and a pure function of its seed."""
 
+import hashlib
 from collections import Counter
 
 import numpy as np
@@ -8,6 +9,8 @@ import pytest
 from models.ball.catalogue import catalogue
 from models.exam.design.parameters import NOT_OBSERVABLE, family, hideable
 from models.exam.design.questions import exam
+from models.exam.design.robustness import GROUPS
+from models.exam.simulate.recordings import simulate_trial
 from models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL
 
@@ -38,7 +41,8 @@ def test_it_has_the_sizes_of_a_full_exam_and_unique_trials():
 
     assert 1050 <= sizes.pop("sweep") <= 1150
     assert sizes.pop("clean") == 500
-    assert sum(sizes.values()) == 300
+    assert sum(sizes[name] for name in sizes if name not in GROUPS) == 300
+    assert {sizes[name] for name in GROUPS} == {60}
     assert len({trial.name for trial in trials}) == len(trials)
     assert len({trial.seed for trial in trials}) == len(trials)
 
@@ -55,6 +59,47 @@ def test_every_parameter_is_hidden_in_every_cell_unless_there_is_a_reason():
     assert set(hidden) == set(hideable())
     assert len(set(hidden.values())) == 1
     assert set(catalogue()) - {one.effect for one in hidden} == set(NOT_OBSERVABLE)
+
+
+def digest(lines):
+    return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]
+
+
+def test_the_questions_before_the_robustness_groups_stay_as_they_are():
+    """The committed records are of these questions."""
+    known = [question for question in QUESTIONS if question.group not in GROUPS]
+    described = [
+        f"{q.group} {q.cell} {q.multiple} {q.hidden} {q.trial.name} {q.trial.seed} "
+        f"{q.trial.dynamics} {q.trial.shots} {q.trial.directions} {q.trial.spin_labels} "
+        f"{q.trial.cameras.position_noise} {q.trial.cameras.outliers} {q.trial.time_resolution} "
+        f"{q.trial.withheld}"
+        for q in known
+    ]
+
+    assert QUESTIONS[: len(known)] == known
+    assert digest(described) == "312e246411eb0058"
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("sweep/magnus.cm/size-1x/1", "9083e4d7f50d9e34"),
+        ("clean/12", "754c4755eb230d18"),
+        ("sensor_fault/spin_axis_bias.x/22", "6dce6fae4dd34230"),
+        ("withheld/side_force.cy/7", "fc524715d0113a73"),
+    ],
+)
+def test_their_recordings_stay_as_they_are(name, expected):
+    """To a micrometre; further digits differ between processors."""
+    (question,) = [question for question in QUESTIONS if question.trial.name == name]
+    recordings, _ = simulate_trial(posed(question))
+    arrays = [
+        array
+        for one in recordings
+        for array in (one.times, one.positions, one.label_times, one.labels)
+    ]
+
+    assert digest(str((array.round(6) + 0.0).tolist()) for array in arrays) == expected
 
 
 def test_sweeps_change_one_thing_at_a_time():

@@ -5,6 +5,7 @@ import io
 import numpy as np
 import pytest
 
+from models.exam.design.robustness import GROUPS
 from models.exam.scoring.rates import covered, rates
 from pipeline.exam.figures import exam_figures
 from pipeline.exam.figures.methods import accuracy_figure, methods_figure
@@ -61,6 +62,15 @@ def test_bars_of_methods_have_the_heights_of_their_rates(records):
         found = rates(records, method)
         for rate in ("false_alarm_rate", "top1_at_3x", "pairs_both", "removable_closed"):
             assert round(100 * max(found[rate], 0.0), 3) in heights
+
+
+def test_robustness_groups_are_not_in_the_figures(records):
+    without = [one for one in records if one.group not in GROUPS]
+    shown, expected = (exam_figures(some, METHODS)[2].figure for some in (records, without))
+
+    ticks = [[label.get_text() for label in f.axes[0].get_yticklabels()] for f in (shown, expected)]
+    assert len(without) < len(records)
+    assert ticks[0] == ticks[1]
 
 
 def test_one_record_is_enough_for_all_of_them():
