@@ -1,25 +1,50 @@
 """From shots and a simulator to a verdict: name, locate, amend, verify (docs/naming.md)."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
 
 from models.ball.simulator import Simulator
 from models.gap.fit.refit import RefitResult, fit_nuisance
 from models.gap.fit.shots import Shots, held_out
 from models.gap.locate.attribution import locate
-from models.gap.location import Located
-from models.gap.name.causes import GapShares, answer, causes, detection_limits, unexplained
+from models.gap.name.causes import (
+    camera_cause,
+    camera_nodes,
+    cause,
+    default_role,
+    detection_limits,
+    label_signs_cause,
+)
+from models.gap.name.distortion import CAMERA
 from models.gap.name.label_signs import find_flipped_labels, no_flipped_labels
-from models.gap.name.naming import Named, name
+from models.gap.name.naming import Named, name, without_cause
+from models.gap.name.parts import UNEXPLAINED, parts
 from models.gap.name.selection import evidence_about
-from models.gap.name.unexplained import find_unexplained
+from models.gap.name.unexplained import UnexplainedStructure, find_unexplained
 from models.gap.settings import DEFAULTS, GapSettings, Question
 from models.gap.types import PHASES
-from models.gap.verdict import DetectionLimits, Gap, PhaseShares, Verdict
-from models.gap.verify.limitations import limitations, rejected_if_worse
-from models.gap.verify.prediction_error import errors, gap
+from models.gap.verdict import (
+    Answer,
+    Cause,
+    Check,
+    DetectionLimits,
+    Gap,
+    PhaseShares,
+    Unexplained,
+    Verdict,
+    Worth,
+)
+from models.gap.verify.checks import checks
+from models.gap.verify.limitations import limitations
+from models.gap.verify.prediction_error import Errors, HeldOut, gap
+from models.gap.verify.roles import Judgement
+from models.gap.verify.worth import Worths
 
-# Share of the work that is done when causes are named, held-out shots fitted, and the gap located.
-NAMED, FITTED, LOCATED = 0.6, 0.75, 0.9
+# Share of the work that is done when causes are named, the gap is located, and roles are found.
+NAMED, LOCATED = 0.65, 0.8
 
 
 def diagnose(
@@ -57,32 +82,139 @@ def diagnose(
         lambda evidence: on_limits(detection_limits(evidence, labels, question)),
     )
     progress(NAMED)
-    verification = _fit_held_out(shots[held], named, settings)
-    progress(FITTED)
+    whole = _Verified.of(named, shots[held], question)
     structure = find_unexplained(named.fit, question)
-    significant = structure.p_value <= settings.level and structure.confirmed(verification)
-    gap_shares = GapShares.of(named, structure if significant else None)
-    found, before = causes(named, gap_shares), evidence_about(named.before, question)
-    limits = detection_limits(before, named.signs, question)
-    located = locate(named.fit, question)
+    significant = structure.p_value <= settings.level and structure.confirmed(whole.verification)
+    located = locate(named.fit, question, parts(named, structure if significant else None))
+    shares = located.gap_shares if located else {}
     progress(LOCATED)
+    main, worths, minor = _reduced(whole, significant, shares)
+    limits = detection_limits(evidence_about(named.before, question), named.signs, question)
+    found = (*_main_causes(main.named, worths, shares), *minor)
     verdict = Verdict(
-        verdict=answer(found, significant, named.settled),
+        verdict=_answer(found, main, significant, shares),
         causes=found,
-        unexplained=unexplained(structure, significant, gap_shares),
-        phases=_phase_shares(located, gap_shares.label_signs),
-        gap=_verify(verification, named, question),
+        unexplained=_unexplained(structure, significant, shares),
+        phases=PhaseShares(**(located.phase_shares if located else dict.fromkeys(PHASES, 0.0))),
+        gap=main.gap,
+        checks=main.checks,
+        camera=camera_nodes(main.named),
         minimum_detectable=limits.minimum_detectable,
         not_identifiable=limits.not_identifiable,
         limitations=limitations(shots, found, limits, named.settled, settings),
         located=located,
     )
     progress(1.0)
-    return rejected_if_worse(verdict)
+    return verdict
+
+
+@dataclass(frozen=True)
+class _Verified:
+    """Causes, and what held-out shots say of them."""
+
+    named: Named
+    measured: Shots
+    question: Question
+    verification: RefitResult
+    held: HeldOut | None
+    errors: Errors | None
+
+    @classmethod
+    def of(cls, named: Named, shots: Shots, question: Question) -> "_Verified":
+        """Return the causes verified on held-out shots, as they were measured."""
+        settings, noise = question.settings, named.fit.noise_estimate.noise
+        verification = _fit_held_out(shots, named, settings)
+        held = HeldOut.of(verification, shots, noise, settings)
+        if not len(held.shots):
+            return cls(named, shots, question, verification, None, None)
+        seen = held.corrected if named.distorted else held.shots
+        errors = held.errors((question.simulator, named.simulator), named.spins, seen)
+        return cls(named, shots, question, verification, held, errors)
+
+    @cached_property
+    def gap(self) -> Gap | None:
+        """Prediction errors; None where held-out shots are too short."""
+        return gap(self.errors, self.question.settings) if self.errors else None
+
+    @cached_property
+    def checks(self) -> tuple[Check, ...]:
+        """Whether the model fits held-out shots."""
+        return checks(self.verification, self.errors, self.question.settings)
+
+    @property
+    def fits(self) -> bool:
+        """Whether all checks pass."""
+        return all(check.passed for check in self.checks)
+
+    def without(self, k: int) -> "_Verified":
+        """Return the causes but one, refitted."""
+        named = without_cause(self.named, k, self.question)
+        return _Verified.of(named, self.measured, self.question)
+
+    def judgement(self, fits: bool) -> Judgement:
+        """Return what decides about the roles of the causes."""
+        worths = Worths.of(self.named, self.verification, self.held, self.question)
+        before = float(np.mean(self.gap.before_mm)) if self.gap else 0.0
+        return Judgement(self.named, worths, fits, before)
+
+
+def _reduced(
+    whole: _Verified, significant: bool, shares: dict[str, float]
+) -> tuple[_Verified, dict[str, Worth], list[Cause]]:
+    """Return the main causes with what they are worth, and the minor ones."""
+    question, fits, minor = whole.question, whole.fits and not significant, []
+    judgement = whole.judgement(fits)
+    while (k := judgement.weakest(question)) is not None:
+        worth = judgement.worths.of_causes.get(judgement.identity(k))
+        minor.append(cause(whole.named, k, "minor", shares, worth))
+        whole = whole.without(k)
+        judgement = whole.judgement(fits)
+    minor.sort(key=lambda one: -one.gap_share)
+    return whole, judgement.worths.of_causes, minor
+
+
+def _main_causes(named: Named, worths: dict[str, Worth], shares: dict[str, float]) -> list[Cause]:
+    """Return leading causes and sensor faults, each the largest share first."""
+    columns = named.explainer.evidence.columns
+    found = [
+        cause(named, k, default_role(columns[k]), shares, worths.get(columns[k].identity))
+        for k in named.explanation.causes
+    ]
+    if named.distortion is not None and named.distorted:
+        found.append(camera_cause(named, named.distortion, shares, worths.get(CAMERA.identity)))
+    if named.signs.significant:
+        found.append(label_signs_cause(named, shares))
+    return sorted(found, key=lambda one: (one.role != "leading", -one.gap_share))
+
+
+def _answer(
+    found: Sequence[Cause], main: _Verified, significant: bool, shares: dict[str, float]
+) -> Answer:
+    """Return the verdict in one word."""
+    limit = main.question.settings.verify.max_unexplained
+    if significant and shares.get(UNEXPLAINED, 1.0) > limit:
+        return "unknown"
+    causes = [one for one in found if one.role != "minor"]
+    if not causes:
+        return "no_gap" if main.fits and not significant else "unknown"
+    certain = main.named.settled and not any(one.ambiguous for one in causes)
+    return "named" if certain else "ambiguous"
+
+
+def _unexplained(
+    structure: UnexplainedStructure, significant: bool, shares: dict[str, float]
+) -> Unexplained:
+    """Return the part of a verdict about structure that no cause explains."""
+    return Unexplained(
+        share=shares.get(UNEXPLAINED, 0.0),
+        p_value=structure.p_value,
+        phase=structure.phase if significant else None,
+        formula=structure.candidate_formula if significant else None,
+    )
 
 
 def _fit_held_out(shots: Shots, named: Named, settings: GapSettings) -> RefitResult:
-    """Return held-out shots fitted about the amended simulator, flipped labels corrected."""
+    """Return held-out shots fitted about the amended simulator, with corrected measurements."""
     simulator, noise = named.fit.simulator, named.fit.noise_estimate.noise
     if named.field is not None:
         errors = named.fit.camera_errors
@@ -90,23 +222,6 @@ def _fit_held_out(shots: Shots, named: Named, settings: GapSettings) -> RefitRes
     about = fit_nuisance(shots, simulator, noise, settings.fit)
     if not named.signs.significant:
         return about
-    corrected = find_flipped_labels(shots, about, settings).corrected(shots)
+    # Two flipped labels are no cause, but where there is one, each of them is corrected.
+    corrected = find_flipped_labels(shots, about, settings).negated(shots)
     return fit_nuisance(corrected, simulator, noise, settings.fit)
-
-
-def _phase_shares(located: Located | None, label_signs: float) -> PhaseShares:
-    """Return the gap's shares by phase, flipped labels as the sensor's; zero without a gap."""
-    shares = located.phase_shares if located else dict.fromkeys(PHASES, 0.0)
-    parts = {phase: (1 - label_signs) * share for phase, share in shares.items()}
-    parts["sensor"] += label_signs
-    total = max(sum(parts.values()), 1e-12)
-    return PhaseShares(**{phase: part / total for phase, part in parts.items()})
-
-
-def _verify(verification: RefitResult, named: Named, question: Question) -> Gap | None:
-    """Return prediction errors of both simulators; None where held-out shots are too short."""
-    settings, noise = question.settings, named.fit.noise_estimate.noise
-    if not (verification.linear.shots.valid.sum(axis=1) > settings.observed_samples).any():
-        return None
-    simulators = question.simulator, named.simulator
-    return gap(errors(verification, simulators, noise, named.spins, settings), settings)

@@ -39,6 +39,7 @@ class Located:
         horizons: (H,) s after the last sample that a prediction uses.
         discrepancy: (H,) m, root mean square over shots, without noise and scatter.
         shares: (H,) of each phase in its square; zero where there is no discrepancy.
+        of_causes: (H,) of each cause, by identity; under an empty name that of no cause.
         means: (H, 3) m along the course, across it (to the right) and up, over shots.
         margins: (H, 3) m, half the 95 % interval of a mean.
         growth: its growth with every covariate, the most informative first.
@@ -48,6 +49,7 @@ class Located:
     horizons: Floats
     discrepancy: Floats
     shares: dict[Phase, Floats]
+    of_causes: dict[str, Floats]
     means: Floats
     margins: Floats
     growth: tuple[Growth, ...]
@@ -55,6 +57,13 @@ class Located:
 
     @property
     def phase_shares(self) -> dict[Phase, float]:
-        """Mean shares over all horizons, weighted by the discrepancy; zero where there is none."""
-        whole = max(float(self.discrepancy.sum()), 1e-12)
-        return {phase: float(self.discrepancy @ self.shares[phase]) / whole for phase in PHASES}
+        """Mean shares of phases over all horizons, weighted by the discrepancy."""
+        return {phase: self._mean(self.shares[phase]) for phase in PHASES}
+
+    @property
+    def gap_shares(self) -> dict[str, float]:
+        """Mean shares of causes over all horizons, weighted by the discrepancy."""
+        return {identity: self._mean(share) for identity, share in self.of_causes.items()}
+
+    def _mean(self, share: Floats) -> float:
+        return float(self.discrepancy @ share) / max(float(self.discrepancy.sum()), 1e-12)

@@ -124,10 +124,6 @@ class LocateSettings:
     min_shots: int = 5  # at a horizon
     min_share: float = 0.25  # at a horizon, of the shots at the horizon that has most
     trend_share: float = 2 / 3  # of these, at the horizon at which trends are tested
-    min_weight: float = 1e-3  # of an explanation by phases; below, it is left out
-    no_gap_weight: float = 0.5  # of no term at all; above, no phase has a share
-    min_term_information: float = 1e-3  # share of a term's information left given those chosen
-    max_terms: int = 12  # of an explanation
     known_spin: float = 1e-3  # rad/s that a spin without a label may shift in a prediction
     min_inlier: float = 0.5  # probability that a sample is no outlier
     min_shot_weight: float = 0.5
@@ -158,7 +154,6 @@ class NameSettings:
     min_flipped_labels: int = 3  # shots: no cause rests on one or two
     suspect_misfit: float = 1.1  # times the typical misfit, from which a label is tried flipped
     ordinary_misfit: float = 2.0  # times the typical misfit, up to which a flipped label fits
-    max_orders: int = 240  # in which causes are added to share out their gain
     sign_flips: int = 20_000  # random signs of shots; p-values are at least 6 / sign_flips
     # Share of information left given the catalogue, of a direction of terms and of one term.
     min_direction_information: float = 1e-4
@@ -179,6 +174,22 @@ class VerifySettings:
     horizons: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4)  # s
     min_shots: int = 3  # with samples at a horizon, or that land
     min_inlier: float = 0.5  # probability that a sample is no outlier
+    # Largest error of the nominal simulator's predictions by which amended ones may be worse.
+    worse: float = 0.02
+    min_worth: float = 0.02  # of the largest worth; below it, a cause is minor
+    max_unexplained: float = 0.1  # of the gap; above it, the verdict is unknown
+    min_checked: int = 10  # held-out shots of a check
+    # Measured over expected sizes of a model that fits (verdict.py, Check).
+    allowed: Mapping[str, tuple[float, float]] = field(
+        default_factory=lambda: MappingProxyType(
+            {
+                "residuals": (0.7, 1.4),
+                "prediction": (0.75, 1.33),
+                "landing": (0.67, 1.5),
+                "labels": (0.0, 0.5),
+            }
+        )
+    )
     landing_horizon: float = 0.2  # s after the last sample, until when predictions may land
     replicates: int = 3  # simulated, for the noise floor
     bootstrap_draws: int = 2000

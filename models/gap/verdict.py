@@ -14,15 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf, ValidationError
 
 from models.gap.hypotheses import Hypothesis
 from models.gap.location import Located
 from models.gap.types import Phase
 
-VERSION = 1  # of the file (see ``Verdict.version``); grows when a field changes
-WORSE = 0.02  # share of the nominal error by which amended predictions must be worse to be rejected
+VERSION = 2  # of the file (see ``Verdict.version``); grows when a field changes
 
 Answer = Literal["no_gap", "named", "ambiguous", "unknown"]
 Kind = Literal["wrong_value", "missing_effect"]
@@ -38,6 +36,52 @@ class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
+class Worth(_Part):
+    """What a cause is worth alone: how much held-out predictions err more when it is taken out.
+
+    Attributes:
+        mm: growth of the root mean square error, mean over horizons; the other causes stay and
+            have their likeliest values without it.
+        interval: 95 % interval, paired bootstrap over shots.
+    """
+
+    mm: float
+    interval: tuple[float, float]
+
+
+class Check(_Part):
+    """One posterior predictive check: a measured size over that of the fitted model.
+
+    Attributes:
+        name: what is compared.
+        ratio: measured over expected, 1 where the model fits.
+        interval: 95 % interval, bootstrap over shots.
+        allowed: range of ratios of a model that fits.
+    """
+
+    name: Literal["residuals", "prediction", "landing", "labels"]
+    ratio: float
+    interval: tuple[float, float]
+    allowed: tuple[float, float]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the interval has part of the allowed range."""
+        return self.interval[0] <= self.allowed[1] and self.interval[1] >= self.allowed[0]
+
+
+class CameraNodes(_Part):
+    """The estimated error of the cameras over space, as ``camera_distortion`` has it.
+
+    Attributes:
+        length: m, over which it is correlated.
+        nodes: places (m) and weights, six numbers each.
+    """
+
+    length: float
+    nodes: tuple[tuple[float, float, float, float, float, float], ...]
+
+
 class Cause(_Part):
     """One cause of the gap.
 
@@ -50,7 +94,9 @@ class Cause(_Part):
         estimate: value by the shots.
         interval: 95 % confidence interval of the estimate.
         p_value: probability that the largest of all hypotheses is as large without any gap.
-        gap_share: share of the gap, of all causes and of unexplained structure.
+        gap_share: share of the mean squared discrepancy of trajectories, of all causes and of
+            unexplained structure.
+        worth: alone, in prediction errors; None where held-out shots are too short or few.
         possible: identities that these shots cannot tell from the cause, its own first.
     """
 
@@ -63,6 +109,7 @@ class Cause(_Part):
     interval: tuple[float, float]
     p_value: float
     gap_share: float
+    worth: Worth | None = None
     possible: tuple[str, ...]
 
     @property
@@ -177,15 +224,6 @@ class Gap(_Part):
     after_interval_mm: tuple[tuple[float, float], ...] = ()
     reduction_mm: tuple[float, float] | None = None
 
-    @property
-    def worse(self) -> bool:
-        """Whether amended predictions are worse by more than ``WORSE``, with 95 % confidence.
-
-        With the right causes they may be a little worse where they hardly depend on the causes.
-        """
-        least = WORSE * float(np.mean(self.before_mm))
-        return self.reduction_mm is not None and self.reduction_mm[1] < -least
-
 
 @dataclass(frozen=True)
 class DetectionLimits:
@@ -207,22 +245,27 @@ class Verdict(_Part):
     Attributes:
         version: of the file's format.
         verdict: in one word.
-        causes: of the gap, the largest share first.
+        causes: of the gap: leading ones, sensor faults and minor structure, each the largest
+            share first.
         unexplained: structure that no cause explains.
         phases: shares of the gap by phase.
         gap: prediction errors on held-out shots; None where these are too few.
+        checks: posterior predictive checks of the model with the main causes.
+        camera: the cameras' error over space, where it is one of the causes.
         minimum_detectable: see ``DetectionLimits``.
         not_identifiable: see ``DetectionLimits``.
         limitations: sentences: what these data cannot decide, why, and which experiment would.
         located: discrepancy over the horizon and against covariates; not in the file, None there.
     """
 
-    version: Literal[1] = 1
+    version: Literal[2] = 2
     verdict: Answer
     causes: tuple[Cause, ...]
     unexplained: Unexplained
     phases: PhaseShares
     gap: Gap | None
+    checks: tuple[Check, ...] = ()
+    camera: CameraNodes | None = None
     minimum_detectable: dict[str, float]
     not_identifiable: tuple[str, ...]
     limitations: tuple[str, ...] = ()
@@ -232,6 +275,16 @@ class Verdict(_Part):
     def main_causes(self) -> tuple[Cause, ...]:
         """Leading causes and sensor faults: what the verdict names and ``amended.yaml`` has."""
         return tuple(cause for cause in self.causes if cause.role != "minor")
+
+    @property
+    def leading(self) -> tuple[Cause, ...]:
+        """Causes in the simulator that matter."""
+        return tuple(cause for cause in self.causes if cause.role == "leading")
+
+    @property
+    def misfits(self) -> tuple[Check, ...]:
+        """Checks that fail."""
+        return tuple(check for check in self.checks if not check.passed)
 
     def to_json(self) -> str:
         """Return the content of ``verdict.json``."""

@@ -33,7 +33,6 @@ class Findings:
         return [
             self._answer(),
             *map(self._cause, self.verdict.causes),
-            *self._rejected(),
             *self._unexplained(),
             *self._phases(),
             *self._growth(),
@@ -75,13 +74,6 @@ class Findings:
         if not cause.alternatives:
             return text
         return f"{text} Not separable from {_listed(cause.alternatives)}."
-
-    def _rejected(self) -> Iterator[str]:
-        if self.verdict.gap and self.verdict.gap.worse and self.verdict.causes:
-            yield (
-                "The amended simulator predicts held-out shots worse than the nominal one. The "
-                "causes are rejected; amended.yaml is the nominal simulator."
-            )
 
     def _unexplained(self) -> Iterator[str]:
         unexplained = self.verdict.unexplained

@@ -1,31 +1,57 @@
 """The amended simulator: the nominal one with the causes of a verdict, as a value and as YAML."""
 
-from models.ball.simulator import Simulator
+from models.ball.simulator import NODES, Simulator
 from models.gap.verdict import Cause, Verdict
 
+CAMERA = "camera_distortion"
 
-def amended(simulator: Simulator, verdict: Verdict) -> Simulator:
-    """Return the simulator with the estimates of all causes.
 
-    Of a class of causes that the shots cannot separate it has the one that explains most. Causes
-    with which held-out predictions are worse are left out.
+def amended(simulator: Simulator, verdict: Verdict, minor: bool = False) -> Simulator:
+    """Return the simulator with the estimates of the main causes.
+
+    Of a class of causes that the shots cannot separate it has the one that explains most.
+
+    Args:
+        simulator: the nominal one.
+        verdict: with the causes.
+        minor: whether minor structure is amended as well.
     """
-    for cause in _accepted(verdict):
+    for cause in _amended_causes(verdict, minor):
+        if cause.effect == CAMERA:
+            simulator = _with_camera(simulator, verdict, cause.estimate)
+            continue
         hypothesis = cause.hypothesis
         low, high = hypothesis.declaration.bounds
         simulator = hypothesis.at(simulator, min(max(cause.estimate, low), high))
     return simulator
 
 
-def amended_yaml(simulator: Simulator, verdict: Verdict, data: str) -> str:
+def amended_yaml(simulator: Simulator, verdict: Verdict, data: str, minor: bool = False) -> str:
     """Return the amended simulator as YAML, with the origin of every change in a comment."""
     lines = []
-    for effect, values in amended(simulator, verdict).to_dict().items():
-        changes = (one for one in _accepted(verdict) if one.effect == effect)
+    for effect, values in amended(simulator, verdict, minor).to_dict().items():
+        changes = (one for one in _amended_causes(verdict, minor) if one.effect == effect)
         lines += [f"# {_origin(cause, verdict, data)}" for cause in changes]
+        rows = values.pop(NODES, None)
         parameters = ", ".join(f"{name}: {value!r}" for name, value in values.items())
-        lines.append(f"{effect}: {{{parameters}}}")
+        if rows is None:
+            lines.append(f"{effect}: {{{parameters}}}")
+        else:
+            lines += [f"{effect}:", *(f"  {name}: {value!r}" for name, value in values.items())]
+            lines += [f"  {NODES}:", *(f"    - {row!r}" for row in rows)]
     return "\n".join(lines) + "\n"
+
+
+def _with_camera(simulator: Simulator, verdict: Verdict, amplitude: float) -> Simulator:
+    """Return the simulator with the cameras' error added to the one that it may have already."""
+    if verdict.camera is None:
+        return simulator
+    known = simulator.effects.get(CAMERA, {})
+    length, nodes = verdict.camera.length, [list(row) for row in verdict.camera.nodes]
+    if known.get("length") == length:
+        scale = known["amplitude"] / amplitude
+        nodes += [[*row[:3], *(scale * weight for weight in row[3:])] for row in known[NODES]]
+    return simulator.amended(CAMERA, amplitude=amplitude, length=length, nodes=nodes)
 
 
 def _origin(cause: Cause, verdict: Verdict, data: str) -> str:
@@ -39,5 +65,5 @@ def _origin(cause: Cause, verdict: Verdict, data: str) -> str:
     )
 
 
-def _accepted(verdict: Verdict) -> tuple[Cause, ...]:
-    return () if verdict.gap and verdict.gap.worse else verdict.causes
+def _amended_causes(verdict: Verdict, minor: bool) -> tuple[Cause, ...]:
+    return verdict.causes if minor else verdict.main_causes

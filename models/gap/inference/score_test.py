@@ -77,18 +77,31 @@ class ScoreTest:
         return float(self.scores.sum(axis=0) @ self.estimate)
 
     @cached_property
-    def held_out_gain(self) -> float:
-        """Twice the gain of log likelihood of each fold by the estimate of the others."""
+    def held_out_gains(self) -> Floats:
+        """(B,) twice the gain of log likelihood of each shot by the estimate of other folds."""
         folds = self.settings.inference.folds
         fold = np.arange(len(self.scores)) % folds
         fold[self.shots.stop :] = folds
-        parts = [(self.scores[fold == f].sum(axis=0), self.shares[fold == f]) for f in range(folds)]
-        total, gain = self.scores.sum(axis=0), 0.0
-        for score, shares in parts:
-            information = shares.sum(axis=0)
-            said = np.linalg.solve(regularised(self.information - information), total - score)
-            gain += float(2 * said @ score - said @ information @ said)
-        return gain
+        gains, total = np.zeros(len(self.scores)), self.scores.sum(axis=0)
+        for number in range(folds):
+            rows = fold == number
+            scores, shares = self.scores[rows], self.shares[rows]
+            others = regularised(self.information - shares.sum(axis=0))
+            said = np.linalg.solve(others, total - scores.sum(axis=0))
+            gains[rows] = 2 * scores @ said - np.einsum("bde,d,e->b", shares, said, said)
+        return gains[self.shots]
+
+    @property
+    def held_out_gain(self) -> float:
+        """Twice the gain of log likelihood of all folds, each by the estimate of the others."""
+        return float(self.held_out_gains.sum())
+
+    @property
+    def surely_gains(self) -> bool:
+        """Whether the interval of the held-out gain, by its spread over shots, excludes zero."""
+        gains = self.held_out_gains
+        error = float(np.sqrt(len(gains)) * gains.std())
+        return self.held_out_gain > self.settings.normal_quantile * error
 
     @cached_property
     def effective_sample_size(self) -> float:

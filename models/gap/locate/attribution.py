@@ -1,12 +1,13 @@
 """Attribution of the discrepancy between simulated and measured trajectories.
 
-The discrepancy ``D`` is the sum of what each phase (flight, table, sensor) contributes: the
-catalogue's effects there and the omnibus terms (term_library.py). The mean of ``D . D`` over shots
-is shared out by how much it falls when a phase is freed, averaged over all orders of freeing the
-three (Shapley's value); for the square of a sum this is the mean of ``D_phase . D``. Which phases
-are wrong at all is selected first (phase_selection.py); where several explanations remain, the
-shares are their weighted mean.
+The discrepancy ``D`` is the sum of parts: what each cause does to predictions, and what no cause
+explains. The share of a part is the mean of ``D_part . D`` in that of ``D . D`` over shots, which
+sums to one; a part that others more than cancel has none. Shares of flight, table and sensor are
+the sums of those of their parts.
 """
+
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,14 +17,30 @@ from models.gap.fit.refit import RefitResult
 from models.gap.locate.covariates import axes, course_frames
 from models.gap.locate.discrepancy import discrepancy, reliable
 from models.gap.locate.free_fit import free_discrepancy
-from models.gap.locate.phase_selection import Candidates
 from models.gap.locate.trends import means_and_margins, trends_against
 from models.gap.location import Located
-from models.gap.settings import Question
-from models.gap.types import PHASES, Places
+from models.gap.settings import GapSettings, Question
+from models.gap.types import PHASES, Phase
 
 
-def locate(fit: RefitResult, question: Question) -> Located | None:
+@dataclass(frozen=True)
+class Part:
+    """What one cause, or unexplained structure, adds to the measurements of B shots.
+
+    Attributes:
+        identity: of the cause; empty for unexplained structure.
+        phase: in which it acts.
+        positions: (B, N, 3) m.
+        labels: (B, L, 3) in units of the fitted spin.
+    """
+
+    identity: str
+    phase: Phase
+    positions: Floats
+    labels: Floats
+
+
+def locate(fit: RefitResult, question: Question, parts: Sequence[Part]) -> Located | None:
     """Locate the gap between shots and the nominal simulator, from a fit about a simulator nearby.
 
     It is None if too few shots are long enough.
@@ -37,7 +54,8 @@ def locate(fit: RefitResult, question: Question) -> Located | None:
     if not kept.any():
         return None
     horizons = horizons[kept]
-    squares = _squares(Candidates.of(fit, question), fit, horizons)
+    squares = _squares(parts, fit, horizons, settings)
+    shares = _shares(squares)
     free = at_horizons(shots, free_discrepancy(fit, question), usable, horizons, settings)
     discrepancies = np.einsum("bij,bhj->bhi", course_frames(fit.linear), free)
     trend = int(np.flatnonzero(counts[kept] >= limits.trend_share * counts.max())[-1])
@@ -45,38 +63,37 @@ def locate(fit: RefitResult, question: Question) -> Located | None:
     return Located(
         horizons,
         np.sqrt(squares.sum(axis=1)),
-        dict(zip(PHASES, _shares(squares).T, strict=True)),
+        {phase: _of_phase(shares, parts, phase) for phase in PHASES},
+        {part.identity: share for part, share in zip(parts, shares.T, strict=True)},
         *means_and_margins(discrepancies),
         trends_against(axes(fit.linear, places, limits), discrepancy_there, limits),
         float(horizons[trend]),
     )
 
 
-def _squares(candidates: Candidates, fit: RefitResult, horizons: Floats) -> Floats:
-    """Return (H, P) the share of each phase in the mean squared discrepancy, m^2."""
-    squares = np.zeros((len(horizons), len(PHASES)))
-    settings = candidates.evidence.settings.locate
-    weights = candidates.explanations()
-    for terms, weight in weights.items():
-        if terms and weight > settings.min_weight and weights[()] < settings.no_gap_weight:
-            squares += weight * _explained(candidates, terms, fit, horizons)
+def _squares(
+    parts: Sequence[Part], fit: RefitResult, horizons: Floats, settings: GapSettings
+) -> Floats:
+    """Return (H, P) what each part contributes to the mean squared discrepancy, m^2."""
+    if not parts:
+        return np.zeros((len(horizons), 0))
+    linear, noise = fit.linear, fit.noise_estimate
+    positions = np.stack([part.positions for part in parts], axis=-1)
+    labels = np.stack([part.labels for part in parts], axis=-1)
+    effects = discrepancy(linear, noise, positions, labels, settings)
+    usable = reliable(linear, noise, settings)
+    effects = at_horizons(linear.shots, effects, usable, horizons, settings)
+    whole = effects.sum(axis=3, keepdims=True)
+    squares: Floats = np.nanmean((effects * whole).sum(axis=2), axis=0)
     return np.maximum(squares, 0.0)
-
-
-def _explained(candidates: Candidates, terms: Places, fit: RefitResult, horizons: Floats) -> Floats:
-    linear, settings = candidates.linear, candidates.evidence.settings
-    of_phase = [[candidates.phases[k] == phase for phase in PHASES] for k in terms]
-    values = candidates.values(terms)[:, None] * np.array(of_phase)
-    places = [linear.nuisance_count + k for k in terms]
-    positions, labels = linear.positions[..., places] @ values, linear.labels[..., places] @ values
-    parts = discrepancy(linear, fit.noise_estimate, positions, labels, settings)
-    usable = reliable(linear, fit.noise_estimate, settings)
-    parts = at_horizons(linear.shots, parts, usable, horizons, settings)
-    whole = parts.sum(axis=3, keepdims=True)
-    squares: Floats = np.nanmean((parts * whole).sum(axis=2), axis=0)
-    return squares
 
 
 def _shares(squares: Floats) -> Floats:
     shares: Floats = squares / np.maximum(squares.sum(axis=1, keepdims=True), 1e-300)
     return shares
+
+
+def _of_phase(shares: Floats, parts: Sequence[Part], phase: Phase) -> Floats:
+    """Return (H,) the share of one phase."""
+    of_phase: Floats = shares[:, [part.phase == phase for part in parts]].sum(axis=1)
+    return of_phase

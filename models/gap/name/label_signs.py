@@ -60,8 +60,10 @@ class LabelSigns:
 
     def corrected(self, shots: Shots) -> Shots:
         """Return shots with the flipped labels negated, if they are significant."""
-        if not self.significant:
-            return shots
+        return self.negated(shots) if self.significant else shots
+
+    def negated(self, shots: Shots) -> Shots:
+        """Return shots with the flipped labels negated."""
         sign = np.ones((len(shots), 1, 1))
         sign[sorted(self.flipped)] = -1.0
         return replace(shots, labels=shots.labels * sign)

@@ -11,6 +11,7 @@ causes are known.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -22,7 +23,7 @@ from models.gap.fit.refit import RefitResult, likelihood_gain, refit
 from models.gap.fit.shots import Shots, spread_evenly
 from models.gap.hypotheses import LABEL_SIGNS, Hypothesis, hypotheses
 from models.gap.inference.score_test import Evidence
-from models.gap.name.distortion import find_distortion
+from models.gap.name.distortion import Distortion, find_distortion
 from models.gap.name.label_signs import LabelSigns, find_flipped_labels, no_flipped_labels
 from models.gap.name.missing_lift import lift_test
 from models.gap.name.selection import Explainer, Explanation, best_explanation, evidence_about
@@ -59,6 +60,19 @@ class Named:
     before: RefitResult
     signs: LabelSigns
     field: CameraField | None = None
+
+    @cached_property
+    def distortion(self) -> Distortion | None:
+        """The cameras' error over space, if shots show one."""
+        if self.field is None:
+            return None
+        return Distortion.of(self.fit, self.signs.settings)
+
+    @property
+    def distorted(self) -> bool:
+        """Whether the cameras' error is significant at the level of causes."""
+        found = self.distortion
+        return found is not None and found.p_value <= self.signs.settings.level
 
     @property
     def simulator(self) -> Simulator:
@@ -128,6 +142,20 @@ def _resumed(
     causes = _hypotheses(named.explainer, named.explanation)
     start = refit(shots, named.simulator, causes, question.settings.fit)
     return Named(*_settled(start, question, ()), before=before, signs=flipped)
+
+
+def without_cause(named: Named, k: int, question: Question) -> Named:
+    """Return shots refitted without one of the causes, the others keep or change their values."""
+    rest = tuple(j for j in named.explanation.causes if j != k)
+    near = with_estimates(named.explainer, rest)
+    causes = tuple(named.explainer.evidence.columns[j] for j in rest)
+    shots = named.fit.linear.shots
+    fit = refit(shots, near, causes, question.settings.fit, start=named.fit)
+    evidence = evidence_about(fit, question)
+    places = _places(evidence, causes)
+    explainer = Explainer(evidence, question.simulator, places)
+    explanation = best_explanation(explainer, places, len(places))
+    return replace(named, fit=fit, explainer=explainer, explanation=explanation)
 
 
 def with_estimates(explainer: Explainer, causes: Places) -> Simulator:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.ball.types import Floats
+from models.gap.fit.linearize import Linearised
 from models.gap.fit.noise import Noise
 from models.gap.fit.refit import RefitResult
 from models.gap.locate.term_library import evidence_with_terms
@@ -30,6 +31,7 @@ class UnexplainedStructure:
         phase: that shows it best.
         test: the terms of this phase.
         terms: (D,) values of these terms that show it best, others zero.
+        linear: the shots, with a column a term.
         noise: of the shots.
     """
 
@@ -37,6 +39,7 @@ class UnexplainedStructure:
     phase: Phase
     test: PhaseTest
     terms: Floats
+    linear: Linearised
     noise: Noise
 
     @property
@@ -58,7 +61,7 @@ class UnexplainedStructure:
 def find_unexplained(fit: RefitResult, question: Question) -> UnexplainedStructure:
     """Test whether the shots about the simulator with the causes show more than the catalogue."""
     noise, settings = fit.noise_estimate.noise, question.settings
-    _, evidence = evidence_with_terms(fit, noise, settings)
+    linear, evidence = evidence_with_terms(fit, noise, settings)
     tests = {phase: PhaseTest(evidence, phase, question.withheld) for phase in PHASES}
     signs = np.random.default_rng(0).choice(
         [-1.0, 1.0], size=(settings.name.sign_flips, len(evidence.scores))
@@ -73,7 +76,7 @@ def find_unexplained(fit: RefitResult, question: Question) -> UnexplainedStructu
         phase = min(PHASES, key=lambda phase: tests[phase].rarity)
         terms = tests[phase].estimate
     p_value = min(1.0, 2 * min(together, alone))
-    return UnexplainedStructure(p_value, phase, tests[phase], terms, noise)
+    return UnexplainedStructure(p_value, phase, tests[phase], terms, linear, noise)
 
 
 def formula(names: Sequence[str], rows: Floats, target: Floats, settings: NameSettings) -> str:

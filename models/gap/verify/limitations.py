@@ -7,7 +7,7 @@ import numpy as np
 from models.ball.catalogue import catalogue
 from models.gap.fit.shots import Shots
 from models.gap.settings import GapSettings
-from models.gap.verdict import Cause, DetectionLimits, Gap, Verdict
+from models.gap.verdict import Cause, DetectionLimits
 
 BOUNCE = {"table_bounce.restitution", "table_bounce.friction"}
 UNSETTLED = (
@@ -33,15 +33,6 @@ def limitations(
         *(_at_bound(cause) for cause in causes if cause.estimate in cause.interval),
         *(() if settled else (UNSETTLED,)),
     )
-
-
-def rejected_if_worse(verdict: Verdict) -> Verdict:
-    """Return the verdict; ``unknown`` where the causes make held-out predictions worse."""
-    gap = verdict.gap
-    if not (gap and gap.worse and verdict.causes):
-        return verdict
-    stated = (*verdict.limitations, _rejection(gap))
-    return verdict.model_copy(update={"verdict": "unknown", "limitations": stated})
 
 
 def experiment(cause: Cause, shots: Shots, settings: GapSettings) -> str:
@@ -82,15 +73,6 @@ def _at_bound(cause: Cause) -> str:
     return (
         f"{cause.identity}: {size} is the bound of physically plausible values; the cause may be "
         "another one"
-    )
-
-
-def _rejection(gap: Gap) -> str:
-    before, after = (np.mean(sizes) for sizes in (gap.before_mm, gap.after_mm))
-    return (
-        f"the error on held-out shots is {after:.1f} mm with the amended simulator and "
-        f"{before:.1f} mm with the nominal one: the causes are rejected, nothing is amended. "
-        "Record more shots at other speeds and spins, and measure spins"
     )
 
 

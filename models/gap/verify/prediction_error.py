@@ -11,7 +11,7 @@ of the same shots (a parametric bootstrap; replicates.py). Replicates that land 
 not, or the other way round, are left out: they are few and would lift the floor above the errors.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,38 +48,82 @@ class Errors:
     landings: Floats
 
 
-def errors(
-    fit: RefitResult,
-    simulators: tuple[Simulator, Simulator],
-    noise: Noise,
-    spins: tuple[float, float],
-    settings: GapSettings,
-) -> Errors:
-    """Return the errors of two simulators' predictions.
+@dataclass(frozen=True)
+class HeldOut:
+    """Held-out shots that are long enough for predictions.
 
-    Args:
-        fit: held-out shots, fitted whole, which gives outliers and landings.
-        simulators: the nominal and the amended one.
+    Attributes:
+        shots: as they were measured, with corrected signs of labels.
+        corrected: less the cameras' error over space; the same where they have none.
+        usable: (B, N) samples that are no outliers.
+        states: (B, 9) that fit the whole shots.
+        simulator: about which they were fitted.
         noise: as estimated in naming.
-        spins: rad/s, sizes of a component of a spin in naming about each of the simulators: the
-            prior of a spin without a label.
         settings: of the workflow.
     """
-    long = fit.linear.shots.valid.sum(axis=1) > settings.observed_samples
-    shots, states = fit.linear.shots[long], fit.linear.nuisance[long, :STATE_SIZE]
-    inlier = fit.noise_estimate.weights > settings.verify.min_inlier
-    usable = (fit.linear.shots.valid & inlier)[long]
-    true = landings(fit.simulator, states, _durations(shots))
-    forecasts = [
-        _forecast(shots, true, simulator, noise, spin, settings)
-        for simulator, spin in zip(simulators, spins, strict=True)
-    ]
-    forecasts.append(_floor(shots, states, simulators[1], noise, spins[1], settings))
-    landed = np.stack([forecast.landings for forecast in forecasts])
-    landed[:, ~np.isfinite(landed).all(axis=(0, 2))] = np.nan
-    horizons = np.array(settings.verify.horizons)
-    squares = [at_horizons(shots, f.squares, usable, horizons, settings) for f in forecasts]
-    return Errors(horizons, np.stack(squares), landed)
+
+    shots: Shots
+    corrected: Shots
+    usable: Bools
+    states: Floats
+    simulator: Simulator
+    noise: Noise
+    settings: GapSettings
+
+    @classmethod
+    def of(
+        cls, fit: RefitResult, measured: Shots, noise: Noise, settings: GapSettings
+    ) -> "HeldOut":
+        """Return those of fitted shots, which are corrected, and of the same shots as measured."""
+        long = fit.linear.shots.valid.sum(axis=1) > settings.observed_samples
+        inlier = fit.noise_estimate.weights > settings.verify.min_inlier
+        return cls(
+            replace(fit.linear.shots, positions=measured.positions)[long],
+            fit.linear.shots[long],
+            (fit.linear.shots.valid & inlier)[long],
+            fit.linear.nuisance[long, :STATE_SIZE],
+            fit.simulator,
+            noise,
+            settings,
+        )
+
+    @property
+    def horizons(self) -> Floats:
+        """(H,) s."""
+        return np.array(self.settings.verify.horizons)
+
+    def forecast(self, simulator: Simulator, spin: float, shots: Shots) -> "Forecast":
+        """Return the errors of a simulator's predictions of these shots, measured or corrected.
+
+        ``spin``, in rad/s, is the size of a component of a spin: the prior of one without a label.
+        """
+        true = landings(self.simulator, self.states, _durations(shots))
+        return _forecast(shots, true, simulator, self.noise, spin, self.settings)
+
+    def squares(self, simulator: Simulator, spin: float, shots: Shots) -> Floats:
+        """Return (B, H) mean square errors at the horizons, m^2, NaN where a shot has none."""
+        return self.at_horizons(self.forecast(simulator, spin, shots).squares)
+
+    def at_horizons(self, squares: Floats) -> Floats:
+        """Return (B, H) means about the horizons of (B, N) squares at the samples."""
+        return at_horizons(self.shots, squares, self.usable, self.horizons, self.settings)
+
+    def errors(
+        self, simulators: tuple[Simulator, Simulator], spins: tuple[float, float], after: Shots
+    ) -> Errors:
+        """Return the errors of the nominal simulator and of the amended one, and the floor.
+
+        ``after`` are the shots as the amended simulator's sensor sees them, measured or corrected.
+        """
+        forecasts = [
+            self.forecast(simulators[0], spins[0], self.shots),
+            self.forecast(simulators[1], spins[1], after),
+            _floor(self.shots, self.states, simulators[1], self.noise, spins[1], self.settings),
+        ]
+        landed = np.stack([forecast.landings for forecast in forecasts])
+        landed[:, ~np.isfinite(landed).all(axis=(0, 2))] = np.nan
+        squares = [self.at_horizons(forecast.squares) for forecast in forecasts]
+        return Errors(self.horizons, np.stack(squares), landed)
 
 
 def gap(found: Errors, settings: GapSettings) -> Gap | None:
@@ -144,7 +188,7 @@ def _closed(sizes: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
-class _Forecast:
+class Forecast:
     """Squares of the errors of forecasts of B shots, NaN where there are none.
 
     Attributes:
@@ -165,13 +209,13 @@ def _forecast(
     noise: Noise,
     spin: float,
     settings: GapSettings,
-) -> _Forecast:
+) -> Forecast:
     states = _launches(shots, simulator, noise, spin, settings)
     prediction = predict_measurements(simulator, Schedule.of(shots), states)
     squares = ((shots.positions - prediction.positions) ** 2).sum(axis=2)
     forecast = landings(simulator, states, _durations(shots) + settings.verify.landing_horizon)
     missed = np.isfinite(forecast.times) != np.isfinite(true.times)
-    return _Forecast(squares, forecast.distances(true) ** 2, missed)
+    return Forecast(squares, forecast.distances(true) ** 2, missed)
 
 
 def _floor(
@@ -181,7 +225,7 @@ def _floor(
     noise: Noise,
     spin: float,
     settings: GapSettings,
-) -> _Forecast:
+) -> Forecast:
     """Return the errors of a correct simulator: means over replicates of the shots."""
     random = np.random.default_rng(0)
     true = landings(simulator, states, _durations(shots) + settings.verify.landing_horizon)
@@ -191,7 +235,7 @@ def _floor(
     ]
     tries = [_forecast(one, true, simulator, noise, spin, settings) for one in replicates]
     missed = np.stack([one.missed for one in tries])
-    return _Forecast(
+    return Forecast(
         _means_of_others(np.stack([one.squares for one in tries]), missed),
         _means_of_others(np.stack([one.landings for one in tries]), missed),
         np.asarray(missed.all(axis=0), dtype=np.bool_),

@@ -1,57 +1,69 @@
-"""Locate: shares point to the wrong phase, and trends to the right covariate."""
+"""Locate: shares of causes sum to the gap, and trends point to the right covariate."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from models.gap.fit.noise import Noise
 from models.gap.fit.refit import fit_nuisance
-from models.gap.locate.attribution import locate
+from models.gap.hypotheses import Hypothesis
+from models.gap.locate.attribution import Part, locate
 from models.gap.settings import Question
-from models.gap.verify.prediction_error import errors
+from models.gap.verify.prediction_error import HeldOut
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.01, 0.02, 0.005))
 EXACT = Noise(white=1e-4, slow=1e-5, label=0.01, label_common=1e-3, scatter=(1e-3, 1e-3, 1e-3))
 
 
-def located(truth, withheld=(), count=30, seed=1001):
-    shots = measured(truth, count=count, seed=seed)
-    fit = fit_nuisance(shots, NOMINAL, NOISE, SETTINGS.fit)
-    return locate(fit, Question(NOMINAL, withheld=withheld))
+def part(fit, identity, change, phase="flight"):
+    """What a change of one parameter adds to the measurements."""
+    column = fit.linear.nuisance_count + fit.linear.columns.index(
+        Hypothesis.from_identity(identity)
+    )
+    positions, labels = fit.linear.positions[..., column], fit.linear.labels[..., column]
+    return Part(identity, phase, change * positions, change * labels)
 
 
-@pytest.mark.parametrize(
-    ("phase", "effect", "values"),
-    [
-        ("flight", "drag", {"cd": 0.53}),
-        ("table", "table_bounce", {"restitution": 0.895}),
-        ("sensor", "position_scale", {"s": 0.012}),
-        pytest.param("table", "table_height", {"h": 0.004}, marks=pytest.mark.slow),
-        pytest.param("sensor", "spin_gain", {"s": 0.1}, marks=pytest.mark.slow),
-    ],
-)
-def test_the_share_points_to_the_phase_that_is_wrong(phase, effect, values):
-    where = located(NOMINAL.amended(effect, **values)).phase_shares
-    assert where[phase] > 0.9
-    assert sum(where.values()) == pytest.approx(1.0)
+def fitted(truth, count=30, seed=1001):
+    return fit_nuisance(measured(truth, count=count, seed=seed), NOMINAL, NOISE, SETTINGS.fit)
 
 
-def test_a_right_simulator_has_no_discrepancy():
+def located(truth, **settings):
+    return locate(fitted(truth, **settings), Question(NOMINAL), [])
+
+
+def test_nothing_is_attributed_without_a_cause():
     found = located(NOMINAL)
     assert found.phase_shares == {"flight": 0.0, "table": 0.0, "sensor": 0.0}
-    assert not found.discrepancy.any()
+    assert (found.gap_shares, found.discrepancy.any()) == ({}, False)
     assert min(growth.p_value for growth in found.growth) > 0.01
 
 
-@pytest.mark.slow
-def test_a_phase_is_found_without_the_effect_in_the_catalogue():
-    found = located(NOMINAL.amended("side_force", cy=0.02), ("side_force",))
-    assert found.phase_shares["flight"] > 0.9
+def test_one_cause_has_the_whole_gap_of_its_phase():
+    fit = fitted(NOMINAL)
+    found = locate(fit, Question(NOMINAL), [part(fit, "position_scale.s", 0.01, "sensor")])
+    assert found.gap_shares == {"position_scale.s": pytest.approx(1.0)}
+    assert found.phase_shares == {"flight": 0.0, "table": 0.0, "sensor": pytest.approx(1.0)}
+
+
+def test_two_equal_halves_of_a_cause_share_its_gap():
+    fit = fitted(NOMINAL)
+    half = part(fit, "drag.cd", 0.02)
+    found = locate(fit, Question(NOMINAL), [half, replace(half, identity="other")])
+    assert found.gap_shares == pytest.approx({"drag.cd": 0.5, "other": 0.5})
+    whole = locate(fit, Question(NOMINAL), [part(fit, "drag.cd", 0.04)])
+    assert found.discrepancy == pytest.approx(whole.discrepancy)
 
 
 def test_a_wrong_table_counts_from_the_bounce_on():
-    truth = NOMINAL.amended("wind", x=0.15).amended("table_bounce", restitution=0.895)
-    shares = located(truth).shares
+    fit = fitted(NOMINAL)
+    causes = [
+        part(fit, "wind.x", 0.15),
+        part(fit, "table_bounce.restitution", -0.025, "table"),
+    ]
+    shares = locate(fit, Question(NOMINAL), causes).shares
     assert shares["table"][1] < 0.1
     assert shares["table"][-1] > 0.2
     np.testing.assert_allclose(sum(shares.values()), 1.0)
@@ -61,8 +73,9 @@ def test_the_discrepancy_is_the_error_of_predictions_of_exact_shots():
     truth = NOMINAL.amended("drag", cd=0.45)
     shots = measured(truth, count=16, noise=1e-5, label=1e-3, scatter=(0.0, 0.0, 0.0))
     about = fit_nuisance(shots, truth, EXACT, SETTINGS.fit)
-    found = locate(about, Question(NOMINAL))
-    predicted = errors(about, (NOMINAL, truth), EXACT, (150.0, 150.0), SETTINGS)
+    found = locate(about, Question(NOMINAL), [part(about, "drag.cd", -0.05)])
+    held = HeldOut.of(about, shots, EXACT, SETTINGS)
+    predicted = held.errors((NOMINAL, truth), (150.0, 150.0), shots)
     sizes = np.sqrt(np.nanmean(predicted.squares[0], axis=0))
     discrepancies = np.interp(predicted.horizons, found.horizons, found.discrepancy)
     np.testing.assert_allclose(discrepancies, sizes, rtol=0.1)
@@ -86,5 +99,5 @@ def test_too_strong_a_drag_grows_with_speed_and_time():
 
 def test_spins_without_a_label_are_no_axis():
     shots = measured(count=20, labels=None)
-    found = locate(fit_nuisance(shots, NOMINAL, NOISE, SETTINGS.fit), Question(NOMINAL))
+    found = locate(fit_nuisance(shots, NOMINAL, NOISE, SETTINGS.fit), Question(NOMINAL), [])
     assert not {one.covariate for one in found.growth} & {"spin at launch", "spin axis"}

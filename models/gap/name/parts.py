@@ -1,0 +1,63 @@
+"""Parts of the gap: what each named cause, and what no cause explains, adds to measurements."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from models.ball.catalogue import catalogue
+from models.gap.hypotheses import LABEL_SIGNS, Hypothesis
+from models.gap.locate.attribution import Part
+from models.gap.name.distortion import CAMERA
+from models.gap.name.naming import Named
+from models.gap.name.unexplained import UnexplainedStructure
+from models.gap.types import Phase
+
+PHASE_OF: dict[str, Phase] = {"flight": "flight", "contact": "table", "sensor": "sensor"}
+UNEXPLAINED = ""  # identity of the part that no cause explains
+
+
+def parts(named: Named, structure: UnexplainedStructure | None) -> list[Part]:
+    """Return the parts of the gap, about the shots as they were fitted with the causes."""
+    return [*_of_causes(named), *_of_sensor(named), *_of_structure(structure)]
+
+
+def phase_of(hypothesis: Hypothesis) -> Phase:
+    """Return the phase in which an effect of the catalogue acts."""
+    return PHASE_OF[catalogue()[hypothesis.effect].acts]
+
+
+def _of_causes(named: Named) -> Iterator[Part]:
+    linear, nominal = named.fit.linear, named.explainer.nominal
+    for k in named.explanation.causes:
+        hypothesis = named.explainer.evidence.columns[k]
+        change = hypothesis.value(named.simulator) - hypothesis.value(nominal)
+        column = linear.nuisance_count + linear.columns.index(hypothesis)
+        positions, labels = linear.positions[..., column], linear.labels[..., column]
+        phase = phase_of(hypothesis)
+        yield Part(hypothesis.identity, phase, change * positions, change * labels)
+
+
+def _of_sensor(named: Named) -> Iterator[Part]:
+    """Yield the cameras' error over space, and the labels that are read with the wrong sign."""
+    linear = named.fit.linear
+    no_places, no_labels = np.zeros(linear.positions.shape[:3]), np.zeros(linear.labels.shape[:3])
+    if named.distorted:
+        errors = linear.positions[..., linear.of_shared] @ named.fit.camera_errors
+        yield Part(CAMERA.identity, "sensor", errors, no_labels)
+    if named.signs.significant:
+        negated = -2.0 * linear.shots.labels / linear.label_scales[..., None]
+        flipped = np.isin(np.arange(len(negated)), sorted(named.signs.flipped))
+        used = linear.labelled & flipped[:, None]
+        labels = np.where(used[..., None], negated, 0.0)
+        yield Part(LABEL_SIGNS.identity, "sensor", no_places, labels)
+
+
+def _of_structure(structure: UnexplainedStructure | None) -> Iterator[Part]:
+    if structure is None:
+        return
+    linear = structure.linear
+    places = [linear.nuisance_count + k for k in structure.test.places]
+    positions, labels = (
+        rows[..., places] @ structure.terms for rows in (linear.positions, linear.labels)
+    )
+    yield Part(UNEXPLAINED, structure.phase, positions, labels)

@@ -1,0 +1,76 @@
+"""Posterior predictive checks: sizes of held-out shots over those of the fitted model.
+
+A model of the errors that does not fit makes every test of causes wrong. So the residuals of
+held-out shots, the errors of predictions and of landings, and the errors of labels are compared
+with what the fitted model expects of them.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from models.ball.state import STATE_SIZE
+from models.ball.types import Floats
+from models.gap.fit.projection import eliminate_nuisance
+from models.gap.fit.refit import RefitResult
+from models.gap.settings import GapSettings
+from models.gap.verdict import Check
+from models.gap.verify.bootstrap import interval, resampled, root_mean_squares
+from models.gap.verify.prediction_error import Errors
+
+AFTER, FLOOR = 1, 2  # rows of errors
+
+
+def checks(
+    verification: RefitResult, found: Errors | None, settings: GapSettings
+) -> tuple[Check, ...]:
+    """Return the checks for which there are enough held-out shots."""
+    made = [_residuals(verification, settings)]
+    if found is not None:
+        made += list(_predictions(found, settings))
+    made += list(_labels(verification, settings))
+    return tuple(check for check in made if check is not None)
+
+
+def _residuals(verification: RefitResult, settings: GapSettings) -> Check | None:
+    """Compare the residuals of whole shots with the noise: roots of squares a degree of freedom."""
+    linear, noise = verification.linear, verification.noise_estimate
+    left = eliminate_nuisance(noise.gram_matrices, linear.nuisance_count)
+    weighty = noise.shot_weights > settings.locate.min_shot_weight
+    rows = 3 * (noise.weights.sum(axis=1) + linear.labelled.sum(axis=1)) - STATE_SIZE
+    squares = (left.misfit / np.maximum(rows, 1.0))[weighty]
+    return _check("residuals", np.stack([squares, np.ones(len(squares))])[..., None], settings)
+
+
+def _predictions(found: Errors, settings: GapSettings) -> Iterator[Check | None]:
+    pairs = [AFTER, FLOOR]
+    reached = np.isfinite(found.squares[0]).sum(axis=0) >= settings.verify.min_checked
+    yield _check("prediction", found.squares[pairs][..., reached], settings)
+    landed = found.landings[pairs][:, np.isfinite(found.landings).all(axis=(0, 2)), :1]
+    yield _check("landing", landed, settings)
+
+
+def _labels(verification: RefitResult, settings: GapSettings) -> Iterator[Check]:
+    """Compare the errors of labels with the spins: beyond half of them they say nothing."""
+    if verification.linear.labelled.any():
+        noise = verification.noise_estimate.noise
+        size = float(np.sqrt(noise.label**2 + noise.label_arc**2 + noise.label_common**2))
+        allowed = settings.verify.allowed["labels"]
+        yield Check(name="labels", ratio=size, interval=(size, size), allowed=allowed)
+
+
+def _check(name: str, squares: Floats, settings: GapSettings) -> Check | None:
+    """Return the ratio of (2, B, H) measured and expected squares; None with too few shots."""
+    shots = int(np.isfinite(squares).all(axis=(0, 2)).sum()) if squares.shape[2] else 0
+    if shots < settings.verify.min_checked:
+        return None
+    measured, expected = root_mean_squares(squares).mean(axis=1)
+    drawn = resampled(squares, settings.verify.bootstrap_draws).mean(axis=2)
+    return Check.model_validate(
+        {
+            "name": name,
+            "ratio": float(measured / expected),
+            "interval": interval(drawn[:, 0] / drawn[:, 1], settings.confidence),
+            "allowed": settings.verify.allowed[name],
+        }
+    )

@@ -1,0 +1,66 @@
+"""Roles of causes: which of them matter, and which are minor structure.
+
+A main cause has a plausible value, not one at its bound; the likelihood of the shots surely needs
+it; and without it predictions are not better, nor worse by a negligible amount only. Where the
+model does not fit the shots, the likelihood is no judge, so predictions must surely need the cause.
+Minor causes are taken out one at a time, the least worthy first, and the others are refitted.
+"""
+
+from dataclasses import dataclass
+
+from models.gap.name.causes import default_role, estimated
+from models.gap.name.naming import Named
+from models.gap.settings import Question
+from models.gap.verdict import Worth
+from models.gap.verify.worth import Worths
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What decides about the causes of a set.
+
+    Attributes:
+        named: the causes.
+        worths: of them.
+        fits: whether the model with all causes fits the shots.
+        error_mm: of the nominal simulator's predictions; the scale of what is harmful.
+    """
+
+    named: Named
+    worths: Worths
+    fits: bool
+    error_mm: float
+
+    def identity(self, k: int) -> str:
+        """Return the identity of a cause, by its place."""
+        return self.named.explainer.evidence.columns[k].identity
+
+    def weakest(self, question: Question) -> int | None:
+        """Return the minor cause that is worth least, by its place; None without any."""
+        minor = [k for k in self.named.explanation.causes if self._is_minor(k, question)]
+        return min(minor, key=lambda k: self._mm(k), default=None)
+
+    def _is_minor(self, k: int, question: Question) -> bool:
+        hypothesis = self.named.explainer.evidence.columns[k]
+        worth = self.worths.of_causes.get(hypothesis.identity)
+        value, _ = estimated(self.named, k)
+        if value in hypothesis.declaration.bounds or not self._is_sure(hypothesis.identity):
+            return True
+        if worth is None:
+            return False
+        settings = question.settings.verify
+        harmful = worth.interval[1] < -settings.worse * self.error_mm
+        negligible = worth.interval[1] < settings.min_worth * self._largest
+        return harmful or (negligible and default_role(hypothesis) == "leading")
+
+    def _is_sure(self, identity: str) -> bool:
+        worth = self.worths.of_causes.get(identity)
+        needed = worth is None or worth.interval[0] > 0.0
+        return identity in self.worths.confirmed and (self.fits or needed)
+
+    @property
+    def _largest(self) -> float:
+        return max((worth.mm for worth in self.worths.of_causes.values()), default=0.0)
+
+    def _mm(self, k: int) -> float:
+        return self.worths.of_causes.get(self.identity(k), Worth(mm=0.0, interval=(0.0, 0.0))).mm
