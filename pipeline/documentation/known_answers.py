@@ -13,7 +13,8 @@ from pipeline.paper.verdicts import rate
 
 RATES = {  # what is counted: the number, and of how many
     "planted error is the leading cause": ("leading", "questions"),
-    "and the only new cause": ("exact", "questions"),
+    "by its own name": ("by_name", "questions"),
+    "leading, and no other new cause": ("exact", "questions"),
     "95 % intervals that contain the true value": ("covered", "intervals"),
     "distorted recordings without a new leading cause": ("distorted_clean", "distorted"),
     "unplanted recordings without a cause": ("unplanted_clean", "unplanted"),

@@ -65,6 +65,11 @@ class Answer:
         return bool(self.new) and self._planted(self.new[0])
 
     @property
+    def by_name(self) -> bool:
+        """Whether the first new cause is what was planted, not only one of its class."""
+        return bool(self.new) and _quantity(self.new[0].identity) in map(_quantity, self.truth)
+
+    @property
     def exact(self) -> bool:
         """Whether the planted error is leading, and there is no other new cause."""
         return self.leading and all(map(self._planted, self.new))
@@ -110,6 +115,7 @@ def set_scores(answers: Sequence[Answer]) -> dict[str, Any]:
     return {
         "questions": len(planted),
         "leading": sum(one.leading for one in planted),
+        "by_name": sum(one.by_name for one in planted),
         "exact": sum(one.exact for one in planted),
         "false_causes": sum(len(one.false) for one in planted),
         "intervals": len(covered),

@@ -12,7 +12,7 @@ from pipeline.known_answers.scores import Answer
 
 COLUMNS = [
     *("set", "fold", "place", "planted", "size", "value", "detection_limits"),
-    *("true", "verdict", "causes", "leading", "exact", "covered", "false"),
+    *("true", "verdict", "causes", "leading", "by_name", "exact", "covered", "false"),
     *("before_mm", "after_mm", "floor_mm"),
 ]
 
@@ -65,6 +65,7 @@ def _score(answer: Answer) -> dict[str, Any]:
         return {"false": false}
     return {
         "leading": answer.leading,
+        "by_name": answer.by_name,
         "exact": answer.exact,
         "covered": all(answer.covered) if answer.covered else None,
         "false": false,

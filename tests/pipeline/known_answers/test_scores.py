@@ -62,7 +62,8 @@ def test_where_the_unplanted_verdict_names_the_parameter_its_estimate_is_the_tru
 def test_an_inseparable_cause_counts_as_the_planted_one_but_has_no_interval_for_it():
     tilt = PlantedError("simulator", "frame_tilt.x", "medium", 0.02)
     one = answer([cause("wind.x", 0.5, 0.0, possible=("frame_tilt.y",))], error=tilt)
-    assert (one.leading, one.exact, one.covered) == (True, True, ())
+    assert (one.leading, one.by_name, one.exact, one.covered) == (True, False, True, ())
+    assert answer([cause("frame_tilt.y", 0.02, 0.0)], error=tilt).by_name
     assert not answer([WIND], error=tilt).leading
 
 
@@ -86,6 +87,7 @@ def test_the_scores_of_a_set_count_its_questions():
     assert set_scores(ANSWERS) == {
         "questions": 3,
         "leading": 2,
+        "by_name": 2,
         "exact": 1,
         "false_causes": 1,
         "intervals": 2,
