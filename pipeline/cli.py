@@ -27,6 +27,9 @@ LEAN = {
     "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false",
 }
 
+# Which `rallygap known-answers` asks about.
+MEASURED_SETS = ["tt3d", "spindoe", "isr_ball_prediction"]
+
 app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
@@ -228,6 +231,26 @@ def real(
         raise typer.Exit(finished.returncode)
     keep_experiment(root, "real")
     typer.echo(f"All of it: {root / 'reports' / 'real'}")
+
+
+@app.command("known-answers", rich_help_panel=RUNS)
+def known_answers(
+    folder: Annotated[
+        Path, typer.Argument(envvar="RALLYGAP_DATA", help="with spindoe, tt3d, … in it")
+    ],
+    sets: Annotated[
+        list[str], typer.Option(help="a folder and its adapter; repeat it for several")
+    ] = MEASURED_SETS,
+    folds: Annotated[int, typer.Option(min=2, help="of the cross-validation")] = 3,
+) -> None:
+    """Plant known errors on measured sets and score the verdicts; hours, resumes if killed."""
+    from pipeline.known_answers.run import REPORT, TABLE, run_known_answers
+
+    root = clone()
+    for name, score in run_known_answers(root, folder, sets, folds).items():
+        found = f"{score['leading']} of {score['questions']} planted errors are the leading cause"
+        typer.echo(f"{name}: {found}")
+    typer.echo(f"All of it: {root / REPORT / TABLE}")
 
 
 @app.command(rich_help_panel=MAINTENANCE)

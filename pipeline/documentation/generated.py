@@ -20,6 +20,7 @@ from pipeline.documentation import (
     transfer_tables,
 )
 from pipeline.documentation.diagnose_example import diagnose_example
+from pipeline.documentation.known_answers import known_answers
 from pipeline.exam.page import questions_table
 from pipeline.experiments.stale import kept_result
 from pipeline.paper.page import claims_table, paper_page
@@ -61,6 +62,7 @@ BLOCKS: dict[str, Writer] = {
     "gap-real": gap_tables.real_summary,
     "gap-real-errors": gap_tables.real_errors,
     "gap-real-causes": gap_tables.real_causes,
+    "known-answers": known_answers,
     "gap-returns": gap_tables.retrained_returns,
     "gap-returns-paper": partial(gap_tables.retrained_returns, run="paper/"),
     "gap-returns-real": partial(gap_tables.retrained_returns, run="real/"),

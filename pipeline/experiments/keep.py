@@ -23,9 +23,9 @@ def keep_experiment(root: Path, name: str) -> None:
     """Copy the reports of the newest experiment of a name into ``reports/<name>``.
 
     Its trained predictors come with them, into ``predictors/``, but none that is too large for
-    git. ``run.json`` names the commit, the command, the parameters and each stage's fingerprint.
-    Nothing in it comes from this machine: the folder of the measured sets is a setting of the
-    environment.
+    git. Files that other commands wrote into ``reports/<name>`` stay, such as the known answers.
+    ``run.json`` names the commit, the command, the parameters and each stage's fingerprint. Nothing
+    in it comes from this machine: the folder of the measured sets is a setting of the environment.
 
     Raises:
         InputError: there is no such experiment, its parameters name a folder of this machine, a
@@ -38,6 +38,7 @@ def keep_experiment(root: Path, name: str) -> None:
         raise InputError(f"experiment {name}", problem, field="ingest.folder")
     try:
         with replacing_folder(root / "reports" / name) as folder:
+            _keep_files(root / "reports" / name, folder)
             stages = _copy_outputs(root, revision, name, folder)
             command = ["dvc", "exp", "run", *flags(_params_at(root, baseline), params)]
             prints = {stage: read_contents(folder, stage).fingerprint for stage in stages}
@@ -69,6 +70,13 @@ def _find_experiment(root: Path, name: str) -> tuple[str, str]:
             return revision, start + rest
     problem = "there is no such experiment; `dvc exp list --all-commits` names them"
     raise InputError("dvc", problem, field=name)
+
+
+def _keep_files(former: Path, folder: Path) -> None:
+    """Copy the files directly in a former folder; the experiment replaces its own among them."""
+    for file in former.glob("*"):
+        if file.is_file():
+            shutil.copy(file, folder / file.name)
 
 
 def _copy_outputs(root: Path, revision: str, name: str, folder: Path) -> list[str]:

@@ -62,6 +62,11 @@ def kept_result(root: Path, folder: Path) -> KeptResult:
         commit = str(read_json(record)["commit"])
     else:
         commit = git_if_known(root, "log", "-1", "--format=%H", "--", str(folder)) or ""
+    return result_of(root, folder, commit)
+
+
+def result_of(root: Path, folder: Path, commit: str) -> KeptResult:
+    """Compare the code of a commit, whose results a folder has, with the working directory."""
     date = git_if_known(root, "show", "--no-patch", "--format=%cs", commit) or None
     names = git_if_known(root, "diff", "--name-only", commit, "--", *CODE) if date else None
     packages = {str(_package(root, Path(name))) for name in (names or "").split()}

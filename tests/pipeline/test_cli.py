@@ -42,7 +42,7 @@ def test_help_names_every_verb_without_loading_the_libraries():
     )
     shown = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True)
     reading = ("check", "profile", "docs", "simulators", "diagnose", "costs", "run-of", "ui")
-    for verb in (*reading, "real", "keep", "sweep", "confirm"):
+    for verb in (*reading, "real", "known-answers", "keep", "sweep", "confirm"):
         assert f" {verb} " in shown.stdout
     assert "loaded set()" in shown.stdout
 

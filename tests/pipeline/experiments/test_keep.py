@@ -75,6 +75,19 @@ def test_the_newest_experiment_of_a_name_is_kept_and_takes_the_old_one_s_place(r
     assert (repository / "reports" / "warm" / "index.html").read_text() == "newest"
 
 
+def test_files_of_other_commands_stay_and_folders_of_former_stages_go(repository):
+    experiment(repository, PARAMS)
+    keep_experiment(repository, "warm")
+    kept = repository / "reports" / "warm"
+    added = {"known_answers.csv": "set,fold", "former_stage/contents.json": "{}"}
+    commit(repository, {f"reports/warm/{name}": text for name, text in added.items()}, day=3)
+    experiment(repository, PARAMS, "newer", day=4)
+    keep_experiment(repository, "warm")
+    assert (kept / "known_answers.csv").read_text() == "set,fold"
+    assert (kept / "index.html").read_text() == "newer"
+    assert not (kept / "former_stage").exists()
+
+
 def test_trained_predictors_come_along_unless_they_are_too_large(repository, monkeypatch, capsys):
     monkeypatch.setattr(keep, "LARGEST_FILE", 10)
     trained = {"transformer/MODEL_CARD.md": "card", "transformer/weights.safetensors": 11 * "x"}

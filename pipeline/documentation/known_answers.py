@@ -1,0 +1,91 @@
+"""How far to trust a verdict: the known answers on measured sets, a section of docs/real_gap.md."""
+
+from pathlib import Path
+from typing import Any
+
+from pipeline.documentation.cells import NONE, read_report
+from pipeline.experiments.stale import result_of
+from pipeline.io.artifacts import read_json
+from pipeline.io.markdown import markdown_table
+from pipeline.known_answers.design import SIZES
+from pipeline.known_answers.run import REPORT, SCORES, TABLE
+from pipeline.paper.verdicts import rate
+
+RATES = {  # what is counted: the number, and of how many
+    "planted error is the leading cause": ("leading", "questions"),
+    "by its own name": ("by_name", "questions"),
+    "leading, and no other new cause": ("exact", "questions"),
+    "95 % intervals that contain the true value": ("covered", "intervals"),
+    "distorted recordings without a new leading cause": ("distorted_clean", "distorted"),
+    "unplanted recordings without a cause": ("unplanted_clean", "unplanted"),
+}
+
+SECTION = """## How far to trust a verdict
+
+On measured sets nobody knows the true causes. So known errors are planted, in the simulator or in
+the recordings, and verdicts must find them. {age} {folds}-fold cross-validation over recordings:
+each fold is diagnosed, and the verdict on the others amends `{nominal}` to the base simulator.
+Brackets: 95 % intervals (Wilson).
+
+{rates}
+
+*New cause*: the verdict without the planted error does not have it, or has it with another value.
+A new cause that these shots cannot separate from the planted error counts as the planted error.
+How often the planted error is the leading cause, by size:
+
+{errors}
+
+[known_answers.csv](../reports/real/known_answers.csv) has every question: what was planted, the
+causes with their intervals, and the prediction errors."""
+
+
+def known_answers(root: Path) -> str:
+    """Return the section; empty where the known answers have not been asked."""
+    if not (root / REPORT / SCORES).is_file():
+        return ""
+    scores = read_json(root / REPORT / SCORES)
+    first = next(iter(scores.values()))
+    return SECTION.format(
+        age=_ages(root, scores),
+        folds=first["folds"],
+        nominal=first["nominal"],
+        rates=_rates_table(scores),
+        errors=_errors_table(root),
+    )
+
+
+def _ages(root: Path, scores: Any) -> str:
+    commits = dict.fromkeys(one["commit"] for one in scores.values() if one["commit"])
+    return " ".join(result_of(root, root / REPORT, commit).sentence for commit in commits)
+
+
+def _rates_table(scores: Any) -> str:
+    rows = [
+        [name, *(_share(one[right], one[asked]) for one in scores.values())]
+        for name, (right, asked) in RATES.items()
+    ]
+    false = [str(one["false_causes"]) for one in scores.values()]
+    return markdown_table(["", *scores], [*rows, ["false leading causes", *false]])
+
+
+def _errors_table(root: Path) -> str:
+    table = read_report(root, f"{REPORT.name}/{TABLE}", "leading.notna()")
+    rows = []
+    for (place, planted), some in table.groupby(["place", "planted"], sort=False):
+        by_size = {size: rows["leading"].astype(bool) for size, rows in some.groupby("size")}
+        cells = [_count(by_size[size]) for size in SIZES]
+        values = some.drop_duplicates("size")["value"]
+        sizes = ", ".join(f"{value:g}" for value in values)
+        rows.append([f"`{planted}`", place, sizes, *cells])
+    return markdown_table(["planted", "in", "sizes", *SIZES], rows)
+
+
+def _count(found: Any) -> str:
+    return f"{found.sum()} of {len(found)}"
+
+
+def _share(count: int, of: int) -> str:
+    if not of:
+        return NONE
+    share = rate(count, of)
+    return f"{count} of {of} ({100 * share.low:.0f} to {100 * share.high:.0f} %)"
