@@ -37,8 +37,8 @@ def observe(
     starts = np.concatenate([ball.contacts.states for ball in balls])
     paths = along_arcs(truth.simulator, starts, np.concatenate(arcs), np.concatenate(elapsed))
     borders = np.cumsum([len(times) for times in frames])[:-1]
-    for times, path in zip(frames, np.split(paths, borders), strict=True):
-        positions, spins, exists = cameras.measure(path, random)
+    for times, path, arc in zip(frames, np.split(paths, borders), arcs, strict=True):
+        positions, spins, exists = cameras.measure(path, random, arc)
         yield times[exists], positions[exists], spins[exists]
 
 

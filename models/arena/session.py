@@ -48,6 +48,8 @@ def recordings(
         outliers=settings.outliers,
         slow_error=truth.slow_error,
         interval=1 / settings.rate_hz,
+        field=truth.camera_field,
+        arc_spin_noise=truth.arc_spin_noise,
     )
     simulator = BatchSimulator(truth, cameras, seed)
     yield from _cannon(simulator, settings.cannon_shots, run_tasks)

@@ -1,4 +1,4 @@
-"""The hidden physics of the arena, drawn by the seed."""
+"""The hidden physics of the arena and its hidden measurement errors, drawn by the seed."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from models.arena.bounce_scatter import BounceScatter
+from models.arena.camera_field import CameraField
 from models.arena.cameras import SlowError
 from models.ball.simulator import Simulator
 
@@ -15,11 +16,13 @@ STREAM = 1_000_000  # random stream of the truth, apart from those of the record
 
 @dataclass(frozen=True)
 class Truth:
-    """The hidden physics of the arena."""
+    """The hidden physics and measurement errors of the arena."""
 
     simulator: Simulator  # mean behaviour of ball, table and net
     scatter: BounceScatter  # random deviations of bounces
     slow_error: SlowError  # the part of the cameras' error that changes slowly
+    camera_field: CameraField  # the systematic part, a function of the position
+    arc_spin_noise: float  # standard deviation of the labels' error on an arc, share of the spin
 
     def to_dict(self) -> dict[str, Any]:
         """Return a description that can be written as JSON."""
@@ -27,6 +30,8 @@ class Truth:
             "simulator": self.simulator.to_dict(),
             "scatter": asdict(self.scatter),
             "slow_error": asdict(self.slow_error),
+            "camera_field": asdict(self.camera_field),
+            "arc_spin_noise": self.arc_spin_noise,
         }
 
     @classmethod
@@ -36,22 +41,30 @@ class Truth:
             Simulator.from_dict(description["simulator"]),
             BounceScatter(**description["scatter"]),
             SlowError(**description["slow_error"]),
+            CameraField(**description["camera_field"]),
+            description["arc_spin_noise"],
         )
 
 
 def draw_truth(seed: int) -> Truth:
-    """Draw the hidden physics of the arena.
+    """Draw the hidden physics and measurement errors of the arena.
 
-    All ranges are those of real set-ups (``observed`` in the catalogue of effects). Effects that no
-    shipped simulator has are always present and never small, so that the truth differs from every
-    shipped simulator in several effects.
+    All ranges of the physics are those of real set-ups (``observed`` in the catalogue of effects).
+    Effects that no shipped simulator has are always present and never small, so that the truth
+    differs from every shipped simulator in several effects.
     """
     random = np.random.default_rng([seed, STREAM])
     scatter = BounceScatter(
         restitution=_between(random, 0.010, 0.015), friction=_between(random, 0.03, 0.06)
     )
     slow_error = SlowError(share=_between(random, 0.2, 0.5), time=_between(random, 0.03, 0.10))
-    return Truth(Simulator.from_dict(_effects(random)), scatter, slow_error)
+    simulator = Simulator.from_dict(_effects(random))
+    field = CameraField(
+        standard_deviation=_between(random, 0.0012, 0.0018),
+        length=_between(random, 0.7, 0.9),
+        seed=int(random.integers(2**32)),
+    )
+    return Truth(simulator, scatter, slow_error, field, arc_spin_noise=_between(random, 0.02, 0.04))
 
 
 def _effects(random: np.random.Generator) -> dict[str, dict[str, float]]:

@@ -142,8 +142,7 @@ def predictor_table(predictors: Sequence[NamedPredictor]) -> ReportTable:
         title="Predictors",
         caption="The simulator or the number of trained parameters of each predictor, and its "
         "training data. Amended simulators forecast balls of the source that amended them. The "
-        "oracle knows the hidden physics of the arena; it is a reference that no predictor is "
-        "expected to exceed.",
+        "oracle knows the hidden physics of the arena, not the systematic errors of its cameras.",
     )
 
 

@@ -19,7 +19,7 @@ from pipeline.runtime.errors import InputError
 
 
 def read_truth(path: Path) -> Truth | None:
-    """Read the arena's hidden physics; ``None`` where all balls were measured.
+    """Read the arena's hidden physics and camera errors; ``None`` where all balls were measured.
 
     Raises:
         InputError: the file is missing or is no such truth.

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from models.arena.bounce_scatter import BounceScatter
+from models.arena.camera_field import CameraField
 from models.arena.cameras import SlowError
 from models.arena.truth import Truth
 from models.ball.simulators import shipped
@@ -50,7 +51,8 @@ def write_inputs(root, shots=(), sources=tuple(SPIN)):
     _write(segmented / "contacts.parquet", contacts, CONTACTS)
     _write(segmented / "episodes.parquet", episodes, EPISODES)
     _write(ingested / "true_contacts.parquet", true, TRUE_CONTACTS)
-    truth = Truth(SIMULATOR, BounceScatter(0.0, 0.0), SlowError(0.0, 0.1))
+    field = CameraField(standard_deviation=0.0, length=1.0, seed=0)
+    truth = Truth(SIMULATOR, BounceScatter(0.0, 0.0), SlowError(0.0, 0.1), field, 0.0)
     write_json(ingested / "truth.json", truth.to_dict() if "arena" in sources else None)
     manifest = {name: source_record(name, spin) for name, spin in SPIN.items() if name in sources}
     write_json(ingested / "manifest.json", {"sources": manifest})

@@ -21,7 +21,8 @@ TRUTH = draw_truth(5)
 
 def played_games(matches):
     """Recordings of some matches."""
-    cameras = Cameras(0.003, 0.05, 0.02, 0.005, TRUTH.slow_error, 0.005)
+    systematic = {"field": TRUTH.camera_field, "arc_spin_noise": TRUTH.arc_spin_noise}
+    cameras = Cameras(0.003, 0.05, 0.02, 0.005, TRUTH.slow_error, 0.005, **systematic)
     random = np.random.default_rng(4)
     return list(games(TRUTH, cameras, "pro", range(matches), random))
 

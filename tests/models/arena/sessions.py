@@ -1,15 +1,19 @@
 """Shared by the tests of the arena: truth, settings and a small session."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
+from models.arena.camera_field import CameraField
 from models.arena.session import recordings
 from models.arena.settings import ArenaSettings
 from models.arena.truth import draw_truth
 from models.ball.state import BALL_RADIUS
 
-TRUTH = draw_truth(0)
+HIDDEN = draw_truth(0)
+NO_FIELD = CameraField(standard_deviation=0.0, length=1.0, seed=0)
+TRUTH = replace(HIDDEN, camera_field=NO_FIELD, arc_spin_noise=0.0)
 LEVELS = ("amateur", "club", "semi_pro", "pro")
 
 

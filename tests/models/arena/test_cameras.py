@@ -1,8 +1,11 @@
 """Cameras: noise of the size that was asked for, and nothing else."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from models.arena.camera_field import CameraField
 from models.arena.cameras import OUTLIER_DISTANCE, Cameras, SlowError
 
 SAMPLES = 40_000
@@ -61,3 +64,83 @@ def test_dropouts_are_as_frequent_as_stated():
     _, _, seen = measure(dropouts=0.02)
 
     assert (~seen).mean() == pytest.approx(0.02, rel=0.15)
+
+
+FIELD = CameraField(standard_deviation=0.0015, length=0.8, seed=3)
+NOISY = Cameras(0.003, 0.05, 0.2, 0.2, SlowError(0.3, 0.05), interval=0.005)
+PERFECT = Cameras(0.0, 0.0, 0.0, 0.0, SlowError(0.0, 0.05), interval=0.005)
+
+
+def test_without_systematic_errors_the_draws_are_those_of_the_exam_s_records():
+    """Numbers from the version that had none; the recordings of the exam follow from them."""
+    random = np.random.default_rng(7)
+
+    positions, spins, seen = NOISY.measure(STATES[:4], random)
+
+    np.testing.assert_allclose(
+        positions[:2],
+        [
+            [0.09664151278516163, 0.20747898095806455, 0.18774632058868657],
+            [0.09840778964695472, 0.19653496605280202, 0.29714735163173206],
+        ],
+        rtol=1e-14,
+    )
+    np.testing.assert_allclose(
+        spins[[0, 3]],
+        [
+            [303.669673267676, -24.46297695141599, 379.77906901436],
+            [302.761603581237, 1.594544356376549, 369.3736043395577],
+        ],
+        rtol=1e-14,
+    )
+    assert seen.tolist() == [True, True, False, True]
+    assert random.random() == 0.50777223630035
+
+
+def test_a_field_shifts_true_positions_and_changes_no_other_error():
+    distorted = replace(NOISY, field=FIELD)
+
+    without, with_field = (
+        cameras.measure(STATES[:100], np.random.default_rng(0)) for cameras in (NOISY, distorted)
+    )
+
+    shift = FIELD.errors(STATES[:100, :3])
+    np.testing.assert_allclose(with_field[0] - without[0], shift, rtol=0, atol=1e-15)
+    assert np.abs(shift).max() > 1e-4
+    np.testing.assert_array_equal(with_field[1], without[1])
+    np.testing.assert_array_equal(with_field[2], without[2])
+
+
+def test_rows_of_an_arc_share_an_error_of_the_label_and_arcs_do_not():
+    arcs = np.repeat(np.arange(SAMPLES // 4), 4)
+
+    cameras = replace(PERFECT, arc_spin_noise=0.03)
+    _, spins, _ = cameras.measure(STATES, np.random.default_rng(0), arcs)
+
+    errors = (spins - SPIN).reshape(-1, 4, 3)
+    np.testing.assert_array_equal(errors, np.repeat(errors[:, :1], 4, axis=1))
+    of_arcs = errors[:, 0]
+    assert of_arcs.std(axis=0) == pytest.approx([0.03 * 500] * 3, rel=0.03)
+    following = (of_arcs[1:] * of_arcs[:-1]).mean(axis=0) / of_arcs.var(axis=0)
+    assert np.abs(following).max() < 0.05
+
+
+def test_the_error_of_an_arc_adds_to_that_of_each_row():
+    arcs = np.repeat(np.arange(SAMPLES // 4), 4)
+
+    cameras = replace(PERFECT, spin_noise=0.05, arc_spin_noise=0.03)
+    _, spins, _ = cameras.measure(STATES, np.random.default_rng(0), arcs)
+
+    errors = (spins - SPIN).reshape(-1, 4, 3)
+    assert errors.std() == pytest.approx(500 * np.hypot(0.05, 0.03), rel=0.02)
+    shared = (errors[:, 0] * errors[:, 1]).mean() / errors.var()
+    assert shared == pytest.approx(0.03**2 / (0.05**2 + 0.03**2), abs=0.02)
+
+
+def test_a_path_without_arcs_is_one_arc():
+    cameras = replace(PERFECT, arc_spin_noise=0.03)
+
+    _, spins, _ = cameras.measure(STATES, np.random.default_rng(0))
+
+    assert np.ptp(spins, axis=0).max() == 0.0
+    assert (spins[0] != SPIN).all()
