@@ -24,6 +24,7 @@ from models.gap.name.naming import Named, name, without_cause
 from models.gap.name.parts import UNEXPLAINED, parts
 from models.gap.name.selection import evidence_about
 from models.gap.name.unexplained import UnexplainedStructure, find_unexplained
+from models.gap.name.variation import variations
 from models.gap.settings import DEFAULTS, GapSettings, Question
 from models.gap.types import PHASES
 from models.gap.verdict import (
@@ -90,10 +91,13 @@ def diagnose(
     progress(LOCATED)
     main, worths, minor = _reduced(whole, significant, shares)
     limits = detection_limits(evidence_about(named.before, question), named.signs, question)
+    varying = variations(main.named)
+    structure_share = shares.get(UNEXPLAINED, 1.0) if significant else 0.0
     found = (*_main_causes(main.named, worths, shares), *minor)
     verdict = Verdict(
-        verdict=_answer(found, main, significant, shares),
+        verdict=_answer(found, main, structure_share, bool(varying)),
         causes=found,
+        variations=varying,
         unexplained=_unexplained(structure, significant, shares),
         phases=PhaseShares(**(located.phase_shares if located else dict.fromkeys(PHASES, 0.0))),
         gap=main.gap,
@@ -188,15 +192,14 @@ def _main_causes(named: Named, worths: dict[str, Worth], shares: dict[str, float
 
 
 def _answer(
-    found: Sequence[Cause], main: _Verified, significant: bool, shares: dict[str, float]
+    found: Sequence[Cause], main: _Verified, unexplained_share: float, varying: bool
 ) -> Answer:
-    """Return the verdict in one word."""
-    limit = main.question.settings.verify.max_unexplained
-    if significant and shares.get(UNEXPLAINED, 1.0) > limit:
+    """Return the verdict in one word; the share is that of significant structure."""
+    if unexplained_share > main.question.settings.verify.max_unexplained:
         return "unknown"
     causes = [one for one in found if one.role != "minor"]
     if not causes:
-        return "no_gap" if main.fits and not significant else "unknown"
+        return "unknown" if varying or unexplained_share > 0.0 or not main.fits else "no_gap"
     certain = main.named.settled and not any(one.ambiguous for one in causes)
     return "named" if certain else "ambiguous"
 

@@ -137,6 +137,28 @@ class Cause(_Part):
         return len({Hypothesis(*name.split(".", 1)).quantity for name in self.possible}) > 1
 
 
+class Variation(_Part):
+    """A parameter that is not the same in all shots.
+
+    Attributes:
+        identity: ``effect.parameter``.
+        kind: whether it drifts over the session, or differs from shot to shot.
+        unit: of size and interval.
+        size: the change from the first shot to the last, or the standard deviation.
+        interval: 95 % confidence interval of the size.
+        p_value: of so much variation without any.
+        possible: identities whose variation is about as likely, its own first.
+    """
+
+    identity: str
+    kind: Literal["drift", "between_shots"]
+    unit: str
+    size: float
+    interval: tuple[float, float]
+    p_value: float
+    possible: tuple[str, ...]
+
+
 class Unexplained(_Part):
     """Structure in the residuals that no effect of the catalogue explains.
 
@@ -247,6 +269,7 @@ class Verdict(_Part):
         verdict: in one word.
         causes: of the gap: leading ones, sensor faults and minor structure, each the largest
             share first.
+        variations: parameters that are not the same in all shots.
         unexplained: structure that no cause explains.
         phases: shares of the gap by phase.
         gap: prediction errors on held-out shots; None where these are too few.
@@ -261,6 +284,7 @@ class Verdict(_Part):
     version: Literal[2] = 2
     verdict: Answer
     causes: tuple[Cause, ...]
+    variations: tuple[Variation, ...] = ()
     unexplained: Unexplained
     phases: PhaseShares
     gap: Gap | None

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
+from scipy.stats import chi2
 
 from models.ball.types import Floats
 from models.gap.fit.projection import ReducedSystem, identifiable_directions
@@ -136,6 +137,20 @@ class DistortionLikelihood:
             lambda log: self.deviance(float(np.exp(log))), bounds=ends, method="bounded"
         )
         return float(np.exp(found.x))
+
+    def interval(self, confidence: float) -> tuple[float, float]:
+        """Return the standard deviations that are nearly as likely (profile likelihood)."""
+        limit = float(chi2.ppf(confidence, 1)) - self.gain
+
+        def excess(log: float) -> float:
+            return self.deviance(float(np.exp(log))) - limit
+
+        def reached(end: float) -> float:
+            start, stop = float(np.log(self.estimate)), float(np.log(end))
+            inside = excess(stop) <= 0.0
+            return end if inside else float(np.exp(brentq(excess, start, stop)))
+
+        return reached(self.bounds[0]), reached(self.bounds[1])
 
     @property
     def gain(self) -> float:

@@ -6,8 +6,6 @@ none has half a chance of being zero, else a chi-squared distribution (Self and 
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-from scipy.optimize import brentq
 from scipy.stats import chi2
 
 from models.gap.fit.camera_field import CameraField
@@ -70,15 +68,5 @@ class Distortion:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Of the standard deviation, m: values that are nearly as likely (profile likelihood)."""
-        limit = float(chi2.ppf(self.confidence, 1)) - self.likelihood.gain
-        (low, high), best = self.likelihood.bounds, self.amplitude
-
-        def excess(log: float) -> float:
-            return self.likelihood.deviance(float(np.exp(log))) - limit
-
-        def reached(end: float) -> float:
-            inside = excess(np.log(end)) <= 0.0
-            return end if inside else float(np.exp(brentq(excess, np.log(best), np.log(end))))
-
-        return reached(low), reached(high)
+        """Of the standard deviation, m."""
+        return self.likelihood.interval(self.confidence)

@@ -1,0 +1,144 @@
+"""Variation: parameters that change over the session, or differ from shot to shot.
+
+With the causes in the simulator, each shot has an efficient score about a parameter, and its
+information. A drift makes the scores grow along the session: a score test of the slope. Differences
+from shot to shot make them spread more than their information says: a likelihood ratio of a
+variance, as for shared errors (fit/shared_errors.py). A variation is no constant that a simulator
+could have, so nothing is amended.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.stats import chi2, norm
+
+from models.ball.types import Floats
+from models.gap.fit.shared_errors import DistortionLikelihood
+from models.gap.hypotheses import Hypothesis
+from models.gap.inference.score_test import ScoreTest
+from models.gap.name.naming import Named
+from models.gap.settings import GapSettings
+from models.gap.verdict import Variation
+
+
+def variations(named: Named) -> tuple[Variation, ...]:
+    """Return the surest drift and the surest difference from shot to shot, if significant."""
+    evidence, settings = named.explainer.evidence, named.explainer.evidence.settings
+    causes = named.explanation.causes
+    given = sorted({*evidence.free, *causes})
+    tests = [
+        _Trend(
+            evidence.columns[k], evidence.score_test([k], given), bool(evidence.listed[k]), settings
+        )
+        for k in evidence.decidable(given, settings.name.min_sample_size)
+    ]
+    found = [*_surest(tests, "drift", settings), *_surest(tests, "between_shots", settings)]
+    return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Trend:
+    """How the scores of shots about one parameter vary.
+
+    Attributes:
+        hypothesis: the parameter.
+        test: of the parameter, given all others that are free.
+        listed: whether the simulator has it.
+        settings: of the workflow.
+    """
+
+    hypothesis: Hypothesis
+    test: ScoreTest
+    listed: bool
+    settings: GapSettings
+
+    @property
+    def information(self) -> Floats:
+        """(B,) of the shots."""
+        information: Floats = np.maximum(self.test.shares[self.test.shots, 0, 0], 0.0)
+        return information
+
+    @property
+    def scores(self) -> Floats:
+        """(B,) of the shots, about the value that all of them together have."""
+        scores: Floats = self.test.scores[self.test.shots, 0]
+        return scores - self.information * float(self.test.estimate[0])
+
+    @property
+    def identity(self) -> str:
+        """Of the parameter."""
+        return self.hypothesis.identity
+
+    def gain(self, kind: str) -> float:
+        """Return twice the gain of log likelihood by a drift, or by differences between shots."""
+        size, error, _ = self._drift
+        return (size / error) ** 2 if kind == "drift" else self._between.gain
+
+    def p_value(self, kind: str) -> float:
+        """Return the p-value of a drift, or of differences from shot to shot."""
+        return self._drift[2] if kind == "drift" else self._p_value_between
+
+    def variation(self, kind: str, others: tuple[str, ...]) -> Variation:
+        """Return a drift, from the first shot to the last, or differences, a standard deviation."""
+        size, error, p_value = self._drift
+        quantile = self.settings.normal_quantile
+        interval = (size - quantile * error, size + quantile * error)
+        if kind == "between_shots":
+            size, p_value = self._between.estimate, self._p_value_between
+            interval = self._between.interval(self.settings.confidence)
+        return Variation.model_validate(
+            {
+                "identity": self.identity,
+                "kind": kind,
+                "unit": self.hypothesis.declaration.unit,
+                "size": size,
+                "interval": interval,
+                "p_value": p_value,
+                "possible": (self.identity, *others),
+            }
+        )
+
+    @cached_property
+    def _drift(self) -> tuple[float, float, float]:
+        """Return the change over the session, its standard error and its p-value."""
+        weight = self.information
+        order = np.linspace(-0.5, 0.5, len(weight))
+        order = order - np.average(order, weights=weight)
+        information = float(weight @ order**2)
+        size = float(order @ self.scores) / information
+        # By the spread of the shots where it is larger than their information says.
+        spread = float(order**2 @ (self.scores - weight * size * order) ** 2)
+        error = float(np.sqrt(max(spread, information))) / information
+        return size, error, float(2 * norm.sf(abs(size) / error))
+
+    @cached_property
+    def _between(self) -> DistortionLikelihood:
+        return self._likelihood(self.scores)
+
+    @cached_property
+    def _p_value_between(self) -> float:
+        """A shot whose score is out of line must not decide alone."""
+        root = np.sqrt(self.information)
+        most = float(norm.isf(self.settings.level / len(root))) * root
+        gain = self._likelihood(np.clip(self.scores, -most, most)).gain
+        return 0.5 * float(chi2.sf(gain, 1)) if gain > 0.0 else 1.0
+
+    def _likelihood(self, scores: Floats) -> DistortionLikelihood:
+        reach = float(np.ptp(self.hypothesis.declaration.bounds))
+        return DistortionLikelihood(self.information, scores, (1e-6 * reach, reach))
+
+
+def _surest(trends: list[_Trend], kind: str, settings: GapSettings) -> Iterator[Variation]:
+    """Yield the likeliest variation, if it is significant among all parameters.
+
+    One of the simulator's own parameters is preferred to a missing effect that is about as likely.
+    """
+    gains = {trend: trend.gain(kind) for trend in trends}
+    least = max(gains.values(), default=0.0) - settings.tolerance
+    close = [trend for trend in sorted(trends, key=lambda one: -gains[one]) if gains[trend] > least]
+    for likeliest in sorted(close, key=lambda trend: not trend.listed)[:1]:
+        if likeliest.p_value(kind) <= settings.level / (2 * len(trends)):
+            others = tuple(trend.identity for trend in close if trend is not likeliest)
+            yield likeliest.variation(kind, others)

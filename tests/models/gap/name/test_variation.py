@@ -1,0 +1,47 @@
+"""Variation: a parameter that drifts or differs between shots is found, and no other."""
+
+import numpy as np
+import pytest
+
+from models.gap.fit.shots import Shots
+from models.gap.name.naming import name
+from models.gap.name.variation import variations
+from models.gap.settings import Question
+from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
+
+
+def session(values, effect="drag", parameter="cd"):
+    """Shots of a session, each with its own value of a parameter."""
+    shots = []
+    for number, value in enumerate(values):
+        truth = NOMINAL.amended(effect, **{parameter: value})
+        shots.append(measured(truth, count=2, seed=number)[[number % 2]])
+    there = [(one, one.valid[0], one.labelled[0]) for one in shots]
+    return Shots.from_arrays(
+        [one.times[0, valid] for one, valid, _ in there],
+        [one.positions[0, valid] for one, valid, _ in there],
+        [one.labels[0, labelled] for one, _, labelled in there],
+        [one.label_times[0, labelled] for one, _, labelled in there],
+    )
+
+
+def found(shots):
+    return {one.kind: one for one in variations(name(shots, Question(NOMINAL, SETTINGS)))}
+
+
+def test_a_drag_that_drifts_over_the_session_is_found_with_its_size():
+    drift = found(session(np.linspace(0.45, 0.55, 40)))["drift"]
+    assert drift.identity == "drag.cd"
+    assert drift.interval[0] < 0.1 < drift.interval[1]
+    assert drift.size == pytest.approx(0.1, rel=0.2)
+
+
+def test_balls_that_differ_in_drag_are_found_with_their_spread():
+    between = found(session(0.5 + 0.05 * np.random.default_rng(1).standard_normal(40)))
+    assert between["between_shots"].identity == "drag.cd"
+    assert between["between_shots"].size == pytest.approx(0.05, rel=0.3)
+
+
+def test_a_cause_that_all_shots_have_is_no_variation():
+    assert found(session(np.full(40, 0.45))) == {}
+    assert found(measured(count=40, seed=4)) == {}
