@@ -15,7 +15,7 @@ export DO_NOT_TRACK := true
 PIP := .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real exam test test-all faults lint audit pictures bench docs ui
+.PHONY: help reproduce real exam test test-naming test-all faults lint audit pictures bench docs ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
@@ -42,6 +42,9 @@ exam: .venv/ready ## hours: run the whole blind exam and write its records; resu
 
 test: .venv/ready ## the quick tests, in parallel on all cores
 	@pytest --numprocesses logical --dist loadfile
+
+test-naming: .venv/ready ## minutes: the slow tests of naming causes
+	@pytest -m slow --numprocesses logical --dist loadfile tests/models/gap
 
 test-all: .venv/ready ## all tests but the fault injection, the slow ones included
 	@pytest -m 'not faults'
