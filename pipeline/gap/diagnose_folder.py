@@ -13,7 +13,7 @@ from pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
 from pipeline.gap.figures.verdict import causes_figure, error_figure
 from pipeline.gap.measured_shots import MeasuredShots, read_shots
 from pipeline.gap.summary import Findings, detection_lines
-from pipeline.gap.usage import usage_lines, with_doubts
+from pipeline.gap.usage import episodes_text, usage_lines, with_doubts
 from pipeline.gap.verdict_page import render_gap_page
 from pipeline.io.artifacts import write_text
 from pipeline.io.figure_style import apply_style
@@ -138,7 +138,8 @@ def _check_enough(measured: MeasuredShots, data: Path) -> None:
     if count < least:
         problem = (
             f"{count} of its {measured.episodes} episodes are unbroken shots of more than twelve "
-            f"samples; give at least {least}, in the table's frame, in m and s"
+            f"samples; give at least {least}, in the table's frame, in m and s (used: "
+            f"{episodes_text(measured)})"
         )
         raise InputError(data, problem)
 

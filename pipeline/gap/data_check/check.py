@@ -70,5 +70,5 @@ def _checked_units(tracks: Sequence[Track], setup: Setup, folder: Path) -> Fall 
 def _stop(problem: Problem | None, folder: Path) -> None:
     if problem is None:
         return
-    advice = f"; the line for {folder / 'source.yaml'} is `{problem.line}`" if problem.line else ""
+    advice = f"; source.yaml needs the line `{problem.line}`" if problem.line else ""
     raise InputError(folder, f"{problem.text}{advice}")

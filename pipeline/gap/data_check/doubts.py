@@ -11,7 +11,7 @@ from pipeline.gap.data_check.heights import height_doubts
 from pipeline.gap.data_check.tracks import Track
 from pipeline.gap.data_check.units import GRAVITY
 
-TILT = 20.0  # degrees between gravity and -z; less may be lift
+TILT = 30.0  # degrees between gravity and -z; less may be lift
 FALLS = (6.0, 15.0)  # m/s^2 beyond which lift is an unlikely explanation
 ROUNDED = 1e-3  # s
 ROUNDING_ERROR = 1e-6  # s, of a time stamp that is a multiple of ROUNDED

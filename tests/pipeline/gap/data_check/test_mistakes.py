@@ -136,3 +136,48 @@ def test_a_mistake_is_refused_with_the_line_that_corrects_it(tmp_path, correct, 
     # Right-handed axes with y up leave open which end of the table is y > 0.
     mirror = {"y up": (-1, -1, 1)}.get(name, (1, 1, 1))
     assert same(found, expected, mirror)
+
+
+def without_labels(rows):
+    return rows.assign(**dict.fromkeys(SPINS, np.nan))
+
+
+@pytest.mark.parametrize("name", ["mm", "ms", "y and z exchanged", "x and y exchanged"])
+def test_positions_are_enough_without_labels(tmp_path, correct, name):
+    mistake = MISTAKES[name]
+    change = both(mistake.change, without_labels)
+    assert correction(refusal(with_mistake(correct, tmp_path / "lab", change))) == mistake.line
+
+
+@pytest.mark.parametrize(
+    ("stated", "line"),
+    [
+        ("units: {position: mm}", "units: {}"),
+        ("units: {position: mm, spin: rad/s}", "units: {}"),
+        ("units: {time: ms}", "units: {}"),
+        ("units: {spin: rpm}", "units: {}"),
+        ("units: {spin: -deg/s}", "units: {}"),
+        ("axes: [x, z, y]", "axes: [x, y, z]"),
+        ("axes: [z, x, y]", "axes: [x, y, z]"),
+        ("frame: {offset: [0, 0, -0.5]}", "frame: {}"),
+    ],
+)
+def test_a_line_that_is_wrong_is_replaced(tmp_path, correct, stated, line):
+    folder = with_mistake(correct, tmp_path / "lab", lambda rows: rows)
+    (folder / "source.yaml").write_text(f"kind: cannon\n{stated}\n")
+    assert correction(refusal(folder)) == line
+
+
+def test_a_further_rotation_follows_the_stated_one(tmp_path, correct, expected):
+    sideways = np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    folder = with_mistake(correct, tmp_path / "lab", turned(sideways @ UPSIDE_DOWN))
+    source = folder / "source.yaml"
+    source.write_text("kind: cannon\nframe: {rotation: [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]}\n")
+    source.write_text(f"name: lab\nkind: cannon\n{correction(refusal(folder))}\n")
+    assert same(read_shots(folder, "csv").shots, expected, (-1, -1, 1))
+
+
+def test_a_ball_that_falls_too_fast_in_any_unit_is_refused(tmp_path, correct):
+    folder = with_mistake(correct, tmp_path / "lab", scaled(["t"], 0.2))
+    message = refusal(folder)
+    assert "the ball falls with" in message and "`" not in message
