@@ -13,6 +13,7 @@ from pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
 from pipeline.gap.figures.verdict import causes_figure, error_figure
 from pipeline.gap.measured_shots import MeasuredShots, read_shots
 from pipeline.gap.summary import Findings, detection_lines
+from pipeline.gap.usage import episodes_text, usage_lines, with_doubts
 from pipeline.gap.verdict_page import render_gap_page
 from pipeline.io.artifacts import write_text
 from pipeline.io.figure_style import apply_style
@@ -47,7 +48,8 @@ def diagnose_folder(
         simulator: name of a shipped one, or path of a YAML file.
         level: probability of a false cause where there is no gap.
         out: folder to write to.
-        say: called with lines of text: what the shots can show, before causes are searched for.
+        say: called with lines of text: what is used and what is doubtful, then what the shots can
+            show, before causes are searched for.
 
     Raises:
         InputError: any of these cannot be used, or there are too few shots.
@@ -59,6 +61,9 @@ def diagnose_folder(
             measured = read_shots(data, source)
             _check_enough(measured, data)
             _check_table(measured, nominal, simulator)
+        with bar.aside():
+            for line in usage_lines(measured):
+                say(line)
 
         def show(limits: DetectionLimits) -> None:
             with bar.aside():
@@ -70,6 +75,7 @@ def diagnose_folder(
             verdict = diagnose(
                 measured.shots, nominal, settings, progress=bar.reached, on_limits=show
             )
+            verdict = with_doubts(verdict, measured)
         findings = Findings(measured, nominal, simulator, settings, verdict)
         with bar.phase("writing"):
             write_findings(findings, out)
@@ -132,7 +138,8 @@ def _check_enough(measured: MeasuredShots, data: Path) -> None:
     if count < least:
         problem = (
             f"{count} of its {measured.episodes} episodes are unbroken shots of more than twelve "
-            f"samples; give at least {least}, in the table's frame, in m and s"
+            f"samples; give at least {least}, in the table's frame, in m and s (used: "
+            f"{episodes_text(measured)})"
         )
         raise InputError(data, problem)
 

@@ -1,18 +1,21 @@
 """Shot folders: the recordings of a folder, cut into shots."""
 
 import tempfile
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from models.gap.fit.shots import Shots
 from models.segmentation.settings import SegmentSettings
 from models.segmentation.tables import segment_recordings
 from models.support.suggestion import suggestion
-from pipeline.gap.shots import is_shot, shots_of
+from pipeline.gap.data_check.check import check_recordings
+from pipeline.gap.labels import LabelCounts, count_labels
+from pipeline.gap.noise import coordinate_noise
+from pipeline.gap.shots import shots_of, why_left_out
 from pipeline.io.artifacts import table_writer, write_table
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
 from pipeline.io.schemas import (
@@ -32,9 +35,6 @@ from pipeline.sources.source import Source, SourceContext
 from pipeline.sources.source_import import SourceImport, in_batches
 
 SIMULATED = "arena"  # the one source that reads no files
-DIFFERENCE = np.sqrt(20.0)  # standard deviation of a third difference, in those of its samples
-TO_DEVIATION = 1.4826  # from the median size of an error to its standard deviation
-LARGEST_NOISE = 0.05  # m, beyond which nothing can be cut
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,11 @@ class MeasuredShots:
         recordings: how many there are.
         refused: implausible rows and labels, counted by reason.
         episodes: how many, from one stroke or launch to the next.
+        left_out: episodes that are no shots, counted by reason.
+        labels: spin labels, of which some are used.
         bounces: how many of the shots bounce.
         noise: m, standard deviation of a coordinate by which they were cut.
+        doubts: what is doubtful about the recordings, one sentence each.
     """
 
     name: str
@@ -56,8 +59,11 @@ class MeasuredShots:
     recordings: int
     refused: dict[str, int]
     episodes: int
+    left_out: dict[str, int]
+    labels: LabelCounts
     bounces: int
     noise: float
+    doubts: tuple[str, ...] = ()
 
 
 def read_shots(folder: Path | str, source: str) -> MeasuredShots:
@@ -71,19 +77,23 @@ def read_shots(folder: Path | str, source: str) -> MeasuredShots:
         InputError: there is no such folder or source, a file is not what the source reads, or
             there are launches without a path.
     """
-    parts, manifest = _recordings(Path(folder), _source(source))
+    parts, manifest, doubts = _recordings(Path(folder), _source(source))
     settings = SegmentSettings(noise=_noise(parts))
     episodes = _episodes(parts, manifest, settings)
     record = next(iter(manifest.sources.values()))
-    chosen = [member for member in episodes if is_shot(member)]
+    reasons = [why_left_out(member) for member in episodes]
+    chosen = [member for member, no in zip(episodes, reasons, strict=True) if no is None]
     return MeasuredShots(
         name=record.name,
         shots=shots_of(chosen),
         recordings=record.recordings,
         refused=record.refused_counts,
         episodes=len(episodes),
+        left_out=dict(Counter(sorted(reason for reason in reasons if reason))),
+        labels=count_labels(parts, record, chosen),
         bounces=sum(bool(member.episode.arc.any()) for member in chosen),
         noise=settings.noise,
+        doubts=doubts,
     )
 
 
@@ -105,34 +115,25 @@ def _source(name: str) -> Source:
     return known[name]
 
 
-def _recordings(folder: Path, source: Source) -> tuple[list[pd.DataFrame], Manifest]:
-    """Return recordings in batches, each of them whole, and their manifest."""
+def _recordings(
+    folder: Path, source: Source
+) -> tuple[list[pd.DataFrame], Manifest, tuple[str, ...]]:
+    """Return recordings in batches, each of them whole, their manifest, and what is doubtful."""
     if not folder.is_dir():
         raise InputError(folder, f"is not a folder; give the one with the files of {source.name}")
     data = source.read(_FolderContext(folder))
     imported = SourceImport(data)
     if imported.is_launches:
         raise InputError(folder, f"{source.name} has launches without a path; give recordings")
-    parts = [checked(imported.rows(batch), RECORDINGS) for batch in in_batches(data.tables)]
-    return parts, Manifest(sources={data.description.name: imported.record()})
+    tables = list(data.tables)
+    doubts = check_recordings(tables, data.description.frame, data.conversion, folder)
+    parts = [checked(imported.rows(batch), RECORDINGS) for batch in in_batches(tables)]
+    return parts, Manifest(sources={data.description.name: imported.record()}), doubts
 
 
 def _noise(parts: Sequence[pd.DataFrame]) -> float:
-    """Return the noise of a coordinate, m: the median third difference, at least the usual noise.
-
-    Smooth paths have hardly any third differences, and the median ignores contacts and outliers.
-    """
-    usual = SegmentSettings().noise
-    differences = [part.groupby("recording_id")[POSITION_COLUMNS].diff() for part in parts]
-    for _ in range(2):
-        differences = [
-            rows.groupby(part["recording_id"]).diff()
-            for part, rows in zip(parts, differences, strict=True)
-        ]
-    sizes = np.abs(np.concatenate([rows.dropna().to_numpy().ravel() for rows in differences]))
-    if not len(sizes):
-        return usual
-    return float(np.clip(TO_DEVIATION * np.median(sizes) / DIFFERENCE, usual, LARGEST_NOISE))
+    groups = (part.groupby("recording_id")[POSITION_COLUMNS] for part in parts)
+    return coordinate_noise([rows.to_numpy() for group in groups for _, rows in group])
 
 
 def _episodes(

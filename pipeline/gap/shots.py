@@ -36,7 +36,16 @@ def shots_of(episodes: Sequence[MeasuredEpisode]) -> Shots:
 
 def is_shot(member: MeasuredEpisode) -> bool:
     """Return whether an episode is unbroken, long enough, and touches nothing but the table."""
+    return why_left_out(member) is None
+
+
+def why_left_out(member: MeasuredEpisode) -> str | None:
+    """Return why an episode is no shot, in words that follow a count; ``None`` for a shot."""
     times = member.episode.times
+    if len(times) <= DEFAULTS.observed_samples:
+        return "too short"
+    if not member.unbroken:
+        return "broken"
     touches = int(member.episode.arc.max())
     bounces = int((member.episode.bounces < times[-1]).sum())
-    return member.unbroken and len(times) > DEFAULTS.observed_samples and touches == bounces
+    return None if touches == bounces else "touching more than the table"

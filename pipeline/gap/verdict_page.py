@@ -9,6 +9,7 @@ from models.gap.location import Located
 from models.gap.verdict import Gap
 from pipeline.gap.figures.verdict import KIND_NAMES
 from pipeline.gap.summary import Findings, title
+from pipeline.gap.usage import episodes_text, labels_text
 from pipeline.gap.wording import interval_text, number, percent, with_unit
 from pipeline.io.report_items import ReportFigure
 from pipeline.io.report_manifest import Column, read_figure
@@ -135,8 +136,8 @@ def _facts(findings: Findings) -> dict[str, str]:
         "data": measured.name,
         "recordings": f"{measured.recordings:,}",
         "rows and labels rejected": _rejected(measured.refused),
-        "episodes": f"{measured.episodes:,}",
-        "shots used": f"{len(measured.shots):,}",
+        "episodes used": episodes_text(measured),
+        "spin labels used": labels_text(measured.labels),
         "shots with spin labels": f"{labelled:,}",
         "position noise": f"{1000 * measured.noise:.1f} mm",
         "simulator": findings.simulator_name,

@@ -15,6 +15,7 @@ from pipeline.io.source_manifest import Description
 from pipeline.params import IngestSettings
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import repository_root
+from pipeline.sources.conversion import Conversion
 
 FOLDER_VARIABLE = "RALLYGAP_DATA"  # environment variable; the setting takes precedence
 NOT_STATED = "not stated upstream"
@@ -73,6 +74,8 @@ class SourceData:
         side_files: files without rows, such as an index of labels.
         refusals: outside the tables.
         truth: the physics of a simulated source.
+        conversion: that the user's settings of the source state; ``None`` where an adapter fixes
+            axes and units.
     """
 
     description: Description
@@ -80,6 +83,7 @@ class SourceData:
     side_files: Sequence[Path] = ()
     refusals: Sequence[Refusal] = ()
     truth: dict[str, Any] | None = None
+    conversion: Conversion | None = None
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from models.gap.location import Growth, Located
 from models.gap.settings import DEFAULTS
 from models.gap.verdict import Cause, Gap, Landing, PhaseShares, Unexplained, Verdict
 from pipeline.gap.cases import Case, Diagnosed
+from pipeline.gap.labels import LabelCounts
 from pipeline.gap.measured_shots import MeasuredShots
 from pipeline.gap.summary import Findings
 
@@ -118,6 +119,14 @@ def findings(of=None, simulator_name="sim.yaml", name="lab"):
     """Findings with a verdict, on shots without spin labels that fly one way."""
     shots = Shots.from_arrays([TIMES] * 4, [PATH] * 4)
     measured = MeasuredShots(
-        name, shots, recordings=5, refused={"not a number": 2}, episodes=6, bounces=0, noise=0.003
+        name,
+        shots,
+        recordings=5,
+        refused={"not a number": 2},
+        episodes=6,
+        left_out={"broken": 1, "too short": 1},
+        labels=LabelCounts(read=0, implausible=0, used=0),
+        bounces=0,
+        noise=0.003,
     )
     return Findings(measured, shipped("literature"), simulator_name, DEFAULTS, of or verdict())

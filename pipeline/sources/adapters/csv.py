@@ -6,10 +6,11 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pipeline.io.frame import Frame
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
+from pipeline.io.schemas import SPIN_COLUMNS
 from pipeline.io.source_manifest import Description
 from pipeline.params import Name, as_json, read_yaml
 from pipeline.runtime.errors import InputError
+from pipeline.sources.conversion import Axes, Conversion, Units
 from pipeline.sources.files import check_header, read_separated, source_files
 from pipeline.sources.source import RawTable, SourceContext, SourceData
 
@@ -27,7 +28,14 @@ class CSVSettings(BaseModel):
     kind: Literal["cannon", "rally"] = "rally"
     licence: str = "not stated"
     rate: Annotated[float, Field(gt=0)] | None = None
+    axes: Axes = ("x", "y", "z")
+    units: Units = Units()
     frame: Frame = Frame()
+
+    @property
+    def conversion(self) -> Conversion:
+        """What the columns of the files mean."""
+        return Conversion(axes=self.axes, units=self.units)
 
 
 class CSV:
@@ -39,7 +47,7 @@ class CSV:
         """Read every csv file as one recording."""
         folder = context.folder(self.name)
         settings = _read_settings(folder / SETTINGS_FILE)
-        tables = [_table(file) for file in source_files(folder, "*.csv")]
+        tables = [_table(file, settings.conversion) for file in source_files(folder, "*.csv")]
         has_spin = any(SPIN_COLUMNS[0] in table.rows for table in tables)
         description = Description(
             name=settings.name,
@@ -51,14 +59,14 @@ class CSV:
             note=f"Read from csv files as {SETTINGS_FILE} describes them.",
         )
         side_files = [path for path in [folder / SETTINGS_FILE] if path.is_file()]
-        return SourceData(description, tables, side_files)
+        return SourceData(description, tables, side_files, conversion=settings.conversion)
 
 
-def _table(file: Path) -> RawTable:
+def _table(file: Path, conversion: Conversion) -> RawTable:
     header = check_header(file, HEADER, HEADER_WITH_SPIN)
-    columns = ["t", *POSITION_COLUMNS, *SPIN_COLUMNS][: header.count(",") + 1]
+    columns = conversion.columns[: header.count(",") + 1]
     rows, refusals = read_separated(file, columns, separator=",", first_line=2)
-    return RawTable(file.stem, rows, file, refusals=refusals)
+    return RawTable(file.stem, conversion.to_si(rows), file, refusals=refusals)
 
 
 def _read_settings(path: Path) -> CSVSettings:

@@ -44,6 +44,8 @@ def test_a_hidden_effect_is_named_on_the_terminal_and_in_the_file(windy):
     shown, out = windy
     assert (shown.returncode, shown.stderr) == (0, "")
     limits, found = shown.stdout.split("\n\n")
+    used, limits = limits.split("\n", 1)
+    assert used.startswith("Used: 36 of 36 episodes in 36 recordings. Spin labels: 4,")
     assert limits.startswith("Minimum detectable effects (5.8 sigma) in 36 shots of lab:")
     assert "\n  wind.x " in limits
     assert found.startswith("Named: 36 shots of lab differ from")

@@ -62,6 +62,35 @@ def test_source_yaml_moves_positions_and_turns_spins(tmp_path):
     assert first[SPIN_COLUMNS].tolist() == [2, -1, 3]
 
 
+def test_source_yaml_states_units_and_axes_before_the_frame(tmp_path):
+    settings = """
+        units: {position: mm, time: ms, spin: -rpm}
+        axes: [x, z, y]
+        frame: {offset: [0, 0, -0.76]}
+        """
+    rows = ["t,x,y,z,wx,wy,wz", "5,100,1060,500,30,-60,90", "10,100,1060,500,,,"]
+    write_csv(tmp_path, rows=rows, settings=settings)
+
+    recordings = read(tmp_path, "csv").recordings
+
+    assert recordings["t"].tolist() == [0.005, 0.01]
+    assert recordings[POSITION_COLUMNS].iloc[0].tolist() == pytest.approx([0.1, 0.5, 0.3])
+    assert recordings[SPIN_COLUMNS].iloc[0].tolist() == pytest.approx(
+        [-np.pi, -3 * np.pi, 2 * np.pi]
+    )
+    assert recordings["wx"].isna().tolist() == [False, True]
+
+
+def test_spins_that_are_plausible_in_their_unit_are_kept(tmp_path):
+    rows = ["t,x,y,z,wx,wy,wz", "0,0,1,0.3,9000,0,0", "0.01,0,1,0.3,0,0,9000"]
+    write_csv(tmp_path, rows=rows, settings="units: {spin: deg/s}")
+
+    gathered = read(tmp_path, "csv")
+
+    assert gathered.manifest.sources["csv"].labels_refused == {}
+    assert gathered.recordings["wx"].iloc[0] == pytest.approx(50 * np.pi)
+
+
 def test_source_yaml_names_and_describes_the_source(tmp_path):
     write_csv(tmp_path, settings="{name: lab_b, kind: cannon, rate: 143, licence: CC0}")
 
@@ -85,6 +114,13 @@ def test_source_yaml_names_and_describes_the_source(tmp_path):
         ("frame: {rotation: [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}", "frame"),
         ("frame: {rotation: [[2, 0, 0], [0, 2, 0], [0, 0, 2]]}", "frame"),
         ("frame: {offset: [0, 0]}", "frame.offset"),
+        ("units: {position: km}", "units.position"),
+        ("units: {spin: RPM}", "units.spin"),
+        ("units: {length: mm}", "units.length"),
+        ("units: mm", "units"),
+        ("axes: [x, y]", "axes"),
+        ("axes: [x, y, y]", "axes"),
+        ("axes: [x, y, up]", "axes"),
         ("[1, 2]", ""),
         ("rate: [", ""),
         ("rate: 2001-99-99", ""),

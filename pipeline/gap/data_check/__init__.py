@@ -1,0 +1,1 @@
+"""Checks of recordings before any verdict: units, axes, heights and spin labels."""
