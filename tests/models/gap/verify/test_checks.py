@@ -1,0 +1,56 @@
+"""Checks: noise that is understated is noticed, and few shots are not judged."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from models.gap.fit.noise import Noise
+from models.gap.fit.refit import fit_nuisance
+from models.gap.verify.checks import checks
+from models.gap.verify.prediction_error import Errors
+from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
+
+NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.01, 0.02, 0.005))
+
+
+def found(noise=NOISE, count=20, errors=None):
+    fit = fit_nuisance(measured(count=count), NOMINAL, noise, SETTINGS.fit)
+    return {check.name: check for check in checks(fit, errors, SETTINGS)}
+
+
+def errors(after, floor, shots=30):
+    """Errors of shots that vary by a few percent, in m, before, after and at the floor."""
+    spread = 1 + 0.05 * np.random.default_rng(0).standard_normal((3, shots, 2))
+    squares = (np.array([0.02, after, floor])[:, None, None] * spread) ** 2
+    return Errors(np.array([0.1, 0.2]), squares, squares.copy())
+
+
+def test_residuals_are_as_large_as_the_noise():
+    residuals = found()["residuals"]
+    assert residuals.ratio == pytest.approx(1.0, abs=0.05)
+    assert residuals.passed
+
+
+def test_understated_noise_is_noticed():
+    half = replace(NOISE, white=0.0015, label=0.025, scatter=(0.005, 0.01, 0.0025))
+    residuals = found(half)["residuals"]
+    assert residuals.ratio == pytest.approx(2.0, rel=0.1)
+    assert not residuals.passed
+
+
+@pytest.mark.parametrize(("after", "passed"), [(0.010, True), (0.016, False), (0.005, False)])
+def test_prediction_errors_must_be_near_the_floor(after, passed):
+    made = found(errors=errors(after, 0.010))
+    assert made["prediction"].ratio == pytest.approx(after / 0.010, rel=0.05)
+    assert (made["prediction"].passed, made["landing"].passed) == (passed, passed)
+
+
+def test_labels_that_err_by_more_than_half_of_the_spin_fail():
+    assert found()["labels"].passed
+    assert not found(replace(NOISE, label=0.6))["labels"].passed
+
+
+def test_few_shots_are_not_judged():
+    made = found(count=5, errors=errors(0.03, 0.01, shots=5))
+    assert set(made) == {"labels"}

@@ -1,0 +1,98 @@
+"""Roles: worth is a difference of prediction errors, and what is not needed is minor."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from models.gap.diagnose import _Verified, diagnose
+from models.gap.fit.refit import refit
+from models.gap.hypotheses import Hypothesis
+from models.gap.name.label_signs import no_flipped_labels
+from models.gap.name.naming import Named, without_cause
+from models.gap.name.selection import Explainer, best_explanation, evidence_about
+from models.gap.settings import Question
+from models.gap.verdict import Worth
+from models.gap.verify.roles import Judgement
+from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
+
+QUESTION = Question(NOMINAL, SETTINGS)
+DRAG, DECAY = Hypothesis("drag", "cd"), Hypothesis("spin_decay", "c")
+TRUTH = NOMINAL.amended("drag", cd=0.42)
+
+
+@pytest.fixture(scope="module")
+def both():
+    """The right cause and one that the shots do not have, verified on other shots."""
+    shots = measured(TRUTH, count=30, seed=5)
+    fit = refit(shots, NOMINAL, (DRAG, DECAY), SETTINGS.fit)
+    evidence = evidence_about(fit, QUESTION)
+    places = tuple(k for k, column in enumerate(evidence.columns) if column in (DRAG, DECAY))
+    explainer = Explainer(evidence, NOMINAL, places)
+    explanation = best_explanation(explainer, places, len(places))
+    before, labels = refit(shots, NOMINAL, (), SETTINGS.fit), no_flipped_labels(shots, SETTINGS)
+    named = Named(fit, explainer, explanation, True, before, labels)
+    return _Verified.of(named, measured(TRUTH, count=16, seed=6), QUESTION)
+
+
+def place(named, hypothesis):
+    return named.explainer.evidence.columns.index(hypothesis)
+
+
+def test_a_cause_that_the_shots_do_not_have_is_the_weakest(both):
+    judgement = both.judgement(fits=True)
+    assert judgement.weakest(QUESTION) == place(both.named, DECAY)
+    assert judgement.worths.confirmed == {"drag.cd"}
+    left = both.without(place(both.named, DECAY))
+    assert left.named.fit.free == (DRAG,)
+    assert left.judgement(fits=True).weakest(QUESTION) is None
+
+
+def test_the_worth_of_the_only_cause_is_what_amending_gains(both):
+    alone = both.without(place(both.named, DECAY))
+    worth, gap = alone.judgement(fits=True).worths.of_causes["drag.cd"], alone.gap
+    gained = np.mean(gap.before_mm) - np.mean(gap.after_mm)
+    assert worth.mm == pytest.approx(gained, abs=0.01)
+    assert worth.interval == pytest.approx(gap.reduction_mm, abs=0.01)
+
+
+def test_a_refit_without_a_cause_gives_the_others_their_own_values(both):
+    rest = without_cause(both.named, place(both.named, DRAG), QUESTION)
+    direct = refit(both.named.fit.linear.shots, NOMINAL, (DECAY,), SETTINGS.fit)
+    assert rest.fit.free == (DECAY,)
+    assert DECAY.value(rest.fit.simulator) == pytest.approx(
+        DECAY.value(direct.simulator), abs=0.2 * SETTINGS.fit.value_prior * 0.2
+    )
+
+
+@pytest.mark.parametrize(
+    ("interval", "fits", "is_minor"),
+    [
+        ((1.0, 3.0), True, False),
+        ((-1.0, 3.0), True, False),  # the likelihood is sure of it
+        ((-1.0, 3.0), False, True),  # where the model does not fit, predictions must be
+        ((-3.0, -1.0), True, True),  # predictions are better without it
+        ((-0.1, 0.01), True, True),  # negligible beside the other cause
+    ],
+)
+def test_predictions_decide_where_the_model_does_not_fit(both, interval, fits, is_minor):
+    alone = both.without(place(both.named, DECAY))
+    judgement = alone.judgement(fits)
+    worths = {"drag.cd": Worth(mm=sum(interval) / 2, interval=interval)}
+    worths["other"] = Worth(mm=5.0, interval=(4.0, 6.0))
+    changed = replace(judgement, worths=replace(judgement.worths, of_causes=worths))
+    assert (changed.weakest(QUESTION) is not None) == is_minor
+    assert isinstance(changed, Judgement)
+
+
+def test_a_verdict_on_a_fair_model_passes_its_checks():
+    verdict = diagnose(measured(TRUTH, count=45, seed=7), NOMINAL)
+    assert {check.name for check in verdict.checks} == {
+        "residuals",
+        "prediction",
+        "landing",
+        "labels",
+    }
+    assert verdict.misfits == ()
+    residuals = next(check for check in verdict.checks if check.name == "residuals")
+    assert residuals.ratio == pytest.approx(1.0, abs=0.05)
