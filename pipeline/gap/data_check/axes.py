@@ -15,13 +15,15 @@ from pipeline.io.frame import Frame
 
 DOMINANT = 2.0  # ratio of two axes' components above which one of them is meant
 BETTER = 0.2  # share of bounces on the table that an exchange of x and y must add
+# The axes across and along the table if one axis, exchanged with z, is vertical.
+EXCHANGED = {0: (2, 1), 1: (0, 2), 2: (0, 1)}
 Order = tuple[int, int, int]
 
 
 def axes_problem(fall: Fall, flights: Flights, setup: Setup) -> Problem | None:
     """Return which axes are exchanged or turned around."""
     axis, sign = _up(fall, flights.contacts)
-    across, along = (other for other in range(3) if other != axis)
+    across, along = EXCHANGED[axis]
     if _flies_across(fall.velocities, flights.contacts, (across, along), sign * np.eye(3)[axis]):
         across, along = along, across
     order = (across, along, axis)
@@ -56,11 +58,16 @@ def _flies_across(
     velocities: Floats, contacts: Sequence[Contact], horizontal: tuple[int, int], up: Floats
 ) -> bool:
     """Return whether balls fly along the first of the axes, and bounces say that it is y."""
-    across, along = np.median(np.abs(velocities), axis=0)[list(horizontal)]
     places = bounce_places(contacts, up)[:, horizontal]
-    if across < DOMINANT * along or not len(places):
+    if not mostly_across(velocities[:, horizontal]) or not len(places):
         return False
     return share_on_table(places[:, ::-1]) >= share_on_table(places) + BETTER
+
+
+def mostly_across(velocities: Floats) -> bool:
+    """Return whether (n, 2) or more components of velocities are mostly along the first axis."""
+    across, along = np.median(np.abs(velocities), axis=0)[:2]
+    return bool(across > DOMINANT * along)
 
 
 def _text(order: Order, sign: int, fall: Fall) -> str:

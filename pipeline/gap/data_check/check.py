@@ -52,7 +52,7 @@ def check_recordings(
     places = bounce_places(flights.contacts, UP)
     _stop(height_problem(places, setup), folder)
     _stop(spin_problem(flights, setup), folder)
-    return tuple(doubts_of(tracks, fall, places))
+    return tuple(doubts_of(tracks, fall, flights, places))
 
 
 def _checked_units(tracks: Sequence[Track], setup: Setup, folder: Path) -> Fall | None:

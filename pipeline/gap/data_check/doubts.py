@@ -5,9 +5,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from models.ball.types import Floats
+from pipeline.gap.data_check.axes import mostly_across
 from pipeline.gap.data_check.bounces import share_on_table
 from pipeline.gap.data_check.fall import Fall
+from pipeline.gap.data_check.flights import Flights
 from pipeline.gap.data_check.heights import height_doubts
+from pipeline.gap.data_check.spins import spin_doubts
 from pipeline.gap.data_check.tracks import Track
 from pipeline.gap.data_check.units import GRAVITY
 
@@ -19,17 +22,21 @@ FEWEST_BOUNCES = 5
 SAME_SPEED = 0.05  # relative standard deviation of the speeds of recordings
 
 
-def doubts_of(tracks: Sequence[Track], fall: Fall | None, places: Floats) -> Iterator[str]:
+def doubts_of(
+    tracks: Sequence[Track], fall: Fall | None, flights: Flights, places: Floats
+) -> Iterator[str]:
     """Yield what is doubtful, one sentence each.
 
     Args:
         tracks: all of them.
         fall: of the tracks; ``None`` where they are too short.
+        flights: of the tracks.
         places: (n, 3) of bounces, m.
     """
     if fall is not None:
         yield from _doubtful_fall(fall)
     yield from height_doubts(places)
+    yield from spin_doubts(flights)
     if len(places) >= FEWEST_BOUNCES and share_on_table(places) < 0.5:
         x, y = np.median(places[:, :2], axis=0)
         yield (
@@ -47,6 +54,8 @@ def doubts_of(tracks: Sequence[Track], fall: Fall | None, places: Floats) -> Ite
 
 
 def _doubtful_fall(fall: Fall) -> Iterator[str]:
+    if mostly_across(fall.velocities):
+        yield "balls fly along x, across the table: check that y is along it"
     tilt = np.degrees(np.arccos(np.clip(-fall.acceleration[2] / fall.size, -1.0, 1.0)))
     if tilt > TILT:
         yield f"gravity and mean lift point {tilt:.0f} degrees off -z: check the axes"

@@ -5,6 +5,7 @@ a simulator, which may have it wrong or lack it. C_M varies by a factor of eight
 factor of six to ten, so the sizes of labels must speak for another unit too.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,7 @@ QUANTILE = 0.9
 SIGNIFICANT = 4.0  # standard errors of a lift
 LEAST_LIFT = 0.3  # m/s^2, below which wind or a tilted frame may be stronger
 FEWEST_FLIGHTS = 5
+MOST = 0.6  # share of flights with the opposite lift from which labels are doubtful
 NEARLY_ALL = 0.9  # share of flights with the opposite lift from which all labels are meant
 
 
@@ -83,6 +85,16 @@ def spin_problem(flights: Flights, setup: Setup) -> Problem | None:
     sign = "" if opposite == present.startswith("-") else "-"
     text = f"spin labels {' and '.join(found)}; {sign + unit}?"
     return Problem(text, setup.units_line(spin=sign + unit))
+
+
+def spin_doubts(flights: Flights) -> Iterator[str]:
+    """Yield what is doubtful about spin labels."""
+    lift = lift_of(flights)
+    if lift is not None and lift.opposite > MOST:
+        yield (
+            f"{100 * lift.opposite:.0f} % of flights curve against their spin labels: check the "
+            "labels' sense of rotation"
+        )
 
 
 def _best_unit(flights: Flights, quantile: float, present: SpinUnit) -> str:

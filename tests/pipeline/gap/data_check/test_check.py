@@ -44,6 +44,7 @@ def test_large_effects_do_not_stop(tmp_path, causes):
         ({"table_tilt": {"x": 0.03, "y": 0.03}}, {}, "heights of bounces rise by 4. mm/m"),
         ({"wind": {"z": 5.0}}, {}, "instead of 9.81"),
         ({}, {"time_resolution": 1e-3}, "rounded to 1 ms"),
+        ({"spin_sign_flip": {"share": 0.8}}, {}, "curve against their spin labels"),
     ],
 )
 def test_what_is_doubtful_is_said(tmp_path, causes, settings, doubt):
@@ -73,6 +74,14 @@ def test_a_source_without_source_yaml_is_told_no_line(tmp_path):
     ]
     with pytest.raises(InputError, match=r"positions are not in m: .*; mm\?$"):
         check_recordings(tables, Frame(), None, tmp_path)
+
+
+def test_flight_across_the_table_is_doubtful_where_no_bounce_decides(tmp_path):
+    folder = write_recordings(tmp_path / "lab", shots=12, spin_labels="none")
+    for path in folder.glob("*.csv"):
+        rows = pd.read_csv(path).head(35)
+        rows.assign(x=rows["y"], y=rows["x"]).to_csv(path, index=False)
+    assert any("fly along x" in doubt for doubt in read_shots(folder, "csv").doubts)
 
 
 @pytest.mark.real
