@@ -108,7 +108,7 @@ def figures_of(findings: Findings) -> list[ReportFigure]:
     """Return the figures for which the verdict has content."""
     verdict = findings.verdict
     figures, located = [], verdict.located
-    if verdict.causes:
+    if verdict.main_causes:
         figures.append(causes_figure(verdict))
     if verdict.camera:
         shots = findings.measured.shots

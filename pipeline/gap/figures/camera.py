@@ -79,7 +79,7 @@ def _errors(
     """Return (Y, X, 3) mm on a slice, NaN far from all measured balls."""
     x, y = np.meshgrid(across, along)
     slice_places = np.stack([x, y, np.full_like(x, height)], axis=-1)
-    distances, _ = cKDTree(places).query(slice_places)
+    distances = np.asarray(cKDTree(places).query(slice_places)[0])
     errors = 1e3 * position_errors(verdict, slice_places)
     shown: Floats = np.where(distances[..., None] <= NEAR, errors, np.nan)
     return shown
