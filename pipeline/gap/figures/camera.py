@@ -38,8 +38,9 @@ def camera_figure(verdict: Verdict, places: Floats) -> ReportFigure:
     errors = [_errors(verdict, places, across, along, height) for height in HEIGHTS]
     figure = Figure(figsize=(FIGURE_WIDTH, _height(across, along)))
     panels = figure.subplots(1, len(HEIGHTS), sharex=True, sharey=True)
-    largest = float(np.nan_to_num(np.abs(errors)).max())
-    norm, scale = Normalize(-largest, largest), float(NICE[np.searchsorted(NICE[:-1], largest)])
+    largest = np.nan_to_num(np.abs(errors)).max(axis=(0, 1, 2))
+    norm = Normalize(-largest[2], largest[2])
+    scale = float(NICE[np.searchsorted(NICE[:-1], largest[:2].max())])
     for axes, height, error in zip(panels, HEIGHTS, errors, strict=True):
         _draw_slice(axes, across, along, error, norm, scale)
         axes.set_title(f"z = {height:g} m")
