@@ -92,11 +92,14 @@ def diagnose(
     level: Annotated[
         float, typer.Option(min=1e-4, max=0.5, help="probability of a false cause without a gap")
     ] = 0.003,
+    everything: Annotated[
+        bool, typer.Option("--all", help="amend minor structure as well as the main causes")
+    ] = False,
 ) -> None:
     """Say where recordings and a simulator disagree, why, and by how much."""
     from pipeline.gap.diagnose_folder import diagnose_folder
 
-    findings = diagnose_folder(data, source, simulator, level, out, say=typer.echo)
+    findings = diagnose_folder(data, source, simulator, level, out, typer.echo, everything)
     typer.echo()
     for line in findings_lines(findings, out):
         typer.echo(line)
@@ -105,7 +108,7 @@ def diagnose(
 def findings_lines(findings: "Findings", out: Path) -> list[str]:
     """Return what the terminal shows of a verdict whose files are in a folder."""
     limitations = [f"Limitation: {one}." for one in findings.verdict.limitations]
-    return [*findings.sentences, *limitations, f"Report: {out / 'report.html'}"]
+    return [*findings.outcome, *findings.details, *limitations, f"Report: {out / 'report.html'}"]
 
 
 @app.command(rich_help_panel=GAP)

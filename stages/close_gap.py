@@ -55,7 +55,7 @@ def _write(run: StageRun, one: Diagnosed) -> None:
 
 def _add_figures(run: StageRun, diagnosed: Sequence[Diagnosed]) -> None:
     run.add(closing_figure(diagnosed))
-    if any(one.verdict.causes for one in diagnosed):
+    if any(one.verdict.leading for one in diagnosed):
         run.add(stability_figure(diagnosed))
 
 

@@ -12,7 +12,7 @@ The file's JSON schema is ``verdict.schema.json``, beside this module; ``json_sc
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf, ValidationError
 
@@ -261,6 +261,30 @@ class DetectionLimits:
     not_identifiable: tuple[str, ...]
 
 
+class MadeFrom(_Part):
+    """What a verdict was made from.
+
+    Attributes:
+        data: name of the source of the shots.
+        folder: name of the folder of the recordings; None for a source of the pipeline.
+        recordings: number of recordings.
+        shots: number of shots, those held out included.
+        simulator: name of the nominal simulator, or of its file.
+        effects: of the nominal simulator, with their parameters.
+        settings: the level, and other settings that are not the default, by their names.
+        version: of rallygap.
+    """
+
+    data: str
+    folder: str | None
+    recordings: int
+    shots: int
+    simulator: str
+    effects: dict[str, dict[str, Any]]
+    settings: dict[str, Any]
+    version: str
+
+
 class Verdict(_Part):
     """The verdict on one data set.
 
@@ -278,6 +302,7 @@ class Verdict(_Part):
         minimum_detectable: see ``DetectionLimits``.
         not_identifiable: see ``DetectionLimits``.
         limitations: sentences: what these data cannot decide, why, and which experiment would.
+        made_from: data, simulator and settings; None where ``diagnose`` is called alone.
         located: discrepancy over the horizon and against covariates; not in the file, None there.
     """
 
@@ -293,6 +318,7 @@ class Verdict(_Part):
     minimum_detectable: dict[str, float]
     not_identifiable: tuple[str, ...]
     limitations: tuple[str, ...] = ()
+    made_from: MadeFrom | None = None
     located: InstanceOf[Located] | None = Field(default=None, exclude=True)
 
     @property

@@ -20,6 +20,8 @@ from pipeline.io.markdown import markdown_table
 NOT_TESTED = ("racket_bounce", "net")  # the gap workflow's shots touch neither
 BASES = {"imperfect_c": "C", "without_magnus": "C without lift", "from_literature": "literature"}
 SETS = ("spindoe", "tt3d", "isr_ball_prediction")
+# Columns of runs before version 2 of the verdict, by their present names.
+FORMER = {"closer_low_mm": "reduction_low_mm", "closer_high_mm": "reduction_high_mm"}
 RATES = {  # what the exam counts: the number of right answers, and of questions
     "clean sets with a false alarm": ("false_alarms", "clean_sets"),
     "one distinguishable cause at 3 detection limits: named": (
@@ -113,12 +115,14 @@ def retrained_returns(root: Path, run: str = "") -> str:
 def real_summary(root: Path) -> str:
     """Errors on held-out shots of the measured sets, a row a set and base simulator."""
     errors, verdicts, causes = (_real(root, name) for name in ("errors", "verdicts", "stability"))
+    is_gravity = causes["cause"].astype("string").str.startswith("gravity", na=False)
+    gravities = causes[is_gravity]
     rows = []
     for (source, base), some in verdicts.groupby(["source", "simulator"], sort=False):
         chosen = "source == @source and simulator == @base"
         means = errors.query(chosen).groupby("horizon_ms").mean(numeric_only=True)
-        gravity = causes.query(f"{chosen} and cause.str.startswith('gravity')")["found"].sum()
-        falls, named = (some["closer_low_mm"] > 0).sum(), (some["verdict"] == "named").sum()
+        gravity = int(gravities.query(chosen)["found"].sum())
+        falls, named = (some["reduction_low_mm"] > 0).sum(), (some["verdict"] == "named").sum()
         cells = [_errors(means.loc[horizon]) for horizon in HORIZONS_MS]
         counts = [f"{count} of {len(some)}" for count in (falls, named, gravity)]
         rows.append([source, BASES[base], *cells, *counts])
@@ -134,7 +138,7 @@ def real_errors(root: Path) -> str:
     for _, row in _real(root, "verdicts").iterrows():
         at = [(*row[keys[:3]], horizon) for horizon in HORIZONS_MS]
         cells = [_errors(errors.loc[one]) if one in errors.index else NONE for one in at]
-        fall = f"{row['closer_low_mm']:.0f} to {row['closer_high_mm']:.0f}"
+        fall = f"{row['reduction_low_mm']:.0f} to {row['reduction_high_mm']:.0f}"
         landing = row.filter(like="landing_").rename(lambda name: name.removeprefix("landing_"))
         case = [row["source"], BASES[row["simulator"]], row["split"], row["verdict"]]
         rows.append([*case, *cells, fall, _errors(landing)])
@@ -154,7 +158,7 @@ def real_causes(root: Path) -> str:
 
 
 def _real(root: Path, name: str) -> Any:
-    table = read_report(root, f"real/close_gap/{name}.csv")
+    table = read_report(root, f"real/close_gap/{name}.csv").rename(columns=FORMER)
     return table[table["source"].isin(SETS)]
 
 

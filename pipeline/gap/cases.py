@@ -11,6 +11,7 @@ from models.gap.diagnose import diagnose
 from models.gap.fit.shots import Shots
 from models.gap.settings import GapSettings
 from models.gap.verdict import Verdict
+from pipeline.gap.provenance import made_from
 from pipeline.gap.shots import shots_of
 from pipeline.io.amended_simulators import case_name
 from pipeline.io.episodes import MeasuredEpisode
@@ -48,8 +49,12 @@ class Case:
 
     def diagnose(self) -> "Diagnosed":
         """Return the case with its verdict."""
-        verdict = diagnose(self.shots, self.simulator, GapSettings(level=self.level))
-        return Diagnosed(self, verdict)
+        settings = GapSettings(level=self.level)
+        verdict = diagnose(self.shots, self.simulator, settings)
+        counts = len(np.unique(self.shots.groups)), len(self.shots)
+        name = self.simulator_name
+        origin = made_from(self.source, None, counts, self.simulator, name, settings)
+        return Diagnosed(self, verdict.model_copy(update={"made_from": origin}))
 
 
 @dataclass(frozen=True)

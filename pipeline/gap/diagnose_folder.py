@@ -8,10 +8,12 @@ from models.ball.simulator import Simulator
 from models.gap.amend.simulator import amended_yaml
 from models.gap.diagnose import diagnose
 from models.gap.settings import DEFAULTS, GapSettings
-from models.gap.verdict import DetectionLimits, Verdict
+from models.gap.verdict import DetectionLimits
+from pipeline.gap.figures.camera import camera_figure
 from pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
 from pipeline.gap.figures.verdict import causes_figure, error_figure
 from pipeline.gap.measured_shots import MeasuredShots, read_shots
+from pipeline.gap.provenance import made_from
 from pipeline.gap.summary import Findings, detection_lines
 from pipeline.gap.usage import episodes_text, usage_lines, with_doubts
 from pipeline.gap.verdict_page import render_gap_page
@@ -25,7 +27,7 @@ from pipeline.runtime.progress import phase_bar
 
 TABLE = "table_bounce"
 FIGURES = "figures"
-FIGURE_NAMES = ("causes", "discrepancy", "growth", "errors")
+FIGURE_NAMES = ("causes", "camera", "discrepancy", "growth", "errors")
 # Phases of the work with their usual shares of the time, for the progress bar.
 PHASES = {"reading and segmenting": 15, "comparing": 75, "writing": 10}
 
@@ -37,6 +39,7 @@ def diagnose_folder(
     level: float,
     out: Path,
     say: Callable[[str], None] = lambda line: None,
+    minor: bool = False,
 ) -> Findings:
     """Diagnose the recordings of a folder and write the verdict.
 
@@ -50,6 +53,7 @@ def diagnose_folder(
         out: folder to write to.
         say: called with lines of text: what is used and what is doubtful, then what the shots can
             show, before causes are searched for.
+        minor: whether amended.yaml has minor structure as well.
 
     Raises:
         InputError: any of these cannot be used, or there are too few shots.
@@ -76,14 +80,23 @@ def diagnose_folder(
                 measured.shots, nominal, settings, progress=bar.reached, on_limits=show
             )
             verdict = with_doubts(verdict, measured)
+        counts = measured.recordings, len(measured.shots)
+        folder = data.resolve().name
+        origin = made_from(measured.name, folder, counts, nominal, simulator, settings)
+        verdict = verdict.model_copy(update={"made_from": origin})
         findings = Findings(measured, nominal, simulator, settings, verdict)
         with bar.phase("writing"):
-            write_findings(findings, out)
+            write_findings(findings, out, minor)
     return findings
 
 
-def write_findings(findings: Findings, out: Path) -> None:
+def write_findings(findings: Findings, out: Path, minor: bool = False) -> None:
     """Write verdict, amended simulator, page and figures, all of them or none.
+
+    Args:
+        findings: to write.
+        out: folder to write to.
+        minor: whether amended.yaml has minor structure as well.
 
     Raises:
         InputError: the folder cannot be written to.
@@ -91,17 +104,21 @@ def write_findings(findings: Findings, out: Path) -> None:
     try:
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=out, prefix=".rallygap.") as name:
-            _write_all(findings, Path(name))
+            _write_all(findings, Path(name), minor)
             _replace_all(Path(name), out)
     except OSError as error:
         raise InputError(out, f"cannot be written to: {error.strerror}") from None
 
 
-def figures_of(verdict: Verdict) -> list[ReportFigure]:
+def figures_of(findings: Findings) -> list[ReportFigure]:
     """Return the figures for which the verdict has content."""
+    verdict = findings.verdict
     figures, located = [], verdict.located
-    if verdict.causes:
+    if verdict.main_causes:
         figures.append(causes_figure(verdict))
+    if verdict.camera:
+        shots = findings.measured.shots
+        figures.append(camera_figure(verdict, shots.positions[shots.valid]))
     if located and located.discrepancy.any():
         figures.append(discrepancy_figure(located))
     if located and located.growth:
@@ -111,12 +128,12 @@ def figures_of(verdict: Verdict) -> list[ReportFigure]:
     return figures
 
 
-def _write_all(findings: Findings, folder: Path) -> None:
-    amended = amended_yaml(findings.simulator, findings.verdict, findings.measured.name)
+def _write_all(findings: Findings, folder: Path, minor: bool) -> None:
+    amended = amended_yaml(findings.simulator, findings.verdict, findings.measured.name, minor)
     pictures = folder / FIGURES
     pictures.mkdir()
     apply_style()
-    figures = figures_of(findings.verdict)
+    figures = figures_of(findings)
     for figure in figures:
         figure.write(pictures / f"{figure.name}.png")
     write_text(folder / "verdict.json", findings.verdict.to_json())

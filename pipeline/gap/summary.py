@@ -1,6 +1,7 @@
 """A verdict in sentences, for the terminal and the top of the page."""
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from models.ball.catalogue import catalogue
@@ -8,12 +9,23 @@ from models.ball.simulator import Simulator
 from models.gap.hypotheses import Hypothesis
 from models.gap.settings import GapSettings
 from models.gap.verdict import Cause, DetectionLimits, Gap, Verdict
-from models.gap.verify.limitations import experiment
 from pipeline.gap.measured_shots import MeasuredShots
-from pipeline.gap.wording import PLACES, interval_text, number, p_text, percent, with_unit
+from pipeline.gap.next_step import next_step
+from pipeline.gap.reservations import reservations
+from pipeline.gap.wording import (
+    PLACES,
+    ROLES,
+    counted,
+    interval_text,
+    listed,
+    number,
+    p_text,
+    percent,
+    with_unit,
+    worth_text,
+)
 
 TYPICAL_MS = 200  # the horizon of the summary, where shots are that long
-MOST_LISTED = 3  # identities in a sentence; the limitations list all
 SIGNIFICANT = 0.05  # p-value up to which a covariate is reported
 
 
@@ -28,52 +40,47 @@ class Findings:
     verdict: Verdict
 
     @property
-    def sentences(self) -> list[str]:
-        """The verdict in sentences, the most important first."""
+    def outcome(self) -> list[str]:
+        """The verdict in sentences: reservations, answer, errors, causes, and what to do next."""
+        verdict = self.verdict
         return [
+            *reservations(verdict),
             self._answer(),
-            *map(self._cause, self.verdict.causes),
+            *(self._errors(verdict.gap) if verdict.gap else ()),
+            *map(cause_sentence, verdict.main_causes),
+            *self._minor(),
             *self._unexplained(),
-            *self._phases(),
-            *self._growth(),
-            *(self._errors(self.verdict.gap) if self.verdict.gap else ()),
-            self._detection(),
+            f"Next: {next_step(verdict, self.measured.shots, self.settings)}",
         ]
 
-    def separating_experiment(self, cause: Cause) -> str:
-        """Return the experiment that separates a cause from its alternatives; empty without any."""
-        if not cause.alternatives:
-            return ""
-        return experiment(cause, self.measured.shots, self.settings)
+    @property
+    def details(self) -> list[str]:
+        """Where the gap arises, on what it depends, and what the shots can show, in sentences."""
+        return [*self._phases(), *self._growth(), self._detection()]
 
     def _answer(self) -> str:
         shots = f"{len(self.measured.shots)} shots of {self.measured.name}"
-        count = len(self.verdict.causes)
-        causes = "one cause" if count == 1 else f"{count} causes"
         differ = f"{shots} differ from the simulator {self.simulator_name}"
         return {
-            "no_gap": f"No gap: {shots} agree with the simulator {self.simulator_name} within "
-            "measurement noise.",
-            "named": f"Named: {differ}; {causes} identified.",
-            "ambiguous": f"Ambiguous: {differ}; {causes} found, but not all are identified "
-            "uniquely.",
-            "unknown": f"Unknown: {differ}; no effect of the catalogue explains the difference.",
+            "no_gap": f"{answer_title(self.verdict)}: {shots} agree with the simulator "
+            f"{self.simulator_name} down to the minimum detectable effects (5.8 sigma).",
+            "named": f"Named: {differ}; {self._counts()} identified.",
+            "ambiguous": f"Ambiguous: {differ}; {self._counts()} found, but not all are "
+            "identified uniquely.",
+            "unknown": f"Unknown: {differ}; the effects of the catalogue do not explain the "
+            "difference.",
         }[self.verdict.verdict]
 
-    def _cause(self, cause: Cause) -> str:
-        found = f"{with_unit(cause.estimate, cause.unit)} (95 % {interval_text(cause.interval)})"
-        before = (
-            "missing in the simulator"
-            if cause.kind == "missing_effect"
-            else f"simulator {number(cause.nominal)}"
-        )
-        text = (
-            f"{cause.identity} ({title(cause.identity)}): estimate {found}, {before}; "
-            f"{percent(cause.gap_share)} of the gap."
-        )
-        if not cause.alternatives:
-            return text
-        return f"{text} Not separable from {_listed(cause.alternatives)}."
+    def _counts(self) -> str:
+        roles = Counter(cause.role for cause in self.verdict.main_causes)
+        return " and ".join(counted(count, ROLES[role]) for role, count in roles.items())
+
+    def _minor(self) -> Iterator[str]:
+        minor = minor_causes(self.verdict)
+        if minor:
+            names = listed([cause.identity for cause in minor])
+            share = percent(sum(cause.gap_share for cause in minor))
+            yield f"Minor structure, not amended: {names}; {share} of the gap."
 
     def _unexplained(self) -> Iterator[str]:
         unexplained = self.verdict.unexplained
@@ -101,14 +108,15 @@ class Findings:
         reached = [k for k, ms in enumerate(gap.horizons_ms) if ms <= TYPICAL_MS]
         k = max(reached, default=0)
         sizes = [f"{values[k]:.1f} mm" for values in (gap.before_mm, gap.after_mm, gap.floor_mm)]
-        yield self._compared(f"Prediction error on held-out shots, {gap.horizons_ms[k]} ms", *sizes)
+        what = f"Prediction error on held-out shots, {gap.horizons_ms[k]} ms ahead"
+        yield self._compared(what, *sizes)
         if gap.landing:
             sizes = [f"{place:.1f} mm and {time:.2f} ms" for place, time in gap.landing.sizes]
-            yield self._compared("Landing prediction error (position and time)", *sizes)
+            yield self._compared("Prediction error at landing", *sizes)
 
     def _compared(self, what: str, before: str, after: str, floor: str) -> str:
-        amended = f", {after} with the amended one" if self.verdict.causes else ""
-        return f"{what}: {before} with the nominal simulator{amended}; prediction floor {floor}."
+        sizes = f"{before} before, {after} after amending" if self.verdict.main_causes else before
+        return f"{what}: {sizes}; prediction floor {floor}."
 
     def _detection(self) -> str:
         shown, hidden = len(self.verdict.minimum_detectable), self.verdict.not_identifiable
@@ -116,15 +124,35 @@ class Findings:
         return f"{text}; not {', '.join(hidden)}." if hidden else f"{text}."
 
 
+def answer_title(verdict: Verdict) -> str:
+    """Return the answer in a few words."""
+    title = verdict.verdict.replace("_", " ").capitalize()
+    no_gap_but = verdict.verdict == "no_gap" and minor_causes(verdict)
+    return f"{title} but for minor structure" if no_gap_but else title
+
+
+def minor_causes(verdict: Verdict) -> list[Cause]:
+    """Return the causes that are minor structure."""
+    return [cause for cause in verdict.causes if cause.role == "minor"]
+
+
+def cause_sentence(cause: Cause) -> str:
+    """Return a cause with its estimate, share and worth."""
+    found = f"{with_unit(cause.estimate, cause.unit)} (95 % {interval_text(cause.interval)})"
+    missing = cause.kind == "missing_effect"
+    before = "missing in the simulator" if missing else f"simulator {number(cause.nominal)}"
+    share = f"{percent(cause.gap_share)} of the gap"
+    worth = f"; without it predictions err {worth_text(cause.worth)}" if cause.worth else ""
+    others = f" Not separable from {listed(cause.alternatives)}." if cause.alternatives else ""
+    return (
+        f"{ROLES[cause.role].capitalize()} {cause.identity} ({title(cause.identity)}): "
+        f"estimate {found}, {before}; {share}{worth}.{others}"
+    )
+
+
 def title(identity: str) -> str:
     """Return the catalogue's description of the effect of a parameter."""
     return catalogue()[Hypothesis.from_identity(identity).effect].title
-
-
-def _listed(identities: Sequence[str]) -> str:
-    if len(identities) > MOST_LISTED:
-        return f"{len(identities)} other parameters"
-    return ", ".join(identities)
 
 
 def detection_lines(measured: MeasuredShots, limits: DetectionLimits) -> Iterator[str]:

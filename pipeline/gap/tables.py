@@ -15,7 +15,9 @@ from pipeline.io.report_items import ReportTable
 from pipeline.params import CloseGapSettings
 
 CASE = ["source", "simulator", "split"]
-CAUSE = ["cause", "kind", "unit", "nominal", "estimate", "low", "high", "p_value", "gap_share"]
+CAUSE = ["cause", "role", "kind", "unit", "nominal", "estimate", "low", "high"]
+CAUSE += ["p_value", "gap_share"]
+WORTH = ["worth_mm", "worth_low", "worth_high"]
 CLOSED = ["removable_closed", "closed_low", "closed_high"]
 REDUCTION = ["reduction_low_mm", "reduction_high_mm"]
 LANDING = ["landing_before_mm", "landing_after_mm", "landing_floor_mm"]
@@ -39,19 +41,21 @@ def report_tables(diagnosed: Sequence[Diagnosed], settings: CloseGapSettings) ->
             verdict_table(diagnosed),
             "verdicts",
             title="Verdicts on training shots",
-            caption=f"{experiment} causes: estimates with 95 % intervals; where the shots cannot "
-            "separate a cause from others, these follow after `or`. unexplained: share of the gap. "
-            "removable_closed: share of the difference between the nominal simulator's error and "
-            "the floor that was closed on held-out shots, with its 95 % interval, bootstrap over "
-            "shots. reduction: 95 % interval of the nominal error less the amended one, mean over "
-            "horizons. landing: root mean square error of the predicted landing position.",
+            caption=f"{experiment} causes: leading ones and sensor faults, estimates with 95 % "
+            "intervals; where the shots cannot separate a cause from others, these follow after "
+            "`or`. minor: number of parameters that are minor structure. misfits: checks of the "
+            "model that fail. unexplained: share of the gap. removable_closed: share of the "
+            "difference between the nominal simulator's error and the floor that was closed on "
+            "held-out shots, with its 95 % interval, bootstrap over shots. reduction: 95 % "
+            "interval of the nominal error less the amended one, mean over horizons. landing: "
+            "root mean square error of the predicted landing position.",
         ),
         ReportTable(
             stability_table(diagnosed),
             "stability",
             title="Agreement of verdicts between splits",
-            caption=f"{experiment} found: number of splits with the cause; estimate: their mean, "
-            "with the lowest and the highest.",
+            caption=f"{experiment} found: number of splits with the leading cause; estimate: "
+            "their mean, with the lowest and the highest.",
         ),
         ReportTable(
             cause_table(diagnosed),
@@ -59,8 +63,9 @@ def report_tables(diagnosed: Sequence[Diagnosed], settings: CloseGapSettings) ->
             title="Causes of the gap",
             caption="cause: effect.parameter; estimate with its 95 % interval (low, high); "
             "p_value: probability that the largest of all hypotheses is as large without any gap; "
-            "gap_share: share of the gap; possible: parameters that these shots cannot separate, "
-            "the cause first.",
+            "gap_share: share of the gap; worth: by how much held-out predictions err more "
+            "without the cause alone, mean over horizons, with its 95 % interval; possible: "
+            "parameters that these shots cannot separate, the cause first.",
         ),
         ReportTable(
             error_table(diagnosed),
@@ -75,15 +80,20 @@ def report_tables(diagnosed: Sequence[Diagnosed], settings: CloseGapSettings) ->
 
 
 def metrics(diagnosed: Sequence[Diagnosed]) -> dict[str, Any]:
-    """Return ``{source: {simulator: {split: {verdict, removable_closed, causes}}}}``."""
+    """Return ``{source: {simulator: {split: {verdict, minor, removable_closed, causes}}}}``.
+
+    Causes are the leading ones and sensor faults.
+    """
     found: dict[str, Any] = {}
     for row in verdict_table(diagnosed).to_dict("records"):
-        content = {"verdict": row["verdict"], "unexplained": rounded(row["unexplained"])}
+        content = {key: row[key] for key in ("verdict", "minor")}
+        content["unexplained"] = rounded(row["unexplained"])
         if not np.isnan(row["removable_closed"]):  # where there is a gap to close
             content["removable_closed"] = rounded(row["removable_closed"])
         place(found, [row[key] for key in CASE]).update(content, causes={})
-    for row in cause_table(diagnosed).to_dict("records"):
-        numbers = {name: rounded(row[name]) for name in ("estimate", "low", "high")}
+    for row in cause_table(diagnosed).query("role != 'minor'").to_dict("records"):
+        names = ["estimate", "low", "high", *WORTH]
+        numbers = {name: rounded(row[name]) for name in names if not np.isnan(row[name])}
         place(found, [*(row[key] for key in CASE), "causes"])[row["cause"]] = numbers
     return found
 
@@ -100,7 +110,7 @@ def cause_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
         for diagnosis in diagnosed
         for cause in diagnosis.verdict.causes
     ]
-    return pd.DataFrame(rows, columns=[*CASE, *CAUSE, "possible"])
+    return pd.DataFrame(rows, columns=[*CASE, *CAUSE, *WORTH, "possible"])
 
 
 def error_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
@@ -116,11 +126,11 @@ def error_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
 
 
 def stability_table(diagnosed: Sequence[Diagnosed]) -> pd.DataFrame:
-    """Return one row per source, simulator and cause: in how many splits, and its estimates.
+    """Return one row per source, simulator and leading cause: its splits and estimates.
 
-    ``verdicts`` counts the splits' verdicts; a source and simulator without any cause has one row.
+    ``verdicts`` counts the splits' verdicts; a source and simulator without any has one row.
     """
-    causes = cause_table(diagnosed)
+    causes = cause_table(diagnosed).query("role == 'leading'")
     rows = []
     for setting, cases in verdict_table(diagnosed).groupby(CASE[:2], sort=False):
         counts = Counter(cases["verdict"])
@@ -176,7 +186,9 @@ def _verdict(diagnosis: Diagnosed) -> dict[str, Any]:
     return {
         "shots": len(diagnosis.case.shots),
         "verdict": verdict.verdict,
-        "causes": "; ".join(_text(cause) for cause in verdict.causes) or None,
+        "causes": "; ".join(_text(cause) for cause in verdict.main_causes) or None,
+        "minor": len(verdict.causes) - len(verdict.main_causes),
+        "misfits": ", ".join(check.name for check in verdict.misfits) or None,
         "unexplained": verdict.unexplained.share,
         **dict(zip(CLOSED, closed, strict=True)),
         **dict(zip(REDUCTION, reduction, strict=True)),
@@ -192,10 +204,12 @@ def _text(cause: Cause) -> str:
 
 def _cause(cause: Cause) -> dict[str, Any]:
     low, high = cause.interval
+    worth = (cause.worth.mm, *cause.worth.interval) if cause.worth else (np.nan,) * 3
     return {
         "cause": cause.identity,
         "low": low,
         "high": high,
+        **dict(zip(WORTH, worth, strict=True)),
         "possible": ", ".join(cause.possible),
         **{name: getattr(cause, name) for name in CAUSE if hasattr(cause, name)},
     }

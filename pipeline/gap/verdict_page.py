@@ -6,17 +6,23 @@ from typing import Any
 
 from models.gap.hypotheses import Hypothesis
 from models.gap.location import Located
-from models.gap.verdict import Gap
+from models.gap.verdict import Cause, Check, Gap, Worth
 from pipeline.gap.figures.verdict import KIND_NAMES
-from pipeline.gap.summary import Findings, title
+from pipeline.gap.summary import Findings, answer_title, minor_causes, title
 from pipeline.gap.usage import episodes_text, labels_text
-from pipeline.gap.wording import interval_text, number, percent, with_unit
+from pipeline.gap.wording import ROLES, interval_text, number, percent, with_unit
 from pipeline.io.report_items import ReportFigure
 from pipeline.io.report_manifest import Column, read_figure
 from pipeline.web.environment import page_environment
 
 TEMPLATES = Path(__file__).parent / "templates"
 SMALLEST_P = 1e-4  # that permutations resolve
+CHECKED = {
+    "residuals": "residuals of held-out shots",
+    "prediction": "prediction errors",
+    "landing": "errors of predicted landings",
+    "labels": "errors of spin labels, in units of the spin",
+}
 
 
 def render_gap_page(
@@ -28,13 +34,16 @@ def render_gap_page(
         InputError: a figure is missing.
     """
     verdict = findings.verdict
-    gap, located = verdict.gap, verdict.located
+    gap, located, minor = verdict.gap, verdict.located, minor_causes(verdict)
     template = page_environment(TEMPLATES).get_template("gap.html")
     return template.render(
-        answer=verdict.verdict.replace("_", " "),
-        sentences=findings.sentences,
+        answer=answer_title(verdict).lower(),
+        outcome=findings.outcome,
+        details=findings.details,
         figures={figure.name: _shown(figure, folder) for figure in figures},
-        causes=_table(_causes(findings)) if verdict.causes else None,
+        checks=_table(_checks(verdict.checks)) if verdict.checks else None,
+        causes=_table(_causes(verdict.main_causes)) if verdict.main_causes else None,
+        minor=_table(_minor(minor)) if minor else None,
         growth=_table(_growth(located)) if located and located.growth else None,
         errors=_table(_errors(gap)) if gap else None,
         reduction=_reduction(gap) if gap else "",
@@ -62,20 +71,39 @@ def _table(columns: dict[str, list[str]]) -> dict[str, Any]:
     return {"columns": shown, "rows": range(len(shown[0].cells))}
 
 
-def _causes(findings: Findings) -> dict[str, list[str]]:
-    causes = findings.verdict.causes
+def _causes(causes: Sequence[Cause]) -> dict[str, list[str]]:
     return {
         "cause": [cause.identity for cause in causes],
+        "role": [ROLES[cause.role] for cause in causes],
         "kind": [KIND_NAMES[cause.kind] for cause in causes],
         "simulator ": [number(cause.nominal) for cause in causes],
         "estimate ": [with_unit(cause.estimate, cause.unit) for cause in causes],
         "95 % interval ": [interval_text(cause.interval) for cause in causes],
-        "p ": [_p_cell(cause.p_value) for cause in causes],
+        "worth (mm) ": [_worth_cell(cause.worth) for cause in causes],
         "share of the gap ": [percent(cause.gap_share) for cause in causes],
+        "p ": [_p_cell(cause.p_value) for cause in causes],
         "not separable from": [", ".join(cause.alternatives) or "–" for cause in causes],
-        "recommended experiment": [
-            findings.separating_experiment(cause) or "–" for cause in causes
-        ],
+    }
+
+
+def _minor(causes: Sequence[Cause]) -> dict[str, list[str]]:
+    return {
+        "parameter": [cause.identity for cause in causes],
+        "simulator ": [number(cause.nominal) for cause in causes],
+        "estimate ": [with_unit(cause.estimate, cause.unit) for cause in causes],
+        "95 % interval ": [interval_text(cause.interval) for cause in causes],
+        "worth (mm) ": [_worth_cell(cause.worth) for cause in causes],
+        "share of the gap ": [percent(cause.gap_share) for cause in causes],
+    }
+
+
+def _checks(checks: Sequence[Check]) -> dict[str, list[str]]:
+    return {
+        "check": [CHECKED[check.name] for check in checks],
+        "measured / expected ": [f"{check.ratio:.3g}" for check in checks],
+        "95 % interval ": [_range(check.interval) for check in checks],
+        "allowed ": [_range(check.allowed) for check in checks],
+        "passed": ["yes" if check.passed else "no" for check in checks],
     }
 
 
@@ -151,6 +179,16 @@ def _rejected(refused: dict[str, int]) -> str:
 
 def _unit(unit: str) -> str:
     return "–" if unit == "1" else unit
+
+
+def _worth_cell(worth: Worth | None) -> str:
+    if worth is None:
+        return "–"
+    return f"{worth.mm:.1f} ({worth.interval[0]:.1f} to {worth.interval[1]:.1f})"
+
+
+def _range(ends: tuple[float, float]) -> str:
+    return f"{ends[0]:.3g} to {ends[1]:.3g}"
 
 
 def _p_cell(p_value: float) -> str:

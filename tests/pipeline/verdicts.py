@@ -6,7 +6,17 @@ from models.ball.simulators import shipped
 from models.gap.fit.shots import Shots
 from models.gap.location import Growth, Located
 from models.gap.settings import DEFAULTS
-from models.gap.verdict import Cause, Gap, Landing, PhaseShares, Unexplained, Verdict
+from models.gap.verdict import (
+    CameraNodes,
+    Cause,
+    Check,
+    Gap,
+    Landing,
+    PhaseShares,
+    Unexplained,
+    Verdict,
+    Worth,
+)
 from pipeline.gap.cases import Case, Diagnosed
 from pipeline.gap.labels import LabelCounts
 from pipeline.gap.measured_shots import MeasuredShots
@@ -63,6 +73,7 @@ LOCATED = Located(
         "table": np.array([0.0, 0.5, 0.25]),
         "sensor": np.array([0.0, 0.0, 0.25]),
     },
+    of_causes={"wind.x": np.array([1.0, 0.9, 0.8])},
     means=growth().means,
     margins=growth().margins,
     growth=(
@@ -80,6 +91,7 @@ WIND = Cause(
     interval=(0.59, 0.63),
     p_value=5e-5,
     gap_share=0.7,
+    worth=Worth(mm=5.3, interval=(2.8, 7.9)),
     possible=("wind.x",),
 )
 GRAVITY = Cause(
@@ -91,8 +103,40 @@ GRAVITY = Cause(
     interval=(10.2, 10.4),
     p_value=2e-4,
     gap_share=0.3,
+    worth=Worth(mm=-0.4, interval=(-1.1, 0.2)),
     possible=("gravity.g", "buoyancy.b"),
 )
+CAMERA = Cause(
+    identity="camera_distortion.amplitude",
+    role="sensor",
+    kind="missing_effect",
+    unit="m",
+    nominal=0.0,
+    estimate=0.003,
+    interval=(0.002, 0.005),
+    p_value=1e-6,
+    gap_share=0.2,
+    worth=Worth(mm=2.0, interval=(1.0, 3.0)),
+    possible=("camera_distortion.amplitude",),
+)
+CAMERA_NODES = CameraNodes(
+    length=0.8, nodes=((0.0, -1.0, 0.2, 1.0, 0.5, -0.5), (0.2, 1.0, 0.4, -1.0, 0.2, 0.8))
+)
+MINOR = Cause(
+    identity="spin_decay.c",
+    role="minor",
+    kind="missing_effect",
+    unit="1/m",
+    nominal=0.0,
+    estimate=0.003,
+    interval=(0.001, 0.005),
+    p_value=1e-3,
+    gap_share=0.04,
+    possible=("spin_decay.c",),
+)
+FITS = Check(name="prediction", ratio=1.05, interval=(0.9, 1.2), allowed=(0.75, 1.33))
+MISFIT = Check(name="prediction", ratio=2.2, interval=(1.4, 3.2), allowed=(0.75, 1.33))
+LABELS_MISFIT = Check(name="labels", ratio=0.62, interval=(0.62, 0.62), allowed=(0.0, 0.5))
 
 
 def verdict(answer="named", causes=(WIND,), **changes):
@@ -101,6 +145,7 @@ def verdict(answer="named", causes=(WIND,), **changes):
         "unexplained": Unexplained(share=0.0, p_value=0.4),
         "phases": PhaseShares(flight=1.0 if causes else 0.0, table=0.0, sensor=0.0),
         "gap": GAP,
+        "checks": (FITS,),
         "minimum_detectable": {"wind.x": 0.04, "gravity.g": 0.06, "table_bounce.friction": 0.012},
         "not_identifiable": ("buoyancy.b", "spin_decay.c"),
         "limitations": ("all shots go in one direction",),

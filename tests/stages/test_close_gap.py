@@ -82,6 +82,13 @@ def test_the_report_has_a_row_a_case_and_a_figure_a_source(whole):
     assert (again["found"] == again["splits"]).all()
 
 
+def test_verdicts_say_what_they_were_made_from(whole):
+    origin = Verdict.load(whole.artifact("plain-bare-1.json")).made_from
+    assert (origin.data, origin.folder, origin.simulator) == ("plain", None, "bare")
+    assert (origin.recordings, origin.shots, origin.settings) == (4, 4, {"level": 0.003})
+    assert "magnus" not in origin.effects
+
+
 def test_metrics_name_source_simulator_split_and_cause(whole):
     metrics = json.loads(whole.report("metrics.json").read_text())
     assert set(metrics) == {"labelled", "plain"}

@@ -9,6 +9,7 @@ from models.gap.fit.shots import Shots
 from models.gap.settings import GapSettings
 from models.gap.verdict import Cause, DetectionLimits
 
+CAMERA = "camera_distortion"
 BOUNCE = {"table_bounce.restitution", "table_bounce.friction"}
 UNSETTLED = (
     "the causes do not converge: with them in the simulator, other causes are found. The shots "
@@ -30,6 +31,11 @@ def limitations(
         *_of_shots(shots, settings),
         *(["no bounces: the table cannot be judged; let balls bounce"] if no_bounce else []),
         *(_to_separate(cause, shots, settings) for cause in causes if cause.alternatives),
+        *(
+            _of_cameras(cause, shots, settings)
+            for cause in causes
+            if cause.effect == CAMERA and cause.role != "minor"
+        ),
         *(_at_bound(cause) for cause in causes if cause.estimate in cause.interval),
         *(() if settled else (UNSETTLED,)),
     )
@@ -66,6 +72,17 @@ def _of_shots(shots: Shots, settings: GapSettings) -> Iterator[str]:
 def _to_separate(cause: Cause, shots: Shots, settings: GapSettings) -> str:
     others = ", ".join(cause.alternatives)
     return f"{cause.identity} is not separable from {others}: {experiment(cause, shots, settings)}"
+
+
+def _of_cameras(cause: Cause, shots: Shots, settings: GapSettings) -> str:
+    """Return which effects look like an error of the cameras over space, as they move places."""
+    also = ", and from wind, drag and lift, as all shots go in one direction"
+    return (
+        f"{cause.identity}: up to its size, {1e3 * cause.estimate:.1f} mm, it is not separable "
+        "from position_scale, frame_tilt, table_height and table_tilt"
+        f"{also if _one_way(shots, settings) else ''}: measure points of known place with the "
+        "same cameras"
+    )
 
 
 def _at_bound(cause: Cause) -> str:

@@ -44,10 +44,10 @@ def closing_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
 
 
 def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
-    """Draw the causes on one source, a panel per simulator and a mark per split."""
+    """Draw the leading causes on one source, a panel per simulator and a mark per split."""
     source, simulators = diagnosed[0].case.source, _simulators(diagnosed)
     names = list(
-        dict.fromkeys(c.identity for diagnosis in diagnosed for c in diagnosis.verdict.causes)
+        dict.fromkeys(c.identity for diagnosis in diagnosed for c in diagnosis.verdict.leading)
     )
     figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW_HEIGHT * len(names) / 1.6))
     panels = figure.subplots(1, len(simulators), sharex=True, sharey=True, squeeze=False)[0]
@@ -60,7 +60,7 @@ def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
     return ReportFigure(
         figure,
         f"causes_{source}",
-        title=f"Causes of the gap to {source}",
+        title=f"Leading causes of the gap to {source}",
         caption="Estimates with 95 % intervals, one mark per split, less the simulator's value, in "
         "minimum detectable effects (5.8 standard errors with the simulator's own parameters "
         "free); causes without one are not drawn. The axis is linear in the shaded band and "
@@ -72,7 +72,7 @@ def _draw_causes(axes: Axes, diagnosed: Sequence[Diagnosed], names: Sequence[str
     shade_undetectable(axes)
     for place, diagnosis in enumerate(diagnosed):
         offset = SPREAD * ((place + 0.5) / len(diagnosed) - 0.5)
-        for cause in diagnosis.verdict.causes:
+        for cause in diagnosis.verdict.leading:
             row = names.index(cause.identity) + offset
             draw_departure(axes, row, cause, diagnosis.verdict, line=2, mark=4)
     axes.set_xscale("symlog", linthresh=1.0, linscale=0.3)

@@ -31,14 +31,14 @@ HEADROOM = 1.1  # inch, for the axis and the legend
 
 
 def causes_figure(verdict: Verdict) -> ReportFigure:
-    """Draw the departure of every cause from the nominal simulator; there is at least one."""
-    rows = len(verdict.causes)
+    """Draw the departure of every main cause from the nominal simulator; there is at least one."""
+    rows = len(verdict.main_causes)
     figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW_HEIGHT * rows))
     axes = figure.subplots()
     shade_undetectable(axes)
-    for row, cause in enumerate(verdict.causes):
+    for row, cause in enumerate(verdict.main_causes):
         _draw_cause(axes, row, cause, verdict)
-    axes.set_yticks(range(rows), [cause.identity for cause in verdict.causes])
+    axes.set_yticks(range(rows), [cause.identity for cause in verdict.main_causes])
     axes.set_ylim(rows - 0.5, -0.5)
     axes.margins(x=0.3)
     axes.grid(axis="y", visible=False)
@@ -48,9 +48,9 @@ def causes_figure(verdict: Verdict) -> ReportFigure:
         figure,
         "causes",
         title="Estimated causes",
-        caption="Estimate and 95 % interval of every cause, less the simulator's value, in "
-        "minimum detectable effects (5.8 standard errors with the simulator's own parameters "
-        "free). Effects in the shaded band may not be detected.",
+        caption="Estimate and 95 % interval of leading causes and sensor faults, less the "
+        "simulator's value, in minimum detectable effects (5.8 standard errors with the "
+        "simulator's own parameters free). Effects in the shaded band may not be detected.",
     )
 
 

@@ -2,7 +2,35 @@
 
 import json
 
-from pipeline.documentation.gap_tables import ROBUSTNESS_RATES, robustness_rates
+import pandas as pd
+import pytest
+
+from pipeline.documentation.gap_tables import (
+    FORMER,
+    ROBUSTNESS_RATES,
+    real_errors,
+    real_summary,
+    robustness_rates,
+)
+
+CASE = {"source": ["tt3d"], "simulator": ["imperfect_c"], "split": [0]}
+SIZES = {"before_mm": [9.0] * 3, "after_mm": [5.0] * 3, "floor_mm": [4.0] * 3}
+
+
+def write_real(root, former, cause):
+    """Write the tables of one verdict on a measured set, as a former version or the present."""
+    folder = root / "reports/real/close_gap"
+    folder.mkdir(parents=True)
+    interval = {"reduction_low_mm": [1.0], "reduction_high_mm": [3.0]}
+    landing = {f"landing_{name}": sizes[:1] for name, sizes in SIZES.items()}
+    verdicts = pd.DataFrame({**CASE, "verdict": ["named"], **interval, **landing})
+    names = {new: old for old, new in FORMER.items()} if former else {}
+    verdicts.rename(columns=names).to_csv(folder / "verdicts.csv", index=False)
+    rows = pd.DataFrame({name: value * 3 for name, value in CASE.items()})
+    rows.assign(horizon_ms=[100, 200, 300], **SIZES).to_csv(folder / "errors.csv", index=False)
+    found = [1] if cause else [None]
+    stability = pd.DataFrame({**CASE, "cause": [cause], "found": found, "splits": [1]})
+    stability.drop(columns="split").to_csv(folder / "stability.csv", index=False)
 
 
 def written(root, first, other):
@@ -28,3 +56,15 @@ def test_results_of_an_exam_without_these_groups_are_dashes(tmp_path):
     _, _, *rows = written(tmp_path, {}, {})
 
     assert all(row.endswith("| – | – |") for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("former", "cause", "gravities"),
+    [(True, "gravity", 1), (False, "gravity.g", 1), (False, "drag.cd", 0), (False, None, 0)],
+)
+def test_measured_sets_of_former_and_present_runs_have_a_row(tmp_path, former, cause, gravities):
+    write_real(tmp_path, former, cause)
+    sizes = " | ".join(["9 → 5 (4)"] * 3)
+    row = f"| tt3d | C | {sizes} | 1 of 1 | 1 of 1 | {gravities} of 1 |"
+    assert real_summary(tmp_path).splitlines()[-1] == row
+    assert "| 1 to 3 | 9 → 5 (4) |" in real_errors(tmp_path)

@@ -8,12 +8,14 @@ from pathlib import Path
 
 import pytest
 
+from models.ball.simulator import Simulator
 from pipeline.gap import diagnose_folder as diagnosis
 from pipeline.gap.diagnose_folder import diagnose_folder, write_findings
 from pipeline.io.simulators import load_simulator
 from pipeline.runtime.errors import InputError
 from tests.pipeline.recorded import NOMINAL, write_recordings
-from tests.pipeline.verdicts import findings, verdict
+from tests.pipeline.verdicts import CAMERA, CAMERA_NODES, MINOR, findings, verdict
+from tests.pipeline.verdicts import WIND as WIND_CAUSE
 
 ROOT = Path(__file__).parents[3]
 WIND = {"wind": {"x": 0.6}}
@@ -52,6 +54,11 @@ def test_a_hidden_effect_is_named_on_the_terminal_and_in_the_file(windy):
     content = json.loads((out / "verdict.json").read_text())
     assert [one["identity"] for one in content["causes"]] == ["wind.x"]
     assert content["causes"][0]["estimate"] == pytest.approx(0.6, rel=0.1)
+    origin = content["made_from"]
+    names = [origin[key] for key in ("data", "folder", "recordings", "shots", "simulator")]
+    assert names == ["lab", "lab", 36, 36, NOMINAL]
+    assert origin["settings"] == {"level": 0.003}
+    assert Simulator.from_dict(origin["effects"]) == load_simulator(NOMINAL)
 
 
 def test_every_file_is_there_and_the_amended_simulator_is_one(windy):
@@ -70,6 +77,22 @@ def test_clean_recordings_have_no_gap(tmp_path):
         "amended.yaml", "figures/errors.png", "figures/growth.png", "report.html", "verdict.json",
     ]  # fmt: skip
     assert load_simulator(str(tmp_path / "out/amended.yaml")) == load_simulator(NOMINAL)
+
+
+def test_minor_structure_is_amended_on_request_only(tmp_path):
+    found = findings(verdict(causes=(WIND_CAUSE, MINOR)))
+    for minor in (False, True):
+        write_findings(found, tmp_path, minor)
+        amended = load_simulator(str(tmp_path / "amended.yaml")).effects
+        assert ("spin_decay" in amended) == minor
+        assert amended["wind"]["x"] == WIND_CAUSE.estimate
+
+
+def test_an_error_of_the_cameras_has_a_figure_until_a_verdict_without_it(tmp_path):
+    write_findings(findings(verdict(causes=(CAMERA,), camera=CAMERA_NODES)), tmp_path)
+    assert "figures/camera.png" in files(tmp_path)
+    write_findings(findings(), tmp_path)
+    assert "figures/camera.png" not in files(tmp_path)
 
 
 def test_a_later_verdict_replaces_an_earlier_one_and_nothing_else(tmp_path):

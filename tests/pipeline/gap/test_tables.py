@@ -3,8 +3,14 @@
 import pandas as pd
 import pytest
 
-from pipeline.gap.tables import cause_table, error_table, stability_table, verdict_table
-from tests.pipeline.verdicts import GRAVITY, WIND, diagnosed, verdict
+from pipeline.gap.tables import (
+    cause_table,
+    error_table,
+    metrics,
+    stability_table,
+    verdict_table,
+)
+from tests.pipeline.verdicts import CAMERA, GRAVITY, MINOR, MISFIT, WIND, diagnosed, verdict
 
 
 def three():
@@ -35,6 +41,27 @@ def test_a_cause_has_a_row_with_its_numbers():
         0.63,
     ]
     assert len(rows) == 3
+
+
+def test_causes_have_their_role_and_worth():
+    whole = diagnosed(verdict(causes=(WIND, CAMERA, MINOR)))
+    rows = cause_table([whole]).set_index("cause")
+    assert rows["role"].tolist() == ["leading", "sensor", "minor"]
+    worth = rows.loc["wind.x", ["worth_mm", "worth_low", "worth_high"]]
+    assert worth.tolist() == [5.3, 2.8, 7.9]
+    assert pd.isna(rows.loc["spin_decay.c", "worth_mm"])
+
+
+def test_minor_structure_is_counted_and_no_cause_of_a_case():
+    whole = diagnosed(verdict(causes=(WIND, CAMERA, MINOR), checks=(MISFIT,)))
+    (row,) = verdict_table([whole]).to_dict("records")
+    assert "spin_decay" not in row["causes"] and "camera_distortion" in row["causes"]
+    assert (row["minor"], row["misfits"]) == (1, "prediction")
+    assert stability_table([whole])["cause"].tolist() == ["wind.x"]
+    found = metrics([whole])["lab"]["mine"]["0"]
+    assert found["minor"] == 1
+    assert list(found["causes"]) == ["wind.x", "camera_distortion.amplitude"]
+    assert found["causes"]["wind.x"]["worth_mm"] == 5.3
 
 
 def test_errors_are_listed_from_100_to_300_ms():

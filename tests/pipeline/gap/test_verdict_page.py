@@ -8,11 +8,25 @@ import pytest
 from pipeline.gap.diagnose_folder import figures_of
 from pipeline.gap.verdict_page import render_gap_page
 from pipeline.runtime.errors import InputError
-from tests.pipeline.verdicts import GRAVITY, WIND, findings, verdict
+from tests.pipeline.verdicts import (
+    CAMERA,
+    CAMERA_NODES,
+    GRAVITY,
+    MINOR,
+    WIND,
+    findings,
+    verdict,
+)
 from tests.pipeline.web.test_page_in_browser import DESKTOP, PHONE, open_page, requests
 from tests.pipeline.web.test_report_page import HOSTILE, Tags
 
 BOTH = verdict("ambiguous", (WIND, GRAVITY))
+WHOLE = verdict("ambiguous", (WIND, GRAVITY, CAMERA, MINOR), camera=CAMERA_NODES)
+# Of every table's box: what it hides in width and in height.
+HIDDEN = """
+return [...document.querySelectorAll(".table")].map(
+  (box) => [box.scrollWidth - box.clientWidth, box.scrollHeight - box.clientHeight]);
+"""
 
 
 @pytest.fixture
@@ -20,7 +34,7 @@ def rendered(tmp_path):
     """A function from findings to their page."""
 
     def render(found, amended="gravity: {g: 9.81}\n"):
-        figures = figures_of(found.verdict)
+        figures = figures_of(found)
         for one in figures:
             one.figure.savefig(tmp_path / f"{one.name}.png")
         return render_gap_page(found, amended, tmp_path, figures)
@@ -36,21 +50,44 @@ def test_the_sentences_come_first(rendered):
     found = findings(BOTH)
     page = html.unescape(rendered(found))
     assert "<h1>Verdict: ambiguous</h1>" in page
-    places = [page.index(sentence) for sentence in (*found.sentences, "<main>")]
+    places = [page.index(sentence) for sentence in (*found.outcome, *found.details, "<main>")]
     assert places == sorted(places)
 
 
-def test_causes_have_a_row_with_class_and_experiment(rendered):
-    page = rendered(findings(BOTH))
-    cells = ["gravity.g", "wrong value", "9.81", "10.3 m/s^2", "10.2 to 10.4", "0.0002"]
-    cells += ["30 %", "buoyancy.b", "record shots in both directions"]
-    row = next(row for row in page.split("<tr>") if row.startswith("<td>gravity.g</td>"))
-    assert re.findall(r"<td[^>]*>([^<]*)</td>", row) == cells
+def cells(page, first):
+    """The cells of the row that starts with a cell."""
+    row = next(row for row in page.split("<tr>") if row.startswith(f"<td>{first}</td>"))
+    return re.findall(r"<td[^>]*>([^<]*)</td>", row)
+
+
+def test_causes_have_a_row_with_role_worth_and_class(rendered):
+    page = rendered(findings(WHOLE))
+    expected = ["gravity.g", "leading cause", "wrong value", "9.81", "10.3 m/s^2", "10.2 to 10.4"]
+    expected += ["-0.4 (-1.1 to 0.2)", "30 %", "0.0002", "buoyancy.b"]
+    assert cells(page, "gravity.g") == expected
+    assert cells(page, CAMERA.identity)[1] == "sensor fault"
+
+
+def test_minor_structure_has_a_table_of_its_own(rendered):
+    page = rendered(findings(WHOLE))
+    expected = ["spin_decay.c", "0", "0.003 1/m", "0.001 to 0.005", "–", "4 %"]
+    assert cells(page, "spin_decay.c") == expected
+    assert 'id="minor-table"' not in rendered(findings(BOTH))
+
+
+def test_checks_have_a_row_with_their_range(rendered):
+    expected = ["prediction errors", "1.05", "0.9 to 1.2", "0.75 to 1.33", "yes"]
+    assert cells(rendered(findings()), "prediction errors") == expected
+
+
+def test_the_error_of_the_cameras_has_a_figure(rendered):
+    assert 'id="camera-figure"' in rendered(findings(WHOLE))
+    assert 'id="camera-figure"' not in rendered(findings(BOTH))
 
 
 def test_where_it_arises_has_figures_and_all_covariates(rendered):
     page = rendered(findings(BOTH))
-    section = page[page.index('<section id="where"') : page.index('<section id="errors"')]
+    section = page[page.index('<section id="where"') : page.index('<section id="detection"')]
     assert section.count("<img ") == 2
     row = '<td>speed at launch</td><td class="number">3</td><td class="number">40 %</td>'
     assert row in section
@@ -74,9 +111,10 @@ def test_detection_limits_limitations_data_and_settings_are_listed(rendered):
 
 
 def test_sections_without_content_are_left_out(rendered):
-    every = ["causes", "where", "errors", "detection", "amended", "data"]
+    every = ["checks", "errors", "causes", "where", "detection", "amended", "data"]
     assert sections(rendered(findings(BOTH))) == every
-    assert sections(rendered(findings(verdict("no_gap", (), gap=None)))) == every[3:]
+    empty = verdict("no_gap", (), gap=None, checks=())
+    assert sections(rendered(findings(empty))) == every[4:]
 
 
 def test_names_from_the_data_cannot_become_markup(rendered):
@@ -95,15 +133,23 @@ def test_links_lead_to_sections_and_nothing_outside(rendered):
 
 def test_a_missing_figure_is_named(tmp_path):
     with pytest.raises(InputError, match=r"causes\.png"):
-        render_gap_page(findings(), "", tmp_path, figures_of(verdict()))
+        render_gap_page(findings(), "", tmp_path, figures_of(findings()))
 
 
 @pytest.mark.browser
 @pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
 def test_the_page_is_quiet_and_fits_the_window(browser, rendered, tmp_path, size):
     path = tmp_path / "report.html"
-    path.write_text(rendered(findings(BOTH)), encoding="utf-8")
+    path.write_text(rendered(findings(WHOLE)), encoding="utf-8")
     open_page(browser, path, size)
     assert browser.get_log("browser") == []
     assert requests(browser) == [path.as_uri()]
     assert browser.execute_script("return document.documentElement.scrollWidth") <= size[0]
+
+
+@pytest.mark.browser
+def test_tables_are_shown_whole(browser, rendered, tmp_path):
+    path = tmp_path / "report.html"
+    path.write_text(rendered(findings(WHOLE)), encoding="utf-8")
+    open_page(browser, path, DESKTOP)
+    assert browser.execute_script(HIDDEN) == [[0, 0]] * 6

@@ -42,6 +42,23 @@ def test_estimates_at_their_bounds_are_limitations():
     assert found[0].startswith("wind.y: 3 m/s is the bound")
 
 
+@pytest.mark.parametrize("way", [1, 2])
+def test_an_error_of_the_cameras_looks_like_other_errors_of_places(way):
+    camera = WIND.model_copy(
+        update={
+            "identity": "camera_distortion.amplitude",
+            "possible": ("camera_distortion.amplitude",),
+            "role": "sensor",
+            "estimate": 0.0025,
+        }
+    )
+    shots = measured(count=48 if way == 1 else 24)
+    found = limitations(one_way(shots) if way == 1 else shots, [camera], limits(), True, SETTINGS)
+    (one,) = (sentence for sentence in found if sentence.startswith("camera_distortion"))
+    assert "2.5 mm, it is not separable from position_scale, frame_tilt, table_height" in one
+    assert ("wind, drag and lift" in one) == (way == 1)
+
+
 @pytest.mark.parametrize(
     ("names", "labels", "way", "wanted"),
     [

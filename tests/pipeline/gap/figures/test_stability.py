@@ -6,7 +6,7 @@ import pytest
 from pipeline.gap.figures.stability import closing_figure, stability_figure
 from pipeline.gap.figures.verdict import LINE_NAMES, LINES
 from pipeline.io.figure_style import apply_style
-from tests.pipeline.verdicts import GAP, GRAVITY, WIND, diagnosed, verdict
+from tests.pipeline.verdicts import CAMERA, GAP, GRAVITY, MINOR, WIND, diagnosed, verdict
 
 
 @pytest.fixture(autouse=True)
@@ -17,7 +17,7 @@ def style():
 def found():
     """Two splits of two simulators; one has both causes, the other none and no errors."""
     return [
-        diagnosed(verdict(causes=(WIND, GRAVITY)), "first_one", 0),
+        diagnosed(verdict(causes=(WIND, GRAVITY, CAMERA, MINOR)), "first_one", 0),
         diagnosed(verdict(), "first_one", 1),
         diagnosed(verdict("no_gap", (), gap=None), "other", 0),
     ]

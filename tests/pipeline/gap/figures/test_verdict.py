@@ -3,7 +3,7 @@
 import numpy as np
 
 from pipeline.gap.figures.verdict import causes_figure, error_figure
-from tests.pipeline.verdicts import GAP, GRAVITY, WIND, verdict
+from tests.pipeline.verdicts import GAP, GRAVITY, MINOR, WIND, verdict
 
 
 def departures(found):
@@ -28,6 +28,10 @@ def test_a_cause_without_a_minimum_detectable_effect_has_its_estimate_as_text():
     assert departures(found) == []
     (text,) = causes_figure(found).figure.axes[0].texts
     assert text.get_text().startswith("0.61 m/s, simulator 0; no minimum detectable effect")
+
+
+def test_minor_structure_is_not_drawn():
+    assert len(departures(verdict(causes=(WIND, MINOR)))) == 1
 
 
 def test_errors_are_drawn_over_the_horizon():
