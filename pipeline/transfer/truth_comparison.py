@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import pandas as pd
 from pydantic import BaseModel
 
-from models.ball.simulator import Simulator
+from models.ball.simulator import NODES, Simulator
 
 COLUMNS = ["effect", "parameter", "original", "amended", "low", "high", "truth"]
 
@@ -66,4 +66,5 @@ def _parameters(simulator: Simulator) -> dict[tuple[str, str], float]:
         (effect, parameter): value
         for effect, values in simulator.effects.items()
         for parameter, value in values.items()
+        if parameter != NODES  # a table, such as that of the cameras' error, is no number
     }

@@ -45,3 +45,11 @@ def test_an_effect_that_a_simulator_lacks_has_no_number_there():
     assert pd.isna(rows.loc["wind", "x"]["original"])
     assert rows.loc["wind", "x"]["amended"] == 0.2
     assert rows["truth"].isna().all()
+
+
+def test_an_error_of_the_cameras_has_rows_for_its_size_and_length_only():
+    nodes = [[0.0, 0.0, 0.2, 1.0, 0.0, 0.0]]
+    camera = {"amplitude": 0.002, "length": 0.7, "nodes": nodes}
+    amended = shipped("imperfect_c").amended("camera_distortion", **camera)
+    rows = number_table(shipped("imperfect_c"), amended, [], None)
+    assert rows["parameter"].tolist() == ["amplitude", "length"]
