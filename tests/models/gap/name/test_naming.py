@@ -80,6 +80,14 @@ def test_flipped_labels_are_found_together_with_a_cause():
     assert [cause.effect for cause in found.fit.free] == ["gravity"]
 
 
+def test_labels_that_err_by_most_of_the_spin_are_not_used():
+    truth = NOMINAL.amended("drag", cd=0.42)
+    found = name(measured(truth, count=24, labels="one", label=0.9), Question(NOMINAL))
+    assert found.readings.useless
+    assert not found.fit.linear.labelled.any()
+    assert [cause.effect for cause in found.fit.free] == ["drag"]
+
+
 @pytest.mark.slow
 def test_only_true_causes_of_an_arena_are_named():
     truth = ball_and_table(draw_truth(1001).simulator)
