@@ -24,6 +24,7 @@ SHARES_OF_TYPICAL = np.append(0.0, np.geomspace(0.05, 2.0, 8))  # their constant
 OUTLIERS = 3.0  # typical labels, the size of outliers
 ROUNDS = 15  # of expectation maximisation
 LEAST_SHARE = 1e-3  # of a reading
+LEAST_VARIANCE = 1e-6  # (rad/s)^2, where all labels are zero
 
 
 @dataclass(frozen=True)
@@ -81,5 +82,6 @@ def _densities(found: PathSpins) -> Floats:
 
 def _normal(rows: Floats, variances: Floats) -> Floats:
     """Return (G, S) logarithms of normal densities of (S, 3) rows, less a constant."""
+    variances = np.maximum(variances, LEAST_VARIANCE)
     terms: Floats = -0.5 * (rows**2 / variances + np.log(variances))
     return np.asarray(terms.sum(axis=-1))
