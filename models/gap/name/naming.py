@@ -147,7 +147,8 @@ def _by_paths(shots: Shots, question: Question) -> Named:
     unused = replace(none, useless=True)
     named = _explained(alone, question, _with_lift(alone, question) or base, base, unused)
     readings = read_labels(shots, named.fit, settings)
-    about = refit(readings.corrected(shots), named.simulator, (), settings.fit)
+    causes = _hypotheses(named.explainer, named.explanation)
+    about = refit(readings.corrected(shots), named.simulator, causes, settings.fit)
     return named if _useless(about, question) else _resumed(named, shots, question, readings)
 
 
