@@ -19,7 +19,7 @@ from models.gap.name.causes import (
     label_signs_cause,
 )
 from models.gap.name.distortion import CAMERA
-from models.gap.name.label_signs import find_flipped_labels, no_flipped_labels
+from models.gap.name.label_readings import all_as_read, read_labels, without_labels
 from models.gap.name.naming import Named, name, without_cause
 from models.gap.name.parts import UNEXPLAINED, parts
 from models.gap.name.selection import evidence_about
@@ -39,7 +39,7 @@ from models.gap.verdict import (
     Worth,
 )
 from models.gap.verify.checks import checks
-from models.gap.verify.limitations import limitations
+from models.gap.verify.limitations import limitations, of_labels
 from models.gap.verify.prediction_error import Errors, HeldOut, gap
 from models.gap.verify.roles import Judgement
 from models.gap.verify.worth import Worths
@@ -76,7 +76,7 @@ def diagnose(
     if len(shots) < least:
         raise ValueError(f"{len(shots)} shots are too few; give at least {least}")
     question, held = Question(simulator, settings, tuple(withheld)), held_out(shots, settings)
-    labels = no_flipped_labels(shots[~held], settings)
+    labels = all_as_read(shots[~held], settings)
     named = name(
         shots[~held],
         question,
@@ -90,7 +90,7 @@ def diagnose(
     shares = located.gap_shares if located else {}
     progress(LOCATED)
     main, worths, minor = _reduced(whole, significant, shares)
-    limits = detection_limits(evidence_about(named.before, question), named.signs, question)
+    limits = detection_limits(evidence_about(named.before, question), named.readings, question)
     varying = variations(main.named)
     structure_share = shares.get(UNEXPLAINED, 1.0) if significant else 0.0
     found = (*_main_causes(main.named, worths, shares), *minor)
@@ -105,7 +105,10 @@ def diagnose(
         camera=camera_nodes(main.named),
         minimum_detectable=limits.minimum_detectable,
         not_identifiable=limits.not_identifiable,
-        limitations=limitations(shots, found, limits, named.settled, settings),
+        limitations=(
+            *of_labels(named.readings),
+            *limitations(shots, found, limits, named.settled, settings),
+        ),
         located=located,
     )
     progress(1.0)
@@ -186,7 +189,7 @@ def _main_causes(named: Named, worths: dict[str, Worth], shares: dict[str, float
     ]
     if named.distortion is not None and named.distorted:
         found.append(camera_cause(named, named.distortion, shares, worths.get(CAMERA.identity)))
-    if named.signs.significant:
+    if named.readings.significant:
         found.append(label_signs_cause(named, shares))
     return sorted(found, key=lambda one: (one.role != "leading", -one.gap_share))
 
@@ -219,12 +222,15 @@ def _unexplained(
 def _fit_held_out(shots: Shots, named: Named, settings: GapSettings) -> RefitResult:
     """Return held-out shots fitted about the amended simulator, with corrected measurements."""
     simulator, noise = named.fit.simulator, named.fit.noise_estimate.noise
+    if named.readings.useless:
+        shots = without_labels(shots)
     if named.field is not None:
         errors = named.fit.camera_errors
         shots = named.field.on(shots, shots.positions).corrected(errors).without_shared()
     about = fit_nuisance(shots, simulator, noise, settings.fit)
-    if not named.signs.significant:
+    if not named.readings.doubtful:
         return about
+    readings = read_labels(shots, about, settings)
     # Two flipped labels are no cause, but where there is one, each of them is corrected.
-    corrected = find_flipped_labels(shots, about, settings).negated(shots)
-    return fit_nuisance(corrected, simulator, noise, settings.fit)
+    usable = readings.negated if named.readings.significant else readings.left_out
+    return fit_nuisance(usable(shots), simulator, noise, settings.fit)

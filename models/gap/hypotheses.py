@@ -101,5 +101,5 @@ def hypotheses(simulator: Simulator) -> tuple[Hypothesis, ...]:
 
 
 # The share of spin labels that are read with the wrong sign: a fault of the sensor that is decided
-# shot by shot (name/label_signs.py), not by a derivative.
+# shot by shot (name/label_readings.py), not by a derivative.
 LABEL_SIGNS = Hypothesis("spin_sign_flip", "share")

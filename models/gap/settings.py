@@ -152,8 +152,6 @@ class NameSettings:
     extrapolation_error: float = 0.01  # of a gain, where causes are far off
     lift_start: float = 0.1  # C_M; without labels only its product with the spin shows
     min_flipped_labels: int = 3  # shots: no cause rests on one or two
-    suspect_misfit: float = 1.1  # times the typical misfit, from which a label is tried flipped
-    ordinary_misfit: float = 2.0  # times the typical misfit, up to which a flipped label fits
     sign_flips: int = 20_000  # random signs of shots; p-values are at least 6 / sign_flips
     # Share of information left given the catalogue, of a direction of terms and of one term.
     min_direction_information: float = 1e-4

@@ -54,6 +54,11 @@ class Noise:
         """Standard deviation of a coordinate, m, that of the time stamps aside."""
         return float(np.hypot(self.white, self.slow))
 
+    @property
+    def label_error(self) -> float:
+        """Standard deviation of a component of a single label, as a share of the spin."""
+        return float(np.sqrt(self.label**2 + self.label_arc**2 + self.label_common**2))
+
     def label_variance(self, in_arc: Floats, in_shot: Floats) -> Floats:
         """Return the variance that each label counts as, as if labels were independent.
 

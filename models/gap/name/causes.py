@@ -9,14 +9,16 @@ from models.gap.hypotheses import LABEL_SIGNS, Hypothesis
 from models.gap.inference.score_test import Evidence
 from models.gap.name.distortion import CAMERA, Distortion
 from models.gap.name.intervals import within
-from models.gap.name.label_signs import LabelSigns
+from models.gap.name.label_readings import LabelReadings
 from models.gap.name.naming import Named
 from models.gap.name.parts import phase_of
 from models.gap.settings import Question
 from models.gap.verdict import CameraNodes, Cause, DetectionLimits, Role, Worth
 
 
-def detection_limits(evidence: Evidence, labels: LabelSigns, question: Question) -> DetectionLimits:
+def detection_limits(
+    evidence: Evidence, labels: LabelReadings, question: Question
+) -> DetectionLimits:
     """Return the detection limits, by evidence about the nominal simulator, listed ones free."""
     free = evidence.free
     sizes = {
@@ -70,8 +72,8 @@ def label_signs_cause(named: Named, gap_shares: dict[str, float]) -> Cause:
     return Cause(
         **_described(LABEL_SIGNS, named.explainer.nominal),
         role="sensor",
-        estimate=named.signs.share,
-        interval=named.signs.interval,
+        estimate=named.readings.share,
+        interval=named.readings.interval,
         p_value=0.0,
         gap_share=gap_shares.get(LABEL_SIGNS.identity, 0.0),
         possible=(LABEL_SIGNS.identity,),

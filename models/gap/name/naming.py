@@ -5,8 +5,8 @@ about the refitted simulator, until the explanation no longer changes. A refit m
 that the linear evidence predicts.
 
 Two causes that hide all others are searched for first: lift where a simulator has none
-(missing_lift.py), and flipped labels (label_signs.py). Doubtful labels are left out until the other
-causes are known.
+(missing_lift.py), and flipped labels (label_readings.py). Doubtful labels are left out until the
+other causes are known.
 """
 
 from collections.abc import Callable
@@ -24,7 +24,7 @@ from models.gap.fit.shots import Shots, spread_evenly
 from models.gap.hypotheses import LABEL_SIGNS, Hypothesis, hypotheses
 from models.gap.inference.score_test import Evidence
 from models.gap.name.distortion import Distortion, find_distortion
-from models.gap.name.label_signs import LabelSigns, find_flipped_labels, no_flipped_labels
+from models.gap.name.label_readings import LabelReadings, all_as_read, read_labels, without_labels
 from models.gap.name.missing_lift import lift_test
 from models.gap.name.selection import Explainer, Explanation, best_explanation, evidence_about
 from models.gap.settings import Question
@@ -49,7 +49,7 @@ class Named:
         explanation: the causes.
         settled: whether they stayed when the shots were refitted with them.
         before: the shots about the nominal simulator.
-        signs: which labels are flipped.
+        readings: which labels are flipped or outliers.
         field: functions of the cameras' error over space, if shots show one.
     """
 
@@ -58,7 +58,7 @@ class Named:
     explanation: Explanation
     settled: bool
     before: RefitResult
-    signs: LabelSigns
+    readings: LabelReadings
     field: CameraField | None = None
 
     @cached_property
@@ -66,13 +66,13 @@ class Named:
         """The cameras' error over space, if shots show one."""
         if self.field is None:
             return None
-        return Distortion.of(self.fit, self.signs.settings)
+        return Distortion.of(self.fit, self.readings.settings)
 
     @property
     def distorted(self) -> bool:
         """Whether the cameras' error is significant at the level of causes."""
         found = self.distortion
-        return found is not None and found.p_value <= self.signs.settings.level
+        return found is not None and found.p_value <= self.readings.settings.level
 
     @property
     def simulator(self) -> Simulator:
@@ -82,7 +82,7 @@ class Named:
     @property
     def spins(self) -> tuple[float, float]:
         """Sizes of a component of a spin, rad/s, by the nominal simulator and with the causes."""
-        least = self.signs.settings.name.min_spin
+        least = self.readings.settings.name.min_spin
         return _typical_spin(self.before, least), _typical_spin(self.fit, least)
 
 
@@ -104,44 +104,67 @@ def name(
 
 def _named(shots: Shots, question: Question, base: RefitResult) -> Named:
     """Name the causes of shots that were fitted about the nominal simulator."""
+    settings = question.settings
     about = _with_lift(shots, question) or base
     if LABEL_SIGNS.effect in question.withheld:
-        return _explained(shots, question, about, base, no_flipped_labels(shots, question.settings))
-    doubtful = find_flipped_labels(shots, about, question.settings)
-    if doubtful.significant:
-        return _without_doubtful_labels(shots, question, doubtful)
-    named = _explained(shots, question, about, base, doubtful)
+        return _explained(shots, question, about, base, all_as_read(shots, settings))
+    readings = read_labels(shots, about, settings)
+    if readings.doubtful:
+        return _without_doubtful_labels(shots, question, readings)
+    if _useless(base, question):
+        return _by_paths(shots, question)
+    named = _explained(shots, question, about, base, readings)
     if named.explanation.causes:
-        flipped = find_flipped_labels(shots, named.fit, question.settings)
-        if flipped != doubtful:
-            named = _resumed(named, flipped.corrected(shots), question, base, flipped)
+        again = read_labels(shots, named.fit, settings)
+        if again.doubtful:
+            named = _resumed(named, shots, question, again)
     return named
 
 
-def _without_doubtful_labels(shots: Shots, question: Question, doubtful: LabelSigns) -> Named:
+def _without_doubtful_labels(shots: Shots, question: Question, doubtful: LabelReadings) -> Named:
     """Return the causes by all labels but doubtful ones, then by all, corrected by these causes.
 
     A simulator that lacks a cause may mistake signs, and causes found with wrongly corrected signs
     would confirm them.
     """
-    nominal, settings = question.simulator, question.settings
     kept = doubtful.left_out(shots)
-    base = refit(kept, nominal, (), settings.fit)
+    base = refit(kept, question.simulator, (), question.settings.fit)
+    if _useless(base, question):
+        return _by_paths(shots, question)
     named = _explained(kept, question, _with_lift(kept, question) or base, base, doubtful)
-    about = refit(shots, named.simulator, (), settings.fit)
-    flipped = find_flipped_labels(shots, about, settings)
-    corrected = flipped.corrected(shots)
-    before = refit(corrected, nominal, (), settings.fit)
-    return _resumed(named, corrected, question, before, flipped)
+    about = refit(shots, named.simulator, (), question.settings.fit)
+    return _resumed(named, shots, question, read_labels(shots, about, question.settings))
 
 
-def _resumed(
-    named: Named, shots: Shots, question: Question, before: RefitResult, flipped: LabelSigns
-) -> Named:
-    """Return the causes of shots with other label signs, starting from earlier causes."""
+def _by_paths(shots: Shots, question: Question) -> Named:
+    """Return the causes by the paths alone; labels are used if they then agree with the spins.
+
+    Labels that err by more than half of the spin would only mislead. A simulator that lacks a cause
+    may make labels look as bad.
+    """
+    settings, alone = question.settings, without_labels(shots)
+    base, none = refit(alone, question.simulator, (), settings.fit), all_as_read(shots, settings)
+    unused = replace(none, useless=True)
+    named = _explained(alone, question, _with_lift(alone, question) or base, base, unused)
+    readings = read_labels(shots, named.fit, settings)
     causes = _hypotheses(named.explainer, named.explanation)
-    start = refit(shots, named.simulator, causes, question.settings.fit)
-    return Named(*_settled(start, question, ()), before=before, signs=flipped)
+    about = refit(readings.corrected(shots), named.simulator, causes, settings.fit)
+    return named if _useless(about, question) else _resumed(named, shots, question, readings)
+
+
+def _useless(fit: RefitResult, question: Question) -> bool:
+    """Return whether labels err by more than the check of them allows (verify/checks.py)."""
+    _, most = question.settings.verify.allowed["labels"]
+    return bool(fit.linear.labelled.any()) and fit.noise_estimate.noise.label_error > most
+
+
+def _resumed(named: Named, shots: Shots, question: Question, readings: LabelReadings) -> Named:
+    """Return the causes of shots whose labels are read anew, starting from earlier causes."""
+    shots, settings = readings.corrected(shots), question.settings.fit
+    before = refit(shots, question.simulator, (), settings)
+    causes = _hypotheses(named.explainer, named.explanation)
+    start = refit(shots, named.simulator, causes, settings)
+    return Named(*_settled(start, question, ()), before=before, readings=readings)
 
 
 def without_cause(named: Named, k: int, question: Question) -> Named:
@@ -197,7 +220,11 @@ def _with_lift(shots: Shots, question: Question) -> RefitResult | None:
 
 
 def _explained(
-    shots: Shots, question: Question, base: RefitResult, before: RefitResult, flipped: LabelSigns
+    shots: Shots,
+    question: Question,
+    base: RefitResult,
+    before: RefitResult,
+    readings: LabelReadings,
 ) -> Named:
     """Explain the shots: where there are many, some of them first, which is most of the way."""
     most = question.settings.name.first_shots
@@ -208,7 +235,7 @@ def _explained(
         near = with_estimates(explainer, explanation.causes)
         start = base if causes == base.free else refit(shots, near, causes, question.settings.fit)
         fit, explainer, explanation, settled = _settled(start, question, base.free)
-    return Named(fit, explainer, explanation, settled, before, flipped)
+    return Named(fit, explainer, explanation, settled, before, readings)
 
 
 def _settled(fit: RefitResult, question: Question, required: Causes) -> Followed:

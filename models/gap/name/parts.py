@@ -44,9 +44,9 @@ def _of_sensor(named: Named) -> Iterator[Part]:
     if named.distorted:
         errors = linear.positions[..., linear.of_shared] @ named.fit.camera_errors
         yield Part(CAMERA.identity, "sensor", errors, no_labels)
-    if named.signs.significant:
+    if named.readings.significant:
         negated = -2.0 * linear.shots.labels / linear.label_scales[..., None]
-        flipped = np.isin(np.arange(len(negated)), sorted(named.signs.flipped))
+        flipped = np.isin(np.arange(len(negated)), sorted(named.readings.flipped))
         used = linear.labelled & flipped[:, None]
         labels = np.where(used[..., None], negated, 0.0)
         yield Part(LABEL_SIGNS.identity, "sensor", no_places, labels)

@@ -53,8 +53,7 @@ def _predictions(found: Errors, settings: GapSettings) -> Iterator[Check | None]
 def _labels(verification: RefitResult, settings: GapSettings) -> Iterator[Check]:
     """Compare the errors of labels with the spins: beyond half of them they say nothing."""
     if verification.linear.labelled.any():
-        noise = verification.noise_estimate.noise
-        size = float(np.sqrt(noise.label**2 + noise.label_arc**2 + noise.label_common**2))
+        size = verification.noise_estimate.noise.label_error
         allowed = settings.verify.allowed["labels"]
         yield Check(name="labels", ratio=size, interval=(size, size), allowed=allowed)
 

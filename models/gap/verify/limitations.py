@@ -6,6 +6,7 @@ import numpy as np
 
 from models.ball.catalogue import catalogue
 from models.gap.fit.shots import Shots
+from models.gap.name.label_readings import LabelReadings
 from models.gap.settings import GapSettings
 from models.gap.verdict import Cause, DetectionLimits
 
@@ -15,6 +16,10 @@ UNSETTLED = (
     "the causes do not converge: with them in the simulator, other causes are found. The shots "
     "show that the simulator is wrong, but not why. Record more shots at other speeds and spins, "
     "and measure spins"
+)
+USELESS = (
+    "spin labels err by more than half of the spin: they are not used, and lift is judged only by "
+    "curvature. Check the spin sensor against a ball of known spin"
 )
 
 
@@ -39,6 +44,15 @@ def limitations(
         *(_at_bound(cause) for cause in causes if cause.estimate in cause.interval),
         *(() if settled else (UNSETTLED,)),
     )
+
+
+def of_labels(readings: LabelReadings) -> tuple[str, ...]:
+    """Return which labels are not used, one sentence each."""
+    if readings.useless:
+        return (USELESS,)
+    count = len(readings.outliers)
+    used = f"{count} of {readings.labelled} spin labels are outliers and not used"
+    return (used,) if count else ()
 
 
 def experiment(cause: Cause, shots: Shots, settings: GapSettings) -> str:

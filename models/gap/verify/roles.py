@@ -1,8 +1,8 @@
 """Roles of causes: which of them matter, and which are minor structure.
 
 A main cause has a plausible value, not one at its bound; the likelihood of the shots surely needs
-it; and without it predictions are not better, nor worse by a negligible amount only. Where the
-model does not fit the shots, the likelihood is no judge, so predictions must surely need the cause.
+it; and predictions are not surely better without it. Where the model does not fit the shots, the
+likelihood is no judge: predictions must surely need the cause, and not by a negligible amount only.
 Minor causes are taken out one at a time, the least worthy first, and the others are refitted.
 """
 
@@ -51,7 +51,7 @@ class Judgement:
         settings = question.settings.verify
         harmful = worth.interval[1] < -settings.worse * self.error_mm
         negligible = worth.interval[1] < settings.min_worth * self._largest
-        return harmful or (negligible and default_role(hypothesis) == "leading")
+        return harmful or (negligible and not self.fits and default_role(hypothesis) == "leading")
 
     def _is_sure(self, identity: str) -> bool:
         worth = self.worths.of_causes.get(identity)

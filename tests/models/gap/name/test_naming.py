@@ -11,7 +11,7 @@ from models.ball.simulators import shipped
 from models.gap.diagnose import diagnose
 from models.gap.fit.refit import refit
 from models.gap.name import naming
-from models.gap.name.label_signs import find_flipped_labels
+from models.gap.name.label_readings import read_labels
 from models.gap.name.naming import name
 from models.gap.name.selection import Explainer, Explanation, evidence_about
 from models.gap.settings import Question
@@ -51,9 +51,9 @@ def test_a_slow_clock_is_neither_gravity_nor_flipped_labels(labels):
     """Gravity and a spin sensor's gain act like such a clock; labels seem to contradict."""
     shots = measured(NOMINAL.amended("clock_rate", d=-0.18), count=24, seed=1, labels=labels)
     about = refit(shots, NOMINAL, (), SETTINGS.fit)
-    assert find_flipped_labels(shots, about, SETTINGS).significant
+    assert read_labels(shots, about, SETTINGS).doubtful
     found = name(shots, Question(NOMINAL))
-    assert not found.signs.flipped
+    assert not found.readings.doubtful
     assert [cause.effect for cause in found.fit.free] == ["clock_rate"]
     assert found.simulator.to_dict()["clock_rate"]["d"] == pytest.approx(-0.18, abs=0.001)
 
@@ -76,8 +76,16 @@ def test_flipped_labels_are_found_together_with_a_cause():
     sign = np.ones((24, 1, 1))
     sign[[2, 5, 11, 17]] = -1.0
     found = name(replace(shots, labels=shots.labels * sign), Question(NOMINAL))
-    assert found.signs.flipped == {2, 5, 11, 17}
+    assert found.readings.flipped == {2, 5, 11, 17}
     assert [cause.effect for cause in found.fit.free] == ["gravity"]
+
+
+def test_labels_that_err_by_most_of_the_spin_are_not_used():
+    truth = NOMINAL.amended("drag", cd=0.42)
+    found = name(measured(truth, count=24, labels="one", label=0.9), Question(NOMINAL))
+    assert found.readings.useless
+    assert not found.fit.linear.labelled.any()
+    assert [cause.effect for cause in found.fit.free] == ["drag"]
 
 
 @pytest.mark.slow

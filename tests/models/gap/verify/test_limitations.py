@@ -2,8 +2,9 @@
 
 import pytest
 
+from models.gap.name.label_readings import LabelReadings
 from models.gap.verdict import DetectionLimits
-from models.gap.verify.limitations import experiment, limitations
+from models.gap.verify.limitations import experiment, limitations, of_labels
 from tests.models.gap.hidden import SETTINGS, measured
 from tests.models.gap.test_verdict import WIND
 
@@ -75,3 +76,12 @@ def test_every_class_has_an_experiment(names, labels, way, wanted):
     shots = measured(count=6, labels=labels)
     shots = shots if way == 2 else one_way(shots)
     assert wanted in experiment(like(*names), shots, SETTINGS)
+
+
+def test_labels_that_are_not_used_are_limitations():
+    flipped, outliers = frozenset({1}), frozenset({2, 5})
+    (found,) = of_labels(LabelReadings(flipped, 30, SETTINGS, outliers))
+    assert found == "2 of 30 spin labels are outliers and not used"
+    (found,) = of_labels(LabelReadings(frozenset(), 30, SETTINGS, useless=True))
+    assert found.startswith("spin labels err by more than half of the spin")
+    assert of_labels(LabelReadings(flipped, 30, SETTINGS)) == ()

@@ -8,7 +8,7 @@ import pytest
 from models.gap.diagnose import _Verified, diagnose
 from models.gap.fit.refit import refit
 from models.gap.hypotheses import Hypothesis
-from models.gap.name.label_signs import no_flipped_labels
+from models.gap.name.label_readings import all_as_read
 from models.gap.name.naming import Named, without_cause
 from models.gap.name.selection import Explainer, best_explanation, evidence_about
 from models.gap.settings import Question
@@ -30,7 +30,7 @@ def both():
     places = tuple(k for k, column in enumerate(evidence.columns) if column in (DRAG, DECAY))
     explainer = Explainer(evidence, NOMINAL, places)
     explanation = best_explanation(explainer, places, len(places))
-    before, labels = refit(shots, NOMINAL, (), SETTINGS.fit), no_flipped_labels(shots, SETTINGS)
+    before, labels = refit(shots, NOMINAL, (), SETTINGS.fit), all_as_read(shots, SETTINGS)
     named = Named(fit, explainer, explanation, True, before, labels)
     return _Verified.of(named, measured(TRUTH, count=16, seed=6), QUESTION)
 
@@ -72,7 +72,8 @@ def test_a_refit_without_a_cause_gives_the_others_their_own_values(both):
         ((-1.0, 3.0), True, False),  # the likelihood is sure of it
         ((-1.0, 3.0), False, True),  # where the model does not fit, predictions must be
         ((-3.0, -1.0), True, True),  # predictions are better without it
-        ((-0.1, 0.01), True, True),  # negligible beside the other cause
+        ((-0.1, 0.01), True, False),  # negligible beside the other cause, but sure
+        ((0.001, 0.01), False, True),
     ],
 )
 def test_predictions_decide_where_the_model_does_not_fit(both, interval, fits, is_minor):
