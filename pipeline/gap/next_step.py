@@ -16,6 +16,10 @@ KEEP_NOMINAL = (
     "keep the nominal simulator. Record more shots at other speeds and spins, and diagnose again."
 )
 CONFIRM = "predict with amended.yaml, and diagnose new recordings with it to confirm the causes."
+SPLIT = (
+    "look for what changes between shots, such as balls, air or cameras, and diagnose the parts of "
+    "the session by themselves. No constant value closes this gap."
+)
 UNSETTLED = (
     "record more shots at other speeds and spins, and measure spins; until then, amended.yaml is "
     "one of several possible simulators."
@@ -45,6 +49,8 @@ def _nothing_to_amend(shots: Shots, settings: GapSettings) -> str:
 
 def _missing_effect(verdict: Verdict) -> str:
     phase = verdict.unexplained.phase
+    if verdict.variations and not phase:
+        return SPLIT
     where = f" {PLACES[phase]}" if phase else ""
     return (
         f"the catalogue lacks an effect{where}; add one (docs/add-an-effect.md), and diagnose "

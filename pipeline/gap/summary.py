@@ -8,7 +8,7 @@ from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
 from models.gap.hypotheses import Hypothesis
 from models.gap.settings import GapSettings
-from models.gap.verdict import Cause, DetectionLimits, Gap, Verdict
+from models.gap.verdict import Cause, DetectionLimits, Gap, Variation, Verdict
 from pipeline.gap.measured_shots import MeasuredShots
 from pipeline.gap.next_step import next_step
 from pipeline.gap.reservations import reservations
@@ -49,6 +49,7 @@ class Findings:
             *(self._errors(verdict.gap) if verdict.gap else ()),
             *map(cause_sentence, verdict.main_causes),
             *self._minor(),
+            *map(variation_sentence, verdict.variations),
             *self._unexplained(),
             f"Next: {next_step(verdict, self.measured.shots, self.settings)}",
         ]
@@ -148,6 +149,18 @@ def cause_sentence(cause: Cause) -> str:
         f"{ROLES[cause.role].capitalize()} {cause.identity} ({title(cause.identity)}): "
         f"estimate {found}, {before}; {share}{worth}.{others}"
     )
+
+
+def variation_sentence(variation: Variation) -> str:
+    """Return a parameter that is not the same in all shots, with the size of its variation."""
+    size = f"{with_unit(variation.size, variation.unit)} (95 % {interval_text(variation.interval)})"
+    what = {
+        "drift": f"drifts over the session, by {size} from the first shot to the last",
+        "between_shots": f"differs from shot to shot, with a standard deviation of {size}",
+    }[variation.kind]
+    others = variation.possible[1:]
+    tail = f" Not separable from {listed(others)}." if others else ""
+    return f"{variation.identity} ({title(variation.identity)}) {what}; not amended.{tail}"
 
 
 def title(identity: str) -> str:

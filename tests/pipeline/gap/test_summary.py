@@ -2,7 +2,7 @@
 
 import pytest
 
-from models.gap.verdict import DetectionLimits, Unexplained
+from models.gap.verdict import DetectionLimits, Unexplained, Variation
 from pipeline.gap.summary import answer_title, detection_lines
 from tests.pipeline.verdicts import (
     CAMERA,
@@ -138,3 +138,25 @@ def test_detection_limits_are_listed_with_units():
 
 def test_a_verdict_without_prediction_errors_has_sentences():
     assert "Prediction error" not in text(gap=None)
+
+
+def test_a_variation_is_listed_with_its_size_and_what_to_do():
+    drift = Variation(
+        identity="drag.cd",
+        kind="drift",
+        unit="1",
+        size=0.1,
+        interval=(0.08, 0.12),
+        p_value=1e-5,
+        possible=("drag.cd", "linear_drag.k1"),
+    )
+    message = text("unknown", (), variations=(drift,))
+    assert (
+        "drag.cd (the air slows the ball) drifts over the session, by 0.1 (95 % 0.08 to" in message
+    )
+    assert "not amended. Not separable from linear_drag.k1." in message
+    assert "diagnose the parts of the session by themselves" in message
+    balls = drift.model_copy(update={"kind": "between_shots"})
+    assert "differs from shot to shot, with a standard deviation of 0.1" in text(
+        "unknown", (), variations=(balls,)
+    )
