@@ -89,10 +89,11 @@ def diagnose(
     located = locate(named.fit, question, parts(named, structure if significant else None))
     shares = located.gap_shares if located else {}
     progress(LOCATED)
-    main, worths, minor = _reduced(whole, significant, shares)
+    structure_share = shares.get(UNEXPLAINED, 1.0) if significant else 0.0
+    fits = whole.fits and structure_share <= settings.verify.max_unexplained
+    main, worths, minor = _reduced(whole, fits, shares)
     limits = detection_limits(evidence_about(named.before, question), named.readings, question)
     varying = variations(main.named)
-    structure_share = shares.get(UNEXPLAINED, 1.0) if significant else 0.0
     found = (*_main_causes(main.named, worths, shares), *minor)
     verdict = Verdict(
         verdict=_answer(found, main, structure_share, bool(varying)),
@@ -166,10 +167,13 @@ class _Verified:
 
 
 def _reduced(
-    whole: _Verified, significant: bool, shares: dict[str, float]
+    whole: _Verified, fits: bool, shares: dict[str, float]
 ) -> tuple[_Verified, dict[str, Worth], list[Cause]]:
-    """Return the main causes with what they are worth, and the minor ones."""
-    question, fits, minor = whole.question, whole.fits and not significant, []
+    """Return the main causes with what they are worth, and the minor ones.
+
+    ``fits`` says whether the model with all of them fits the shots.
+    """
+    question, minor = whole.question, []
     judgement = whole.judgement(fits)
     while (k := judgement.weakest(question)) is not None:
         worth = judgement.worths.of_causes.get(judgement.identity(k))

@@ -108,6 +108,8 @@ def _of_sensor(flown: Flown) -> Terms:
     shots = flown.linear.shots
     start = shots.times[:, :1]
     of_places = _of_places(flown.sampled, (shots.times - start)[..., None])
+    if shots.shared.shape[-1]:  # a smooth error over space is in the model already
+        of_places = {name: error for name, error in of_places.items() if " at " not in name}
     since = np.nan_to_num(shots.label_times - start)[..., None]
     of_labels = _of_labels(flown.spins, flown.label_scales[..., None], since)
     names = [Term("sensor", name) for name in (*of_places, *of_labels)]

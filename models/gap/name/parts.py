@@ -55,9 +55,12 @@ def _of_sensor(named: Named) -> Iterator[Part]:
 def _of_structure(structure: UnexplainedStructure | None) -> Iterator[Part]:
     if structure is None:
         return
-    linear = structure.linear
-    places = [linear.nuisance_count + k for k in structure.test.places]
+    linear, test = structure.linear, structure.test
+    # Less what the catalogue's parameters would do instead: terms may nearly be in their span.
+    values = np.zeros(len(linear.columns))
+    values[test.places] = structure.terms
+    values[test.given] = -structure.terms @ test.projection.mixing
     positions, labels = (
-        rows[..., places] @ structure.terms for rows in (linear.positions, linear.labels)
+        rows[..., linear.of_hypotheses] @ values for rows in (linear.positions, linear.labels)
     )
     yield Part(UNEXPLAINED, structure.phase, positions, labels)
