@@ -15,7 +15,7 @@ from models.gap.fit.projection import eliminate_nuisance
 from models.gap.fit.refit import RefitResult
 from models.gap.settings import GapSettings
 from models.gap.verdict import Check
-from models.gap.verify.bootstrap import interval, resampled, root_mean_squares
+from models.gap.verify.bootstrap import interval
 from models.gap.verify.prediction_error import Errors
 
 AFTER, FLOOR = 1, 2  # rows of errors
@@ -59,12 +59,18 @@ def _labels(verification: RefitResult, settings: GapSettings) -> Iterator[Check]
 
 
 def _check(name: str, squares: Floats, settings: GapSettings) -> Check | None:
-    """Return the ratio of (2, B, H) measured and expected squares; None with too few shots."""
+    """Return the ratio of (2, B, H) measured and expected squares; None with too few shots.
+
+    Sizes are medians over shots: one ball that is predicted to miss the table decides nothing.
+    """
     shots = int(np.isfinite(squares).all(axis=(0, 2)).sum()) if squares.shape[2] else 0
     if shots < settings.verify.min_checked:
         return None
-    measured, expected = root_mean_squares(squares).mean(axis=1)
-    drawn = resampled(squares, settings.verify.bootstrap_draws).mean(axis=2)
+    measured, expected = _root_medians(squares[:, None])[:, 0]
+    rows = np.random.default_rng(0).integers(
+        squares.shape[1], size=(settings.verify.bootstrap_draws, squares.shape[1])
+    )
+    drawn = _root_medians(squares[:, rows]).T
     return Check.model_validate(
         {
             "name": name,
@@ -73,3 +79,9 @@ def _check(name: str, squares: Floats, settings: GapSettings) -> Check | None:
             "allowed": settings.verify.allowed[name],
         }
     )
+
+
+def _root_medians(squares: Floats) -> Floats:
+    """Return (2, D) roots of medians over shots of (2, D, B, H) squares, means over horizons."""
+    roots: Floats = np.sqrt(np.nanmedian(squares, axis=2)).mean(axis=2)
+    return roots
