@@ -58,6 +58,7 @@ def arena_causes(root: Path) -> str:
     table = read_report(root, "retrain_policy/numbers.csv", "source == 'arena'")
     table = table[~table["effect"].isin(NOT_TESTED)]
     table = table[table["amended"].fillna(0) != table["truth"].fillna(0)]
+    table = table[table["low"].notna() | table["truth"].notna()]  # neither named nor hidden
     rows = []
     for row in table.itertuples():
         amended = row.amended if pd.notna(row.low) else float("nan")
