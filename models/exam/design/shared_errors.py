@@ -2,7 +2,7 @@
 
 A distortion is a Gaussian field and the labels' error of a session a Gaussian vector, both of their
 true size. In a basis of independent components of unit variance they are linear, so they are
-columns beside the hypotheses, with a prior. Integrating them out leaves the information on the
+columns next to the hypotheses, with a prior. Integrating them out leaves the information on the
 hypotheses that these errors do not hide.
 """
 
@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from models.ball.camera_field import covariance
 from models.ball.types import Bools, Floats
 from models.exam.simulate.camera_errors import Distortion
 from models.exam.simulate.trial import Trial
@@ -31,10 +32,7 @@ def with_shared_columns(linear: Linearised, trial: Trial) -> Linearised:
 
 def _with_field(linear: Linearised, distortion: Distortion) -> Linearised:
     basis = _field_basis(linear.shots.positions, linear.sampled, distortion)
-    of_positions = np.einsum("bnj,cd->bncjd", basis, np.eye(3))
-    of_positions = of_positions.reshape(*basis.shape[:2], 3, -1)
-    of_labels = np.zeros((*linear.labels.shape[:3], of_positions.shape[-1]))
-    return _appended(linear, of_positions, of_labels)
+    return linear.with_shared(replace(linear.shots, shared=basis))
 
 
 def _with_session(linear: Linearised, size: float) -> Linearised:
@@ -50,19 +48,13 @@ def _field_basis(positions: Floats, sampled: Bools, distortion: Distortion) -> F
     """
     places = positions[sampled]
     chosen = places[np.linspace(0, len(places) - 1, PLACES).astype(np.int64)]
-    values, vectors = np.linalg.eigh(_covariance(chosen, chosen, distortion))
+    values, vectors = np.linalg.eigh(covariance(chosen, chosen, distortion.length))
     tail = np.cumsum(np.maximum(values, 0.0))
     used = tail > LEFT_OUT * tail[-1]
     basis = np.zeros((*sampled.shape, int(used.sum())))
-    across = _covariance(places, chosen, distortion)
-    basis[sampled] = across @ (vectors[:, used] / np.sqrt(values[used]))
+    across = covariance(places, chosen, distortion.length)
+    basis[sampled] = distortion.size * across @ (vectors[:, used] / np.sqrt(values[used]))
     return basis
-
-
-def _covariance(places: Floats, others: Floats, distortion: Distortion) -> Floats:
-    squares = (places**2).sum(axis=1)[:, None] + (others**2).sum(axis=1) - 2 * places @ others.T
-    covariance: Floats = distortion.size**2 * np.exp(-squares / (2 * distortion.length**2))
-    return covariance
 
 
 def _appended(linear: Linearised, of_positions: Floats, of_labels: Floats) -> Linearised:
