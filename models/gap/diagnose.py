@@ -135,7 +135,7 @@ class _Verified:
         held = HeldOut.of(verification, shots, noise, settings)
         if not len(held.shots):
             return cls(named, shots, question, verification, None, None)
-        seen = held.corrected if named.distorted else held.shots
+        seen = held.corrected if named.distortion else held.shots
         errors = held.errors((question.simulator, named.simulator), named.spins, seen)
         return cls(named, shots, question, verification, held, errors)
 
@@ -191,7 +191,7 @@ def _main_causes(named: Named, worths: dict[str, Worth], shares: dict[str, float
         cause(named, k, default_role(columns[k]), shares, worths.get(columns[k].identity))
         for k in named.explanation.causes
     ]
-    if named.distortion is not None and named.distorted:
+    if named.distortion is not None:
         found.append(camera_cause(named, named.distortion, shares, worths.get(CAMERA.identity)))
     if named.readings.significant:
         found.append(label_signs_cause(named, shares))
@@ -228,9 +228,9 @@ def _fit_held_out(shots: Shots, named: Named, settings: GapSettings) -> RefitRes
     simulator, noise = named.fit.simulator, named.fit.noise_estimate.noise
     if named.readings.useless:
         shots = without_labels(shots)
-    if named.field is not None:
-        errors = named.fit.camera_errors
-        shots = named.field.on(shots, shots.positions).corrected(errors).without_shared()
+    if named.distortion is not None:
+        errors, field = named.fit.camera_errors, named.distortion.field
+        shots = field.on(shots, shots.positions).corrected(errors).without_shared()
     about = fit_nuisance(shots, simulator, noise, settings.fit)
     if not named.readings.doubtful:
         return about

@@ -19,7 +19,8 @@ from models.ball.simulator import Simulator
 class FieldSettings:
     """The smooth error of the cameras over space."""
 
-    level: float = 0.05  # of the test whether there is one, from which on it is modelled
+    sizes: tuple[float, float] = (2e-4, 0.05)  # m, standard deviations of a coordinate
+    tried_sizes: int = 26
     length: float = 0.8  # m, over which errors are correlated
     variance_share: float = 0.99  # of the field, in its first functions
     nodes: int = 80  # places that represent the measured ones
@@ -79,7 +80,6 @@ class FitSettings:
                 "label_arc": (1e-3, 1.0),
                 "label_common": (1e-3, 1.0),
                 "scatter": (1e-3, 0.5),
-                "distortion": (1e-5, 0.05),
             }
         )
     )

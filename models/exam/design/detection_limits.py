@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from models.ball.types import Floats
-from models.exam.design.shared_errors import SHARED_SIZE, with_shared_columns
+from models.exam.design.shared_errors import with_shared_columns
 from models.exam.interface import Recording, shots_of
 from models.exam.simulate.recordings import simulate_trial
 from models.exam.simulate.trial import Trial
@@ -157,7 +157,7 @@ def _evidence(trial: Trial, shots: Shots, states: Floats) -> Evidence:
     noise = _noise(trial)
     known = gram_matrices(linear, noise, linear.sampled.astype(float), np.ones(len(shots)))
     left = eliminate_nuisance(known.total(noise), linear.nuisance_count)
-    scores, information = SharedErrors.of(left, len(linear.columns), SHARED_SIZE).parts(left)
+    scores, information = SharedErrors.of(left, len(linear.columns)).parts(left)
     of_prior = len(scores) - len(shots)
     return Evidence(linear.columns, linear.listed, scores, information, SETTINGS, of_prior)
 

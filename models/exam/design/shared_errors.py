@@ -16,7 +16,6 @@ from models.exam.simulate.camera_errors import Distortion
 from models.exam.simulate.trial import Trial
 from models.gap.fit.linearize import Linearised
 
-SHARED_SIZE = 1.0  # standard deviation of the coefficients of shared errors
 PLACES = 400  # that represent the recorded region
 LEFT_OUT = 1e-3  # of the field's variance
 

@@ -1,9 +1,9 @@
 """The smooth error of the cameras over space: a Gaussian field that all shots share.
 
 Every calibration leaves a position error that is a smooth function of place. It is a Gaussian field
-of unit variance times ``Noise.distortion``, written as a sum of its first Karhunen-Loeve functions.
-Their coefficients are random effects: R for each axis, common to all shots, integrated out wherever
-hypotheses are tested (shared_errors.py).
+written as a sum of its first Karhunen-Loeve functions. Their coefficients, of unit variance, are
+random effects: R for each axis, common to all shots, integrated out wherever hypotheses are tested
+(shared_errors.py).
 """
 
 from dataclasses import dataclass, replace
@@ -24,28 +24,30 @@ class CameraField:
     Attributes:
         nodes: (M, 3) m, places that represent the measured ones.
         weights: (M, R) of the covariances with the nodes in each function.
-        length: m, over which the field is correlated.
+        size: m, standard deviation of a coordinate's error.
+        settings: of the field.
     """
 
     nodes: Floats
     weights: Floats
-    length: float
+    size: float
+    settings: FieldSettings
 
     @classmethod
-    def over(cls, shots: Shots, settings: FieldSettings) -> "CameraField":
-        """Return the functions of a field over the places where balls were measured."""
+    def over(cls, shots: Shots, settings: FieldSettings, size: float) -> "CameraField":
+        """Return the functions of a field of a size over the places where balls were measured."""
         nodes = _spread_nodes(shots.positions[shots.valid], settings)
         values, vectors = np.linalg.eigh(covariance(nodes, nodes, settings.length))
         order = np.argsort(values)[::-1]
         values, vectors = values[order], vectors[:, order]
         share = np.cumsum(values) / values.sum()
         rank = int(np.searchsorted(share, settings.variance_share)) + 1
-        return cls(nodes, vectors[:, :rank] / np.sqrt(values[:rank]), settings.length)
+        return cls(nodes, vectors[:, :rank] / np.sqrt(values[:rank]), size, settings)
 
     def functions(self, places: Floats) -> Floats:
-        """Return (..., R) values of the functions at (..., 3) places."""
-        flat = covariance(places.reshape(-1, 3), self.nodes, self.length) @ self.weights
-        functions: Floats = flat.reshape(*places.shape[:-1], -1)
+        """Return (..., R) values of the functions at (..., 3) places, m."""
+        across = covariance(places.reshape(-1, 3), self.nodes, self.settings.length)
+        functions: Floats = self.size * (across @ self.weights).reshape(*places.shape[:-1], -1)
         return functions
 
     def on(self, shots: Shots, places: Floats) -> Shots:
@@ -58,7 +60,7 @@ class CameraField:
 
     def node_weights(self, coefficients: Floats) -> Floats:
         """Return (M, 3) weights of the nodes of the field with (3 R,) coefficients, m."""
-        weights: Floats = self.weights @ coefficients.reshape(3, -1).T
+        weights: Floats = self.size * self.weights @ coefficients.reshape(3, -1).T
         return weights
 
 

@@ -32,7 +32,6 @@ class Noise:
         slow: of its slow error, m.
         slow_time: in which the slow error's correlation falls to 1/e, s.
         timing: of a time stamp, s.
-        distortion: of a coordinate's error as a function of place, common to all shots, m.
         label: of a component of a label, as a share of the spin, independent in every row.
         label_arc: the same, common to all rows between two contacts.
         label_common: the same, common to all rows of a shot.
@@ -47,7 +46,6 @@ class Noise:
     label_common: float = 0.02
     scatter: tuple[float, float, float] = (0.02, 0.02, 0.02)
     timing: float = 1e-4
-    distortion: float = 1e-3
 
     @property
     def position(self) -> float:

@@ -157,7 +157,7 @@ def _misfit(
     )
     total = gram_matrices(alone, noise, weights, shot_weights).total(noise)
     left = eliminate_nuisance(total, linear.nuisance_count)
-    shared = SharedErrors.of(left, 0, noise.distortion)
+    shared = SharedErrors.of(left, 0)
     return float(left.misfit.sum()) - shared.explained
 
 

@@ -10,7 +10,8 @@ and each shot s has its part ``u_k - A_kf c - C (u_f - A_ff c)`` with ``c = P^-1
 all shots lack ``C L c`` and ``C L C'``, which is the prior's own part.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -35,13 +36,22 @@ class SharedErrors:
     information: Floats
     scores: Floats
     count: int
-    precision: float
+    precision: float = 1.0
 
     @classmethod
-    def of(cls, system: ReducedSystem, count: int, distortion: float) -> "SharedErrors":
-        """Return the sums over shots; coefficients have the standard deviation ``distortion``."""
-        information, scores = system.information.sum(axis=0), system.scores.sum(axis=0)
-        return cls(information, scores, count, distortion**-2.0)
+    def of(cls, system: ReducedSystem, count: int) -> "SharedErrors":
+        """Return the sums over shots."""
+        return cls(system.information.sum(axis=0), system.scores.sum(axis=0), count)
+
+    def from_departures(self, changes: Floats) -> "SharedErrors":
+        """Return the same about values of the hypotheses that are (K,) changes lower."""
+        return replace(self, scores=self.scores + self.information[:, : self.count] @ changes)
+
+    def about(self, places: Sequence[int]) -> "SharedErrors":
+        """Return the same about some of the hypotheses; the others keep their values."""
+        kept = [*places, *range(self.count, len(self.scores))]
+        information = self.information[np.ix_(kept, kept)]
+        return replace(self, information=information, scores=self.scores[kept], count=len(places))
 
     @cached_property
     def with_prior(self) -> Floats:
@@ -62,6 +72,12 @@ class SharedErrors:
         k = self.count
         left = self.scores[k:] - self.information[k:, :k] @ values
         return np.asarray(np.linalg.solve(self.with_prior[k:, k:], left), dtype=np.float64)
+
+    @property
+    def alone(self) -> tuple[Floats, Floats]:
+        """(K, K) information and (K,) scores of the hypotheses, without any shared errors."""
+        k = self.count
+        return self.information[:k, :k], self.scores[:k]
 
     @property
     def marginal(self) -> tuple[Floats, Floats]:
@@ -94,8 +110,8 @@ class SharedErrors:
 
 
 @dataclass(frozen=True)
-class DistortionLikelihood:
-    """Restricted likelihood of the standard deviation of shared errors, hypotheses free.
+class VarianceLikelihood:
+    """Restricted likelihood of the standard deviation of random effects, hypotheses free.
 
     Along its eigenvectors the information of the coefficients is l and their score w, so that twice
     the negative log likelihood of a variance v, less that of none, is the sum of
@@ -104,7 +120,7 @@ class DistortionLikelihood:
     Attributes:
         information: (F,) l.
         scores: (F,) w.
-        bounds: of the standard deviation, m.
+        bounds: of the standard deviation.
     """
 
     information: Floats
@@ -112,7 +128,7 @@ class DistortionLikelihood:
     bounds: tuple[float, float]
 
     @classmethod
-    def of(cls, shared: SharedErrors, bounds: tuple[float, float]) -> "DistortionLikelihood":
+    def of(cls, shared: SharedErrors, bounds: tuple[float, float]) -> "VarianceLikelihood":
         """Return the likelihood by the information of all shots."""
         k, a, u = shared.count, shared.information, shared.scores
         directions = identifiable_directions(a[:k, :k])
@@ -128,7 +144,7 @@ class DistortionLikelihood:
 
     @cached_property
     def estimate(self) -> float:
-        """The likeliest standard deviation, m."""
+        """The likeliest standard deviation."""
         low, high = np.log(self.bounds)
         grid = np.linspace(low, high, 40)
         best = int(np.argmin([self.deviance(float(np.exp(one))) for one in grid]))

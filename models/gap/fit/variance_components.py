@@ -24,7 +24,7 @@ from models.gap.fit.noise import (
     white_gram,
 )
 from models.gap.fit.projection import eliminate_nuisance, identifiable_directions, nuisance_solution
-from models.gap.fit.shared_errors import DistortionLikelihood, SharedErrors
+from models.gap.fit.shared_errors import SharedErrors
 from models.gap.fit.shots import spread_evenly
 from models.gap.settings import FitSettings
 from models.gap.types import Bools, Indices
@@ -72,7 +72,6 @@ def estimate_noise(
     for _ in range(settings.noise_rounds):
         before = noise.position
         parts = gram_matrices(linear, noise, weights, shot_weights)
-        noise = _with_distortion(linear, parts, noise, settings)
         residuals = _residuals(linear, parts.total(noise), noise, settings)
         noise, weights = _inliers(linear, residuals, noise, settings)
         noise = _with_position_noise(linear, parts, noise, weights, settings)
@@ -118,7 +117,7 @@ def _inliers(
 def shared_errors(linear: Linearised, total: Floats, noise: Noise) -> SharedErrors:
     """Return what (B, C, C) Gram matrices say of hypotheses and shared errors."""
     system = eliminate_nuisance(total, linear.nuisance_count)
-    return SharedErrors.of(system, len(linear.columns), noise.distortion)
+    return SharedErrors.of(system, len(linear.columns))
 
 
 def _significant_values(
@@ -154,17 +153,6 @@ def _with_position_noise(
         return float((weighted + left.misfit).sum())
 
     return _minimised(criterion, noise, ("white", "slow", "slow_time", "timing"), settings)
-
-
-def _with_distortion(
-    linear: Linearised, parts: GramMatrices, noise: Noise, settings: FitSettings
-) -> Noise:
-    """Return noise whose shared errors have their likeliest size."""
-    if not linear.shots.shared.shape[-1]:
-        return noise
-    shared = shared_errors(linear, parts.total(noise), noise)
-    likelihood = DistortionLikelihood.of(shared, settings.noise_bounds["distortion"])
-    return replace(noise, distortion=likelihood.estimate)
 
 
 def _without_shared(linear: Linearised, parts: GramMatrices, noise: Noise) -> GramMatrices:

@@ -175,7 +175,7 @@ class Evidence:
     ) -> "Evidence":
         """Return the evidence of linearised shots in the metric of their noise."""
         left = eliminate_nuisance(noise_estimate.gram_matrices, linear.nuisance_count)
-        shared = SharedErrors.of(left, len(linear.columns), noise_estimate.noise.distortion)
+        shared = SharedErrors.of(left, len(linear.columns))
         scores, information = shared.parts(left)
         of_prior = len(scores) - len(linear.shots)
         return cls(linear.columns, linear.listed, scores, information, settings, of_prior)

@@ -5,7 +5,7 @@ block update, for all further hypotheses of all sets at once.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -51,6 +51,11 @@ class SetScores:
             refitted=np.isin(np.arange(len(evidence.columns)), refitted),
             settings=evidence.settings,
         )
+
+    def with_total(self, information: Floats, scores: Floats) -> "SetScores":
+        """Return the scores by another (K, K) information and other (K,) scores of all shots."""
+        known = np.maximum(RIDGE * np.diag(information), NOTHING)
+        return replace(self, information=information + np.diag(known), scores=scores)
 
     def gain(self, places: Places) -> float:
         """Return what one set gains in twice the log likelihood."""

@@ -84,11 +84,12 @@ def camera_cause(
     named: Named, found: Distortion, gap_shares: dict[str, float], worth: Worth | None
 ) -> Cause:
     """Return the cameras' error over space as a cause."""
+    estimate, interval = camera_size(named, found)
     return Cause(
         **_described(CAMERA, named.explainer.nominal),
         role="sensor",
-        estimate=found.amplitude,
-        interval=found.interval,
+        estimate=estimate,
+        interval=interval,
         p_value=found.p_value,
         gap_share=gap_shares.get(CAMERA.identity, 0.0),
         worth=worth,
@@ -98,12 +99,19 @@ def camera_cause(
 
 def camera_nodes(named: Named) -> CameraNodes | None:
     """Return the likeliest error of the cameras over space, if it is one of the causes."""
-    field, found = named.field, named.distortion
-    if field is None or found is None or not named.distorted:
+    if named.distortion is None:
         return None
-    weights = field.node_weights(named.fit.camera_errors) / found.amplitude
+    field, size = named.distortion.field, camera_size(named, named.distortion)[0]
+    weights = field.node_weights(named.fit.camera_errors) / size
     rows = np.hstack([field.nodes, weights]).round(6)
-    return CameraNodes(length=field.length, nodes=tuple(map(tuple, rows.tolist())))
+    return CameraNodes(length=field.settings.length, nodes=tuple(map(tuple, rows.tolist())))
+
+
+def camera_size(named: Named, found: Distortion) -> tuple[float, tuple[float, float]]:
+    """Return the standard deviation of the cameras' error over space, m, and its interval."""
+    size, unit = found.size(named.fit), found.field.size
+    low, high = size.interval(named.readings.settings.confidence)
+    return unit * size.estimate, (unit * low, unit * high)
 
 
 def _described(hypothesis: Hypothesis, nominal: Simulator) -> dict[str, Any]:

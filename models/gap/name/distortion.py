@@ -1,72 +1,113 @@
 """Camera distortion: whether cameras err as a smooth function of place, in all shots alike.
 
-The size of the error is a variance component (fit/shared_errors.py). Its likelihood ratio against
-none has half a chance of being zero, else a chi-squared distribution (Self and Liang 1987).
+A smooth error of position bends paths as wind, a tilted frame or a high table do. So it competes
+with all causes: the likeliest explanation with an error of the cameras, of the likeliest size, is
+compared with the likeliest explanation without one, both less a penalty a cause (selection.py).
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
+import numpy as np
 from scipy.stats import chi2
 
 from models.gap.fit.camera_field import CameraField
 from models.gap.fit.refit import RefitResult
-from models.gap.fit.shared_errors import DistortionLikelihood
+from models.gap.fit.shared_errors import SharedErrors, VarianceLikelihood
 from models.gap.fit.variance_components import NoiseEstimate
 from models.gap.hypotheses import Hypothesis
-from models.gap.settings import GapSettings, Question
+from models.gap.name.selection import Explainer
+from models.gap.settings import FitSettings
+from models.gap.types import Places
 
 CAMERA = Hypothesis("camera_distortion", "amplitude")
 
 
-def find_distortion(fit: RefitResult, question: Question) -> CameraField | None:
-    """Return the functions of the cameras' error over space, where shots show such an error.
-
-    The level of this test is not that of causes: an error that is not modelled passes for physics,
-    one that is modelled in vain costs time only.
-    """
-    settings = question.settings
-    if CAMERA.effect in question.withheld:
-        return None
-    field = CameraField.over(fit.linear.shots, settings.fit.camera_field)
-    linear = fit.linear.with_shared(field.on(fit.linear.shots, fit.fitted_places))
-    known = fit.noise_estimate
-    noise = NoiseEstimate.known(linear, known.noise, known.weights, settings.fit)
-    with_field = replace(fit, linear=linear, noise_estimate=noise)
-    level = settings.fit.camera_field.level
-    return field if Distortion.of(with_field, settings).p_value <= level else None
-
-
 @dataclass(frozen=True)
 class Distortion:
-    """How large the cameras' error over space is.
+    """An error of the cameras over space.
 
     Attributes:
-        likelihood: of its standard deviation.
-        confidence: of the interval.
+        field: its functions, of its likeliest standard deviation.
+        gain: of twice the penalised log likelihood, over the best explanation without it.
+        causes: places of the likeliest causes beside it.
     """
 
-    likelihood: DistortionLikelihood
-    confidence: float
-
-    @classmethod
-    def of(cls, fit: RefitResult, settings: GapSettings) -> "Distortion":
-        """Return what shots with shared errors say."""
-        bounds = settings.fit.noise_bounds["distortion"]
-        likelihood = DistortionLikelihood.of(fit.shared_errors, bounds)
-        return cls(likelihood, settings.confidence)
-
-    @property
-    def amplitude(self) -> float:
-        """The likeliest standard deviation, m."""
-        return self.likelihood.estimate
+    field: CameraField
+    gain: float
+    causes: Places
 
     @property
     def p_value(self) -> float:
-        """Of so large a likelihood ratio without any distortion."""
-        gain = self.likelihood.gain
-        return 0.5 * float(chi2.sf(gain, 1)) if gain > 0.0 else 1.0
+        """Of so large a likelihood ratio of a variance without any (Self and Liang 1987)."""
+        return 0.5 * float(chi2.sf(self.gain, 1)) if self.gain > 0.0 else 1.0
 
-    @property
-    def interval(self) -> tuple[float, float]:
-        """Of the standard deviation, m."""
-        return self.likelihood.interval(self.confidence)
+    def size(self, fit: RefitResult) -> VarianceLikelihood:
+        """Return the likelihood of the standard deviation in that of the field, by a refit."""
+        places = [fit.linear.columns.index(cause) for cause in fit.free]
+        low, high = np.array(self.field.settings.sizes) / self.field.size
+        return VarianceLikelihood.of(fit.shared_errors.about(places), (low, high))
+
+
+def with_field(fit: RefitResult, field: CameraField, settings: FitSettings) -> RefitResult:
+    """Return a fit with the functions of a field as shared errors, at the fitted places."""
+    linear, known = fit.linear, fit.noise_estimate
+    linear = linear.with_shared(field.on(linear.shots, fit.fitted_places))
+    noise = NoiseEstimate.known(linear, known.noise, known.weights, settings)
+    return replace(fit, linear=linear, noise_estimate=noise)
+
+
+def find_distortion(fit: RefitResult, explainer: Explainer) -> Distortion | None:
+    """Return the cameras' error over space, where shots with the causes in them show one.
+
+    All is linear about the fit: the causes that an error of the cameras may take the place of are
+    small, while one that is far off stays in.
+    """
+    settings = explainer.evidence.settings
+    unit = CameraField.over(fit.linear.shots, settings.fit.camera_field, 1.0)
+    rivals = _Rivals.of(with_field(fit, unit, settings.fit), explainer)
+    low, high = settings.fit.camera_field.sizes
+    sizes = np.geomspace(low, high, settings.fit.camera_field.tried_sizes)
+    best = max(map(float, sizes), key=lambda size: rivals.score(size)[0])
+    score, causes = rivals.score(best)
+    gain = score - rivals.score(0.0)[0]
+    found = Distortion(replace(unit, size=best), gain, causes)
+    plausible = best < high  # as with any cause, a size at its bound is none
+    return found if plausible and found.p_value <= settings.level else None
+
+
+@dataclass(frozen=True, eq=False)
+class _Rivals:
+    """Explanations with an error of the cameras and without.
+
+    Attributes:
+        shared: what the shots say of departures of the hypotheses from the nominal simulator, and
+            of functions of unit size.
+        explainer: that has named the causes, without such an error.
+    """
+
+    shared: SharedErrors
+    explainer: Explainer
+
+    @classmethod
+    def of(cls, fit: RefitResult, explainer: Explainer) -> "_Rivals":
+        columns, evidence = fit.linear.columns, explainer.evidence
+        departures = fit.linear.departures(explainer.nominal)
+        places = [columns.index(column) for column in evidence.columns]
+        return cls(fit.shared_errors.from_departures(departures).about(places), explainer)
+
+    def score(self, size: float) -> tuple[float, Places]:
+        """Return the best explanation beside an error of this size, 0 for none, and its score."""
+        known = self.explainer
+        with_errors = replace(self.shared, precision=size**-2.0) if size else None
+        totals = with_errors.marginal if with_errors else self.shared.alone
+        sets = known.set_scores.with_total(*totals)
+        most = len(known.refitted) + 2
+        causes = sets.best((), list(known.candidates), most, known.penalty, known.handicaps)
+        taken = known.penalty * len(causes) + known.handicaps[list(causes)].sum()
+        return sets.gain(causes) - taken - self._alone.deviance(size), causes
+
+    @cached_property
+    def _alone(self) -> VarianceLikelihood:
+        """Of an error of the cameras alone, the simulator being the nominal one."""
+        return VarianceLikelihood.of(self.shared.about([]), (0.0, 1.0))

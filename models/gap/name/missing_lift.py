@@ -62,6 +62,6 @@ def _misfit(linear: Linearised, noise: Noise, weights: Floats, settings: GapSett
     grams = gram_matrices(linear, noise, weights, whole).total(noise)
     evidence = Evidence.of(linear, NoiseEstimate(noise, weights, whole, grams), settings)
     left = eliminate_nuisance(grams, linear.nuisance_count)
-    shared = SharedErrors.of(left, len(linear.columns), noise.distortion)
+    shared = SharedErrors.of(left, len(linear.columns))
     free = [k for k in evidence.free if linear.columns[k].effect != "magnus"]
     return float(left.misfit.sum()) - shared.explained - evidence.score_test(free, []).gain

@@ -11,19 +11,17 @@ other causes are known.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from models.ball.simulator import Simulator
 from models.ball.state import SPIN
-from models.gap.fit.camera_field import CameraField
 from models.gap.fit.refit import RefitResult, likelihood_gain, refit
 from models.gap.fit.shots import Shots, spread_evenly
 from models.gap.hypotheses import LABEL_SIGNS, Hypothesis, hypotheses
 from models.gap.inference.score_test import Evidence
-from models.gap.name.distortion import Distortion, find_distortion
+from models.gap.name.distortion import CAMERA, Distortion, find_distortion, with_field
 from models.gap.name.label_readings import LabelReadings, all_as_read, read_labels, without_labels
 from models.gap.name.missing_lift import lift_test
 from models.gap.name.selection import Explainer, Explanation, best_explanation, evidence_about
@@ -50,7 +48,7 @@ class Named:
         settled: whether they stayed when the shots were refitted with them.
         before: the shots about the nominal simulator.
         readings: which labels are flipped or outliers.
-        field: functions of the cameras' error over space, if shots show one.
+        distortion: the cameras' error over space, if shots show one.
     """
 
     fit: RefitResult
@@ -59,20 +57,7 @@ class Named:
     settled: bool
     before: RefitResult
     readings: LabelReadings
-    field: CameraField | None = None
-
-    @cached_property
-    def distortion(self) -> Distortion | None:
-        """The cameras' error over space, if shots show one."""
-        if self.field is None:
-            return None
-        return Distortion.of(self.fit, self.readings.settings)
-
-    @property
-    def distorted(self) -> bool:
-        """Whether the cameras' error is significant at the level of causes."""
-        found = self.distortion
-        return found is not None and found.p_value <= self.readings.settings.level
+    distortion: Distortion | None = None
 
     @property
     def simulator(self) -> Simulator:
@@ -92,14 +77,38 @@ def name(
     """Name the causes; ``on_start`` gets the evidence before they are searched for."""
     base = refit(shots, question.simulator, (), question.settings.fit)
     on_start(evidence_about(base, question))
-    named = _named(shots, question, base)
-    # Tested with the causes in the simulator: one that is far off bends paths alike everywhere.
-    field = find_distortion(named.fit, question)
-    if field is None:
+    named = _with_distortion(_named(shots, question, base), question)
+    if named.distortion is None or _signs_as_read(named, question):
         return named
-    shots = field.on(shots, named.fit.fitted_places)
-    base = refit(shots, question.simulator, (), question.settings.fit)
-    return replace(_named(shots, question, base), field=field)
+    # Labels are judged by paths, which an error of the cameras bends.
+    about = replace(named.fit.linear.shots, label_times=shots.label_times, labels=shots.labels)
+    readings = read_labels(about, named.fit, question.settings)
+    if readings == named.readings:
+        return named
+    return _with_distortion(_without_doubtful_labels(shots, question, readings), question)
+
+
+def _signs_as_read(named: Named, question: Question) -> bool:
+    """Return whether the signs of labels are not in question."""
+    return LABEL_SIGNS.effect in question.withheld or named.readings.useless
+
+
+def _with_distortion(named: Named, question: Question) -> Named:
+    """Return the causes, beside an error of the cameras over space if shots show one."""
+    if CAMERA.effect in question.withheld:
+        return named
+    found = find_distortion(named.fit, named.explainer)
+    return named if found is None else _distorted(named, found, question)
+
+
+def _distorted(named: Named, found: Distortion, question: Question) -> Named:
+    """Return the causes beside an error of the cameras over space."""
+    settings = question.settings.fit
+    fit, before = (with_field(one, found.field, settings) for one in (named.fit, named.before))
+    near = with_estimates(named.explainer, found.causes)
+    free = tuple(named.explainer.evidence.columns[k] for k in found.causes)
+    start = refit(fit.linear.shots, near, free, settings, start=fit)
+    return Named(*_settled(start, question, ()), before, named.readings, found)
 
 
 def _named(shots: Shots, question: Question, base: RefitResult) -> Named:
@@ -159,7 +168,7 @@ def _useless(fit: RefitResult, question: Question) -> bool:
 
 
 def _resumed(named: Named, shots: Shots, question: Question, readings: LabelReadings) -> Named:
-    """Return the causes of shots whose labels are read anew, starting from earlier causes."""
+    """Return the causes of shots whose labels are read again, starting from earlier causes."""
     shots, settings = readings.corrected(shots), question.settings.fit
     before = refit(shots, question.simulator, (), settings)
     causes = _hypotheses(named.explainer, named.explanation)

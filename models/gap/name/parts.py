@@ -41,7 +41,7 @@ def _of_sensor(named: Named) -> Iterator[Part]:
     """Yield the cameras' error over space, and the labels that are read with the wrong sign."""
     linear = named.fit.linear
     no_places, no_labels = np.zeros(linear.positions.shape[:3]), np.zeros(linear.labels.shape[:3])
-    if named.distorted:
+    if named.distortion is not None:
         errors = linear.positions[..., linear.of_shared] @ named.fit.camera_errors
         yield Part(CAMERA.identity, "sensor", errors, no_labels)
     if named.readings.significant:

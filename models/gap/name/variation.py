@@ -3,8 +3,9 @@
 With the causes in the simulator, each shot has an efficient score about a parameter, and its
 information. A drift makes the scores grow along the session: a score test of the slope. Differences
 from shot to shot make them spread more than their information says: a likelihood ratio of a
-variance, as for shared errors (fit/shared_errors.py). A variation is no constant that a simulator
-could have, so nothing is amended.
+variance, as for shared errors (fit/shared_errors.py). Only parameters of the flight are tested for
+differences: those of a contact are its scatter, which the noise has. A variation is no constant
+that a simulator could have, so nothing is amended.
 """
 
 from collections.abc import Iterator
@@ -15,56 +16,64 @@ import numpy as np
 from scipy.stats import chi2, norm
 
 from models.ball.types import Floats
-from models.gap.fit.shared_errors import DistortionLikelihood
+from models.gap.fit.projection import eliminate_nuisance
+from models.gap.fit.shared_errors import VarianceLikelihood
 from models.gap.hypotheses import Hypothesis
-from models.gap.inference.score_test import ScoreTest
 from models.gap.name.naming import Named
+from models.gap.name.parts import phase_of
 from models.gap.settings import GapSettings
 from models.gap.verdict import Variation
 
 
 def variations(named: Named) -> tuple[Variation, ...]:
-    """Return the surest drift and the surest difference from shot to shot, if significant."""
+    """Return the surest drift, or without one the surest difference from shot to shot."""
     evidence, settings = named.explainer.evidence, named.explainer.evidence.settings
-    causes = named.explanation.causes
-    given = sorted({*evidence.free, *causes})
+    given = sorted({*evidence.free, *named.explanation.causes})
+    scores, information = _of_shots(named)
     tests = [
-        _Trend(
-            evidence.columns[k], evidence.score_test([k], given), bool(evidence.listed[k]), settings
-        )
+        _Trend(evidence.columns[k], scores[:, j], information[:, j], listed, settings)
         for k in evidence.decidable(given, settings.name.min_sample_size)
+        for j in [named.fit.linear.columns.index(evidence.columns[k])]
+        for listed in [bool(evidence.listed[k])]
     ]
-    found = [*_surest(tests, "drift", settings), *_surest(tests, "between_shots", settings)]
-    return tuple(found)
+    in_flight = [one for one in tests if phase_of(one.hypothesis) == "flight"]
+    drifts = tuple(_surest(tests, "drift", settings))
+    return drifts or tuple(_surest(in_flight, "between_shots", settings))
+
+
+def _of_shots(named: Named) -> tuple[Floats, Floats]:
+    """Return (B, K) scores of the shots and information, all other parameters as estimated."""
+    linear = named.fit.linear
+    system = eliminate_nuisance(named.fit.noise_estimate.gram_matrices, linear.nuisance_count)
+    count, errors = len(linear.columns), named.fit.camera_errors
+    scores = system.scores[:, :count] - system.information[:, :count, count:] @ errors
+    return scores, np.einsum("bkk->bk", system.information)[:, :count]
 
 
 @dataclass(frozen=True, eq=False)
 class _Trend:
-    """How the scores of shots about one parameter vary.
+    """How the scores of B shots about one parameter vary.
 
     Attributes:
         hypothesis: the parameter.
-        test: of the parameter, given all others that are free.
+        raw_scores: (B,) about the value that it has.
+        information: (B,) of the shots.
         listed: whether the simulator has it.
         settings: of the workflow.
     """
 
     hypothesis: Hypothesis
-    test: ScoreTest
+    raw_scores: Floats
+    information: Floats
     listed: bool
     settings: GapSettings
 
     @property
-    def information(self) -> Floats:
-        """(B,) of the shots."""
-        information: Floats = np.maximum(self.test.shares[self.test.shots, 0, 0], 0.0)
-        return information
-
-    @property
     def scores(self) -> Floats:
         """(B,) of the shots, about the value that all of them together have."""
-        scores: Floats = self.test.scores[self.test.shots, 0]
-        return scores - self.information * float(self.test.estimate[0])
+        estimate = self.raw_scores.sum() / self.information.sum()
+        scores: Floats = self.raw_scores - self.information * estimate
+        return scores
 
     @property
     def identity(self) -> str:
@@ -114,7 +123,7 @@ class _Trend:
         return size, error, float(2 * norm.sf(abs(size) / error))
 
     @cached_property
-    def _between(self) -> DistortionLikelihood:
+    def _between(self) -> VarianceLikelihood:
         return self._likelihood(self.scores)
 
     @cached_property
@@ -125,9 +134,9 @@ class _Trend:
         gain = self._likelihood(np.clip(self.scores, -most, most)).gain
         return 0.5 * float(chi2.sf(gain, 1)) if gain > 0.0 else 1.0
 
-    def _likelihood(self, scores: Floats) -> DistortionLikelihood:
+    def _likelihood(self, scores: Floats) -> VarianceLikelihood:
         reach = float(np.ptp(self.hypothesis.declaration.bounds))
-        return DistortionLikelihood(self.information, scores, (1e-6 * reach, reach))
+        return VarianceLikelihood(self.information, scores, (1e-6 * reach, reach))
 
 
 def _surest(trends: list[_Trend], kind: str, settings: GapSettings) -> Iterator[Variation]:

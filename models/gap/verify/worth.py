@@ -67,7 +67,7 @@ def _tests(named: Named, verification: RefitResult, question: Question) -> dict[
 
 
 def _in_predictions(named: Named, held: HeldOut, identities: dict[int, str]) -> dict[str, Worth]:
-    seen = held.corrected if named.distorted else held.shots
+    seen = held.corrected if named.distortion else held.shots
     spin = named.spins[1]
     whole = held.squares(named.simulator, spin, seen)
     reached = np.isfinite(whole).sum(axis=0) >= held.settings.verify.min_shots
@@ -80,7 +80,7 @@ def _in_predictions(named: Named, held: HeldOut, identities: dict[int, str]) -> 
         )
         for k, identity in identities.items()
     }
-    if named.distorted:
+    if named.distortion is not None:
         without[CAMERA.identity] = held.squares(named.simulator, spin, held.shots)
     return {
         identity: _worth(np.stack([whole, squares])[..., reached], held)

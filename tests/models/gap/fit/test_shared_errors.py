@@ -9,19 +9,22 @@ from models.ball.camera_field import covariance
 from models.gap.fit.camera_field import CameraField
 from models.gap.fit.projection import ReducedSystem
 from models.gap.fit.refit import refit
-from models.gap.fit.shared_errors import DistortionLikelihood, SharedErrors
+from models.gap.fit.shared_errors import SharedErrors, VarianceLikelihood
 from models.gap.name.distortion import find_distortion
+from models.gap.name.selection import Explainer, evidence_about
 from models.gap.settings import Question
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
+FIELD = SETTINGS.fit.camera_field
 SIZE = 0.3  # standard deviation of the coefficients
-RANDOM = np.random.default_rng(0)
 
 
 def systems(hypotheses, coefficients, shots=6):
     """Rows of shots, and the information and scores that they give in unit noise."""
-    rows = RANDOM.standard_normal((shots, 12, hypotheses + coefficients))
-    residuals = RANDOM.standard_normal((shots, 12))
+    random = np.random.default_rng(0)
+    rows = random.standard_normal((shots, 12, hypotheses + coefficients))
+    values = SIZE * random.standard_normal(hypotheses + coefficients)
+    residuals = rows @ values + random.standard_normal((shots, 12))
     information = np.swapaxes(rows, 1, 2) @ rows
     scores = np.einsum("bik,bi->bk", rows, residuals)
     system = ReducedSystem(information, scores, (residuals**2).sum(axis=1), np.zeros(shots))
@@ -30,7 +33,7 @@ def systems(hypotheses, coefficients, shots=6):
 
 def test_hypotheses_have_the_information_of_the_dense_covariance():
     rows, residuals, system = systems(3, 4)
-    shared = SharedErrors.of(system, 3, SIZE)
+    shared = replace(SharedErrors.of(system, 3), precision=SIZE**-2.0)
     dense = np.eye(len(rows)) + SIZE**2 * rows[:, 3:] @ rows[:, 3:].T
     information, scores = shared.marginal
     assert information == pytest.approx(rows[:, :3].T @ np.linalg.solve(dense, rows[:, :3]))
@@ -41,16 +44,25 @@ def test_hypotheses_have_the_information_of_the_dense_covariance():
 
 def test_parts_of_shots_and_prior_sum_to_the_whole():
     _, _, system = systems(3, 4)
-    shared = SharedErrors.of(system, 3, SIZE)
+    shared = replace(SharedErrors.of(system, 3), precision=SIZE**-2.0)
     scores, information = shared.parts(system)
     assert len(scores) == 7
     assert information.sum(axis=0) == pytest.approx(shared.marginal[0])
     assert scores.sum(axis=0) == pytest.approx(shared.marginal[1])
 
 
+def test_hypotheses_that_are_left_out_keep_their_values():
+    rows, residuals, system = systems(3, 4)
+    change, kept = np.array([0.3, -0.2, 0.1]), [0, 2]
+    some = SharedErrors.of(system, 3).from_departures(change).about(kept)
+    before = residuals + rows[:, :3] @ change
+    assert some.scores == pytest.approx(rows[:, [0, 2, 3, 4, 5, 6]].T @ before)
+    assert some.alone[0] == pytest.approx(rows[:, kept].T @ rows[:, kept])
+
+
 def test_the_restricted_likelihood_is_that_of_dense_matrices():
     rows, residuals, system = systems(2, 5)
-    likelihood = DistortionLikelihood.of(SharedErrors.of(system, 2, SIZE), (1e-4, 10.0))
+    likelihood = VarianceLikelihood.of(SharedErrors.of(system, 2), (1e-4, 10.0))
 
     def dense(size):
         covariances = np.eye(len(rows)) + size**2 * rows[:, 2:] @ rows[:, 2:].T
@@ -81,29 +93,47 @@ def field(size, seed=3, length=0.8):
 
 def test_functions_have_the_covariance_of_the_field():
     shots = measured(count=10)
-    functions = CameraField.over(shots, SETTINGS.fit.camera_field).functions(
-        shots.positions[:, ::9]
-    )
+    functions = CameraField.over(shots, FIELD, 0.004).functions(shots.positions[:, ::9])
     places, flat = shots.positions[:, ::9].reshape(-1, 3), functions.reshape(-1, functions.shape[2])
-    expected = covariance(places, places, SETTINGS.fit.camera_field.length)
-    assert np.quantile(np.abs(flat @ flat.T - expected), 0.99) < 0.03
+    expected = 0.004**2 * covariance(places, places, FIELD.length)
+    assert np.quantile(np.abs(flat @ flat.T - expected), 0.99) < 0.03 * 0.004**2
+
+
+def distortion(shots, simulator=NOMINAL):
+    """The fit of shots about a simulator, and the cameras' error over space that is found."""
+    fit = refit(shots, simulator, (), SETTINGS.fit)
+    evidence = evidence_about(fit, Question(simulator))
+    return fit, find_distortion(fit, Explainer(evidence, simulator))
 
 
 def test_a_field_of_the_cameras_is_found_and_corrected():
     shots, errors = measured(count=40), field(0.003)
     distorted = replace(shots, positions=shots.positions + errors(shots.positions))
-    fit = refit(distorted, NOMINAL, (), SETTINGS.fit)
-    found = find_distortion(fit, Question(NOMINAL))
-    with_field = refit(found.on(distorted, fit.fitted_places), NOMINAL, (), SETTINGS.fit)
-    noise = with_field.noise_estimate.noise
-    assert noise.distortion == pytest.approx(0.003, rel=0.4)
+    fit, found = distortion(distorted)
+    assert found.field.size == pytest.approx(0.003, rel=0.4)
+    assert found.causes == ()
+    with_errors = refit(found.field.on(distorted, fit.fitted_places), NOMINAL, (), SETTINGS.fit)
+    noise = with_errors.noise_estimate.noise
     assert noise.white == pytest.approx(0.003, rel=0.03)
     assert noise.slow < 0.0006
     inside = shots.valid & (np.abs(shots.positions[..., 1:2]) < 1.3).all(axis=2)
-    left = (with_field.corrected_shots.positions - shots.positions)[inside]
+    left = (with_errors.corrected_shots.positions - shots.positions)[inside]
     assert left.std() < 0.6 * errors(shots.positions)[inside].std()
+    low, high = found.size(with_errors).interval(0.95)
+    assert found.field.size * low < 0.003 < found.field.size * high
+
+
+def test_a_field_beside_a_cause_takes_no_place_of_it():
+    shots, errors = measured(NOMINAL.amended("drag", cd=0.55), count=40), field(0.003)
+    distorted = replace(shots, positions=shots.positions + errors(shots.positions))
+    fit, found = distortion(distorted)
+    assert [fit.linear.columns[k].identity for k in found.causes] == ["drag.cd"]
 
 
 def test_no_field_is_found_where_there_is_none():
-    fits = (refit(measured(count=30, seed=seed), NOMINAL, (), SETTINGS.fit) for seed in range(3))
-    assert [find_distortion(fit, Question(NOMINAL)) for fit in fits] == [None] * 3
+    assert [distortion(measured(count=30, seed=seed))[1] for seed in range(3)] == [None] * 3
+
+
+def test_a_tilted_frame_passes_for_no_field():
+    tilted = measured(NOMINAL.amended("frame_tilt", y=0.01), count=30)
+    assert distortion(tilted)[1] is None
