@@ -244,7 +244,7 @@ def known_answers(
     sets: Annotated[
         list[str], typer.Option(help="a folder and its adapter; repeat it for several")
     ] = MEASURED_SETS,
-    folds: Annotated[int, typer.Option(min=2, help="of the cross-validation")] = 3,
+    folds: Annotated[int, typer.Option(min=2, help="of the cross-validation")] = 2,
 ) -> None:
     """Plant known errors on measured sets and score the verdicts; hours, resumes if killed."""
     from pipeline.known_answers.run import REPORT, TABLE, run_known_answers

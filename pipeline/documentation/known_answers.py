@@ -31,7 +31,8 @@ Brackets: 95 % intervals (Wilson).
 
 *New cause*: the verdict without the planted error does not have it, or has it with another value.
 A new cause that these shots cannot separate from the planted error counts as the planted error.
-How often the planted error is the leading cause, by size:
+How often the planted error is the leading cause, by its size in minimum detectable effects of the
+fold:
 
 {errors}
 
@@ -72,16 +73,13 @@ def _errors_table(root: Path) -> str:
     table = read_report(root, f"{REPORT.name}/{TABLE}", "leading.notna()")
     rows = []
     for (place, planted), some in table.groupby(["place", "planted"], sort=False):
-        by_size = {size: rows["leading"].astype(bool) for size, rows in some.groupby("size")}
-        cells = [_count(by_size[size]) for size in SIZES]
-        values = some.drop_duplicates("size")["value"]
-        sizes = ", ".join(f"{value:g}" for value in values)
-        rows.append([f"`{planted}`", place, sizes, *cells])
-    return markdown_table(["planted", "in", "sizes", *SIZES], rows)
+        cells = [_count(some.loc[some["size"] == size, "leading"].astype(bool)) for size in SIZES]
+        rows.append([f"`{planted}`", place, *cells])
+    return markdown_table(["planted", "in", *SIZES], rows)
 
 
 def _count(found: Any) -> str:
-    return f"{found.sum()} of {len(found)}"
+    return f"{found.sum()} of {len(found)}" if len(found) else NONE
 
 
 def _share(count: int, of: int) -> str:

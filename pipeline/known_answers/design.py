@@ -1,6 +1,6 @@
 """The design: which errors are planted, in which sizes, and which shots are diagnosed."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 from zlib import crc32
@@ -12,33 +12,30 @@ from models.gap.fit.shots import Shots
 from pipeline.runtime.errors import InputError
 
 Place = Literal["simulator", "recordings"]
-Values = dict[str, tuple[float, float, float]]  # of the sizes, by identity
 
-SIZES = ("small", "medium", "large")
-DISTORTION = "camera_distortion"  # of positions; no effect of the catalogue describes it
+DISTORTION = "camera_distortion"  # of positions, a random field
+# Sizes of errors in minimum detectable effects of the diagnosed shots, and of distortions in m.
+SIZES = {"2x": 2.0, "4x": 4.0, "8x": 8.0}
+DISTORTION_SIZES = {"2 mm": 0.002, "4 mm": 0.004, "8 mm": 0.008}
 
-# The sizes are fixed, of the order of the minimum detectable effects in a third of a measured set.
-# What is added to a value of the simulator, in the parameter's unit.
-IN_SIMULATOR: Values = {
-    "drag.cd": (0.05, 0.1, 0.2),
-    "magnus.cm": (0.1, 0.2, 0.4),
-    "gravity.g": (0.25, 0.5, 1.0),
-    "table_bounce.restitution": (0.025, 0.05, 0.1),
-    "table_bounce.friction": (0.05, 0.1, 0.2),
-    "wind.x": (0.5, 1.0, 2.0),
-    "wind.y": (0.5, 1.0, 2.0),
-    "frame_tilt.x": (0.015, 0.03, 0.06),
+# Parameters of planted errors, each with the largest error that is still plausible, in its unit.
+IN_SIMULATOR = {
+    "drag.cd": 0.4,
+    "magnus.cm": 0.5,
+    "gravity.g": 4.0,
+    "table_bounce.restitution": 0.25,
+    "table_bounce.friction": 0.25,
+    "wind.x": 5.0,
+    "wind.y": 5.0,
+    "frame_tilt.x": 0.15,
 }
-# How recordings are changed: by the parameter that describes it, in its unit; distortion in m.
-IN_RECORDINGS: Values = {
-    "position_scale.s": (0.02, 0.04, 0.08),
-    "frame_tilt.y": (0.015, 0.03, 0.06),
-    "clock_rate.d": (0.02, 0.04, 0.08),
-    DISTORTION: (0.002, 0.004, 0.008),
-}
-IN_LABELS: Values = {
-    "spin_axis_bias.x": (0.1, 0.2, 0.4),
-    "spin_gain.s": (0.1, 0.2, 0.4),
+# How recordings are changed: by the parameter that describes it.
+IN_RECORDINGS = {
+    "position_scale.s": 0.1,
+    "frame_tilt.y": 0.1,
+    "clock_rate.d": 0.15,
+    "spin_axis_bias.x": 0.6,
+    "spin_gain.s": 0.45,
 }
 
 
@@ -49,7 +46,7 @@ class PlantedError:
     Attributes:
         place: where.
         identity: of the parameter that describes it, or ``DISTORTION``.
-        size: its name among ``SIZES``.
+        size: its name among ``SIZES`` or ``DISTORTION_SIZES``.
         value: how large it is, in the parameter's unit; distortion in m.
     """
 
@@ -86,26 +83,34 @@ class Question:
         return crc32(f"{self.set}/{self.fold}".encode())
 
 
-def questions(set_name: str, shots: Shots, count: int) -> list[Question]:
-    """Return all questions about a set in ``count`` folds, the unplanted one of each fold first.
+def questions(set_name: str, fold: int, limits: Mapping[str, float]) -> list[Question]:
+    """Return all questions about a fold of a set but the unplanted one.
 
-    Errors of spin labels are planted only where there are labels.
+    Args:
+        set_name: of the measured set.
+        fold: which part of its recordings is diagnosed.
+        limits: the minimum detectable effects of the fold, by identity.
     """
-    errors = list(planted_errors(labelled=bool(shots.labelled.any())))
-    return [Question(set_name, fold, error) for fold in range(count) for error in (None, *errors)]
+    return [Question(set_name, fold, error) for error in planted_errors(limits)]
 
 
-def planted_errors(labelled: bool) -> Iterator[PlantedError]:
-    """Yield the planted errors, with or without those of spin labels."""
-    in_recordings = IN_RECORDINGS | (IN_LABELS if labelled else {})
-    places: dict[Place, Values] = {
+def planted_errors(limits: Mapping[str, float]) -> Iterator[PlantedError]:
+    """Yield the errors that shots with these minimum detectable effects could show.
+
+    Errors of what the shots do not identify, and implausibly large ones, are not planted.
+    """
+    places: dict[Place, dict[str, float]] = {
         "simulator": IN_SIMULATOR,
-        "recordings": in_recordings,
+        "recordings": IN_RECORDINGS,
     }
-    for place, errors in places.items():
-        for identity, values in errors.items():
-            for size, value in zip(SIZES, values, strict=True):
-                yield PlantedError(place, identity, size, value)
+    for place, largest in places.items():
+        for identity, most in largest.items():
+            for size, times in SIZES.items():
+                value = times * limits.get(identity, np.inf)
+                if value <= most:
+                    yield PlantedError(place, identity, size, value)
+    for size, value in DISTORTION_SIZES.items():
+        yield PlantedError("recordings", DISTORTION, size, value)
 
 
 def fold_numbers(set_name: str, shots: Shots, count: int) -> NDArray[np.int64]:

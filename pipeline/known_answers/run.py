@@ -13,11 +13,12 @@ from models.ball.simulator import Simulator
 from models.gap.amend.simulator import amended
 from models.gap.fit.shots import Shots
 from models.gap.settings import DEFAULTS
+from models.gap.verdict import Verdict
 from pipeline.gap.measured_shots import read_shots
 from pipeline.io.artifacts import write_csv, write_json
 from pipeline.io.simulators import load_simulator
 from pipeline.known_answers.answers import Diagnosis, fingerprint, verdicts
-from pipeline.known_answers.design import fold_numbers, questions
+from pipeline.known_answers.design import Question, fold_numbers, questions
 from pipeline.known_answers.scores import Answer, set_scores
 from pipeline.known_answers.tables import answer_table
 from pipeline.runtime.errors import InputError
@@ -90,9 +91,33 @@ def _read(root: Path, folder: Path, name: str, folds: int) -> MeasuredSet:
 def _ask(sets: Sequence[MeasuredSet], scratch: Path) -> list[Answer]:
     """Return the answers to all questions, in the order of sets and questions."""
     bases = _base_simulators(sets, scratch)
+    folds = [(one, Question(one.name, fold)) for one in sets for fold in range(one.folds)]
+    unplanted = _verdicts(folds, bases, scratch, "unplanted folds")
     asked = [
-        (one, question) for one in sets for question in questions(one.name, one.shots, one.folds)
+        (one, question)
+        for (one, fold), verdict in zip(folds, unplanted, strict=True)
+        for question in questions(one.name, fold.fold, verdict.minimum_detectable)
     ]
+    planted = _verdicts(asked, bases, scratch, "questions")
+    of_fold = {fold: verdict for (_, fold), verdict in zip(folds, unplanted, strict=True)}
+    return [
+        Answer(
+            question,
+            verdict,
+            of_fold[Question(question.set, question.fold)],
+            bases[question.set, question.fold],
+        )
+        for (_, question), verdict in zip([*folds, *asked], [*unplanted, *planted], strict=True)
+    ]
+
+
+def _verdicts(
+    asked: Sequence[tuple[MeasuredSet, Question]],
+    bases: dict[tuple[str, int], Simulator],
+    scratch: Path,
+    description: str,
+) -> list[Verdict]:
+    """Return the verdicts on questions about sets."""
     diagnoses = [
         Diagnosis(
             file=_folder(scratch, one) / f"{question.name}.json",
@@ -103,16 +128,7 @@ def _ask(sets: Sequence[MeasuredSet], scratch: Path) -> list[Answer]:
         )
         for one, question in asked
     ]
-    found = verdicts(diagnoses, "questions")
-    unplanted = {
-        (question.set, question.fold): verdict
-        for (_, question), verdict in zip(asked, found, strict=True)
-        if question.error is None
-    }
-    return [
-        Answer(question, verdict, unplanted[question.set, question.fold], diagnosis.simulator)
-        for (_, question), verdict, diagnosis in zip(asked, found, diagnoses, strict=True)
-    ]
+    return verdicts(diagnoses, description)
 
 
 def _base_simulators(

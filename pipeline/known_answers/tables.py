@@ -11,7 +11,7 @@ from pipeline.gap.wording import interval_text, number
 from pipeline.known_answers.scores import Answer
 
 COLUMNS = [
-    *("set", "fold", "place", "planted", "size", "value", "detection_limits"),
+    *("set", "fold", "place", "planted", "size", "value"),
     *("true", "verdict", "causes", "leading", "by_name", "exact", "covered", "false"),
     *("before_mm", "after_mm", "floor_mm"),
 ]
@@ -20,10 +20,9 @@ COLUMNS = [
 def answer_table(answers: Sequence[Answer]) -> pd.DataFrame:
     """Return one row a question.
 
-    ``value`` is what was planted, also in minimum detectable effects of the unplanted verdict,
-    ``true`` what a correct verdict finds, ``causes`` the main causes, each with the parameters
-    that the shots cannot separate from it. Scores are empty where a question has none. Errors
-    are means over the horizons.
+    ``value`` is what was planted, in the parameter's unit or m, ``true`` what a correct verdict
+    finds, ``causes`` the main causes, each with the parameters that the shots cannot separate from
+    it. Scores are empty where a question has none. Errors are means over the horizons.
     """
     return pd.DataFrame([_row(one) for one in answers], columns=COLUMNS)
 
@@ -45,14 +44,12 @@ def _planted(answer: Answer) -> dict[str, Any]:
     error = answer.question.error
     if error is None:
         return {"planted": "none"}
-    limit = answer.unplanted.minimum_detectable.get(error.identity)
     truth = (f"{identity} {number(value)}" for identity, value in answer.truth.items())
     return {
         "place": error.place,
         "planted": error.identity,
         "size": error.size,
         "value": error.value,
-        "detection_limits": error.value / limit if limit else None,
         "true": "; ".join(truth),
     }
 

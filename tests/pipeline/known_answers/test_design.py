@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.known_answers.design import fold_numbers, planted_errors, questions
+from pipeline.known_answers.design import DISTORTION, fold_numbers, planted_errors, questions
 from pipeline.runtime.errors import InputError
 from tests.pipeline.known_answers.made_up import shots
 
@@ -20,20 +20,17 @@ def test_too_few_recordings_are_refused():
         fold_numbers("lab", shots(recordings=2), 3)
 
 
-def test_every_fold_has_an_unplanted_question_and_every_error_in_rising_sizes():
-    asked = questions("lab", shots(), 3)
-    names = [one.name for one in asked]
-    assert len(set(names)) == len(names) == 3 * (1 + 14 * 3)
-    assert sum(one.error is None for one in asked) == 3
+def test_errors_have_rising_sizes_in_minimum_detectable_effects():
+    limits = {"drag.cd": 0.02, "gravity.g": 0.1}
+    names = [one.name for one in questions("lab", 0, limits)]
+    assert len(set(names)) == len(names) == 3 * 3
     sizes = {}
-    for error in planted_errors(labelled=True):
+    for error in planted_errors(limits):
         sizes.setdefault((error.place, error.identity), []).append(error.value)
+    assert sizes["simulator", "gravity.g"] == pytest.approx([0.2, 0.4, 0.8])
     assert all(values == sorted(set(values)) and len(values) == 3 for values in sizes.values())
 
 
-def test_errors_of_labels_are_planted_only_where_there_are_labels():
-    without = {
-        one.error.identity for one in questions("lab", shots(labelled=False), 2) if one.error
-    }
-    within = {one.error.identity for one in questions("lab", shots(), 2) if one.error}
-    assert within - without == {"spin_axis_bias.x", "spin_gain.s"}
+def test_no_error_is_planted_that_the_shots_cannot_show_or_that_is_implausible():
+    planted = [(one.identity, one.size) for one in planted_errors({"wind.x": 1.0})]
+    assert [one for one in planted if one[0] != DISTORTION] == [("wind.x", "2x"), ("wind.x", "4x")]

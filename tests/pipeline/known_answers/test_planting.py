@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from models.ball.sensor import clock_times, measured_positions, measured_spins
 from models.ball.simulators import shipped
 from models.gap.hypotheses import Hypothesis
-from pipeline.known_answers.design import DISTORTION, PlantedError, planted_errors
+from pipeline.known_answers.design import DISTORTION, IN_SIMULATOR, PlantedError, planted_errors
 from pipeline.known_answers.planting import plant, true_values
 from tests.pipeline.known_answers.made_up import shots
 
@@ -82,7 +82,7 @@ def _at(some, places):
 
 
 def test_an_error_in_the_simulator_changes_one_number_within_its_range():
-    for error in planted_errors(labelled=False):
+    for error in planted_errors(dict.fromkeys(IN_SIMULATOR, 0.02)):
         if error.place == "simulator":
             spoiled, same = plant(error, BASE, shots(), seed=1)
             assert np.array_equal(same.positions, shots().positions)
