@@ -2,14 +2,11 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-
-import numpy as np
 
 from models.ball.simulator import Simulator
-from models.gap.fit.refit import RefitResult, fit_nuisance
 from models.gap.fit.shots import Shots, held_out
 from models.gap.locate.attribution import locate
+from models.gap.location import Located
 from models.gap.name.causes import (
     camera_cause,
     camera_nodes,
@@ -19,8 +16,8 @@ from models.gap.name.causes import (
     label_signs_cause,
 )
 from models.gap.name.distortion import CAMERA
-from models.gap.name.label_readings import all_as_read, read_labels, without_labels
-from models.gap.name.naming import Named, name, without_cause
+from models.gap.name.label_readings import all_as_read
+from models.gap.name.naming import Named, name
 from models.gap.name.parts import UNEXPLAINED, parts
 from models.gap.name.selection import evidence_about
 from models.gap.name.unexplained import UnexplainedStructure, find_unexplained
@@ -30,19 +27,14 @@ from models.gap.types import PHASES
 from models.gap.verdict import (
     Answer,
     Cause,
-    Check,
     DetectionLimits,
-    Gap,
     PhaseShares,
     Unexplained,
     Verdict,
     Worth,
 )
-from models.gap.verify.checks import checks
 from models.gap.verify.limitations import limitations, of_labels
-from models.gap.verify.prediction_error import Errors, HeldOut, gap
-from models.gap.verify.roles import Judgement
-from models.gap.verify.worth import Worths
+from models.gap.verify.verified import Verified
 
 # Share of the work that is done when causes are named, the gap is located, and roles are found.
 NAMED, LOCATED = 0.65, 0.8
@@ -83,92 +75,88 @@ def diagnose(
         lambda evidence: on_limits(detection_limits(evidence, labels, question)),
     )
     progress(NAMED)
-    whole = _Verified.of(named, shots[held], question)
+    whole = Verified.of(named, shots[held], question)
     structure = find_unexplained(named.fit, question)
     significant = structure.p_value <= settings.level and structure.confirmed(whole.verification)
     located = locate(named.fit, question, parts(named, structure if significant else None))
-    shares = located.gap_shares if located else {}
     progress(LOCATED)
-    structure_share = shares.get(UNEXPLAINED, 1.0) if significant else 0.0
-    fits = whole.fits and structure_share <= settings.verify.max_unexplained
-    main, worths, minor = _reduced(whole, fits, shares)
-    limits = detection_limits(evidence_about(named.before, question), named.readings, question)
-    varying = variations(main.named)
-    found = (*_main_causes(main.named, worths, shares), *minor)
-    verdict = Verdict(
-        verdict=_answer(found, main, structure_share, bool(varying)),
-        causes=found,
-        variations=varying,
-        unexplained=_unexplained(structure, significant, shares),
-        phases=PhaseShares(**(located.phase_shares if located else dict.fromkeys(PHASES, 0.0))),
-        gap=main.gap,
-        checks=main.checks,
-        camera=camera_nodes(main.named),
-        minimum_detectable=limits.minimum_detectable,
-        not_identifiable=limits.not_identifiable,
-        limitations=(
-            *of_labels(named.readings),
-            *limitations(shots, found, limits, named.settled, settings),
-        ),
-        located=located,
-    )
+    verdict = _Findings(whole, structure, significant, located).verdict(shots)
     progress(1.0)
     return verdict
 
 
 @dataclass(frozen=True)
-class _Verified:
-    """Causes, and what held-out shots say of them."""
+class _Findings:
+    """What a verdict is made of.
 
-    named: Named
-    measured: Shots
-    question: Question
-    verification: RefitResult
-    held: HeldOut | None
-    errors: Errors | None
+    Attributes:
+        whole: all causes.
+        structure: that no effect of the catalogue explains.
+        significant: whether there is such structure.
+        located: where the gap arises; None without any gap.
+    """
 
-    @classmethod
-    def of(cls, named: Named, shots: Shots, question: Question) -> "_Verified":
-        """Return the causes verified on held-out shots, as they were measured."""
-        settings, noise = question.settings, named.fit.noise_estimate.noise
-        verification = _fit_held_out(shots, named, settings)
-        held = HeldOut.of(verification, shots, noise, settings)
-        if not len(held.shots):
-            return cls(named, shots, question, verification, None, None)
-        seen = held.corrected if named.distortion else held.shots
-        errors = held.errors((question.simulator, named.simulator), named.spins, seen)
-        return cls(named, shots, question, verification, held, errors)
+    whole: Verified
+    structure: UnexplainedStructure
+    significant: bool
+    located: Located | None
 
-    @cached_property
-    def gap(self) -> Gap | None:
-        """Prediction errors; None where held-out shots are too short."""
-        return gap(self.errors, self.question.settings) if self.errors else None
+    def verdict(self, shots: Shots) -> Verdict:
+        """Return the verdict on the shots, held-out ones included."""
+        named, question = self.whole.named, self.whole.question
+        main, worths, minor = _reduced(self.whole, self.fits, self.shares)
+        limits = detection_limits(evidence_about(named.before, question), named.readings, question)
+        varying = variations(main.named)
+        found = (*_main_causes(main.named, worths, self.shares), *minor)
+        phases = self.located.phase_shares if self.located else dict.fromkeys(PHASES, 0.0)
+        return Verdict(
+            verdict=_answer(found, main, self.structure_share, bool(varying)),
+            causes=found,
+            variations=varying,
+            unexplained=self.unexplained,
+            phases=PhaseShares(**phases),
+            gap=main.gap,
+            checks=main.checks,
+            camera=camera_nodes(main.named),
+            minimum_detectable=limits.minimum_detectable,
+            not_identifiable=limits.not_identifiable,
+            limitations=(
+                *of_labels(named.readings),
+                *limitations(shots, found, limits, named.settled, question.settings),
+            ),
+            located=self.located,
+        )
 
-    @cached_property
-    def checks(self) -> tuple[Check, ...]:
-        """Whether the model fits held-out shots."""
-        return checks(self.verification, self.errors, self.question.settings)
+    @property
+    def shares(self) -> dict[str, float]:
+        """Of causes and structure in the gap, by identity."""
+        return self.located.gap_shares if self.located else {}
+
+    @property
+    def structure_share(self) -> float:
+        """Of significant structure in the gap."""
+        return self.shares.get(UNEXPLAINED, 1.0) if self.significant else 0.0
 
     @property
     def fits(self) -> bool:
-        """Whether all checks pass."""
-        return all(check.passed for check in self.checks)
+        """Whether the model with all causes fits the shots."""
+        most = self.whole.question.settings.verify.max_unexplained
+        return self.whole.fits and self.structure_share <= most
 
-    def without(self, k: int) -> "_Verified":
-        """Return the causes but one, refitted."""
-        named = without_cause(self.named, k, self.question)
-        return _Verified.of(named, self.measured, self.question)
-
-    def judgement(self, fits: bool) -> Judgement:
-        """Return what decides about the roles of the causes."""
-        worths = Worths.of(self.named, self.verification, self.held, self.question)
-        before = float(np.mean(self.gap.before_mm)) if self.gap else 0.0
-        return Judgement(self.named, worths, fits, before)
+    @property
+    def unexplained(self) -> Unexplained:
+        """The part of the verdict about structure that no cause explains."""
+        return Unexplained(
+            share=self.shares.get(UNEXPLAINED, 0.0),
+            p_value=self.structure.p_value,
+            phase=self.structure.phase if self.significant else None,
+            formula=self.structure.candidate_formula if self.significant else None,
+        )
 
 
 def _reduced(
-    whole: _Verified, fits: bool, shares: dict[str, float]
-) -> tuple[_Verified, dict[str, Worth], list[Cause]]:
+    whole: Verified, fits: bool, shares: dict[str, float]
+) -> tuple[Verified, dict[str, Worth], list[Cause]]:
     """Return the main causes with what they are worth, and the minor ones.
 
     ``fits`` says whether the model with all of them fits the shots.
@@ -199,7 +187,7 @@ def _main_causes(named: Named, worths: dict[str, Worth], shares: dict[str, float
 
 
 def _answer(
-    found: Sequence[Cause], main: _Verified, unexplained_share: float, varying: bool
+    found: Sequence[Cause], main: Verified, unexplained_share: float, varying: bool
 ) -> Answer:
     """Return the verdict in one word; the share is that of significant structure."""
     if unexplained_share > main.question.settings.verify.max_unexplained:
@@ -209,32 +197,3 @@ def _answer(
         return "unknown" if varying or unexplained_share > 0.0 or not main.fits else "no_gap"
     certain = main.named.settled and not any(one.ambiguous for one in causes)
     return "named" if certain else "ambiguous"
-
-
-def _unexplained(
-    structure: UnexplainedStructure, significant: bool, shares: dict[str, float]
-) -> Unexplained:
-    """Return the part of a verdict about structure that no cause explains."""
-    return Unexplained(
-        share=shares.get(UNEXPLAINED, 0.0),
-        p_value=structure.p_value,
-        phase=structure.phase if significant else None,
-        formula=structure.candidate_formula if significant else None,
-    )
-
-
-def _fit_held_out(shots: Shots, named: Named, settings: GapSettings) -> RefitResult:
-    """Return held-out shots fitted about the amended simulator, with corrected measurements."""
-    simulator, noise = named.fit.simulator, named.fit.noise_estimate.noise
-    if named.readings.useless:
-        shots = without_labels(shots)
-    if named.distortion is not None:
-        errors, field = named.fit.camera_errors, named.distortion.field
-        shots = field.on(shots, shots.positions).corrected(errors).without_shared()
-    about = fit_nuisance(shots, simulator, noise, settings.fit)
-    if not named.readings.doubtful:
-        return about
-    readings = read_labels(shots, about, settings)
-    # Two flipped labels are no cause, but where there is one, each of them is corrected.
-    usable = readings.negated if named.readings.significant else readings.left_out
-    return fit_nuisance(usable(shots), simulator, noise, settings.fit)

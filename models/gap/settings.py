@@ -199,9 +199,8 @@ class GapSettings:
 
     Attributes:
         level: probability of a false cause in a set without any gap. The penalty of a cause, the
-            tolerance between alternatives, flipped labels, and the tests of causes, lift and
-            unexplained structure follow it. The rejection of causes that predict worse (verdict.py)
-            uses the interval of the errors.
+            tolerance between alternatives, flipped labels, and the tests of causes, lift,
+            camera distortion, variations and unexplained structure follow it.
         confidence: of intervals.
         observed_samples: first samples of a shot that a prediction observes.
         horizon_window: s about a horizon in which errors are averaged.

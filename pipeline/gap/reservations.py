@@ -38,7 +38,7 @@ def reservations(verdict: Verdict) -> Iterator[str]:
 
 
 def predicts_worse(verdict: Verdict) -> bool:
-    """Return whether the amended simulator's predictions are surely worse than the nominal's."""
+    """Return whether amended predictions are significantly worse than nominal ones."""
     reduction = verdict.gap.reduction_mm if verdict.gap else None
     return reduction is not None and reduction[1] < 0.0
 

@@ -97,7 +97,7 @@ class ScoreTest:
         return float(self.held_out_gains.sum())
 
     @property
-    def surely_gains(self) -> bool:
+    def gains_significantly(self) -> bool:
         """Whether the interval of the held-out gain, by its spread over shots, excludes zero."""
         gains = self.held_out_gains
         error = float(np.sqrt(len(gains)) * gains.std())

@@ -1,8 +1,9 @@
 """Roles of causes: which of them matter, and which are minor structure.
 
-A main cause has a plausible value, not one at its bound; the likelihood of the shots surely needs
-it; and predictions are not surely better without it. Where the model does not fit the shots, the
-likelihood is no judge: predictions must surely need the cause, and not by a negligible amount only.
+A main cause has a plausible value, not one at its bound; its held-out gain of likelihood is
+significant; and predictions are not significantly better without it. Where the model does not fit
+the shots, the likelihood is no judge: predictions must be significantly worse without the cause,
+and not by a negligible amount only.
 Minor causes are taken out one at a time, the least worthy first, and the others are refitted.
 """
 
@@ -44,7 +45,7 @@ class Judgement:
         hypothesis = self.named.explainer.evidence.columns[k]
         worth = self.worths.of_causes.get(hypothesis.identity)
         value, _ = estimated(self.named, k)
-        if value in hypothesis.declaration.bounds or not self._is_sure(hypothesis.identity):
+        if value in hypothesis.declaration.bounds or not self._is_needed(hypothesis.identity):
             return True
         if worth is None:
             return False
@@ -53,7 +54,7 @@ class Judgement:
         negligible = worth.interval[1] < settings.min_worth * self._largest
         return harmful or (negligible and not self.fits and default_role(hypothesis) == "leading")
 
-    def _is_sure(self, identity: str) -> bool:
+    def _is_needed(self, identity: str) -> bool:
         worth = self.worths.of_causes.get(identity)
         needed = worth is None or worth.interval[0] > 0.0
         return identity in self.worths.confirmed and (self.fits or needed)

@@ -1,7 +1,7 @@
 """Worth of a cause: how much held-out shots are predicted worse when it alone is taken out.
 
-Predictions are compared shot by shot. How surely a cause is needed also follows from the likelihood
-of all shots, each fold judged by the estimate of the others.
+Predictions are compared shot by shot. Whether a cause is needed also follows from the likelihood of
+all shots, each fold judged by the estimate of the others.
 """
 
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ class Worths:
 
     Attributes:
         of_causes: by identity, in prediction errors; empty where held-out shots are too few.
-        confirmed: identities of causes by which each fold of the shots is more likely, surely.
+        confirmed: identities of causes with a significant held-out gain of likelihood.
     """
 
     of_causes: dict[str, Worth]
@@ -40,7 +40,7 @@ class Worths:
         evidence, places = named.explainer.evidence, named.explanation.causes
         identities = {k: evidence.columns[k].identity for k in places}
         tests = _tests(named, verification, question)
-        confirmed = frozenset(identities[k] for k in places if tests[k].surely_gains)
+        confirmed = frozenset(identities[k] for k in places if tests[k].gains_significantly)
         in_predictions = {} if held is None else _in_predictions(named, held, identities)
         return cls(in_predictions, confirmed)
 

@@ -40,7 +40,7 @@ def doubts_of(
     if len(places) >= FEWEST_BOUNCES and share_on_table(places) < 0.5:
         x, y = np.median(places[:, :2], axis=0)
         yield (
-            f"most bounces are beside the table, typically at x = {x:.2f} m and y = {y:.2f} m: "
+            f"most bounces are outside the table, typically at x = {x:.2f} m and y = {y:.2f} m: "
             "check that the origin is at the table's centre"
         )
     if all(_is_rounded(track.times) for track in tracks):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.gap.diagnose import _Verified, diagnose
+from models.gap.diagnose import diagnose
 from models.gap.fit.refit import refit
 from models.gap.hypotheses import Hypothesis
 from models.gap.name.label_readings import all_as_read
@@ -14,6 +14,7 @@ from models.gap.name.selection import Explainer, best_explanation, evidence_abou
 from models.gap.settings import Question
 from models.gap.verdict import Worth
 from models.gap.verify.roles import Judgement
+from models.gap.verify.verified import Verified
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 QUESTION = Question(NOMINAL, SETTINGS)
@@ -32,7 +33,7 @@ def both():
     explanation = best_explanation(explainer, places, len(places))
     before, labels = refit(shots, NOMINAL, (), SETTINGS.fit), all_as_read(shots, SETTINGS)
     named = Named(fit, explainer, explanation, True, before, labels)
-    return _Verified.of(named, measured(TRUTH, count=16, seed=6), QUESTION)
+    return Verified.of(named, measured(TRUTH, count=16, seed=6), QUESTION)
 
 
 def place(named, hypothesis):

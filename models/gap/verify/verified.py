@@ -1,0 +1,93 @@
+"""Verified causes: what held-out shots say of them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from models.gap.fit.refit import RefitResult, fit_nuisance
+from models.gap.fit.shots import Shots
+from models.gap.name.label_readings import read_labels, without_labels
+from models.gap.name.naming import Named, without_cause
+from models.gap.settings import GapSettings, Question
+from models.gap.verdict import Check, Gap
+from models.gap.verify.checks import checks
+from models.gap.verify.prediction_error import Errors, HeldOut, gap
+from models.gap.verify.roles import Judgement
+from models.gap.verify.worth import Worths
+
+
+@dataclass(frozen=True)
+class Verified:
+    """Causes, and what held-out shots say of them.
+
+    Attributes:
+        named: the causes.
+        measured: the held-out shots.
+        question: that is asked.
+        verification: these shots, fitted about the amended simulator.
+        held: those that are long enough for predictions; None without any.
+        errors: of predictions; None without any.
+    """
+
+    named: Named
+    measured: Shots
+    question: Question
+    verification: RefitResult
+    held: HeldOut | None
+    errors: Errors | None
+
+    @classmethod
+    def of(cls, named: Named, shots: Shots, question: Question) -> "Verified":
+        """Return the causes verified on held-out shots, as they were measured."""
+        settings, noise = question.settings, named.fit.noise_estimate.noise
+        verification = _fit_held_out(shots, named, settings)
+        held = HeldOut.of(verification, shots, noise, settings)
+        if not len(held.shots):
+            return cls(named, shots, question, verification, None, None)
+        seen = held.corrected if named.distortion else held.shots
+        errors = held.errors((question.simulator, named.simulator), named.spins, seen)
+        return cls(named, shots, question, verification, held, errors)
+
+    @cached_property
+    def gap(self) -> Gap | None:
+        """Prediction errors; None where held-out shots are too short."""
+        return gap(self.errors, self.question.settings) if self.errors else None
+
+    @cached_property
+    def checks(self) -> tuple[Check, ...]:
+        """Whether the model fits held-out shots."""
+        return checks(self.verification, self.errors, self.question.settings)
+
+    @property
+    def fits(self) -> bool:
+        """Whether all checks pass."""
+        return all(check.passed for check in self.checks)
+
+    def without(self, k: int) -> "Verified":
+        """Return the causes but one, refitted."""
+        named = without_cause(self.named, k, self.question)
+        return Verified.of(named, self.measured, self.question)
+
+    def judgement(self, fits: bool) -> Judgement:
+        """Return what decides about the roles of the causes."""
+        worths = Worths.of(self.named, self.verification, self.held, self.question)
+        before = float(np.mean(self.gap.before_mm)) if self.gap else 0.0
+        return Judgement(self.named, worths, fits, before)
+
+
+def _fit_held_out(shots: Shots, named: Named, settings: GapSettings) -> RefitResult:
+    """Return held-out shots fitted about the amended simulator, with corrected measurements."""
+    simulator, noise = named.fit.simulator, named.fit.noise_estimate.noise
+    if named.readings.useless:
+        shots = without_labels(shots)
+    if named.distortion is not None:
+        errors, field = named.fit.camera_errors, named.distortion.field
+        shots = field.on(shots, shots.positions).corrected(errors).without_shared()
+    about = fit_nuisance(shots, simulator, noise, settings.fit)
+    if not named.readings.doubtful:
+        return about
+    readings = read_labels(shots, about, settings)
+    # Two flipped labels are no cause, but where there is one, each of them is corrected.
+    usable = readings.negated if named.readings.significant else readings.left_out
+    return fit_nuisance(usable(shots), simulator, noise, settings.fit)
