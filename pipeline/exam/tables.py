@@ -49,11 +49,10 @@ def exam_tables(records: Sequence[ExamRecord], method: str) -> list[ReportTable]
 
 
 def rate_table(records: Sequence[ExamRecord]) -> ReportTable:
-    """Return all rates with their counts: one row a method."""
-    rows = [{"method": method, **rates(records, method)} for method in methods_of(records)]
-    return ReportTable(
-        pd.DataFrame(rows), "rates", "The exam: rates by method", "Every rate after its counts."
-    )
+    """Return all rates with their counts: one row a rate, one column a method."""
+    columns = {method: pd.Series(rates(records, method)) for method in methods_of(records)}
+    table = pd.DataFrame(columns).rename_axis("rate").reset_index()
+    return ReportTable(table, "rates", "The exam: rates by method", "Every rate after its counts.")
 
 
 def effect_table(records: Sequence[ExamRecord], method: str) -> ReportTable:

@@ -24,11 +24,11 @@ def records():
     return example_exam()
 
 
-def test_rates_have_a_row_a_method(records):
-    table = rate_table(records).table.set_index("method")
+def test_rates_have_a_column_a_method(records):
+    table = rate_table(records).table.set_index("rate")
 
-    assert tuple(table.index) == METHODS == tuple(methods_of(records))
-    assert table.loc["rallygap", "top1_at_3x"] > table.loc["sindy", "top1_at_3x"]
+    assert tuple(table.columns) == METHODS == tuple(methods_of(records))
+    assert table.loc["top1_at_3x", "rallygap"] > table.loc["top1_at_3x", "sindy"]
 
 
 def test_effects_have_their_marks_at_3_detection_limits():
