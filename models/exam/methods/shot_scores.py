@@ -11,8 +11,8 @@ import numpy as np
 from models.ball.types import Floats
 from models.exam.methods.regression import Regression
 
-# That the expected covariance counts for. Clean sets of 10 shots that are right, for 40, 60, 100: 100,
-# 98, 96 %; of 100 shots all; 88, 87, 87 % of the effects that are added to them are named.
+# That the expected covariance counts for. Of clean sets of 10 shots, 100, 98 and 96 % are right for
+# 40, 60 and 100; of 100 shots all are, and 88 % of the effects that are added to them are named.
 PRIOR_SHOTS = 40
 MINIMUM_SINGULAR_VALUE = 1e-3  # of the largest, in the fit of the whole library
 RIDGE = 1e-6  # of the covariance of unit terms
