@@ -25,8 +25,8 @@ from models.exam.methods.shot_scores import score_gram, term_norms
 # order (784 sets). Clean sets right and hidden effects named, for gains of 6, 8, 10, 12: 96 and
 # 85 %, 100 and 89 %, 100 and 88 %, 100 and 88 %. Of simulated trials of the same seed: 98, 99, 100,
 # 100 % of 140 clean sets, and 81, 84, 85, 86 % of 96 questions of the sweeps' base are solved (94
-# and 45 % by sindy). With a prior width of 10: 100 and 87 %, of 160: 100 and 88 %. Without the
-# covariance of shots (shot_scores.py): 92 and 77 %.
+# and 45 % by sindy); these decide between 8 and 10. With a prior width of 10: 100 and 87 %, of 160:
+# 100 and 88 %. Without the covariance of shots (shot_scores.py): 92 and 77 %.
 PRIOR_WIDTH = 40.0  # standard deviations of the white noise of a term alone
 MINIMUM_GAIN = 10.0  # of log evidence, for every term
 INTERVAL = 1.96  # posterior standard deviations
