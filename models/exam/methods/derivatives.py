@@ -10,6 +10,8 @@ they are the smoothed state after it, less the simulator's from the state before
 they are the slope along an arc.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legint, legvander
 
@@ -17,7 +19,9 @@ from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
 from models.ball.state import SPIN, STATE_SIZE
 from models.ball.types import Bools, Floats, Integers
+from models.exam.interface import Recording, shots_of
 from models.exam.methods.library import STENCIL, library, rates
+from models.exam.methods.regression import Regression, candidates
 from models.exam.methods.smoothed_arcs import SMOOTH, SmoothedArcs, arcs_of
 from models.exam.projection import projected_out
 from models.gap.fit.shots import Shots
@@ -42,6 +46,14 @@ RIDGE = 1e-9  # of the trace, where a spin does not act on an arc
 
 # P rows: (P, K + 1) library terms and, last, measured derivatives; the shot and the kind of each.
 Rows = tuple[Floats, Integers, Integers]
+
+
+def derivative_regression(
+    recordings: Sequence[Recording], nominal: Simulator, withheld: tuple[str, ...]
+) -> Regression:
+    """Return the regression of measured derivatives on the catalogue without what is withheld."""
+    columns = candidates(nominal, withheld)
+    return Regression.of(columns, derivative_grams(shots_of(recordings), nominal, columns))
 
 
 def derivative_grams(shots: Shots, simulator: Simulator, columns: tuple[Hypothesis, ...]) -> Floats:

@@ -1,9 +1,10 @@
-"""The methods that the exam compares: the gap workflow and three others."""
+"""The methods that the exam compares: the gap workflow and its peers."""
 
 from collections.abc import Sequence
 
 from models.ball.simulator import Simulator
 from models.exam.interface import Answer, Method, NamedCause, Recording, shots_of
+from models.exam.methods.evidence import evidence_greedy
 from models.exam.methods.identification import identification
 from models.exam.methods.sindy import sindy, sindy_ensemble
 from models.gap.amend.simulator import amended
@@ -26,5 +27,6 @@ METHODS: dict[str, Method] = {
     RALLYGAP: rallygap,
     "sindy": sindy,
     "sindy_ensemble": sindy_ensemble,
+    "evidence_greedy": evidence_greedy,
     "identification": identification,
 }

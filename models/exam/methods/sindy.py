@@ -13,9 +13,9 @@ from pysindy.optimizers import STLSQ
 
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
-from models.exam.interface import Answer, Recording, shots_of
-from models.exam.methods.derivatives import derivative_grams
-from models.exam.methods.regression import Places, Regression, answer, candidates
+from models.exam.interface import Answer, Recording
+from models.exam.methods.derivatives import derivative_regression
+from models.exam.methods.regression import Places, Regression, answer
 
 # The thresholds of the largest mean accuracy on 24 clean sets of the exam's design (seed 1000), and
 # on these with effects added to first order at 3 detection limits (190 sets, 64 for ensembles).
@@ -32,7 +32,7 @@ INTERVAL = (0.025, 0.975)
 
 def sindy(recordings: Sequence[Recording], nominal: Simulator, withheld: tuple[str, ...]) -> Answer:
     """Name causes by sequentially thresholded least squares."""
-    regression = _regression(recordings, nominal, withheld)
+    regression = derivative_regression(recordings, nominal, withheld)
     chosen = sparse(regression.total, THRESHOLD)
     return answer(nominal, regression, chosen, regression.estimates(chosen))
 
@@ -45,7 +45,7 @@ def sindy_ensemble(
     Every model has its own bootstrap sample of whole shots, because errors within a shot are
     correlated. Terms that enough models include are named.
     """
-    regression = _regression(recordings, nominal, withheld)
+    regression = derivative_regression(recordings, nominal, withheld)
     weights = bootstrap_weights(len(recordings))
     share = inclusion(regression, weights, ENSEMBLE_THRESHOLD)
     chosen = tuple(np.flatnonzero(share >= MINIMUM_INCLUSION).tolist())
@@ -87,10 +87,3 @@ def inclusion(regression: Regression, weights: Floats, threshold: float) -> Floa
     for sample in weights:
         included[list(sparse(np.tensordot(sample, regression.grams, 1), threshold))] += 1
     return included / len(weights)
-
-
-def _regression(
-    recordings: Sequence[Recording], nominal: Simulator, withheld: tuple[str, ...]
-) -> Regression:
-    columns = candidates(nominal, withheld)
-    return Regression.of(columns, derivative_grams(shots_of(recordings), nominal, columns))

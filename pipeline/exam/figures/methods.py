@@ -18,6 +18,7 @@ COLOURS = {
     "rallygap": "#0f7fc4",
     "sindy": "#d55e00",
     "sindy_ensemble": "#b85fa0",
+    "evidence_greedy": "#b8860b",
     "identification": "#009988",
 }
 OTHER_COLOUR = "#7d8791"

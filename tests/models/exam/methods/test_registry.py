@@ -9,7 +9,12 @@ from models.gap.amend.simulator import amended
 from models.gap.diagnose import diagnose
 from tests.models.exam.example_trials import NOMINAL, recorded, trial
 
-WIND = {"sindy": (0.1, 0.03), "sindy_ensemble": (0.1, 0.03), "identification": (0.5, 1e-3)}
+WIND = {
+    "sindy": (0.1, 0.03),
+    "sindy_ensemble": (0.1, 0.03),
+    "evidence_greedy": (0.1, 0.03),
+    "identification": (0.5, 1e-3),
+}
 
 
 @pytest.mark.parametrize("method", WIND)

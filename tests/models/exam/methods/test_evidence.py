@@ -1,0 +1,108 @@
+"""Selection by evidence, against densities of normal distributions and exhaustive search."""
+
+from itertools import chain, combinations
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from models.exam.methods.evidence import evidence_greedy, greedy, log_evidence, posterior
+from tests.models.exam.example_trials import NOMINAL, recorded
+
+WIDTHS = np.array([0.7, 2.0, 0.1, 5.0])
+
+
+def gram(terms, measured):
+    rows = np.column_stack([terms, measured])
+    return rows.T @ rows
+
+
+def drawn(*coefficients, seed=0, samples=60):
+    """Terms of independent samples, and a sum of them in unit noise."""
+    random = np.random.default_rng(seed)
+    terms = random.standard_normal((samples, len(coefficients)))
+    return terms, terms @ coefficients + random.standard_normal(samples)
+
+
+def subsets(count):
+    return chain.from_iterable(combinations(range(count), size) for size in range(count + 1))
+
+
+def log_density(terms, measured, widths):
+    covariance = np.eye(len(measured)) + (terms * widths**2) @ terms.T
+    return multivariate_normal(np.zeros(len(measured)), covariance).logpdf(measured)
+
+
+@pytest.mark.parametrize("places", [(), (1,), (0, 3), (0, 1, 2, 3)])
+def test_the_evidence_is_a_ratio_of_normal_densities(places):
+    terms, measured = drawn(0.5, 0.0, 1.0, -0.2)
+    some = list(places)
+    expected = log_density(terms[:, some], measured, WIDTHS[some])
+    expected -= log_density(terms[:, []], measured, WIDTHS[[]])
+    assert log_evidence(gram(terms, measured), WIDTHS, places) == pytest.approx(expected)
+
+
+def test_the_posterior_is_the_conditional_normal_distribution():
+    terms, measured = drawn(0.5, 0.0, 1.0, -0.2)
+    some = [0, 2, 3]
+    kept, prior = terms[:, some], np.diag(WIDTHS[some] ** 2)
+    gain = prior @ kept.T @ np.linalg.inv(np.eye(60) + kept @ prior @ kept.T)
+    mean, deviation = posterior(gram(terms, measured), WIDTHS, (0, 2, 3))
+    assert mean == pytest.approx(gain @ measured)
+    assert deviation == pytest.approx(np.sqrt(np.diag(prior - gain @ kept @ prior)))
+
+
+def test_the_posterior_contains_coefficients_of_the_prior_as_often_as_it_says():
+    random, inside = np.random.default_rng(1), []
+    for seed in range(400):
+        truth = WIDTHS * random.standard_normal(4)
+        mean, deviation = posterior(gram(*drawn(*truth, seed=seed)), WIDTHS, (0, 1, 2, 3))
+        inside.extend(np.abs(truth - mean) < 1.96 * deviation)
+    assert np.mean(inside) == pytest.approx(0.95, abs=0.02)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_greedy_search_finds_the_best_of_all_sets(seed):
+    table = gram(*drawn(1.0, 0.0, 0.4, -0.3, 0.1, seed=seed))
+    widths = np.full(5, 2.0)
+    best = max(subsets(5), key=lambda some: log_evidence(table, widths, some) - 2.0 * len(some))
+    assert greedy(table, widths, 2.0) == best
+
+
+def test_planted_terms_are_found_whatever_their_scale():
+    coefficients = np.zeros(30)
+    coefficients[[4, 11, 27]] = 1.0, -1.5, 2.0
+    table, scale = gram(*drawn(*coefficients, samples=200)), np.geomspace(1e-6, 1e6, 30)
+    whole = np.append(scale, 1.0)
+    scaled = table * np.outer(whole, whole)
+    assert greedy(table, np.full(30, 3.0), 5.0) == (4, 11, 27)
+    assert greedy(scaled, 3.0 / scale, 5.0) == (4, 11, 27)
+
+
+def test_no_term_is_found_in_noise():
+    found = [greedy(gram(*drawn(*np.zeros(30), seed=k)), np.full(30, 5.0), 5.0) for k in range(50)]
+    assert found == [()] * 50
+
+
+def test_a_term_that_stands_for_two_others_is_removed_when_they_are_found():
+    terms, measured = drawn(1.0, 1.0, 0.0, samples=400)
+    noise = np.random.default_rng(5).standard_normal(400)
+    terms[:, 2] = terms[:, 0] + terms[:, 1] + 0.5 * noise
+    table, widths = gram(terms, measured), np.full(3, 3.0)
+    alone = [log_evidence(table, widths, (k,)) for k in range(3)]
+    assert np.argmax(alone) == 2
+    assert greedy(table, widths, 2.0) == (0, 1)
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameter", "value"),
+    [
+        ("table_bounce", "restitution", 0.90),
+        ("table_tilt", "y", 0.01),
+        ("spin_axis_bias", "z", 0.2),
+    ],
+)
+def test_effects_of_the_table_and_of_labels_are_named(effect, parameter, value):
+    found = evidence_greedy(recorded(effect, parameter, value), NOMINAL, ())
+    assert found.causes[0].identity == f"{effect}.{parameter}"
+    assert found.causes[0].estimate == pytest.approx(value, rel=0.05)
