@@ -36,7 +36,7 @@ class Answer:
 
     @property
     def is_distortion(self) -> bool:
-        """Whether the planted error is one that no effect of the catalogue describes."""
+        """Whether the planted error is a distortion, of which only the size is a parameter."""
         return self.question.error is not None and self.question.error.identity == DISTORTION
 
     @cached_property

@@ -42,8 +42,7 @@ class RefitResult:
     @property
     def shared_errors(self) -> SharedErrors:
         """What the shots say of hypotheses and shared errors."""
-        known = self.noise_estimate
-        return shared_errors(self.linear, known.gram_matrices, known.noise)
+        return shared_errors(self.linear, self.noise_estimate.gram_matrices)
 
     @property
     def camera_errors(self) -> Floats:
@@ -97,7 +96,7 @@ def refit(
             fit = replace(fit, weights=result.weights, noise=result.noise)
             shot_weights = result.shot_weights
         parts = gram_matrices(linear, fit.noise, fit.weights, shot_weights)
-        errors = shared_errors(linear, parts.total(fit.noise), fit.noise)
+        errors = shared_errors(linear, parts.total(fit.noise))
         step, error = _step(errors, free, values, origin, settings)
         stepped = _stepped(linear, parts, fit, step, settings)
         if stepped is None:
@@ -212,7 +211,7 @@ def _stepped(
     """Return the simulator after as much of a step as fits no worse, and the shots about it."""
     free, noise, values = linear.columns, fit.noise, _values(linear.simulator, linear.columns)
     total = parts.total(noise)
-    errors = shared_errors(linear, total, noise)
+    errors = shared_errors(linear, total)
     shots = linear.shots.corrected(errors.coefficients(0 * step))
     here = refit_shots(shots, linear.simulator, fit.nuisance, noise, settings, 0)
     for part in settings.step_fractions:

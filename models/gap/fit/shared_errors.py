@@ -172,3 +172,11 @@ class VarianceLikelihood:
     def gain(self) -> float:
         """Twice the gain of log likelihood by the estimate."""
         return max(-self.deviance(self.estimate), 0.0)
+
+
+def variance_p_value(gain: float) -> float:
+    """Return the probability of so large a likelihood ratio of a variance without any.
+
+    It has half a chance of being zero, else a chi-squared distribution (Self and Liang 1987).
+    """
+    return 0.5 * float(chi2.sf(gain, 1)) if gain > 0.0 else 1.0

@@ -114,7 +114,7 @@ def _inliers(
     return noise, np.where(linear.sampled, inlier_probability(rest, noise, settings), 0.0)
 
 
-def shared_errors(linear: Linearised, total: Floats, noise: Noise) -> SharedErrors:
+def shared_errors(linear: Linearised, total: Floats) -> SharedErrors:
     """Return what (B, C, C) Gram matrices say of hypotheses and shared errors."""
     system = eliminate_nuisance(total, linear.nuisance_count)
     return SharedErrors.of(system, len(linear.columns))
@@ -124,7 +124,7 @@ def _significant_values(
     linear: Linearised, total: Floats, noise: Noise, settings: FitSettings
 ) -> Floats:
     """Return (K + F,) values of hypotheses and shared errors along their significant directions."""
-    shared = shared_errors(linear, total, noise)
+    shared = shared_errors(linear, total)
     directions = identifiable_directions(shared.with_prior)
     scores = directions.T @ shared.scores
     significant = np.abs(scores) > settings.significant_direction
@@ -159,7 +159,7 @@ def _without_shared(linear: Linearised, parts: GramMatrices, noise: Noise) -> Gr
     """Return Gram matrices of nuisance parameters, hypotheses and residuals less shared errors."""
     if not linear.shots.shared.shape[-1]:
         return parts
-    errors = shared_errors(linear, parts.total(noise), noise)
+    errors = shared_errors(linear, parts.total(noise))
     first, width = linear.of_shared.start, linear.positions.shape[-1]
     kept = np.eye(first + 1, width)
     kept[-1, first:] = [*-errors.coefficients(np.zeros(len(linear.columns))), 1.0]

@@ -42,9 +42,8 @@ class SetScores:
     @classmethod
     def of(cls, evidence: Evidence, nominal: Simulator, refitted: Sequence[int]) -> "SetScores":
         """Return the scores of departures from the nominal simulator."""
-        known = np.maximum(RIDGE * np.diag(evidence.total), NOTHING)
         return cls(
-            information=evidence.total + np.diag(known),
+            information=_with_ridge(evidence.total),
             scores=evidence.scores.sum(axis=0),
             start=np.array([column.value(nominal) for column in evidence.columns]),
             bounds=np.array([column.declaration.bounds for column in evidence.columns]),
@@ -54,8 +53,7 @@ class SetScores:
 
     def with_total(self, information: Floats, scores: Floats) -> "SetScores":
         """Return the scores by another (K, K) information and other (K,) scores of all shots."""
-        known = np.maximum(RIDGE * np.diag(information), NOTHING)
-        return replace(self, information=information + np.diag(known), scores=scores)
+        return replace(self, information=_with_ridge(information), scores=scores)
 
     def gain(self, places: Places) -> float:
         """Return what one set gains in twice the log likelihood."""
@@ -144,3 +142,10 @@ class SetScores:
         identified = (inflation < settings.max_variance_inflation) | self.refitted[places]
         possible: Bools = (value > low) & (value < high) & identified
         return possible
+
+
+def _with_ridge(information: Floats) -> Floats:
+    """Return information of which all sets of hypotheses have a score."""
+    known = np.maximum(RIDGE * np.diag(information), NOTHING)
+    ridged: Floats = information + np.diag(known)
+    return ridged

@@ -9,11 +9,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.stats import chi2
 
 from models.gap.fit.camera_field import CameraField
 from models.gap.fit.refit import RefitResult
-from models.gap.fit.shared_errors import SharedErrors, VarianceLikelihood
+from models.gap.fit.shared_errors import SharedErrors, VarianceLikelihood, variance_p_value
 from models.gap.fit.variance_components import NoiseEstimate
 from models.gap.hypotheses import Hypothesis
 from models.gap.name.selection import Explainer
@@ -30,7 +29,7 @@ class Distortion:
     Attributes:
         field: its functions, of its likeliest standard deviation.
         gain: of twice the penalised log likelihood, over the best explanation without it.
-        causes: places of the likeliest causes beside it.
+        causes: places of the likeliest causes together with it.
     """
 
     field: CameraField
@@ -39,8 +38,8 @@ class Distortion:
 
     @property
     def p_value(self) -> float:
-        """Of so large a likelihood ratio of a variance without any (Self and Liang 1987)."""
-        return 0.5 * float(chi2.sf(self.gain, 1)) if self.gain > 0.0 else 1.0
+        """Of so large a gain without any error of the cameras."""
+        return variance_p_value(self.gain)
 
     def size(self, fit: RefitResult) -> VarianceLikelihood:
         """Return the likelihood of the standard deviation in that of the field, by a refit."""
@@ -67,11 +66,11 @@ def find_distortion(fit: RefitResult, explainer: Explainer) -> Distortion | None
     unit = CameraField.over(fit.linear.shots, settings.fit.camera_field, 1.0)
     rivals = _Rivals.of(with_field(fit, unit, settings.fit), explainer)
     low, high = settings.fit.camera_field.sizes
-    sizes = np.geomspace(low, high, settings.fit.camera_field.tried_sizes)
-    best = max(map(float, sizes), key=lambda size: rivals.score(size)[0])
-    score, causes = rivals.score(best)
-    gain = score - rivals.score(0.0)[0]
-    found = Distortion(replace(unit, size=best), gain, causes)
+    sizes = np.geomspace(low, high, settings.fit.camera_field.tried_sizes).tolist()
+    scored = {size: rivals.score(size) for size in sizes}
+    best = max(sizes, key=lambda size: scored[size][0])
+    score, causes = scored[best]
+    found = Distortion(replace(unit, size=best), score - rivals.score(0.0)[0], causes)
     plausible = best < high  # as with any cause, a size at its bound is none
     return found if plausible and found.p_value <= settings.level else None
 
@@ -97,7 +96,7 @@ class _Rivals:
         return cls(fit.shared_errors.from_departures(departures).about(places), explainer)
 
     def score(self, size: float) -> tuple[float, Places]:
-        """Return the best explanation beside an error of this size, 0 for none, and its score."""
+        """Return the score of the best explanation with an error of this size, and its causes."""
         known = self.explainer
         with_errors = replace(self.shared, precision=size**-2.0) if size else None
         totals = with_errors.marginal if with_errors else self.shared.alone

@@ -94,7 +94,7 @@ def _signs_as_read(named: Named, question: Question) -> bool:
 
 
 def _with_distortion(named: Named, question: Question) -> Named:
-    """Return the causes, beside an error of the cameras over space if shots show one."""
+    """Return the causes, with an error of the cameras over space if shots show one."""
     if CAMERA.effect in question.withheld:
         return named
     found = find_distortion(named.fit, named.explainer)
@@ -102,7 +102,7 @@ def _with_distortion(named: Named, question: Question) -> Named:
 
 
 def _distorted(named: Named, found: Distortion, question: Question) -> Named:
-    """Return the causes beside an error of the cameras over space."""
+    """Return the causes together with an error of the cameras over space."""
     settings = question.settings.fit
     fit, before = (with_field(one, found.field, settings) for one in (named.fit, named.before))
     near = with_estimates(named.explainer, found.causes)

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.stats import chi2, norm
+from scipy.stats import norm
 
 from models.ball.types import Floats
 from models.gap.fit.projection import eliminate_nuisance
-from models.gap.fit.shared_errors import VarianceLikelihood
+from models.gap.fit.shared_errors import VarianceLikelihood, variance_p_value
 from models.gap.hypotheses import Hypothesis
 from models.gap.name.naming import Named
 from models.gap.name.parts import phase_of
@@ -27,27 +27,30 @@ from models.gap.verdict import Variation
 
 def variations(named: Named) -> tuple[Variation, ...]:
     """Return the surest drift, or without one the surest difference from shot to shot."""
-    evidence, settings = named.explainer.evidence, named.explainer.evidence.settings
-    given = sorted({*evidence.free, *named.explanation.causes})
-    scores, information = _of_shots(named)
-    tests = [
-        _Trend(evidence.columns[k], scores[:, j], information[:, j], listed, settings)
-        for k in evidence.decidable(given, settings.name.min_sample_size)
-        for j in [named.fit.linear.columns.index(evidence.columns[k])]
-        for listed in [bool(evidence.listed[k])]
-    ]
-    in_flight = [one for one in tests if phase_of(one.hypothesis) == "flight"]
-    drifts = tuple(_surest(tests, "drift", settings))
+    trends, settings = _trends(named), named.explainer.evidence.settings
+    in_flight = [one for one in trends if phase_of(one.hypothesis) == "flight"]
+    drifts = tuple(_surest(trends, "drift", settings))
     return drifts or tuple(_surest(in_flight, "between_shots", settings))
 
 
-def _of_shots(named: Named) -> tuple[Floats, Floats]:
-    """Return (B, K) scores of the shots and information, all other parameters as estimated."""
-    linear = named.fit.linear
+def _trends(named: Named) -> list["_Trend"]:
+    """Return how shots vary, for each parameter about which they can decide.
+
+    All other parameters, and shared errors, are as estimated.
+    """
+    evidence, linear = named.explainer.evidence, named.fit.linear
     system = eliminate_nuisance(named.fit.noise_estimate.gram_matrices, linear.nuisance_count)
-    count, errors = len(linear.columns), named.fit.camera_errors
-    scores = system.scores[:, :count] - system.information[:, :count, count:] @ errors
-    return scores, np.einsum("bkk->bk", system.information)[:, :count]
+    across = system.information[:, :, len(linear.columns) :]
+    scores = system.scores - across @ named.fit.camera_errors
+    information = np.einsum("bkk->bk", system.information)
+
+    def trend(hypothesis: Hypothesis, listed: bool) -> _Trend:
+        k = linear.columns.index(hypothesis)
+        return _Trend(hypothesis, scores[:, k], information[:, k], listed, evidence.settings)
+
+    given = sorted({*evidence.free, *named.explanation.causes})
+    decided = evidence.decidable(given, evidence.settings.name.min_sample_size)
+    return [trend(evidence.columns[k], bool(evidence.listed[k])) for k in decided]
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,8 +134,7 @@ class _Trend:
         """A shot whose score is out of line must not decide alone."""
         root = np.sqrt(self.information)
         most = float(norm.isf(self.settings.level / len(root))) * root
-        gain = self._likelihood(np.clip(self.scores, -most, most)).gain
-        return 0.5 * float(chi2.sf(gain, 1)) if gain > 0.0 else 1.0
+        return variance_p_value(self._likelihood(np.clip(self.scores, -most, most)).gain)
 
     def _likelihood(self, scores: Floats) -> VarianceLikelihood:
         reach = float(np.ptp(self.hypothesis.declaration.bounds))

@@ -3,6 +3,7 @@
 import numpy as np
 
 from models.ball.types import Floats
+from models.gap.types import Indices
 
 
 def root_mean_squares(squares: Floats) -> Floats:
@@ -13,11 +14,15 @@ def root_mean_squares(squares: Floats) -> Floats:
     return roots
 
 
+def drawn_shots(shots: int, draws: int) -> Indices:
+    """Return (D, B) numbers of shots drawn at random, D times."""
+    return np.random.default_rng(0).integers(shots, size=(draws, shots))
+
+
 def resampled(squares: Floats, draws: int) -> Floats:
     """Return (D, 3, H) root mean squares of (3, B, H) squares, of shots drawn at random D times."""
-    shots = squares.shape[1]
-    rows = np.random.default_rng(0).integers(shots, size=(draws, shots))
-    times = np.zeros((draws, shots))
+    rows = drawn_shots(squares.shape[1], draws)
+    times = np.zeros(rows.shape)
     np.add.at(times, (np.arange(draws)[:, None], rows), 1.0)
     there = np.isfinite(squares)
     count = np.maximum(np.einsum("db,kbh->dkh", times, there), 1.0)

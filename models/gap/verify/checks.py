@@ -15,7 +15,7 @@ from models.gap.fit.projection import eliminate_nuisance
 from models.gap.fit.refit import RefitResult
 from models.gap.settings import GapSettings
 from models.gap.verdict import Check
-from models.gap.verify.bootstrap import interval
+from models.gap.verify.bootstrap import drawn_shots, interval
 from models.gap.verify.prediction_error import Errors
 
 AFTER, FLOOR = 1, 2  # rows of errors
@@ -67,9 +67,7 @@ def _check(name: str, squares: Floats, settings: GapSettings) -> Check | None:
     if shots < settings.verify.min_checked:
         return None
     measured, expected = _root_medians(squares[:, None])[:, 0]
-    rows = np.random.default_rng(0).integers(
-        squares.shape[1], size=(settings.verify.bootstrap_draws, squares.shape[1])
-    )
+    rows = drawn_shots(squares.shape[1], settings.verify.bootstrap_draws)
     drawn = _root_medians(squares[:, rows]).T
     return Check.model_validate(
         {

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from models.exam.methods.evidence import evidence_greedy, greedy, log_evidence, posterior
-from tests.models.exam.example_trials import NOMINAL, recorded
+from models.exam.methods.evidence import greedy, log_evidence, posterior
 
 WIDTHS = np.array([0.7, 2.0, 0.1, 5.0])
 
@@ -92,17 +91,3 @@ def test_a_term_that_stands_for_two_others_is_removed_when_they_are_found():
     alone = [log_evidence(table, widths, (k,)) for k in range(3)]
     assert np.argmax(alone) == 2
     assert greedy(table, widths, 2.0) == (0, 1)
-
-
-@pytest.mark.parametrize(
-    ("effect", "parameter", "value"),
-    [
-        ("table_bounce", "restitution", 0.90),
-        ("table_tilt", "y", 0.01),
-        ("spin_axis_bias", "z", 0.2),
-    ],
-)
-def test_effects_of_the_table_and_of_labels_are_named(effect, parameter, value):
-    found = evidence_greedy(recorded(effect, parameter, value), NOMINAL, ())
-    assert found.causes[0].identity == f"{effect}.{parameter}"
-    assert found.causes[0].estimate == pytest.approx(value, rel=0.05)

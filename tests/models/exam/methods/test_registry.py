@@ -28,6 +28,21 @@ def test_a_large_effect_in_flight_is_named_without_noise(method):
     assert rounded(found.amended.effects["wind"]["x"]) == cause.estimate
 
 
+@pytest.mark.parametrize("method", ["sindy", "evidence_greedy"])
+@pytest.mark.parametrize(
+    ("effect", "parameter", "value"),
+    [
+        ("table_bounce", "restitution", 0.90),
+        ("table_tilt", "y", 0.01),
+        ("spin_axis_bias", "z", 0.2),
+    ],
+)
+def test_effects_of_the_table_and_of_labels_are_named(method, effect, parameter, value):
+    found = METHODS[method](recorded(effect, parameter, value), NOMINAL, ())
+    assert found.causes[0].identity == f"{effect}.{parameter}"
+    assert found.causes[0].estimate == pytest.approx(value, rel=0.05)
+
+
 @pytest.mark.parametrize("method", WIND)
 def test_nothing_is_named_without_noise_and_without_a_gap(method):
     assert METHODS[method](recorded(), NOMINAL, ()).conclusion == "no_gap"

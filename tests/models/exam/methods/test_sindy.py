@@ -1,7 +1,6 @@
 """SINDy, on matrices with known sparse solutions and on recordings without noise."""
 
 import numpy as np
-import pytest
 
 from models.exam.methods.regression import Regression
 from models.exam.methods.sindy import bootstrap_weights, inclusion, sindy, sparse
@@ -38,20 +37,6 @@ def test_an_ensemble_includes_what_most_of_its_models_do():
     assert included[0] == 1.0
     assert included[1] == 0.0
     assert 0.2 < included[2] < 0.8
-
-
-@pytest.mark.parametrize(
-    ("effect", "parameter", "value"),
-    [
-        ("table_bounce", "restitution", 0.90),
-        ("table_tilt", "y", 0.01),
-        ("spin_axis_bias", "z", 0.2),
-    ],
-)
-def test_effects_of_the_table_and_of_labels_are_named(effect, parameter, value):
-    found = sindy(recorded(effect, parameter, value), NOMINAL, ())
-    assert found.causes[0].identity == f"{effect}.{parameter}"
-    assert found.causes[0].estimate == pytest.approx(value, rel=0.05)
 
 
 def test_shots_without_labels_are_used():
