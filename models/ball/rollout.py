@@ -91,7 +91,10 @@ def _fly_one(
         if span < 0.0:
             _store(_fly_backwards(state, span, p, environment), states[k])
             continue
-        if now == 0.0 and span > 0.0:
+        if span == 0.0:  # a repeated time, such as padding
+            _store(state, states[k])
+            continue
+        if now == 0.0:
             state = _bounce_if_inside(state, p, scene)
         pieces = max(math.ceil(span / MAX_STEP - 1e-9), 1)
         for piece in range(pieces):

@@ -54,6 +54,7 @@ class FitSettings:
     spin_prior: float = 300.0  # rad/s, a component of a spin without a label
     noise_quantile: float = 0.9  # of residuals, which gives the first guess of the noise
     min_noise: float = 1e-4  # m
+    far_worse: float = 2.0  # times the median cost of shots, from which another start is tried
     far_residuals: float = 2.0  # typical residual, in the noise, from which the noise shrinks first
 
     # Noise of all shots (restricted likelihood).

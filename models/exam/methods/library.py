@@ -69,8 +69,7 @@ def _schedule(count: int, ahead: float) -> Schedule:
     """Return the times of finite differences about now, and about ``ahead`` if it is not zero."""
     now = np.array([-STENCIL, 0.0, STENCIL])
     times = np.concatenate([now, ahead + now]) if ahead else now
-    places = np.tile(np.arange(len(times)), (count, 1))
-    return Schedule(np.tile(times, (count, 1)), places, places)
+    return Schedule.of_times(np.tile(times, (count, 1)))
 
 
 def _measured(prediction: Prediction) -> tuple[Floats, Floats]:

@@ -36,8 +36,8 @@ class Linearised:
         columns: the K hypotheses.
         nuisance: (B, E) at which: states and kicks.
         positions: (B, N, 3, E + K + F + 1) columns of the positions, zero in padding.
-        labels: (B, L, 3, E + K + F + 1) columns of the labels, zero where there is none, in units
-            of the fitted spin.
+        labels: (B, L, 3, E + K + 1) columns of the labels but those of shared errors, which do not
+            change labels; zero where there is none, in units of the fitted spin.
         label_scales: (B, L) these units, rad/s.
         label_arcs: (B, L) how many contacts are before a label.
         velocities: (B, N, 3) of the balls at the samples, m/s.
@@ -79,19 +79,20 @@ class Linearised:
     @property
     def of_shared(self) -> slice:
         """Places of the F columns of shared errors."""
-        return slice(self.of_hypotheses.stop, self.positions.shape[-1] - 1)
+        end = self.positions.shape[-1] - 1
+        return slice(end - 3 * self.shots.shared.shape[-1], end)
 
     def with_shared(self, shots: Shots) -> "Linearised":
         """Return the shots with the columns of the errors that ``shots``, the same, share."""
-        shared, unlabelled = _shared_columns(shots)
+        columns, shared = self.positions, _shared_columns(shots)
+        shared[~self.sampled] = 0.0
+        parts = columns[..., : self.of_shared.start], shared, columns[..., -1:]
+        return replace(self, shots=shots, positions=np.concatenate(parts, axis=-1))
 
-        def put(columns: Floats, more: Floats) -> Floats:
-            parts = columns[..., : self.of_shared.start], more, columns[..., -1:]
-            return np.concatenate(parts, axis=-1)
-
-        positions = put(self.positions, np.where(self.sampled[..., None, None], shared, 0.0))
-        labels = put(self.labels, unlabelled)
-        return replace(self, shots=shots, positions=positions, labels=labels)
+    @property
+    def of_labels(self) -> Indices:
+        """(E + K + 1,) places, among the columns of the positions, of those of the labels."""
+        return np.array([*range(self.of_shared.start), self.of_shared.stop])
 
     @property
     def in_arcs(self) -> Bools:
@@ -119,10 +120,12 @@ def linearise(
     inner = nuisance_derivatives(simulator, schedule, nuisance, prediction)
     outer = hypothesis_derivatives(simulator, schedule, nuisance, prediction, columns)
     prediction = replace(prediction, smooth_until=np.fmin(inner.smooth_until, outer.smooth_until))
-    shared, unlabelled = _shared_columns(shots)
     miss = shots.positions - prediction.positions, np.nan_to_num(shots.labels) - prediction.labels
-    positions = _joined(inner.positions, outer.positions, shared, miss[0])
-    labels = _joined(inner.labels, outer.labels, unlabelled, miss[1])
+    shared = _shared_columns(shots)
+    positions = np.concatenate(
+        [inner.positions, outer.positions, shared, miss[0][..., None]], axis=-1
+    )
+    labels = np.concatenate([inner.labels, outer.labels, miss[1][..., None]], axis=-1)
     start = shots.times[:, :1]
     sampled = shots.valid & prediction.is_smooth(shots.times - start, KINK)
     sampled &= np.isfinite(positions).all(axis=(2, 3))
@@ -160,8 +163,10 @@ def label_scales(spins: Floats) -> Floats:
 
 def label_counts(labelled: Bools, arcs: Indices) -> tuple[Floats, Floats]:
     """Return (B, L) how many labels are in the arc of a label, and (B, 1) in its shot."""
-    together = labelled[:, None] & (arcs[:, None] == arcs[..., None])
-    in_arc = np.maximum(together.sum(axis=2), 1).astype(np.float64)
+    count = int(arcs.max(initial=0)) + 1
+    arc_of_all = arcs + count * np.arange(len(arcs))[:, None]
+    sizes = np.bincount(arc_of_all[labelled], minlength=count * len(arcs))
+    in_arc = np.maximum(sizes[arc_of_all], 1).astype(np.float64)
     in_shot = np.maximum(labelled.sum(axis=1, keepdims=True), 1).astype(np.float64)
     return in_arc, in_shot
 
@@ -171,12 +176,9 @@ def ballistic_nuisance(states: Floats, kicks: int) -> Floats:
     return np.concatenate([states[:, :STATE_SIZE], np.zeros((len(states), 3 * kicks))], axis=1)
 
 
-def _shared_columns(shots: Shots) -> tuple[Floats, Floats]:
-    """Return (B, N, 3, F) columns of shared errors, and those of labels, which are zero."""
-    by_axis = np.einsum("bnr,ij->bnijr", shots.shared, np.eye(3))
-    positions = by_axis.reshape(*shots.positions.shape, -1)
-    return positions, np.zeros((*shots.labels.shape, positions.shape[-1]))
-
-
-def _joined(inner: Floats, outer: Floats, shared: Floats, residual: Floats) -> Floats:
-    return np.concatenate([inner, outer, shared, residual[..., None]], axis=-1)
+def _shared_columns(shots: Shots) -> Floats:
+    """Return (B, N, 3, F) columns of shared errors of positions."""
+    columns = np.zeros((*shots.positions.shape, 3, shots.shared.shape[-1]))
+    for axis in range(3):
+        columns[:, :, axis, axis] = shots.shared
+    return columns.reshape(*shots.positions.shape, -1)

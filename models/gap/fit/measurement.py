@@ -4,8 +4,9 @@ The nuisance parameters of a shot are its state ``[p v w]`` at its first sample 
 of its first K bounces (trajectory.py). Derivatives are finite differences of exact flights.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,11 +46,15 @@ class Schedule:
         times: (B, T) of samples and labels together, not falling.
         samples: (B, N) places of the samples in ``times``.
         labels: (B, L) places of the labels; any place where there is no label.
+        all_samples: whether all times are those of the samples, in their order.
+        all_labels: the same of labels.
     """
 
     times: Floats
     samples: Indices
     labels: Indices
+    all_samples: bool
+    all_labels: bool
 
     @classmethod
     def of(cls, shots: Shots) -> "Schedule":
@@ -63,32 +68,45 @@ class Schedule:
         places = np.array([np.searchsorted(u, s) for u, s in zip(unions, samples, strict=True)])
         if np.array_equal(times, samples):
             places = np.tile(np.arange(longest), (len(times), 1))
-        spins = [np.searchsorted(u, w) for u, w in zip(unions, labels, strict=True)]
-        return cls(times, places, np.array(spins).reshape(labels.shape))
+        found = [np.searchsorted(u, w) for u, w in zip(unions, labels, strict=True)]
+        spins = np.array(found, dtype=np.int64).reshape(labels.shape)
+        if spins.shape == times.shape:
+            spins = np.where(shots.labelled, spins, np.arange(longest))
+        return cls(times, places, spins, *(_in_order(one, longest) for one in (places, spins)))
 
-    @cached_property
-    def _all_samples(self) -> bool:
-        """Whether all times are those of the samples, in their order."""
-        count = self.samples.shape[1]
-        return self.times.shape[1] == count and bool((self.samples == np.arange(count)).all())
+    @classmethod
+    def of_times(cls, times: Floats) -> "Schedule":
+        """Return the schedule of samples and labels at all of (B, T) times."""
+        places = np.broadcast_to(np.arange(times.shape[1]), times.shape)
+        return cls(times, places, places, all_samples=True, all_labels=True)
 
     def at_samples(self, rows: Floats) -> Floats:
         """Return (B, N, ...) those of (B, T, ...) rows that belong to samples."""
-        if self._all_samples:
-            return rows
-        places = self.samples.reshape(*self.samples.shape, *(1,) * (rows.ndim - 2))
-        return np.take_along_axis(rows, places, axis=1)
+        return rows if self.all_samples else _rows_at(rows, self.samples)
+
+    def at_labels(self, rows: Floats) -> Floats:
+        """Return (B, L, ...) those of (B, T, ...) rows that belong to labels."""
+        return rows if self.all_labels else _rows_at(rows, self.labels)
 
     def __getitem__(self, rows: Indices) -> "Schedule":
-        return Schedule(self.times[rows], self.samples[rows], self.labels[rows])
+        return self._with(lambda array: array[rows])
 
     def repeated(self, count: int) -> "Schedule":
         """Return ``count`` copies of each ball's, one after the other."""
-        return Schedule(
-            np.repeat(self.times, count, axis=0),
-            np.repeat(self.samples, count, axis=0),
-            np.repeat(self.labels, count, axis=0),
-        )
+        return self._with(lambda array: np.repeat(array, count, axis=0))
+
+    def _with(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> "Schedule":
+        times, samples, labels = (change(one) for one in (self.times, self.samples, self.labels))
+        return replace(self, times=times, samples=samples, labels=labels)
+
+
+def _in_order(places: Indices, count: int) -> bool:
+    return places.shape[1] == count and bool((places == np.arange(count)).all())
+
+
+def _rows_at(rows: Floats, places: Indices) -> Floats:
+    found: Floats = rows[np.arange(len(rows))[:, None], places]
+    return found
 
 
 @dataclass(frozen=True)
@@ -135,7 +153,7 @@ def predict_measurements(simulator: Simulator, schedule: Schedule, nuisance: Flo
     """
     times = true_times(simulator, schedule.times)
     states, contacts, smooth_until = fly_with_kicks(simulator, nuisance, times)
-    spins = np.take_along_axis(states[..., SPIN], schedule.labels[..., None], axis=1)
+    spins = schedule.at_labels(states[..., SPIN])
     velocities = schedule.at_samples(states[..., VELOCITY])
     delay = delays(simulator, np.sqrt(np.einsum("bni,bni->bn", velocities, velocities)))
     places = schedule.at_samples(states[..., POSITION])

@@ -180,17 +180,22 @@ def gram_matrices(
     """
     positions, _ = white_gram(linear.positions, linear, noise, weights)
     deviations, means, counts = _by_arc(linear)
-    return GramMatrices(positions, gram(deviations), means, counts, linear.nuisance, shot_weights)
+    of_deviations = np.zeros_like(positions)
+    all_means = np.zeros((*means.shape[:3], positions.shape[-1]))
+    places = linear.of_labels
+    of_deviations[:, places[:, None], places] = gram(deviations)
+    all_means[..., places] = means
+    return GramMatrices(positions, of_deviations, all_means, counts, linear.nuisance, shot_weights)
 
 
 def _by_arc(linear: Linearised) -> tuple[Floats, Floats, Floats]:
     """Return labels less the means of their arcs, (B, J, 3, C) these means, (B, J) their counts."""
     member = (linear.labelled[..., None] & linear.in_arcs).astype(np.float64)
-    counts = member.sum(axis=1)
-    sums = np.einsum("blj,blic->bjic", member, linear.labels, optimize=True)
-    means = sums / np.maximum(counts, 1.0)[..., None, None]
-    deviations = linear.labels - np.einsum("blj,bjic->blic", member, means, optimize=True)
-    return deviations, means, counts
+    counts, shape = member.sum(axis=1), linear.labels.shape
+    rows = linear.labels.reshape(*shape[:2], shape[2] * shape[3])
+    means = np.swapaxes(member, 1, 2) @ rows / np.maximum(counts, 1.0)[..., None]
+    deviations = (rows - member @ means).reshape(shape)
+    return deviations, means.reshape(*counts.shape, *shape[2:]), counts
 
 
 def gram(rows: Floats) -> Floats:

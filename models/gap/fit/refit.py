@@ -143,19 +143,17 @@ def likelihood_gain(before: RefitResult, after: RefitResult) -> float:
 def _misfit(
     linear: Linearised, about: Linearised, noise: Noise, weights: Floats, shot_weights: Floats
 ) -> float:
-    # Nuisance parameters, shared errors and residuals.
-    kept = np.delete(np.arange(linear.positions.shape[-1]), linear.of_hypotheses)
     units = np.where(about.labelled, linear.label_scales / about.label_scales, 0.0)
-    alone = replace(
+    same = replace(
         linear,
-        columns=(),
-        positions=linear.positions[..., kept],
         velocities=about.velocities,
-        labels=linear.labels[..., kept] * units[..., None, None],
+        labels=linear.labels * units[..., None, None],
         labelled=about.labelled,
     )
-    total = gram_matrices(alone, noise, weights, shot_weights).total(noise)
-    left = eliminate_nuisance(total, linear.nuisance_count)
+    total = gram_matrices(same, noise, weights, shot_weights).total(noise)
+    # Nuisance parameters, shared errors and residuals.
+    kept = np.delete(np.arange(total.shape[-1]), linear.of_hypotheses)
+    left = eliminate_nuisance(total[:, kept[:, None], kept], linear.nuisance_count)
     shared = SharedErrors.of(left, 0)
     return float(left.misfit.sum()) - shared.explained
 

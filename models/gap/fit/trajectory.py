@@ -96,7 +96,9 @@ def _flight(simulator: Simulator, states: Floats, times: Floats) -> Flight:
     Kicks act from some bounce on: before it, the balls of their differences are the same.
     """
     new = np.ones(len(states), dtype=bool)
-    new[1:] = (states[1:] != states[:-1]).any(axis=1) | (times[1:] != times[:-1]).any(axis=1)
+    new[1:] = (states[1:] != states[:-1]).any(axis=1)
+    same = np.flatnonzero(~new)
+    new[same] = (times[same] != times[same - 1]).any(axis=1)
     flight = simulator.fly(states[new], times[new])
     reached = _bounded(flight.states)
     if new.all():
@@ -108,7 +110,7 @@ def _flight(simulator: Simulator, states: Floats, times: Floats) -> Flight:
 
 def _bounded(states: Floats) -> Floats:
     """Return states within bounds far beyond those of real balls."""
-    if np.abs(states).max(initial=0.0) < FARTHEST:  # false with a NaN
+    if states.min(initial=0.0) > -FARTHEST and states.max(initial=0.0) < FARTHEST:  # no NaN
         return states
     return np.clip(np.nan_to_num(states, posinf=FARTHEST, neginf=-FARTHEST), -FARTHEST, FARTHEST)
 

@@ -49,11 +49,12 @@ def white_products(
     """
     count, length, _, width = rows.shape
     white, slow, slow_time = sizes
-    products = np.zeros((count, width, width))
+    products = np.empty((count, width, width))
     determinants = np.zeros(count)
-    expected, innovations = np.zeros((3, width)), np.zeros((3, width))
+    expected, innovations = np.zeros((3, width)), np.empty((length, 3, width))
     for b in range(count):
         expected[:] = 0.0
+        used = 0
         variance, last = slow * slow, times[b, 0]
         for i in range(length):
             if weights[b, i] == 0.0:
@@ -65,13 +66,17 @@ def white_products(
             determinants[b] += 3.0 * np.log(total)
             scale, gain = 1.0 / np.sqrt(total), variance / total
             _innovate(
-                rows[b, i], directions[b, i], reduction[b, i], memory, gain, expected, innovations
+                rows[b, i],
+                directions[b, i],
+                reduction[b, i],
+                (memory, gain, scale),
+                expected,
+                innovations[used],
             )
-            _add_products(scale * scale, innovations, products[b])
+            used += 1
             variance *= 1.0 - gain
-        for a in range(width):
-            for c in range(a):
-                products[b, a, c] = products[b, c, a]
+        white_rows = innovations[:used].reshape(3 * used, width)
+        products[b] = white_rows.T @ white_rows
     return products, determinants
 
 
@@ -80,27 +85,20 @@ def _innovate(
     rows: Floats,
     direction: Floats,
     reduction: float,
-    memory: float,
-    gain: float,
+    sizes: tuple[float, float, float],
     expected: Floats,
     innovations: Floats,
 ) -> None:
-    """Put the innovations of (3, C) rows into ``innovations``, and update what is expected."""
+    """Put the white innovations of (3, C) rows into ``innovations``; update what is expected.
+
+    The sizes are the memory of the slow error, the gain of the filter and the scale of whitening.
+    """
     x, y, z = direction
+    memory, gain, scale = sizes
     for c in range(rows.shape[1]):
         along = reduction * (x * rows[0, c] + y * rows[1, c] + z * rows[2, c])
         for axis in range(3):
             before = memory * expected[axis, c]
             innovation = rows[axis, c] - along * direction[axis] - before
-            innovations[axis, c] = innovation
+            innovations[axis, c] = scale * innovation
             expected[axis, c] = before + gain * innovation
-
-
-@compiler([Path(__file__)])
-def _add_products(factor: float, rows: Floats, products: Floats) -> None:
-    """Add the products of (3, C) rows' columns, times a factor, to the upper triangle."""
-    width = rows.shape[1]
-    for a in range(width):
-        x, y, z = factor * rows[0, a], factor * rows[1, a], factor * rows[2, a]
-        for c in range(a, width):
-            products[a, c] += x * rows[0, c] + y * rows[1, c] + z * rows[2, c]

@@ -54,14 +54,13 @@ def _freed(
     ahead.positions[~linear.sampled] = 0.0
     ahead.labels[~linear.labelled] = 0.0
     nuisance_count, departure = linear.nuisance_count, linear.departures(nominal)
-    errors = fit.camera_errors
 
     def put(columns: Floats, more: Floats) -> Floats:
         residual = columns[..., -1] + columns[..., linear.of_hypotheses] @ departure
-        residual -= columns[..., linear.of_shared] @ errors
         return np.concatenate([columns[..., :nuisance_count], more, residual[..., None]], axis=-1)
 
     positions, labels = put(linear.positions, ahead.positions), put(linear.labels, ahead.labels)
+    positions[..., -1] -= linear.positions[..., linear.of_shared] @ fit.camera_errors
     spread = np.concatenate([np.full(change.shape[3], size) for change, size in changes])
     shots = linear.shots.without_shared()
     return replace(linear, shots=shots, columns=(), positions=positions, labels=labels), spread

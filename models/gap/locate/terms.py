@@ -84,12 +84,12 @@ class Flown:
     @cached_property
     def sampled(self) -> Floats:
         """(B, N, 9) states at the samples."""
-        return np.take_along_axis(self.states, self.schedule.samples[..., None], axis=1)
+        return self.schedule.at_samples(self.states)
 
     @cached_property
     def spins(self) -> Floats:
         """(B, L, 3) rad/s at the labels."""
-        return np.take_along_axis(self.states, self.schedule.labels[..., None], axis=1)[..., SPIN]
+        return self.schedule.at_labels(self.states[..., SPIN])
 
     @cached_property
     def label_scales(self) -> Floats:
@@ -98,7 +98,6 @@ class Flown:
 
     def measured_changes(self, terms: Sequence[Term], changes: Floats) -> Terms:
         """Return what sensors see of (B, T, 9, D) changes of the states."""
-        samples, labels = self.schedule.samples, self.schedule.labels
-        places = np.take_along_axis(changes[:, :, POSITION], samples[..., None, None], axis=1)
-        spins = np.take_along_axis(changes[:, :, SPIN], labels[..., None, None], axis=1)
+        places = self.schedule.at_samples(changes[:, :, POSITION])
+        spins = self.schedule.at_labels(changes[:, :, SPIN])
         return Terms(tuple(terms), places, spins / self.label_scales[..., None, None])

@@ -1,7 +1,7 @@
 """Spins by paths: what the path of a shot tells about the spin that its label measures.
 
-A shot is fitted without its labels, from the spin as it was fitted and from its negative. The
-linearised fit gives mean and covariance of the spin at the label, all other nuisance parameters
+A shot is fitted without its labels, from the spin as it was fitted, and where it then fits far worse
+than most from the negative of that spin too. The linearised fit gives mean and covariance of the spin at the label, all other nuisance parameters
 eliminated. The prior is that of a spin of typical size in any direction, so that a path that tells
 nothing decides nothing.
 """
@@ -66,16 +66,20 @@ def _typical_component(shots: Shots) -> float:
 def _fitted_without_labels(
     shots: Shots, fit: RefitResult, nuisance: Floats, prior: float, settings: FitSettings
 ) -> ShotFit:
-    """Return shots fitted without labels: the better one of fits from a spin and its negative."""
+    """Return shots fitted without labels; those that fit far worse than most try another start.
+
+    It has the negative of the spin: a wrong label may have led to a wrong minimum.
+    """
     alone = replace(shots, label_times=np.full_like(shots.label_times, np.nan))
     noise, simulator = fit.noise_estimate.noise, fit.simulator
-    mirrored = nuisance.copy()
+    found = refit_shots(alone, simulator, nuisance, noise, settings, spin=prior)
+    far = np.flatnonzero(found.cost > settings.far_worse * np.median(found.cost))
+    if not len(far):
+        return found
+    mirrored = nuisance[far]
     mirrored[:, SPIN] *= -1.0
-    found, other = (
-        refit_shots(alone, simulator, start, noise, settings, spin=prior)
-        for start in (nuisance, mirrored)
-    )
-    return found.with_better(np.arange(len(shots)), other)
+    other = refit_shots(alone[far], simulator, mirrored, noise, settings, spin=prior)
+    return found.with_better(far, other)
 
 
 def _in_first_arc(linear: Linearised) -> Bools:

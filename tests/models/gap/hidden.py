@@ -48,10 +48,9 @@ def measured(
     random = np.random.default_rng(seed)
     states = launches(count, random)
     times = np.tile(np.arange(0.0, seconds, 1 / RATE), (count, 1))
-    places = np.tile(np.arange(times.shape[1]), (count, 1))
     kicks = np.tile(random.standard_normal((count, 3)) * scatter, 2)
     prediction = predict_measurements(
-        simulator, Schedule(times, places, places), np.hstack([states, kicks])
+        simulator, Schedule.of_times(times), np.hstack([states, kicks])
     )
     second = simulator.fly(states, times).contacts.time[:, 1]
     kept = [np.flatnonzero(~(t > end - 0.02)) for t, end in zip(times, second, strict=True)]

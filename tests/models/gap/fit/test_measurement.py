@@ -20,8 +20,7 @@ from tests.models.gap.hidden import NOMINAL, launches, measured
 
 COUNT = 6
 TIMES = np.arange(0.0, 0.6, 0.01)
-PLACES = np.tile(np.arange(len(TIMES)), (COUNT, 1))
-MOMENTS = Schedule(np.tile(TIMES, (COUNT, 1)), PLACES, PLACES)
+MOMENTS = Schedule.of_times(np.tile(TIMES, (COUNT, 1)))
 STATES = launches(COUNT, np.random.default_rng(3))
 UNKNOWNS = np.hstack([STATES, np.zeros((COUNT, 3))])
 DISTORTED = (

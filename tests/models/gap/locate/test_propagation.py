@@ -11,8 +11,7 @@ from tests.models.gap.hidden import NOMINAL, launches
 TIMES = np.arange(0.0, 0.7, 0.005)
 COUNT = 5
 STATES = launches(COUNT, np.random.default_rng(1))
-PLACES = np.tile(np.arange(len(TIMES)), (COUNT, 1))
-SCHEDULE = Schedule(np.tile(TIMES, (COUNT, 1)), PLACES, PLACES)
+SCHEDULE = Schedule.of_times(np.tile(TIMES, (COUNT, 1)))
 ARCS = arcs(NOMINAL, STATES, SCHEDULE.times)
 PATH = NOMINAL.fly(STATES, TIMES)
 PREDICTION = predict_measurements(NOMINAL, SCHEDULE, STATES)
