@@ -6,10 +6,9 @@ from models.gap.amend.simulator import amended_yaml
 from models.gap.settings import DEFAULTS
 from pipeline.gap.cases import Diagnosed, cases
 from pipeline.gap.figures.stability import closing_figure, stability_figure
-from pipeline.gap.shots import read_training_shots
+from pipeline.gap.shots import SourceShots, read_training_shots
 from pipeline.gap.tables import metrics, report_tables
 from pipeline.io.artifacts import write_text
-from pipeline.io.episodes import MeasuredEpisode
 from pipeline.runtime.console import warn
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.parallel import parallel
@@ -30,16 +29,15 @@ def close_gap(run: StageRun) -> None:
     run.add(*report_tables(diagnosed, settings))
 
 
-def _enough(
-    run: StageRun, shots: dict[str, list[MeasuredEpisode]]
-) -> dict[str, list[MeasuredEpisode]]:
+def _enough(run: StageRun, shots: dict[str, SourceShots]) -> dict[str, SourceShots]:
     """Return the sources with enough shots for a verdict; warn of the others."""
     least = DEFAULTS.verify.held_out
-    for source, members in shots.items():
-        run.log_input(source, run.input("segment", "samples.parquet"), len(members))
-        if len(members) < least:
-            warn(f"{source} has {len(members)} unbroken training shots; give at least {least}")
-    enough = {source: members for source, members in shots.items() if len(members) >= least}
+    counts = {source: len(found.members) for source, found in shots.items()}
+    for source, count in counts.items():
+        run.log_input(source, run.input("segment", "samples.parquet"), count)
+        if count < least:
+            warn(f"{source} has {count} unbroken training shots; give at least {least}")
+    enough = {source: shots[source] for source, count in counts.items() if count >= least}
     if not enough:
         problem = f"no source has {least} unbroken shots of more than twelve samples in train"
         raise InputError(run.input("segment", "episodes.parquet"), problem)

@@ -22,6 +22,8 @@ from models.gap.name.parts import UNEXPLAINED, parts
 from models.gap.name.selection import evidence_about
 from models.gap.name.unexplained import UnexplainedStructure, find_unexplained
 from models.gap.name.variation import variations
+from models.gap.net.contacts import NetContacts
+from models.gap.net.naming import name_net
 from models.gap.settings import DEFAULTS, GapSettings, Question
 from models.gap.types import PHASES
 from models.gap.verdict import (
@@ -29,6 +31,7 @@ from models.gap.verdict import (
     Cause,
     DetectionLimits,
     PhaseShares,
+    Role,
     Unexplained,
     Verdict,
     Worth,
@@ -36,6 +39,7 @@ from models.gap.verdict import (
 from models.gap.verify.limitations import limitations, of_labels
 from models.gap.verify.verified import Verified
 
+ROLES: tuple[Role, ...] = ("leading", "sensor", "minor")
 # Share of the work that is done when causes are named, the gap is located, and roles are found.
 NAMED, LOCATED = 0.65, 0.8
 
@@ -45,6 +49,7 @@ def diagnose(
     simulator: Simulator,
     settings: GapSettings = DEFAULTS,
     withheld: Sequence[str] = (),
+    nets: NetContacts | None = None,
     progress: Callable[[float], None] = lambda share: None,
     on_limits: Callable[[DetectionLimits], None] = lambda limits: None,
 ) -> Verdict:
@@ -58,6 +63,7 @@ def diagnose(
         simulator: the nominal one, to compare with.
         settings: thresholds, such as the level: the probability of a false cause without any gap.
         withheld: effects of the catalogue that are not in question.
+        nets: contacts with the net, if there are any.
         progress: called with the share of the work that is done.
         on_limits: called with what the shots can show, before causes are searched for.
 
@@ -80,7 +86,7 @@ def diagnose(
     significant = structure.p_value <= settings.level and structure.confirmed(whole.verification)
     located = locate(named.fit, question, parts(named, structure if significant else None))
     progress(LOCATED)
-    verdict = _Findings(whole, structure, significant, located).verdict(shots)
+    verdict = _Findings(whole, structure, significant, located).verdict(shots, nets)
     progress(1.0)
     return verdict
 
@@ -101,13 +107,16 @@ class _Findings:
     significant: bool
     located: Located | None
 
-    def verdict(self, shots: Shots) -> Verdict:
-        """Return the verdict on the shots, held-out ones included."""
+    def verdict(self, shots: Shots, nets: NetContacts | None) -> Verdict:
+        """Return the verdict on the shots, held-out ones included, and on contacts with the net."""
         named, question = self.whole.named, self.whole.question
         main, worths, minor = _reduced(self.whole, self.fits, self.shares)
         limits = detection_limits(evidence_about(named.before, question), named.readings, question)
         varying = variations(main.named)
-        found = (*_main_causes(main.named, worths, self.shares), *minor)
+        net = name_net(nets, main.named, question) if nets else None
+        found = _by_role(
+            [*_main_causes(main.named, worths, self.shares), *minor, *(net.causes if net else ())]
+        )
         phases = self.located.phase_shares if self.located else dict.fromkeys(PHASES, 0.0)
         return Verdict(
             verdict=_answer(found, main, self.structure_share, bool(varying)),
@@ -116,6 +125,7 @@ class _Findings:
             unexplained=self.unexplained,
             phases=PhaseShares(**phases),
             gap=main.gap,
+            net=net.errors if net else None,
             checks=main.checks,
             camera=camera_nodes(main.named),
             minimum_detectable=limits.minimum_detectable,
@@ -168,12 +178,11 @@ def _reduced(
         minor.append(cause(whole.named, k, "minor", shares, worth))
         whole = whole.without(k)
         judgement = whole.judgement(fits)
-    minor.sort(key=lambda one: -one.gap_share)
     return whole, judgement.worths.of_causes, minor
 
 
 def _main_causes(named: Named, worths: dict[str, Worth], shares: dict[str, float]) -> list[Cause]:
-    """Return leading causes and sensor faults, each the largest share first."""
+    """Return leading causes and sensor faults."""
     columns = named.explainer.evidence.columns
     found = [
         cause(named, k, default_role(columns[k]), shares, worths.get(columns[k].identity))
@@ -183,7 +192,12 @@ def _main_causes(named: Named, worths: dict[str, Worth], shares: dict[str, float
         found.append(camera_cause(named, named.distortion, shares, worths.get(CAMERA.identity)))
     if named.readings.significant:
         found.append(label_signs_cause(named, shares))
-    return sorted(found, key=lambda one: (one.role != "leading", -one.gap_share))
+    return found
+
+
+def _by_role(found: Sequence[Cause]) -> tuple[Cause, ...]:
+    """Return leading causes, sensor faults and minor structure, each the largest share first."""
+    return tuple(sorted(found, key=lambda one: (ROLES.index(one.role), -one.gap_share)))
 
 
 def _answer(

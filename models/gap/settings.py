@@ -164,6 +164,18 @@ class NameSettings:
 
 
 @dataclass(frozen=True)
+class NetSettings:
+    """The net, by the shots that touch it."""
+
+    min_samples: int = 6  # of the arc before a contact and of the arc after
+    min_contacts: int = 9  # with the face of the net, a third of them held out
+    latest: float = 0.03  # s after the arc after starts, until when the arc before may meet it
+    largest_error: float = 0.2  # of a velocity, as a share of the speed towards the net
+    degrees: float = 4.0  # of freedom of the scatter of contacts
+    horizon: float = 0.1  # s after the contact, until when predictions are judged
+
+
+@dataclass(frozen=True)
 class VerifySettings:
     """Errors of predictions on held-out shots, and limitations of the shots."""
 
@@ -209,6 +221,7 @@ class GapSettings:
         inference: of tests.
         locate: where and in which phase.
         name: of causes.
+        net: its law.
         verify: of the amended simulator.
     """
 
@@ -220,6 +233,7 @@ class GapSettings:
     inference: InferenceSettings = field(default_factory=InferenceSettings)
     locate: LocateSettings = field(default_factory=LocateSettings)
     name: NameSettings = field(default_factory=NameSettings)
+    net: NetSettings = field(default_factory=NetSettings)
     verify: VerifySettings = field(default_factory=VerifySettings)
 
     @property

@@ -95,7 +95,7 @@ class Cause(_Part):
         interval: 95 % confidence interval of the estimate.
         p_value: probability that the largest of all hypotheses is as large without any gap.
         gap_share: share of the mean squared discrepancy of trajectories, of all causes and of
-            unexplained structure.
+            unexplained structure; zero for the net, where these trajectories end.
         worth: alone, in prediction errors; None where held-out shots are too short or few.
         possible: identities that these shots cannot tell from the cause, its own first.
     """
@@ -247,6 +247,24 @@ class Gap(_Part):
     reduction_mm: tuple[float, float] | None = None
 
 
+class NetErrors(_Part):
+    """Prediction errors after the face of the net, by the amended simulator.
+
+    Attributes:
+        contacts: number of contacts that the net's values are from, held-out ones included.
+        held_out: number of those that the errors are from.
+        horizon_ms: after the contact; errors are over the path up to there.
+        before_mm: root mean square error with the nominal simulator's net, or none.
+        after_mm: with the net as named.
+    """
+
+    contacts: int
+    held_out: int
+    horizon_ms: int
+    before_mm: float
+    after_mm: float
+
+
 @dataclass(frozen=True)
 class DetectionLimits:
     """What the shots can show, known before causes are searched for.
@@ -297,6 +315,7 @@ class Verdict(_Part):
         unexplained: structure that no cause explains.
         phases: shares of the gap by phase.
         gap: prediction errors on held-out shots; None where these are too few.
+        net: prediction errors after the net; None where too few shots touch its face.
         checks: posterior predictive checks of the model with the main causes.
         camera: the cameras' error over space, where it is one of the causes.
         minimum_detectable: see ``DetectionLimits``.
@@ -313,6 +332,7 @@ class Verdict(_Part):
     unexplained: Unexplained
     phases: PhaseShares
     gap: Gap | None
+    net: NetErrors | None = None
     checks: tuple[Check, ...] = ()
     camera: CameraNodes | None = None
     minimum_detectable: dict[str, float]

@@ -42,13 +42,15 @@ class Contact:
 
     @property
     def kind(self) -> str:
-        """The surface: ``table``, ``floor``, ``racket`` or ``unknown``."""
+        """The surface: ``table``, ``floor``, ``racket``, ``net`` or ``unknown``."""
         if self._bounces():
             if abs(self.position[2] - BALL_RADIUS) < TABLE_TOLERANCE:
                 return "table"
             if self.position[2] < FLOOR_HEIGHT:
                 return "floor"
-        return "racket" if self._is_struck() else "unknown"
+        if self._is_struck():
+            return "racket"
+        return "net" if self._is_at_net() else "unknown"
 
     @property
     def is_grazing(self) -> bool:

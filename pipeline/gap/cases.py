@@ -9,10 +9,11 @@ import pandas as pd
 from models.ball.simulator import Simulator
 from models.gap.diagnose import diagnose
 from models.gap.fit.shots import Shots
+from models.gap.net.contacts import NetContacts
 from models.gap.settings import GapSettings
 from models.gap.verdict import Verdict
 from pipeline.gap.provenance import made_from
-from pipeline.gap.shots import shots_of
+from pipeline.gap.shots import SourceShots, shots_of
 from pipeline.io.amended_simulators import case_name
 from pipeline.io.episodes import MeasuredEpisode
 from pipeline.io.simulators import load_simulator
@@ -32,6 +33,7 @@ class Case:
         split: number of the random draw of shots.
         simulator: the nominal one.
         shots: in the order drawn, which decides which of them are held out.
+        nets: all contacts with the net.
         level: probability of a false cause where there is no gap.
     """
 
@@ -40,6 +42,7 @@ class Case:
     split: int
     simulator: Simulator
     shots: Shots
+    nets: NetContacts
     level: float
 
     @property
@@ -50,7 +53,7 @@ class Case:
     def diagnose(self) -> "Diagnosed":
         """Return the case with its verdict."""
         settings = GapSettings(level=self.level)
-        verdict = diagnose(self.shots, self.simulator, settings)
+        verdict = diagnose(self.shots, self.simulator, settings, nets=self.nets)
         counts = len(np.unique(self.shots.groups)), len(self.shots)
         name = self.simulator_name
         origin = made_from(self.source, None, counts, self.simulator, name, settings)
@@ -66,7 +69,7 @@ class Diagnosed:
 
 
 def cases(
-    shots: Mapping[str, Sequence[MeasuredEpisode]], settings: CloseGapSettings, seed: int
+    shots: Mapping[str, SourceShots], settings: CloseGapSettings, seed: int
 ) -> Iterator[Case]:
     """Yield all cases; a split draws the same shots for every simulator.
 
@@ -74,12 +77,12 @@ def cases(
         InputError: a simulator cannot be used.
     """
     simulators = {name: nominal_simulator(one, name) for name, one in settings.simulators.items()}
-    for source, members in shots.items():
+    for source, found in shots.items():
         for name, simulator in simulators.items():
             for split in range(settings.splits):
                 random = np.random.default_rng([seed, split, *source.encode()])
-                chosen = drawn(members, settings.shots, random)
-                yield Case(source, name, split, simulator, chosen, settings.level)
+                chosen = drawn(found.members, settings.shots, random)
+                yield Case(source, name, split, simulator, chosen, found.nets, settings.level)
 
 
 def nominal_simulator(settings: ComparedSimulatorSettings, name: str) -> Simulator:

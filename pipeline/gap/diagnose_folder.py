@@ -77,7 +77,12 @@ def diagnose_folder(
         with bar.phase("comparing"):
             settings = GapSettings(level=level)
             verdict = diagnose(
-                measured.shots, nominal, settings, progress=bar.reached, on_limits=show
+                measured.shots,
+                nominal,
+                settings,
+                nets=measured.nets,
+                progress=bar.reached,
+                on_limits=show,
             )
             verdict = with_doubts(verdict, measured)
         counts = measured.recordings, len(measured.shots)

@@ -9,13 +9,14 @@ from pathlib import Path
 import pandas as pd
 
 from models.gap.fit.shots import Shots
+from models.gap.net.contacts import NetContacts
 from models.segmentation.settings import SegmentSettings
 from models.segmentation.tables import segment_recordings
 from models.support.suggestion import suggestion
 from pipeline.gap.data_check.check import check_recordings
 from pipeline.gap.labels import LabelCounts, count_labels
 from pipeline.gap.noise import coordinate_noise
-from pipeline.gap.shots import shots_of, why_left_out
+from pipeline.gap.shots import shots_of, source_shots, why_left_out
 from pipeline.io.artifacts import table_writer, write_table
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
 from pipeline.io.schemas import (
@@ -43,7 +44,8 @@ class MeasuredShots:
 
     Attributes:
         name: of the data set.
-        shots: unbroken, with enough samples, touching nothing but the table.
+        shots: unbroken, with enough samples, up to the first touch of anything but the table.
+        nets: contacts with the net.
         recordings: how many there are.
         refused: implausible rows and labels, counted by reason.
         episodes: how many, from one stroke or launch to the next.
@@ -56,6 +58,7 @@ class MeasuredShots:
 
     name: str
     shots: Shots
+    nets: NetContacts
     recordings: int
     refused: dict[str, int]
     episodes: int
@@ -82,16 +85,17 @@ def read_shots(folder: Path | str, source: str) -> MeasuredShots:
     episodes = _episodes(parts, manifest, settings)
     record = next(iter(manifest.sources.values()))
     reasons = [why_left_out(member) for member in episodes]
-    chosen = [member for member, no in zip(episodes, reasons, strict=True) if no is None]
+    found = source_shots(episodes)
     return MeasuredShots(
         name=record.name,
-        shots=shots_of(chosen),
+        shots=shots_of(found.members),
+        nets=found.nets,
         recordings=record.recordings,
         refused=record.refused_counts,
         episodes=len(episodes),
         left_out=dict(Counter(sorted(reason for reason in reasons if reason))),
-        labels=count_labels(parts, record, chosen),
-        bounces=sum(bool(member.episode.arc.any()) for member in chosen),
+        labels=count_labels(parts, record, found.members),
+        bounces=sum(bool(member.episode.arc.any()) for member in found.members),
         noise=settings.noise,
         doubts=doubts,
     )

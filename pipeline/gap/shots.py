@@ -1,15 +1,35 @@
-"""Shots: unbroken paths of measured balls, as the gap workflow takes them."""
+"""Shots: unbroken paths of measured balls, as the gap workflow takes them.
+
+A ball that touches something else than the table is a shot up to there.
+"""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from models.gap.fit.shots import Shots
+from models.gap.net.contacts import NetContacts
 from models.gap.settings import DEFAULTS
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
 from pipeline.io.source_manifest import read_manifest
 
 
-def read_training_shots(artifacts: Path) -> dict[str, list[MeasuredEpisode]]:
+@dataclass(frozen=True)
+class SourceShots:
+    """What a source has for the gap workflow.
+
+    Attributes:
+        members: its shots.
+        nets: its contacts with the net.
+    """
+
+    members: list[MeasuredEpisode]
+    nets: NetContacts
+
+
+def read_training_shots(artifacts: Path) -> dict[str, SourceShots]:
     """Return the shots of every source in the split that predictors train on.
 
     Raises:
@@ -17,35 +37,64 @@ def read_training_shots(artifacts: Path) -> dict[str, list[MeasuredEpisode]]:
     """
     manifest = read_manifest(artifacts / "ingest" / "manifest.json")
     episodes = read_episodes(artifacts / "segment", manifest.labelled_once, splits=("train",))
-    chosen: dict[str, list[MeasuredEpisode]] = {member.source: [] for member in episodes}
-    for member in filter(is_shot, episodes):
-        chosen[member.source].append(member)
-    return dict(sorted(chosen.items()))
+    sources = sorted({member.source for member in episodes})
+    return {
+        source: source_shots([member for member in episodes if member.source == source])
+        for source in sources
+    }
 
 
-def shots_of(episodes: Sequence[MeasuredEpisode]) -> Shots:
-    """Return episodes as the gap workflow takes them."""
+def source_shots(episodes: Sequence[MeasuredEpisode]) -> SourceShots:
+    """Return the shots among the episodes of a source, and its contacts with the net."""
+    kept = [as_shot(member) for member in episodes if why_left_out(member) is None]
+    return SourceShots(kept, net_contacts(episodes))
+
+
+def shots_of(members: Sequence[MeasuredEpisode]) -> Shots:
+    """Return parts of episodes as the gap workflow takes them."""
     return Shots.from_arrays(
-        [member.episode.times for member in episodes],
-        [member.episode.positions for member in episodes],
-        [member.episode.spins for member in episodes],
-        names=[member.episode_id for member in episodes],
-        groups=[member.recording_id for member in episodes],
+        [member.episode.times for member in members],
+        [member.episode.positions for member in members],
+        [member.episode.spins for member in members],
+        names=[member.episode_id for member in members],
+        groups=[member.recording_id for member in members],
     )
 
 
-def is_shot(member: MeasuredEpisode) -> bool:
-    """Return whether an episode is unbroken, long enough, and touches nothing but the table."""
-    return why_left_out(member) is None
+def as_shot(member: MeasuredEpisode) -> MeasuredEpisode:
+    """Return an episode up to where the ball first touches something else than the table."""
+    return member.between(-np.inf, member.touched.min(initial=np.inf))
 
 
 def why_left_out(member: MeasuredEpisode) -> str | None:
     """Return why an episode is no shot, in words that follow a count; ``None`` for a shot."""
-    times = member.episode.times
-    if len(times) <= DEFAULTS.observed_samples:
+    if len(as_shot(member).episode.times) <= DEFAULTS.observed_samples:
         return "too short"
-    if not member.unbroken:
-        return "broken"
-    touches = int(member.episode.arc.max())
-    bounces = int((member.episode.bounces < times[-1]).sum())
-    return None if touches == bounces else "touching more than the table"
+    return None if member.unbroken else "broken"
+
+
+def net_contacts(episodes: Sequence[MeasuredEpisode]) -> NetContacts:
+    """Return the contacts with the net in unbroken episodes: the arc before each and the arc after.
+
+    Contacts after which the path cannot be known, since an arc is too short, are left out.
+    """
+    pairs = [
+        pair
+        for member in episodes
+        if member.unbroken
+        for moment in member.nets
+        if (pair := _arcs_about(member, float(moment))) is not None
+    ]
+    before, after = ([pair[side] for pair in pairs] for side in (0, 1))
+    return NetContacts(shots_of(before), shots_of(after))
+
+
+def _arcs_about(
+    member: MeasuredEpisode, moment: float
+) -> tuple[MeasuredEpisode, MeasuredEpisode] | None:
+    contacts = np.concatenate([member.episode.bounces, member.touched])
+    start = contacts[contacts < moment].max(initial=-np.inf)
+    end = contacts[contacts > moment].min(initial=np.inf)
+    arcs = member.between(start, moment), member.between(moment, end)
+    enough = all(len(arc.episode.times) >= DEFAULTS.net.min_samples for arc in arcs)
+    return arcs if enough else None

@@ -47,6 +47,7 @@ class Findings:
             *reservations(verdict),
             self._answer(),
             *(self._errors(verdict.gap) if verdict.gap else ()),
+            *self._after_net(),
             *map(cause_sentence, verdict.main_causes),
             *self._minor(),
             *map(variation_sentence, verdict.variations),
@@ -114,6 +115,13 @@ class Findings:
         if gap.landing:
             sizes = [f"{place:.1f} mm and {time:.2f} ms" for place, time in gap.landing.sizes]
             yield self._compared("Prediction error at landing", *sizes)
+
+    def _after_net(self) -> Iterator[str]:
+        net = self.verdict.net
+        if net:
+            what = f"Prediction error up to {net.horizon_ms} ms after the net"
+            sizes = f"{net.before_mm:.1f} mm before, {net.after_mm:.1f} mm after amending"
+            yield f"{what}: {sizes} ({counted(net.held_out, 'held-out contact')})."
 
     def _compared(self, what: str, before: str, after: str, floor: str) -> str:
         sizes = f"{before} before, {after} after amending" if self.verdict.main_causes else before

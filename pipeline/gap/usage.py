@@ -10,6 +10,8 @@ from pipeline.gap.measured_shots import MeasuredShots
 def usage_lines(measured: MeasuredShots) -> Iterator[str]:
     """Yield what is used and what is doubtful as lines of text."""
     yield f"Used: {episodes_text(measured)}. Spin labels: {labels_text(measured.labels)}."
+    if len(measured.nets):
+        yield f"Contacts with the net, with an arc before and after: {len(measured.nets):,}."
     for doubt in measured.doubts:
         yield f"Doubtful: {doubt}."
 

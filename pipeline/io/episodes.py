@@ -1,7 +1,7 @@
 """The segmented tables as episodes, the way predictors' windows take them."""
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +31,18 @@ ORIGIN = ["episode_id", "recording_id", "source", "split", "unbroken"]
 
 @dataclass(frozen=True)
 class MeasuredEpisode:
-    """An episode with where it comes from and what it is for."""
+    """An episode with where it comes from and what it is for.
+
+    Attributes:
+        episode_id: name.
+        recording_id: the recording that it is from.
+        source: of the recording.
+        split: what it is for.
+        unbroken: whether its samples fit the paths between its contacts.
+        episode: its samples.
+        touched: (C,) s, when the ball touches something else than the table after the first sample.
+        nets: (D,) s, those of these contacts that are with the net.
+    """
 
     episode_id: str
     recording_id: str
@@ -39,6 +50,16 @@ class MeasuredEpisode:
     split: str
     unbroken: bool
     episode: Episode
+    touched: Floats
+    nets: Floats
+
+    def between(self, start: float, end: float) -> "MeasuredEpisode":
+        """Return the samples from ``start`` to ``end``, s."""
+        whole = self.episode
+        rows = (whole.times >= start) & (whole.times < end)
+        names = ("times", "positions", "velocities", "spins", "outlier", "arc")
+        part = replace(whole, **{name: getattr(whole, name)[rows] for name in names})
+        return replace(self, episode=part)
 
 
 def read_episodes(
@@ -59,15 +80,25 @@ def read_episodes(
     episodes = read_checked(folder / "episodes.parquet", EPISODES)
     label_ends = _label_ends(contacts, episodes, labelled_once)
     chosen = episodes[episodes["split"].isin(splits) & ~_tosses(episodes)]
-    bounces = contacts[contacts["kind"] == "table"].groupby("episode_id")["t"]
-    bounce_times = {str(name): times.to_numpy() for name, times in bounces}
+    kind = contacts["kind"]
+    bounces, touched, nets = (
+        _times(contacts[some]) for some in (kind == "table", kind != "table", kind == "net")
+    )
     path = folder / "samples.parquet"
-    parts = dict(_episodes(path, chosen, bounce_times, label_ends))
+    parts = dict(_episodes(path, chosen, bounces, label_ends))
     absent = [name for name in chosen["episode_id"] if name not in parts]
     if absent:
         raise InputError(path, f"has no samples of episode {absent[0]}; run `dvc repro -f segment`")
     return [
-        MeasuredEpisode(name, recording_id, source, split, unbroken, parts[name])
+        MeasuredEpisode(
+            name,
+            recording_id,
+            source,
+            split,
+            unbroken,
+            parts[name],
+            *(_inside(times.get(name), parts[name]) for times in (touched, nets)),
+        )
         for name, recording_id, source, split, unbroken in chosen[ORIGIN].itertuples(index=False)
     ]
 
@@ -76,6 +107,20 @@ def _tosses(episodes: pd.DataFrame) -> "pd.Series[bool]":
     """Return which episodes are the toss of a serve: no stroke begins it, and the serve ends it."""
     unstruck = episodes["starts_with"].isin(["recording", "gap"])
     return unstruck & (episodes["ends_with"] == "racket") & (episodes["bounces"] == 0)
+
+
+def _times(contacts: pd.DataFrame) -> dict[str, Floats]:
+    """Return the times of contacts by episode, s."""
+    by_episode = contacts.groupby("episode_id")["t"]
+    return {str(name): times.to_numpy() for name, times in by_episode}
+
+
+def _inside(times: Floats | None, episode: Episode) -> Floats:
+    """Return which of an episode's contacts are between its first sample and its last."""
+    if times is None:
+        return np.empty(0)
+    inside: Floats = times[(times > episode.times[0]) & (times < episode.times[-1])]
+    return inside
 
 
 def _label_ends(
@@ -92,7 +137,7 @@ def _label_ends(
 def _episodes(
     path: Path,
     chosen: pd.DataFrame,
-    bounce_times: dict[str, Floats],
+    bounces: dict[str, Floats],
     label_ends: dict[str, float],
 ) -> Iterator[tuple[str, Episode]]:
     """Yield the chosen episodes by id, one row group of their samples in memory at a time."""
@@ -103,9 +148,9 @@ def _episodes(
         whole = as_episode(wanted)
         for name, rows in wanted.groupby("episode_id", sort=False).indices.items():
             episode_id = str(name)
-            bounces = bounce_times.get(episode_id, np.empty(0))
             label_end = label_ends.get(recordings[episode_id], np.inf)
-            yield episode_id, _part(whole, np.asarray(rows), bounces, label_end)
+            times = bounces.get(episode_id, np.empty(0))
+            yield episode_id, _part(whole, np.asarray(rows), times, label_end)
 
 
 def as_episode(samples: pd.DataFrame) -> Episode:

@@ -48,6 +48,7 @@ CONTACT_COLOURS = {
     "racket": "#d55e00",
     "table": "#009988",
     "floor": "#8a6fd1",
+    "net": "#b8860b",
     "unknown": "#7d8791",
 }
 # In the order of legends: physics, what bounds all others, trained predictors.

@@ -127,7 +127,7 @@ CONTACTS = _schema(
     {
         "recording_id": _text,
         "episode_id": _text,
-        "kind": _one_of("racket", "table", "floor", "unknown"),
+        "kind": _one_of("racket", "table", "net", "floor", "unknown"),
         "t": _number(),
         **_positions,
         "speed_change": _number(),

@@ -5,6 +5,7 @@ import numpy as np
 from models.ball.simulators import shipped
 from models.gap.fit.shots import Shots
 from models.gap.location import Growth, Located
+from models.gap.net.contacts import NetContacts
 from models.gap.settings import DEFAULTS
 from models.gap.verdict import (
     CameraNodes,
@@ -157,7 +158,13 @@ def verdict(answer="named", causes=(WIND,), **changes):
 def diagnosed(found, simulator_name="mine", split=0):
     """A verdict as one of a case."""
     shots = Shots.from_arrays([TIMES] * 4, [PATH] * 4)
-    return Diagnosed(Case("lab", simulator_name, split, shipped("literature"), shots, 0.003), found)
+    case = Case("lab", simulator_name, split, shipped("literature"), shots, no_nets(), 0.003)
+    return Diagnosed(case, found)
+
+
+def no_nets():
+    """Contacts with the net, of which there are none."""
+    return NetContacts(*(Shots.from_arrays([], []) for _ in range(2)))
 
 
 def findings(of=None, simulator_name="sim.yaml", name="lab"):
@@ -166,6 +173,7 @@ def findings(of=None, simulator_name="sim.yaml", name="lab"):
     measured = MeasuredShots(
         name,
         shots,
+        nets=no_nets(),
         recordings=5,
         refused={"not a number": 2},
         episodes=6,

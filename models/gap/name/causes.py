@@ -39,7 +39,7 @@ def cause(
     hypothesis = explainer.evidence.columns[k]
     estimate, interval = estimated(named, k)
     return Cause(
-        **_described(hypothesis, explainer.nominal),
+        **described(hypothesis, explainer.nominal),
         role=role,
         estimate=estimate,
         interval=interval,
@@ -70,7 +70,7 @@ def default_role(hypothesis: Hypothesis) -> Role:
 def label_signs_cause(named: Named, gap_shares: dict[str, float]) -> Cause:
     """Return the flipped labels as a cause."""
     return Cause(
-        **_described(LABEL_SIGNS, named.explainer.nominal),
+        **described(LABEL_SIGNS, named.explainer.nominal),
         role="sensor",
         estimate=named.readings.share,
         interval=named.readings.interval,
@@ -86,7 +86,7 @@ def camera_cause(
     """Return the cameras' error over space as a cause."""
     estimate, interval = camera_size(named, found)
     return Cause(
-        **_described(CAMERA, named.explainer.nominal),
+        **described(CAMERA, named.explainer.nominal),
         role="sensor",
         estimate=estimate,
         interval=interval,
@@ -114,7 +114,8 @@ def camera_size(named: Named, found: Distortion) -> tuple[float, tuple[float, fl
     return unit * size.estimate, (unit * low, unit * high)
 
 
-def _described(hypothesis: Hypothesis, nominal: Simulator) -> dict[str, Any]:
+def described(hypothesis: Hypothesis, nominal: Simulator) -> dict[str, Any]:
+    """Return what a cause has in common with any other about this parameter."""
     return {
         "identity": hypothesis.identity,
         "kind": "wrong_value" if hypothesis.listed(nominal) else "missing_effect",

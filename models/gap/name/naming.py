@@ -64,6 +64,13 @@ class Named:
         """The simulator with the estimates of all causes, signs of labels aside."""
         return with_estimates(self.explainer, self.explanation.causes)
 
+    def corrected(self, shots: Shots) -> Shots:
+        """Return shots less the cameras' error over space, if there is one."""
+        if self.distortion is None:
+            return shots
+        with_functions = self.distortion.field.on(shots, shots.positions)
+        return with_functions.corrected(self.fit.camera_errors).without_shared()
+
     @property
     def spins(self) -> tuple[float, float]:
         """Sizes of a component of a spin, rad/s, by the nominal simulator and with the causes."""

@@ -1,9 +1,9 @@
 """Spins by paths: what the path of a shot tells about the spin that its label measures.
 
-A shot is fitted without its labels, from the spin as it was fitted, and where it then fits far worse
-than most from the negative of that spin too. The linearised fit gives mean and covariance of the spin at the label, all other nuisance parameters
-eliminated. The prior is that of a spin of typical size in any direction, so that a path that tells
-nothing decides nothing.
+A shot is fitted without its labels from the spin as it was fitted, and where it then fits far worse
+than most from the negative of that spin too. The linearised fit gives mean and covariance of the
+spin at the label, all other nuisance parameters eliminated. The prior is that of a spin of typical
+size in any direction, so that a path that tells nothing decides nothing.
 """
 
 from dataclasses import dataclass, replace

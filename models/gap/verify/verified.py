@@ -81,9 +81,7 @@ def _fit_held_out(shots: Shots, named: Named, settings: GapSettings) -> RefitRes
     simulator, noise = named.fit.simulator, named.fit.noise_estimate.noise
     if named.readings.useless:
         shots = without_labels(shots)
-    if named.distortion is not None:
-        errors, field = named.fit.camera_errors, named.distortion.field
-        shots = field.on(shots, shots.positions).corrected(errors).without_shared()
+    shots = named.corrected(shots)
     about = fit_nuisance(shots, simulator, noise, settings.fit)
     if not named.readings.doubtful:
         return about

@@ -47,7 +47,7 @@ def test_kind_of_contact(before, after, height, kind):
 
 
 def test_ball_that_falls_back_from_the_net_is_no_racket_contact():
-    assert contact([0.0, 8.0, 0.0], [0.3, -1.5, 0.0], (0.0, 0.02, 0.1)).kind == "unknown"
+    assert contact([0.0, 8.0, 0.0], [0.3, -1.5, 0.0], (0.0, 0.02, 0.1)).kind == "net"
 
 
 @pytest.mark.parametrize("mirror", [[-1, 1, 1], [1, -1, 1]])

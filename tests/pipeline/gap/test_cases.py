@@ -7,11 +7,12 @@ from models.gap.fit.shots import held_out
 from models.gap.settings import DEFAULTS
 from models.predictors.windows import Episode
 from pipeline.gap.cases import cases, drawn, nominal_simulator
+from pipeline.gap.shots import source_shots
 from pipeline.io.episodes import MeasuredEpisode
 from pipeline.params import CloseGapSettings, ComparedSimulatorSettings
 from pipeline.runtime.errors import InputError
 
-TIMES = 0.01 * np.arange(20)
+TIMES, NONE = 0.01 * np.arange(20), np.empty(0)
 
 
 def simulator(name="imperfect_c", without=()):
@@ -33,8 +34,13 @@ def episodes(recordings=12, each=1):
         whole = Episode(TIMES, places, places, places, TIMES < 0, 0 * TIMES, np.empty(0))
         recording = f"lab/{number // each:02d}"
         name = f"{recording}/{number % each}"
-        found.append(MeasuredEpisode(name, recording, "lab", "train", True, whole))
+        found.append(MeasuredEpisode(name, recording, "lab", "train", True, whole, NONE, NONE))
     return found
+
+
+def shots(recordings=12):
+    """Shots of a source, none of which touches the net."""
+    return source_shots(episodes(recordings))
 
 
 def kept_from_naming(case):
@@ -42,7 +48,7 @@ def kept_from_naming(case):
 
 
 def test_every_source_meets_every_simulator_in_every_split():
-    found = list(cases({"lab": episodes(), "other": episodes(4)}, settings(), seed=0))
+    found = list(cases({"lab": shots(), "other": shots(4)}, settings(), seed=0))
     names = [
         f"{source}-{name}-{k}"
         for source in ("lab", "other")
@@ -55,7 +61,7 @@ def test_every_source_meets_every_simulator_in_every_split():
 
 
 def test_a_split_has_the_same_shots_for_all_simulators_and_others_than_the_next():
-    first, second, again, _ = cases({"lab": episodes()}, settings(shots=12), seed=0)
+    first, second, again, _ = cases({"lab": shots()}, settings(shots=12), seed=0)
     assert kept_from_naming(first) == kept_from_naming(again) != kept_from_naming(second)
     assert first.shots.names.tolist() == again.shots.names.tolist()
 

@@ -4,33 +4,69 @@ import numpy as np
 import pytest
 
 from models.predictors.windows import Episode
-from pipeline.gap.shots import is_shot, read_training_shots, shots_of
+from pipeline.gap.shots import (
+    as_shot,
+    net_contacts,
+    read_training_shots,
+    shots_of,
+    why_left_out,
+)
 from pipeline.io.episodes import MeasuredEpisode
 from tests.pipeline.measured_shots import shot_tables, write_inputs
 
 
-def episode(samples=20, touched=None, bounces=(), unbroken=True):
-    """An episode at 100 Hz whose ball touches something after ``touched`` samples."""
+def episode(samples=20, touched=(), nets=(), bounces=(), unbroken=True):
+    """An episode at 100 Hz whose ball bounces, and touches other things at some times."""
     times, places = 0.01 * np.arange(samples), np.zeros((samples, 3))
-    arc = np.arange(samples) >= (samples if touched is None else touched)
-    whole = Episode(times, places, places, places, arc < 0, arc.astype(int), np.array(bounces))
-    return MeasuredEpisode("lab/0/00", "lab/0", "lab", "test", unbroken, whole)
+    whole = Episode(
+        times, places, places, places, times < 0, np.zeros(samples, dtype=int), np.array(bounces)
+    )
+    touched = np.array([*touched, *nets])
+    return MeasuredEpisode(
+        "lab/0/00", "lab/0", "lab", "test", unbroken, whole, touched, np.array(nets)
+    )
 
 
 @pytest.mark.parametrize(
-    ("one", "expected"),
+    ("one", "reason"),
     [
-        (episode(), True),
-        (episode(touched=10, bounces=[0.095]), True),
-        (episode(bounces=[0.2]), True),  # a bounce that ends the rally
-        (episode(touched=10), False),  # at the net, say
-        (episode(touched=10, bounces=[0.2]), False),
-        (episode(samples=12), False),
-        (episode(unbroken=False), False),
+        (episode(), None),
+        (episode(bounces=[0.095]), None),
+        (episode(touched=[0.155], bounces=[0.095]), None),
+        (episode(nets=[0.095]), "too short"),
+        (episode(samples=12), "too short"),
+        (episode(unbroken=False), "broken"),
     ],
 )
-def test_a_shot_is_whole_long_enough_and_touches_the_table_alone(one, expected):
-    assert is_shot(one) == expected
+def test_a_shot_is_whole_and_long_enough(one, reason):
+    assert why_left_out(one) == reason
+
+
+def test_a_shot_ends_where_the_ball_touches_something_else_than_the_table():
+    one = as_shot(episode(bounces=[0.055], touched=[0.185], nets=[0.155]))
+    assert one.episode.times[-1] == pytest.approx(0.15)
+    assert len(as_shot(episode(bounces=[0.055])).episode.times) == 20
+
+
+def test_arcs_about_the_net_end_at_the_contacts_next_to_it():
+    found = net_contacts([episode(samples=40, bounces=[0.055, 0.305], nets=[0.155])])
+    assert len(found) == 1
+    assert found.before.times[0] == pytest.approx(np.arange(0.06, 0.155, 0.01))
+    assert found.after.times[0] == pytest.approx(np.arange(0.16, 0.305, 0.01))
+
+
+@pytest.mark.parametrize(
+    "one",
+    [
+        episode(samples=40),
+        episode(samples=40, touched=[0.155]),
+        episode(samples=40, nets=[0.155], unbroken=False),
+        episode(samples=40, bounces=[0.125], nets=[0.155]),
+        episode(samples=18, nets=[0.155]),
+    ],
+)
+def test_contacts_with_short_arcs_or_other_things_do_not_serve(one):
+    assert len(net_contacts([one])) == 0
 
 
 def test_training_shots_are_those_that_predictors_learn_from(tmp_path):
@@ -42,7 +78,7 @@ def test_training_shots_are_those_that_predictors_learn_from(tmp_path):
     ]
     write_inputs(tmp_path, shots=[*kept, *others], sources=("labelled", "plain"))
     found = read_training_shots(tmp_path / "artifacts")
-    names = {source: [one.episode_id for one in members] for source, members in found.items()}
+    names = {source: [one.episode_id for one in shots.members] for source, shots in found.items()}
     assert names == {"labelled": ["labelled/3/00"], "plain": ["plain/4/00"]}
-    labelled, plain = (shots_of(members) for members in found.values())
+    labelled, plain = (shots_of(shots.members) for shots in found.values())
     assert labelled.labelled.sum() == 1 and not plain.labelled.any()

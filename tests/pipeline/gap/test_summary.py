@@ -2,7 +2,7 @@
 
 import pytest
 
-from models.gap.verdict import DetectionLimits, Unexplained, Variation
+from models.gap.verdict import DetectionLimits, NetErrors, Unexplained, Variation
 from pipeline.gap.summary import answer_title, detection_lines
 from tests.pipeline.verdicts import (
     CAMERA,
@@ -72,6 +72,13 @@ def test_the_outcome_goes_from_errors_over_causes_to_what_to_do():
     assert [line[: len(start)] for line, start in zip(lines, starts, strict=True)] == starts
     assert "1 leading cause and 1 sensor fault identified" in lines[0]
     assert "4 % of the gap" in lines[5]
+
+
+def test_errors_after_the_net_follow_those_of_other_shots():
+    errors = NetErrors(contacts=40, held_out=13, horizon_ms=100, before_mm=321.9, after_mm=18.6)
+    lines = outcome("named", (WIND,), net=errors)
+    text = "up to 100 ms after the net: 321.9 mm before, 18.6 mm after amending (13 held-out"
+    assert text in lines[3]
 
 
 def test_a_failed_check_is_said_first():

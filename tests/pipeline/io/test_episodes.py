@@ -51,6 +51,21 @@ def test_only_the_splits_asked_for_are_read(tmp_path, wanted):
         assert len(one.episode.bounces) == 1
 
 
+def test_contacts_with_other_things_than_the_table_are_read_with_the_net_apart(tmp_path):
+    samples, contacts, episodes, _ = shot_tables("labelled", 0)
+    moments = [samples["t"][0], 0.1, 0.2, samples["t"].iloc[-1] + 0.01]  # two inside the episode
+    kinds = ["racket", "net", "unknown", "floor"]
+    others = [contacts.assign(t=t, kind=kind) for t, kind in zip(moments, kinds, strict=True)]
+    write_table(tmp_path / "samples.parquet", samples)
+    write_table(tmp_path / "contacts.parquet", pd.concat([contacts, *others]))
+    write_table(tmp_path / "episodes.parquet", episodes)
+    (found,) = read_episodes(tmp_path, set())
+    assert (found.touched.tolist(), found.nets.tolist()) == ([0.1, 0.2], [0.1])
+    part = found.between(0.1, 0.2)
+    assert (part.episode.times.min(), part.episode.times.max() < 0.2) == (0.1, True)
+    assert len(part.episode.positions) == len(part.episode.times) < len(samples)
+
+
 def test_an_episode_without_samples_is_named(tmp_path):
     samples, contacts, episodes, _ = shot_tables("labelled", 0)
     write_table(tmp_path / "samples.parquet", samples)

@@ -1,0 +1,1 @@
+"""Net: its restitution and friction, by the shots that touch it."""
