@@ -9,6 +9,7 @@ from models.exam.scoring.rates import rates
 from models.exam.scoring.robustness import of_robustness, of_sweeps
 from models.gap.fit.shots import spread_evenly
 from pipeline.exam.figures import exam_figures
+from pipeline.exam.full_run import code_of_records
 from pipeline.exam.records import RECORDS, read_records
 from pipeline.exam.run import assignments, run_questions
 from pipeline.exam.tables import different_answers, exam_tables, methods_of, rerun_table
@@ -24,6 +25,10 @@ def hidden_effects(run: StageRun) -> None:
     run.log_input("exam records", path, len(records))
     rerun = _rerun(run, records)
     different = different_answers(rerun, records)
+    code = code_of_records(run.root, run.params)
+    earlier = sum(record.code != code for record in records)
+    if earlier:
+        warn(f"{earlier} of {len(records)} records are of earlier code; run `make exam`")
     if different:
         warn(f"{len(different)} of {len(rerun)} answers differ from {RECORDS}; run `make exam`")
     first, *others = methods = methods_of(records)
@@ -31,6 +36,7 @@ def hidden_effects(run: StageRun) -> None:
         **_counts(of_sweeps(records), ""),
         **_counts(of_robustness(records), "_new"),
         **rates(records, first),
+        "records_of_earlier_code": earlier,
         "compared": {name: rates(records, name) for name in others},
     }
     write_json(run.report("exam.json"), results)

@@ -1,8 +1,10 @@
 """The whole exam: ``make exam`` runs every question and writes the records and the costs.
 
 That takes hours, so the stage hidden_effects reads the records and runs only a few questions again.
-A killed run resumes, as long as nothing that its records depend on has changed. For development,
-some of the questions can be run into another file; they resume in the same way::
+A run that is stopped with Ctrl-C leaves the records of the questions that were asked, among those
+of earlier runs; every record has a fingerprint of all that it depends on, and the next run asks
+only questions whose record has another. For development, some of the questions can be run into
+another file::
 
     python -m pipeline.exam.full_run --groups distortion several --every 6 --out records.jsonl
 """
@@ -11,14 +13,15 @@ import argparse
 import hashlib
 import json
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
 
+from models.exam.records import ExamRecord
 from pipeline.evaluation.costs import machine
-from pipeline.exam.records import RECORDS, write_records
-from pipeline.exam.run import Result, assignments, run_questions
+from pipeline.exam.records import RECORDS, read_records, write_records
+from pipeline.exam.run import Assignment, assignments, finished, run_questions
 from pipeline.io.artifacts import write_csv, write_json
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Params, load_params
@@ -27,20 +30,45 @@ from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import repository_root
 from pipeline.runtime.provenance import short
 
-SCRATCH = Path("scratch") / "exam"  # results of questions, in folders by fingerprint
+SCRATCH = Path("scratch") / "exam"  # results of questions, in folders by the code that made them
 # What records depend on: packages of ``models``, and the libraries.
 DEPENDENCIES = ("models/arena", "models/ball", "models/exam", "models/gap", "constraints.txt")
 
 
 def run_exam(root: Path) -> None:
-    """Run the whole exam; write its records, and the costs of verdicts on this machine."""
+    """Run the questions without a record of this code; write records, and the costs of verdicts."""
     params = load_params(root / "params.yaml")
-    results = run_questions(assignments(params), _scratch(root, params))
-    write_records(root / RECORDS, [result.record for result in results])
+    asked, folder = assignments(params), _scratch(root, params)
+    records = _kept_records(root)
+    stale = [one for one in asked if _code(records, one) != folder.name]
+    try:
+        run_questions(stale, folder)
+    finally:
+        records |= {record.name: record for record in _made(stale, folder)}
+        names = (question.trial.name for question, _ in asked)
+        write_records(root / RECORDS, [records[name] for name in names if name in records])
     costs = root / "reports" / "costs"
-    write_csv(costs / "verdicts.csv", verdict_costs(results), digits=3)
+    write_csv(costs / "verdicts.csv", verdict_costs(list(records.values())), digits=3)
     write_json(costs / "verdicts.json", machine(root))
     shutil.rmtree(root / SCRATCH, ignore_errors=True)
+
+
+def _kept_records(root: Path) -> dict[str, ExamRecord]:
+    if not (root / RECORDS).exists():
+        return {}
+    return {record.name: record for record in read_records(root / RECORDS)}
+
+
+def _code(records: Mapping[str, ExamRecord], assignment: Assignment) -> str | None:
+    """Return what made the record of a question; None without a record."""
+    record = records.get(assignment[0].trial.name)
+    return record.code if record else None
+
+
+def _made(assignments: Sequence[Assignment], folder: Path) -> Iterator[ExamRecord]:
+    """Yield the records of the questions that were asked, with their costs and their code."""
+    for result in finished(assignments, folder):
+        yield result.record.model_copy(update={"seconds": result.seconds, "code": folder.name})
 
 
 def run_sample(root: Path, out: Path, groups: Sequence[str], every: int) -> None:
@@ -60,12 +88,12 @@ def run_sample(root: Path, out: Path, groups: Sequence[str], every: int) -> None
     write_records(out, [result.record for result in results])
 
 
-def verdict_costs(results: Sequence[Result]) -> pd.DataFrame:
+def verdict_costs(records: Sequence[ExamRecord]) -> pd.DataFrame:
     """Return the CPU seconds of verdicts: one row a method and number of shots."""
     rows = [
-        {"method": method, "shots": result.record.shots, "seconds": seconds}
-        for result in results
-        for method, seconds in result.seconds.items()
+        {"method": method, "shots": record.shots, "seconds": seconds}
+        for record in records
+        for method, seconds in record.seconds.items()
     ]
     keys = ["method", "shots"]
     groups = pd.DataFrame(rows, columns=[*keys, "seconds"]).groupby(keys, sort=True)["seconds"]
@@ -78,8 +106,8 @@ def verdict_costs(results: Sequence[Result]) -> pd.DataFrame:
     return pd.DataFrame(columns).reset_index()
 
 
-def fingerprint(root: Path, params: Params) -> str:
-    """Return a digest of all that records depend on."""
+def code_of_records(root: Path, params: Params) -> str:
+    """Return a short digest of all that records depend on."""
     digest = hashlib.sha256()
     settings = params.hidden_effects
     simulator = load_simulator(settings.simulator).to_dict()
@@ -87,11 +115,11 @@ def fingerprint(root: Path, params: Params) -> str:
     digest.update(json.dumps(values, sort_keys=True).encode())
     for path in _dependencies(root):
         digest.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
-    return digest.hexdigest()
+    return short(digest.hexdigest())
 
 
 def _scratch(root: Path, params: Params) -> Path:
-    return root / SCRATCH / short(fingerprint(root, params))
+    return root / SCRATCH / code_of_records(root, params)
 
 
 def _dependencies(root: Path) -> Iterator[Path]:

@@ -53,18 +53,21 @@ def run_questions(assignments: Sequence[Assignment], folder: Path) -> list[Resul
         assignments: the questions and their methods.
         folder: of these files, for these assignments and the code that they depend on only.
     """
-    files = [
-        folder / f"{question.trial.name.replace('/', '.')}.json" for question, _ in assignments
-    ]
-    pending = [
-        (*assignment, file)
-        for assignment, file in zip(assignments, files, strict=True)
-        if not file.exists()
-    ]
-    tasks = [partial(_run, *arguments) for arguments in pending]
-    for _ in parallel(tasks, "exam", done=len(files) - len(pending)):
+    pending = [one for one in assignments if not _file(folder, one).exists()]
+    tasks = [partial(_run, *one, _file(folder, one)) for one in pending]
+    for _ in parallel(tasks, "exam", done=len(assignments) - len(pending)):
         pass
-    return [read_as(file, Result, "hidden_effects") for file in files]
+    return finished(assignments, folder)
+
+
+def finished(assignments: Sequence[Assignment], folder: Path) -> list[Result]:
+    """Return the results, in a folder, of those questions that were asked."""
+    files = [_file(folder, one) for one in assignments]
+    return [read_as(file, Result, "hidden_effects") for file in files if file.exists()]
+
+
+def _file(folder: Path, assignment: Assignment) -> Path:
+    return folder / f"{assignment[0].trial.name.replace('/', '.')}.json"
 
 
 def _run(question: Question, methods: Mapping[str, Method], file: Path) -> None:

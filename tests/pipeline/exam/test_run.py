@@ -14,13 +14,14 @@ from models.exam.design.questions import exam
 from models.exam.interface import Answer
 from models.exam.methods.registry import METHODS, RALLYGAP
 from models.exam.simulate.trial import Trial
-from pipeline.exam.full_run import fingerprint, main, run_exam, run_sample, verdict_costs
-from pipeline.exam.records import RECORDS, read_records
+from pipeline.exam.full_run import code_of_records, main, run_exam, run_sample, verdict_costs
+from pipeline.exam.records import RECORDS, read_records, write_records
 from pipeline.exam.run import Result, assignments, run_questions
+from pipeline.io.artifacts import write_text
 from pipeline.io.simulators import load_simulator
 from pipeline.params import load_params
 from pipeline.runtime.errors import InputError
-from tests.models.exam.example_records import example_exam, record
+from tests.models.exam.example_records import record
 from tests.models.exam.example_trials import NOMINAL
 
 REPOSITORY = Path(__file__).parents[3]
@@ -93,21 +94,21 @@ def root(tmp_path):
     return tmp_path
 
 
-def test_the_fingerprint_follows_what_records_depend_on_and_nothing_else(root):
-    before = fingerprint(root, params())
+def test_the_code_of_records_follows_what_records_depend_on_and_nothing_else(root):
+    before = code_of_records(root, params())
 
-    assert fingerprint(root, params(rerun_questions=7)) == before
-    assert fingerprint(root, params(other_methods_every=7)) != before
+    assert code_of_records(root, params(rerun_questions=7)) == before
+    assert code_of_records(root, params(other_methods_every=7)) != before
     (root / "README.md").write_text("other words\n")
-    assert fingerprint(root, params()) == before
+    assert code_of_records(root, params()) == before
     (root / "models/gap/a.py").write_text("a = 2\n")
-    assert fingerprint(root, params()) != before
+    assert code_of_records(root, params()) != before
 
 
 def test_costs_are_cpu_seconds_by_method_and_shots():
     few, many = record(shots=10), record(shots=100)
     seconds = [(few, 1.0), (many, 4.0), (many, 6.0)]
-    table = verdict_costs([Result(record=one, seconds={RALLYGAP: s}) for one, s in seconds])
+    table = verdict_costs([one.model_copy(update={"seconds": {RALLYGAP: s}}) for one, s in seconds])
 
     rows = table.set_index("shots")
     assert rows["verdicts"].to_dict() == {10: 1, 100: 2}
@@ -115,17 +116,61 @@ def test_costs_are_cpu_seconds_by_method_and_shots():
     assert rows["cpu_s_total"].to_dict() == {10: 1.0, 100: 10.0}
 
 
-def test_the_exam_leaves_records_and_costs(root, monkeypatch):
-    records = example_exam(every=100)
-    results = [Result(record=one, seconds={RALLYGAP: 2.0}) for one in records]
-    monkeypatch.setattr(pipeline.exam.full_run, "run_questions", lambda *arguments: results)
+class Asked:
+    """Answers questions at once; stopped with Ctrl-C after some."""
+
+    def __init__(self, monkeypatch, stopped_after=1000):
+        self.names, self.stopped_after = [], stopped_after
+        monkeypatch.setattr(pipeline.exam.full_run, "run_questions", self)
+
+    def __call__(self, assignments, folder):
+        for question, _ in assignments:
+            if len(self.names) == self.stopped_after:
+                raise KeyboardInterrupt
+            name = question.trial.name
+            self.names.append(name)
+            result = Result(record=record(name=name), seconds={RALLYGAP: 2.0})
+            write_text(folder / f"{name.replace('/', '.')}.json", result.model_dump_json())
+
+
+@pytest.fixture
+def few(monkeypatch):
+    """An exam of a few questions."""
+    asked = assignments(params())[::400]
+    monkeypatch.setattr(pipeline.exam.full_run, "assignments", lambda params: asked)
+    return [question.trial.name for question, _ in asked]
+
+
+def test_the_exam_leaves_records_and_costs(root, few, monkeypatch):
+    Asked(monkeypatch)
     (root / "scratch/exam/older").mkdir(parents=True)
 
     run_exam(root)
     assert not (root / "scratch/exam").exists()
-    assert read_records(root / RECORDS) == records
+    records = read_records(root / RECORDS)
+    assert [one.name for one in records] == few
+    assert {one.code for one in records} == {code_of_records(root, params())}
     assert RALLYGAP in (root / "reports/costs/verdicts.csv").read_text()
     assert json.loads((root / "reports/costs/verdicts.json").read_text())["cores"] >= 1
+
+
+def test_a_stopped_exam_leaves_its_records_and_the_next_run_asks_the_others(root, few, monkeypatch):
+    write_records(root / RECORDS, [record(name=few[-1]), record(name="of another exam")])
+    with pytest.raises(KeyboardInterrupt):
+        run_exam_with(Asked(monkeypatch, stopped_after=2), root)
+    code = code_of_records(root, params())
+    kept = [(one.name, one.code) for one in read_records(root / RECORDS)]
+    assert kept == [(few[0], code), (few[1], code), (few[-1], "")]
+    shutil.rmtree(root / "scratch")  # records are enough to resume from
+
+    assert run_exam_with(Asked(monkeypatch), root) == few[2:]
+    assert {one.code for one in read_records(root / RECORDS)} == {code}
+
+
+def run_exam_with(asked, root):
+    """Run the exam; return which questions were asked."""
+    run_exam(root)
+    return asked.names
 
 
 def sampled(root, monkeypatch, groups, every):
