@@ -81,9 +81,19 @@ class Named:
 def name(
     shots: Shots, question: Question, on_start: Callable[[Evidence], None] = lambda evidence: None
 ) -> Named:
-    """Name the causes; ``on_start`` gets the evidence before they are searched for."""
+    """Name the causes; ``on_start`` gets the evidence before they are searched for.
+
+    Where there are many shots, some of them come first, which is most of the way.
+    """
     base = refit(shots, question.simulator, (), question.settings.fit)
     on_start(evidence_about(base, question))
+    few = spread_evenly(len(shots), question.settings.name.first_shots)
+    named = _of_few(shots[few], question, base[few])
+    return named if len(few) == len(shots) else _of_all(named, shots, question, base)
+
+
+def _of_few(shots: Shots, question: Question, base: RefitResult) -> Named:
+    """Name the causes of shots that were fitted about the nominal simulator."""
     named = _with_distortion(_named(shots, question, base), question)
     if named.distortion is None or _signs_as_read(named, question):
         return named
@@ -93,6 +103,34 @@ def name(
     if readings == named.readings:
         return named
     return _with_distortion(_without_doubtful_labels(shots, question, readings), question)
+
+
+def _of_all(named: Named, shots: Shots, question: Question, base: RefitResult) -> Named:
+    """Name the causes of all shots, starting from those of some of them."""
+    settings, causes = question.settings, _hypotheses(named.explainer, named.explanation)
+    readings = _readings_of_all(named, shots, question)
+    kept = without_labels(shots) if readings.useless else readings.corrected(shots)
+    as_read = not readings.useless and not readings.doubtful
+    before = base if as_read else refit(kept, question.simulator, (), settings.fit)
+    start = refit(kept, named.simulator, causes, settings.fit)
+    explainer, explanation = _known_causes(start, question)
+    known = Named(start, explainer, explanation, True, before, readings)
+    camera = CAMERA.effect not in question.withheld
+    found = find_distortion(start, explainer) if camera else None
+    if found is not None:
+        return _distorted(known, found, question)
+    return Named(*_settled(start, question, ()), before, readings)
+
+
+def _readings_of_all(named: Named, shots: Shots, question: Question) -> LabelReadings:
+    """Return how the labels of all shots are read, by the causes of some of them."""
+    settings = question.settings
+    if _signs_as_read(named, question):
+        return replace(all_as_read(shots, settings), useless=named.readings.useless)
+    about = refit(shots, named.simulator, (), settings.fit)
+    if named.distortion is not None:
+        about = with_field(about, named.distortion.field, settings.fit)
+    return read_labels(about.linear.shots, about, settings)
 
 
 def _signs_as_read(named: Named, question: Question) -> bool:
@@ -123,13 +161,13 @@ def _named(shots: Shots, question: Question, base: RefitResult) -> Named:
     settings = question.settings
     about = _with_lift(shots, question) or base
     if LABEL_SIGNS.effect in question.withheld:
-        return _explained(shots, question, about, base, all_as_read(shots, settings))
+        return _explained(question, about, base, all_as_read(shots, settings))
     readings = read_labels(shots, about, settings)
     if readings.doubtful:
         return _without_doubtful_labels(shots, question, readings)
     if _useless(base, question):
         return _by_paths(shots, question)
-    named = _explained(shots, question, about, base, readings)
+    named = _explained(question, about, base, readings)
     if named.explanation.causes:
         again = read_labels(shots, named.fit, settings)
         if again.doubtful:
@@ -147,7 +185,7 @@ def _without_doubtful_labels(shots: Shots, question: Question, doubtful: LabelRe
     base = refit(kept, question.simulator, (), question.settings.fit)
     if _useless(base, question):
         return _by_paths(shots, question)
-    named = _explained(kept, question, _with_lift(kept, question) or base, base, doubtful)
+    named = _explained(question, _with_lift(kept, question) or base, base, doubtful)
     about = refit(shots, named.simulator, (), question.settings.fit)
     return _resumed(named, shots, question, read_labels(shots, about, question.settings))
 
@@ -161,7 +199,7 @@ def _by_paths(shots: Shots, question: Question) -> Named:
     settings, alone = question.settings, without_labels(shots)
     base, none = refit(alone, question.simulator, (), settings.fit), all_as_read(shots, settings)
     unused = replace(none, useless=True)
-    named = _explained(alone, question, _with_lift(alone, question) or base, base, unused)
+    named = _explained(question, _with_lift(alone, question) or base, base, unused)
     readings = read_labels(shots, named.fit, settings)
     causes = _hypotheses(named.explainer, named.explanation)
     about = refit(readings.corrected(shots), named.simulator, causes, settings.fit)
@@ -190,11 +228,16 @@ def without_cause(named: Named, k: int, question: Question) -> Named:
     causes = tuple(named.explainer.evidence.columns[j] for j in rest)
     shots = named.fit.linear.shots
     fit = refit(shots, near, causes, question.settings.fit, start=named.fit)
-    evidence = evidence_about(fit, question)
-    places = _places(evidence, causes)
-    explainer = Explainer(evidence, question.simulator, places)
-    explanation = best_explanation(explainer, places, len(places))
+    explainer, explanation = _known_causes(fit, question)
     return replace(named, fit=fit, explainer=explainer, explanation=explanation)
+
+
+def _known_causes(fit: RefitResult, question: Question) -> tuple[Explainer, Explanation]:
+    """Return the explanation of shots by the causes that they were refitted with."""
+    evidence = evidence_about(fit, question)
+    places = _places(evidence, fit.free)
+    explainer = Explainer(evidence, question.simulator, places)
+    return explainer, best_explanation(explainer, places, len(places))
 
 
 def with_estimates(explainer: Explainer, causes: Places) -> Simulator:
@@ -236,22 +279,10 @@ def _with_lift(shots: Shots, question: Question) -> RefitResult | None:
 
 
 def _explained(
-    shots: Shots,
-    question: Question,
-    base: RefitResult,
-    before: RefitResult,
-    readings: LabelReadings,
+    question: Question, about: RefitResult, before: RefitResult, readings: LabelReadings
 ) -> Named:
-    """Explain the shots: where there are many, some of them first, which is most of the way."""
-    most = question.settings.name.first_shots
-    few = base[spread_evenly(len(shots), most)]
-    fit, explainer, explanation, settled = _settled(few, question, base.free)
-    if len(shots) > most:
-        causes = _hypotheses(explainer, explanation)
-        near = with_estimates(explainer, explanation.causes)
-        start = base if causes == base.free else refit(shots, near, causes, question.settings.fit)
-        fit, explainer, explanation, settled = _settled(start, question, base.free)
-    return Named(fit, explainer, explanation, settled, before, readings)
+    """Explain shots by what they need beyond the simulator that they were fitted about."""
+    return Named(*_settled(about, question, about.free), before, readings)
 
 
 def _settled(fit: RefitResult, question: Question, required: Causes) -> Followed:
