@@ -5,6 +5,8 @@ from scipy.spatial.distance import cdist
 
 from models.ball.types import Floats
 
+BLOCK = 2048  # places at once, so that their covariances stay in the processor's cache
+
 
 def covariance(places: Floats, others: Floats, length: float) -> Floats:
     """Return (N, M) covariances of a field of unit variance at (N, 3) and (M, 3) places, m.
@@ -12,5 +14,15 @@ def covariance(places: Floats, others: Floats, length: float) -> Floats:
     The covariance is a squared exponential: two places ``length`` apart have the correlation
     exp(-1/2).
     """
-    correlation: Floats = np.exp(-0.5 * cdist(places, others, "sqeuclidean") / length**2)
-    return correlation
+    exponents: Floats = cdist(places, others, "sqeuclidean")
+    exponents *= -0.5 / length**2
+    return np.asarray(np.exp(exponents, out=exponents))
+
+
+def weighted_covariances(places: Floats, nodes: Floats, weights: Floats, length: float) -> Floats:
+    """Return (N, D) sums of covariances of (N, 3) places with (M, 3) nodes, by (M, D) weights."""
+    sums = np.empty((len(places), weights.shape[1]))
+    for first in range(0, len(places), BLOCK):
+        rows = slice(first, first + BLOCK)
+        sums[rows] = covariance(places[rows], nodes, length) @ weights
+    return sums

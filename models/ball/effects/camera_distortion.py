@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from models.ball.camera_field import covariance
+from models.ball.camera_field import weighted_covariances
 from models.ball.effect import Effect, Parameter
 from models.ball.quantities import View
 from models.ball.types import Floats
@@ -36,6 +36,6 @@ effect = Effect(
 @effect.adds("position_error")
 def position_error(view: View, amplitude: float, length: float, nodes: Any) -> Floats:
     places, rows = np.asarray(view.place), np.asarray(nodes, dtype=np.float64).reshape(-1, 6)
-    weights = covariance(places.reshape(-1, 3), rows[:, :3], length) @ rows[:, 3:]
-    error: Floats = amplitude * weights.reshape(places.shape)
+    sums = weighted_covariances(places.reshape(-1, 3), rows[:, :3], rows[:, 3:], length)
+    error: Floats = amplitude * sums.reshape(places.shape)
     return error

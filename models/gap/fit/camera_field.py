@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from models.ball.camera_field import covariance
+from models.ball.camera_field import covariance, weighted_covariances
 from models.ball.types import Floats
 from models.gap.fit.shots import Shots, spread_evenly
 from models.gap.settings import FieldSettings
@@ -46,8 +46,9 @@ class CameraField:
 
     def functions(self, places: Floats) -> Floats:
         """Return (..., R) values of the functions at (..., 3) places, m."""
-        across = covariance(places.reshape(-1, 3), self.nodes, self.settings.length)
-        functions: Floats = self.size * (across @ self.weights).reshape(*places.shape[:-1], -1)
+        length = self.settings.length
+        sums = weighted_covariances(places.reshape(-1, 3), self.nodes, self.weights, length)
+        functions: Floats = self.size * sums.reshape(*places.shape[:-1], -1)
         return functions
 
     def on(self, shots: Shots, places: Floats) -> Shots:
