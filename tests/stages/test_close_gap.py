@@ -36,7 +36,7 @@ def prepared(root, shots=4, split="train", **changes):
     return StageRun("close_gap", root, params(close_gap=SETTINGS.model_copy(update=changes)))
 
 
-def windy(shots, simulator, settings):
+def windy(shots, simulator, settings, nets):
     """A verdict on a wind that grows with the simulator's lift."""
     strength = 0.5 + simulator.effects.get("magnus", {"cm": 0.0})["cm"]
     return verdict(causes=[WIND.model_copy(update={"estimate": strength})])

@@ -100,5 +100,5 @@ def test_real_rallies(tmp_path, real_data):
     run_ingest(tmp_path, real_data, ["tt3d"])
     metrics = read_json(run_segment(tmp_path).report("metrics.json"))["tt3d"]
     assert metrics["recordings"] == metrics["episodes"] == 70
-    assert metrics["contacts"] == {"table": 70, "unknown": 1}
+    assert metrics["contacts"] == {"table": 70, "net": 1}
     assert metrics["unbroken_share"] > 0.9
