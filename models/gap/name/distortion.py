@@ -20,6 +20,7 @@ from models.gap.settings import FitSettings
 from models.gap.types import Places
 
 CAMERA = Hypothesis("camera_distortion", "amplitude")
+AT_BOUND = 1e-3  # relative distance from the bound, against rounding of the search
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,11 @@ class Distortion:
     def p_value(self) -> float:
         """Of so large a gain without any error of the cameras."""
         return variance_p_value(self.gain)
+
+    def is_plausible(self, fit: RefitResult) -> bool:
+        """Return whether its size, by a refit, is not at its bound."""
+        high = self.field.settings.sizes[1]
+        return self.field.size * self.size(fit).estimate < (1 - AT_BOUND) * high
 
     def size(self, fit: RefitResult) -> VarianceLikelihood:
         """Return the likelihood of the standard deviation in that of the field, by a refit."""

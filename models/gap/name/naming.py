@@ -147,13 +147,19 @@ def _with_distortion(named: Named, question: Question) -> Named:
 
 
 def _distorted(named: Named, found: Distortion, question: Question) -> Named:
-    """Return the causes together with an error of the cameras over space."""
+    """Return the causes together with an error of the cameras over space.
+
+    They stay as they are if the refit makes that error implausibly large.
+    """
     settings = question.settings.fit
     fit, before = (with_field(one, found.field, settings) for one in (named.fit, named.before))
     near = with_estimates(named.explainer, found.causes)
     free = tuple(named.explainer.evidence.columns[k] for k in found.causes)
     start = refit(fit.linear.shots, near, free, settings, start=fit)
-    return Named(*_settled(start, question, ()), before, named.readings, found)
+    fit, explainer, explanation, stays = _settled(start, question, ())
+    if not found.is_plausible(fit):
+        return named
+    return Named(fit, explainer, explanation, stays, before, named.readings, found)
 
 
 def _named(shots: Shots, question: Question, base: RefitResult) -> Named:

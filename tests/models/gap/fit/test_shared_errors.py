@@ -10,7 +10,7 @@ from models.gap.fit.camera_field import CameraField
 from models.gap.fit.projection import ReducedSystem
 from models.gap.fit.refit import refit
 from models.gap.fit.shared_errors import SharedErrors, VarianceLikelihood
-from models.gap.name.distortion import find_distortion
+from models.gap.name.distortion import find_distortion, with_field
 from models.gap.name.selection import Explainer, evidence_about
 from models.gap.settings import Question
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
@@ -128,6 +128,16 @@ def test_a_field_beside_a_cause_takes_no_place_of_it():
     distorted = replace(shots, positions=shots.positions + errors(shots.positions))
     fit, found = distortion(distorted)
     assert [fit.linear.columns[k].identity for k in found.causes] == ["drag.cd"]
+
+
+@pytest.mark.parametrize(("largest", "plausible"), [(0.05, True), (0.0015, False)])
+def test_a_field_is_implausible_if_its_refit_is_at_the_bound(largest, plausible):
+    shots, errors = measured(count=30), field(0.003)
+    distorted = replace(shots, positions=shots.positions + errors(shots.positions))
+    fit, found = distortion(distorted)
+    bounded = replace(found.field.settings, sizes=(2e-4, largest))
+    one = replace(found, field=replace(found.field, settings=bounded))
+    assert one.is_plausible(with_field(fit, one.field, SETTINGS.fit)) == plausible
 
 
 def test_no_field_is_found_where_there_is_none():
