@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import get_args
 
 from models.ball.simulator import Simulator
 from models.gap.fit.shots import Shots, held_out
@@ -39,7 +40,7 @@ from models.gap.verdict import (
 from models.gap.verify.limitations import limitations, of_labels
 from models.gap.verify.verified import Verified
 
-ROLES: tuple[Role, ...] = ("leading", "sensor", "minor")
+ROLES: tuple[Role, ...] = get_args(Role)  # in the order of a verdict
 # Share of the work that is done when causes are named, the gap is located, and roles are found.
 NAMED, LOCATED = 0.65, 0.8
 

@@ -1,7 +1,6 @@
 """Shot folders: the recordings of a folder, cut into shots."""
 
 import tempfile
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,7 @@ from models.support.suggestion import suggestion
 from pipeline.gap.data_check.check import check_recordings
 from pipeline.gap.labels import LabelCounts, count_labels
 from pipeline.gap.noise import coordinate_noise
-from pipeline.gap.shots import shots_of, source_shots, why_left_out
+from pipeline.gap.shots import shots_of, source_shots
 from pipeline.io.artifacts import table_writer, write_table
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
 from pipeline.io.schemas import (
@@ -84,7 +83,6 @@ def read_shots(folder: Path | str, source: str) -> MeasuredShots:
     settings = SegmentSettings(noise=_noise(parts))
     episodes = _episodes(parts, manifest, settings)
     record = next(iter(manifest.sources.values()))
-    reasons = [why_left_out(member) for member in episodes]
     found = source_shots(episodes)
     return MeasuredShots(
         name=record.name,
@@ -93,7 +91,7 @@ def read_shots(folder: Path | str, source: str) -> MeasuredShots:
         recordings=record.recordings,
         refused=record.refused_counts,
         episodes=len(episodes),
-        left_out=dict(Counter(sorted(reason for reason in reasons if reason))),
+        left_out=found.left_out,
         labels=count_labels(parts, record, found.members),
         bounces=sum(bool(member.episode.arc.any()) for member in found.members),
         noise=settings.noise,

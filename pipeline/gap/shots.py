@@ -3,6 +3,7 @@
 A ball that touches something else than the table is a shot up to there.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,10 +23,12 @@ class SourceShots:
 
     Attributes:
         members: its shots.
+        left_out: episodes that are no shots, counted by reason.
         nets: its contacts with the net.
     """
 
     members: list[MeasuredEpisode]
+    left_out: dict[str, int]
     nets: NetContacts
 
 
@@ -46,8 +49,11 @@ def read_training_shots(artifacts: Path) -> dict[str, SourceShots]:
 
 def source_shots(episodes: Sequence[MeasuredEpisode]) -> SourceShots:
     """Return the shots among the episodes of a source, and its contacts with the net."""
-    kept = [as_shot(member) for member in episodes if why_left_out(member) is None]
-    return SourceShots(kept, net_contacts(episodes))
+    parts = [as_shot(member) for member in episodes]
+    reasons = [why_left_out(part) for part in parts]
+    members = [part for part, no in zip(parts, reasons, strict=True) if no is None]
+    left_out = Counter(sorted(reason for reason in reasons if reason))
+    return SourceShots(members, dict(left_out), net_contacts(episodes))
 
 
 def shots_of(members: Sequence[MeasuredEpisode]) -> Shots:
@@ -66,11 +72,11 @@ def as_shot(member: MeasuredEpisode) -> MeasuredEpisode:
     return member.between(-np.inf, member.touched.min(initial=np.inf))
 
 
-def why_left_out(member: MeasuredEpisode) -> str | None:
-    """Return why an episode is no shot, in words that follow a count; ``None`` for a shot."""
-    if len(as_shot(member).episode.times) <= DEFAULTS.observed_samples:
+def why_left_out(part: MeasuredEpisode) -> str | None:
+    """Return why such a part is no shot, in words that follow a count; ``None`` for a shot."""
+    if len(part.episode.times) <= DEFAULTS.observed_samples:
         return "too short"
-    return None if member.unbroken else "broken"
+    return None if part.unbroken else "broken"
 
 
 def net_contacts(episodes: Sequence[MeasuredEpisode]) -> NetContacts:

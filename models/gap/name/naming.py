@@ -94,15 +94,17 @@ def name(
 
 def _of_few(shots: Shots, question: Question, base: RefitResult) -> Named:
     """Name the causes of shots that were fitted about the nominal simulator."""
-    named = _with_distortion(_named(shots, question, base), question)
-    if named.distortion is None or _signs_as_read(named, question):
-        return named
+    alone = _named(shots, question, base)
+    named = _with_distortion(alone, question)
+    if named is None or _signs_as_read(named, question):
+        return named or alone
     # Labels are judged by paths, which an error of the cameras bends.
     about = replace(named.fit.linear.shots, label_times=shots.label_times, labels=shots.labels)
     readings = read_labels(about, named.fit, question.settings)
     if readings == named.readings:
         return named
-    return _with_distortion(_without_doubtful_labels(shots, question, readings), question)
+    alone = _without_doubtful_labels(shots, question, readings)
+    return _with_distortion(alone, question) or alone
 
 
 def _of_all(named: Named, shots: Shots, question: Question, base: RefitResult) -> Named:
@@ -115,11 +117,8 @@ def _of_all(named: Named, shots: Shots, question: Question, base: RefitResult) -
     start = refit(kept, named.simulator, causes, settings.fit)
     explainer, explanation = _known_causes(start, question)
     known = Named(start, explainer, explanation, True, before, readings)
-    camera = CAMERA.effect not in question.withheld
-    found = find_distortion(start, explainer) if camera else None
-    if found is not None:
-        return _distorted(known, found, question)
-    return Named(*_settled(start, question, ()), before, readings)
+    distorted = _with_distortion(known, question)
+    return distorted or Named(*_settled(start, question, ()), before, readings)
 
 
 def _readings_of_all(named: Named, shots: Shots, question: Question) -> LabelReadings:
@@ -138,18 +137,18 @@ def _signs_as_read(named: Named, question: Question) -> bool:
     return LABEL_SIGNS.effect in question.withheld or named.readings.useless
 
 
-def _with_distortion(named: Named, question: Question) -> Named:
-    """Return the causes, with an error of the cameras over space if shots show one."""
+def _with_distortion(named: Named, question: Question) -> Named | None:
+    """Return the causes with an error of the cameras over space; None if shots show none."""
     if CAMERA.effect in question.withheld:
-        return named
+        return None
     found = find_distortion(named.fit, named.explainer)
-    return named if found is None else _distorted(named, found, question)
+    return None if found is None else _distorted(named, found, question)
 
 
-def _distorted(named: Named, found: Distortion, question: Question) -> Named:
-    """Return the causes together with an error of the cameras over space.
+def _distorted(named: Named, found: Distortion, question: Question) -> Named | None:
+    """Return the causes refitted together with an error of the cameras over space.
 
-    They stay as they are if the refit makes that error implausibly large.
+    It is None if the refit makes that error implausibly large.
     """
     settings = question.settings.fit
     fit, before = (with_field(one, found.field, settings) for one in (named.fit, named.before))
@@ -158,7 +157,7 @@ def _distorted(named: Named, found: Distortion, question: Question) -> Named:
     start = refit(fit.linear.shots, near, free, settings, start=fit)
     fit, explainer, explanation, stays = _settled(start, question, ())
     if not found.is_plausible(fit):
-        return named
+        return None
     return Named(fit, explainer, explanation, stays, before, named.readings, found)
 
 

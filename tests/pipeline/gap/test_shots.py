@@ -39,7 +39,7 @@ def episode(samples=20, touched=(), nets=(), bounces=(), unbroken=True):
     ],
 )
 def test_a_shot_is_whole_and_long_enough(one, reason):
-    assert why_left_out(one) == reason
+    assert why_left_out(as_shot(one)) == reason
 
 
 def test_a_shot_ends_where_the_ball_touches_something_else_than_the_table():
