@@ -9,9 +9,8 @@ from models.exam.scoring.rates import rates
 from models.exam.scoring.robustness import of_robustness, of_sweeps
 from models.gap.fit.shots import spread_evenly
 from pipeline.exam.figures import exam_figures
-from pipeline.exam.full_run import code_of_records
 from pipeline.exam.records import RECORDS, read_records
-from pipeline.exam.run import assignments, run_questions
+from pipeline.exam.run import assignments, code_of_records, run_questions
 from pipeline.exam.tables import different_answers, exam_tables, methods_of, rerun_table
 from pipeline.io.artifacts import write_json
 from pipeline.runtime.console import warn

@@ -10,8 +10,6 @@ another file::
 """
 
 import argparse
-import hashlib
-import json
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -21,18 +19,14 @@ import pandas as pd
 from models.exam.records import ExamRecord
 from pipeline.evaluation.costs import machine
 from pipeline.exam.records import RECORDS, read_records, write_records
-from pipeline.exam.run import Assignment, assignments, finished, run_questions
+from pipeline.exam.run import Assignment, assignments, code_of_records, finished, run_questions
 from pipeline.io.artifacts import write_csv, write_json
-from pipeline.io.simulators import load_simulator
 from pipeline.params import Params, load_params
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import short
 
 SCRATCH = Path("scratch") / "exam"  # results of questions, in folders by the code that made them
-# What records depend on: packages of ``models``, and the libraries.
-DEPENDENCIES = ("models/arena", "models/ball", "models/exam", "models/gap", "constraints.txt")
 
 
 def run_exam(root: Path) -> None:
@@ -106,26 +100,8 @@ def verdict_costs(records: Sequence[ExamRecord]) -> pd.DataFrame:
     return pd.DataFrame(columns).reset_index()
 
 
-def code_of_records(root: Path, params: Params) -> str:
-    """Return a short digest of all that records depend on."""
-    digest = hashlib.sha256()
-    settings = params.hidden_effects
-    simulator = load_simulator(settings.simulator).to_dict()
-    values = [params.seed, settings.other_methods_every, simulator]
-    digest.update(json.dumps(values, sort_keys=True).encode())
-    for path in _dependencies(root):
-        digest.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
-    return short(digest.hexdigest())
-
-
 def _scratch(root: Path, params: Params) -> Path:
     return root / SCRATCH / code_of_records(root, params)
-
-
-def _dependencies(root: Path) -> Iterator[Path]:
-    for name in DEPENDENCIES:
-        path = root / name
-        yield from [path] if path.is_file() else sorted(path.rglob("*.py"))
 
 
 def main() -> None:

@@ -1,7 +1,9 @@
 """Running questions of the exam, each result a file."""
 
+import hashlib
+import json
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from zlib import crc32
@@ -18,7 +20,10 @@ from pipeline.io.artifacts import read_as, write_text
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Params
 from pipeline.runtime.parallel import parallel
+from pipeline.runtime.provenance import short
 
+# What records depend on: packages of ``models``, and the libraries.
+DEPENDENCIES = ("models/arena", "models/ball", "models/exam", "models/gap", "constraints.txt")
 Assignment = tuple[Question, Mapping[str, Method]]  # a question, and the methods that answer it
 
 
@@ -76,3 +81,21 @@ def _run(question: Question, methods: Mapping[str, Method], file: Path) -> None:
         record, seconds = run_question(question, methods)
     result = Result(record=record, seconds=seconds)
     write_text(file, result.model_dump_json(exclude_defaults=True))
+
+
+def code_of_records(root: Path, params: Params) -> str:
+    """Return a short digest of all that records depend on."""
+    digest = hashlib.sha256()
+    settings = params.hidden_effects
+    simulator = load_simulator(settings.simulator).to_dict()
+    values = [params.seed, settings.other_methods_every, simulator]
+    digest.update(json.dumps(values, sort_keys=True).encode())
+    for path in _dependencies(root):
+        digest.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
+    return short(digest.hexdigest())
+
+
+def _dependencies(root: Path) -> Iterator[Path]:
+    for name in DEPENDENCIES:
+        path = root / name
+        yield from [path] if path.is_file() else sorted(path.rglob("*.py"))

@@ -14,9 +14,9 @@ from models.exam.design.questions import exam
 from models.exam.interface import Answer
 from models.exam.methods.registry import METHODS, RALLYGAP
 from models.exam.simulate.trial import Trial
-from pipeline.exam.full_run import code_of_records, main, run_exam, run_sample, verdict_costs
+from pipeline.exam.full_run import main, run_exam, run_sample, verdict_costs
 from pipeline.exam.records import RECORDS, read_records, write_records
-from pipeline.exam.run import Result, assignments, run_questions
+from pipeline.exam.run import Result, assignments, code_of_records, run_questions
 from pipeline.io.artifacts import write_text
 from pipeline.io.simulators import load_simulator
 from pipeline.params import load_params
