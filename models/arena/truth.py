@@ -76,14 +76,14 @@ def _effects(random: np.random.Generator) -> dict[str, dict[str, float]]:
 
     return {
         "gravity": {"g": 9.81},
-        "drag": {"cd": within(0.42, 0.52)},
+        "drag": {"cd": within(0.45, 0.55)},
         "speed_dependent_drag": {"c": within(-0.06, -0.03)},
         "spin_dependent_drag": {"c": within(0.05, 0.08)},
-        "magnus": {"cm": within(0.22, 0.33)},
+        "magnus": {"cm": within(0.08, 0.12)},
         "lift_saturation": {"kappa": within(2.0, 5.0)},
         "spin_decay": {"c": within(0.003, 0.006)},
         "wind": {"x": around(0.05, 0.15), "y": around(0.05, 0.15), "z": 0.0},
-        "table_bounce": {"restitution": within(0.92, 0.95), "friction": within(0.17, 0.28)},
+        "table_bounce": {"restitution": within(0.90, 0.93), "friction": within(0.17, 0.28)},
         "speed_dependent_restitution": {"c": within(0.004, 0.010)},
         "slip_dependent_friction": {"c": within(0.004, 0.012)},
         "table_tilt": {"x": around(0.001, 0.004), "y": around(0.001, 0.004)},

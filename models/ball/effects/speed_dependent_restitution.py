@@ -6,7 +6,7 @@ from models.ball.quantities import Impact
 effect = Effect(
     name="speed_dependent_restitution",
     title="restitution falls with impact speed",
-    equation="e - c v_n",
+    equation="e - c (v_n - 2.5)",
     acts="contact",
     parameters=(
         Parameter(
@@ -22,4 +22,4 @@ effect = Effect(
 
 @effect.adds("table_restitution")
 def table_restitution(impact: Impact, c: float) -> float:
-    return -c * impact.normal_speed
+    return -c * (impact.normal_speed - 2.5)

@@ -6,7 +6,7 @@ from models.ball.quantities import Air
 effect = Effect(
     name="spin_dependent_drag",
     title="the drag coefficient grows with spin",
-    equation="C_D + c S",
+    equation="C_D + c (S - 0.5)",
     acts="flight",
     parameters=(
         Parameter(
@@ -21,4 +21,4 @@ effect = Effect(
 
 @effect.adds("drag_coefficient")
 def drag_coefficient(air: Air, c: float) -> float:
-    return c * air.spin_ratio
+    return c * (air.spin_ratio - 0.5)

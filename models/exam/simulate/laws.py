@@ -24,8 +24,8 @@ compiled = compiler([Path(__file__), Path(str(ball.__file__))])
 # Forms that differ from the catalogue's; all other effects follow their definition.
 FORMS = {
     "speed_dependent_drag": "C_D + c f(Re), f tabulated: flat, a fall towards the crisis, flat",
-    "spin_dependent_drag": "C_D + c f(S), f tabulated: slow at first, levelling off",
-    "lift_saturation": "C_L = (8/3) C_M S / (1 + kappa f(S)), f tabulated: quick, levelling off",
+    "spin_dependent_drag": "C_D + c (f(S) - f(0.5)), f tabulated: slow at first, levelling off",
+    "lift_saturation": "C_M (1 + kappa f(0.5)) / (1 + kappa f(S)), f tabulated, levelling off",
     "lift_crisis": "C_M (1 - d / (1 + ((S - 0.5) / 0.2)^2) smoothstep(|u| from 10 to 12))",
     "spin_decay": "dw/dt = -c sqrt(8 |u|) w, the torque of a laminar boundary layer",
     "wind": "grows with the height over the table as (z / 0.25)^(1/4)",
@@ -42,6 +42,10 @@ DRAG_OF_REYNOLDS = np.array([-0.75, -0.60, -0.35, 0.0, 0.50, 0.85, 1.15, 1.30])
 SPIN_RATIO = np.array([0.0, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.5, 5.0])
 DRAG_OF_SPIN = np.array([0.0, 0.06, 0.16, 0.42, 0.78, 1.05, 1.35, 1.70, 2.0])
 SATURATION_OF_SPIN = np.array([0.0, 0.21, 0.40, 0.74, 1.16, 1.50, 1.95, 2.50, 3.2])
+
+TYPICAL_SPIN = 0.5  # spin ratio at which drag and lift have their nominal coefficients
+DRAG_OF_TYPICAL_SPIN = float(np.interp(TYPICAL_SPIN, SPIN_RATIO, DRAG_OF_SPIN))
+SATURATION_OF_TYPICAL_SPIN = float(np.interp(TYPICAL_SPIN, SPIN_RATIO, SATURATION_OF_SPIN))
 
 CONTACT_STEPS = 16  # of the normal impulse
 
@@ -137,7 +141,8 @@ def _drag(speed: float, ratio: float, q: Physics) -> float:
         shape = np.interp(reynolds, DRAG_REYNOLDS, DRAG_OF_REYNOLDS)
         coefficient += q.speed_dependent_drag_c * shape
     if q.spin_dependent_drag_c != 0.0:
-        coefficient += q.spin_dependent_drag_c * np.interp(ratio, SPIN_RATIO, DRAG_OF_SPIN)
+        shape = np.interp(ratio, SPIN_RATIO, DRAG_OF_SPIN) - DRAG_OF_TYPICAL_SPIN
+        coefficient += q.spin_dependent_drag_c * shape
     quadratic = 0.5 * AIR_DENSITY * BALL_AREA / BALL_MASS * max(coefficient, 0.0) * speed
     return quadratic + q.linear_drag_k1
 
@@ -148,6 +153,7 @@ def _lift(speed: float, ratio: float, q: Physics) -> float:
     coefficient = q.magnus_cm
     if q.lift_saturation_kappa != 0.0:
         shape = np.interp(ratio, SPIN_RATIO, SATURATION_OF_SPIN)
+        coefficient *= 1.0 + q.lift_saturation_kappa * SATURATION_OF_TYPICAL_SPIN
         coefficient /= 1.0 + q.lift_saturation_kappa * shape
     if q.lift_crisis_d != 0.0:
         rise = min(max((speed - 10.0) / 2.0, 0.0), 1.0)

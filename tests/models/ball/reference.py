@@ -31,7 +31,8 @@ class Physics:
         u = velocity - np.array(self.wind)
         speed = np.linalg.norm(u)
         ratio = RADIUS * np.linalg.norm(spin) / speed
-        lift = DENSITY * VOLUME / MASS * self.cm / (1 + self.lift_saturation * ratio)
+        lift = DENSITY * VOLUME / MASS * self.cm
+        lift *= (1 + self.lift_saturation / 2) / (1 + self.lift_saturation * ratio)
         acceleration = -DENSITY * AREA / (2 * MASS) * self.cd * speed * u
         acceleration += lift * np.cross(spin, u) + np.array([0, 0, -self.g])
         return np.concatenate([velocity, acceleration, -self.spin_decay * speed * spin])

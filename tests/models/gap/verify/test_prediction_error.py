@@ -39,7 +39,7 @@ def test_a_correct_simulator_reaches_the_floor():
 
 
 def test_the_floor_holds_where_lift_saturates_without_spin_labels():
-    saturated = NOMINAL.amended("magnus", cm=0.4).amended("lift_saturation", kappa=3.0)
+    saturated = NOMINAL.amended("magnus", cm=0.16).amended("lift_saturation", kappa=3.0)
     shots = measured(saturated, count=90, labels=None)
     found = gap(compared(shots, saturated, (NOMINAL, saturated)), SETTINGS)
     assert found.after_mm[:-1] == pytest.approx(found.floor_mm[:-1], rel=0.15)

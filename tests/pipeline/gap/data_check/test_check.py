@@ -14,7 +14,7 @@ from pipeline.runtime.errors import InputError
 from pipeline.sources.source import RawTable
 from tests.pipeline.recorded import write_recordings
 
-DATA = Path(os.environ.get("RALLYGAP_DATA", "nowhere"))
+DATA = Path(os.environ.get("RALLYGAP_DATA") or "nowhere")
 # Sizes at or near the bounds of the catalogue; the pairs are the worst for spins and for axes.
 LARGE = [
     {"gravity": {"g": 7.0}},
