@@ -58,7 +58,7 @@ def draw_truth(seed: int) -> Truth:
         restitution=_between(random, 0.010, 0.015), friction=_between(random, 0.03, 0.06)
     )
     slow_error = SlowError(share=_between(random, 0.2, 0.5), time=_between(random, 0.03, 0.10))
-    simulator = Simulator.from_dict(_effects(random))
+    simulator = Simulator.from_dict(_of_typical_balls(_effects(random)))
     field = CameraField(
         standard_deviation=_between(random, 0.0012, 0.0018),
         length=_between(random, 0.7, 0.9),
@@ -76,14 +76,14 @@ def _effects(random: np.random.Generator) -> dict[str, dict[str, float]]:
 
     return {
         "gravity": {"g": 9.81},
-        "drag": {"cd": within(0.45, 0.55)},
+        "drag": {"cd": within(0.42, 0.52)},
         "speed_dependent_drag": {"c": within(-0.06, -0.03)},
         "spin_dependent_drag": {"c": within(0.05, 0.08)},
-        "magnus": {"cm": within(0.08, 0.12)},
+        "magnus": {"cm": within(0.22, 0.33)},
         "lift_saturation": {"kappa": within(2.0, 5.0)},
         "spin_decay": {"c": within(0.003, 0.006)},
         "wind": {"x": around(0.05, 0.15), "y": around(0.05, 0.15), "z": 0.0},
-        "table_bounce": {"restitution": within(0.90, 0.93), "friction": within(0.17, 0.28)},
+        "table_bounce": {"restitution": within(0.92, 0.95), "friction": within(0.17, 0.28)},
         "speed_dependent_restitution": {"c": within(0.004, 0.010)},
         "slip_dependent_friction": {"c": within(0.004, 0.012)},
         "table_tilt": {"x": around(0.001, 0.004), "y": around(0.001, 0.004)},
@@ -95,6 +95,17 @@ def _effects(random: np.random.Generator) -> dict[str, dict[str, float]]:
             "kp": within(1.8e-3, 2.0e-3),
         },
     }
+
+
+def _of_typical_balls(effects: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
+    """Turn coefficients without spin or at no speed, in place, into those of typical balls.
+
+    The catalogue's effects change these coefficients by the distance from a typical ball.
+    """
+    effects["drag"]["cd"] += 0.5 * effects["spin_dependent_drag"]["c"]
+    effects["magnus"]["cm"] /= 1 + 0.5 * effects["lift_saturation"]["kappa"]
+    effects["table_bounce"]["restitution"] -= 2.5 * effects["speed_dependent_restitution"]["c"]
+    return effects
 
 
 def _between(random: np.random.Generator, low: float, high: float) -> float:
