@@ -9,6 +9,7 @@ import numpy as np
 from models.arena.bounce_scatter import BounceScatter
 from models.arena.camera_field import CameraField
 from models.arena.cameras import SlowError
+from models.ball.quantities import TYPICAL_IMPACT, TYPICAL_SPIN_RATIO
 from models.ball.simulator import Simulator
 
 STREAM = 1_000_000  # random stream of the truth, apart from those of the recordings
@@ -58,7 +59,9 @@ def draw_truth(seed: int) -> Truth:
         restitution=_between(random, 0.010, 0.015), friction=_between(random, 0.03, 0.06)
     )
     slow_error = SlowError(share=_between(random, 0.2, 0.5), time=_between(random, 0.03, 0.10))
-    simulator = Simulator.from_dict(_of_typical_balls(_effects(random)))
+    effects = _effects(random)
+    _as_of_typical_balls(effects)
+    simulator = Simulator.from_dict(effects)
     field = CameraField(
         standard_deviation=_between(random, 0.0012, 0.0018),
         length=_between(random, 0.7, 0.9),
@@ -97,15 +100,12 @@ def _effects(random: np.random.Generator) -> dict[str, dict[str, float]]:
     }
 
 
-def _of_typical_balls(effects: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
-    """Turn coefficients without spin or at no speed, in place, into those of typical balls.
-
-    The catalogue's effects change these coefficients by the distance from a typical ball.
-    """
-    effects["drag"]["cd"] += 0.5 * effects["spin_dependent_drag"]["c"]
-    effects["magnus"]["cm"] /= 1 + 0.5 * effects["lift_saturation"]["kappa"]
-    effects["table_bounce"]["restitution"] -= 2.5 * effects["speed_dependent_restitution"]["c"]
-    return effects
+def _as_of_typical_balls(effects: dict[str, dict[str, float]]) -> None:
+    """Replace coefficients without spin or at no speed by those of typical balls."""
+    effects["drag"]["cd"] += TYPICAL_SPIN_RATIO * effects["spin_dependent_drag"]["c"]
+    effects["magnus"]["cm"] /= 1 + TYPICAL_SPIN_RATIO * effects["lift_saturation"]["kappa"]
+    loss = TYPICAL_IMPACT * effects["speed_dependent_restitution"]["c"]
+    effects["table_bounce"]["restitution"] -= loss
 
 
 def _between(random: np.random.Generator, low: float, high: float) -> float:

@@ -9,6 +9,10 @@ from typing import Literal, NamedTuple
 
 from models.ball.types import Floats, Vector
 
+# Of a typical ball: effects that change a coefficient leave it unchanged there.
+TYPICAL_SPIN_RATIO = 0.5
+TYPICAL_IMPACT = 2.5  # normal speed, m/s
+
 
 class Air(NamedTuple):
     """The ball relative to the air around it."""

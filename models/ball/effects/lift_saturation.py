@@ -4,7 +4,7 @@ C_M stays the coefficient at a typical spin ratio, so a saturation cannot stand 
 """
 
 from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Air
+from models.ball.quantities import TYPICAL_SPIN_RATIO, Air
 
 effect = Effect(
     name="lift_saturation",
@@ -26,4 +26,4 @@ effect = Effect(
 def magnus_coefficient(air: Air, kappa: float) -> float:
     if kappa == 0.0:  # a division saved in the hot path
         return 1.0
-    return (1.0 + kappa * 0.5) / (1.0 + kappa * air.spin_ratio)
+    return (1.0 + kappa * TYPICAL_SPIN_RATIO) / (1.0 + kappa * air.spin_ratio)

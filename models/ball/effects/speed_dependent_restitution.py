@@ -1,7 +1,7 @@
 """Restitution falls with the speed of the impact."""
 
 from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Impact
+from models.ball.quantities import TYPICAL_IMPACT, Impact
 
 effect = Effect(
     name="speed_dependent_restitution",
@@ -22,4 +22,4 @@ effect = Effect(
 
 @effect.adds("table_restitution")
 def table_restitution(impact: Impact, c: float) -> float:
-    return -c * (impact.normal_speed - 2.5)
+    return -c * (impact.normal_speed - TYPICAL_IMPACT)

@@ -1,7 +1,7 @@
 """The drag coefficient grows with the spin ratio."""
 
 from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Air
+from models.ball.quantities import TYPICAL_SPIN_RATIO, Air
 
 effect = Effect(
     name="spin_dependent_drag",
@@ -21,4 +21,4 @@ effect = Effect(
 
 @effect.adds("drag_coefficient")
 def drag_coefficient(air: Air, c: float) -> float:
-    return c * (air.spin_ratio - 0.5)
+    return c * (air.spin_ratio - TYPICAL_SPIN_RATIO)

@@ -1,8 +1,5 @@
 """Correct recordings pass the check, whatever physics they have; what is doubtful is said."""
 
-import os
-from pathlib import Path
-
 import pandas as pd
 import pytest
 
@@ -14,7 +11,6 @@ from pipeline.runtime.errors import InputError
 from pipeline.sources.source import RawTable
 from tests.pipeline.recorded import write_recordings
 
-DATA = Path(os.environ.get("RALLYGAP_DATA") or "nowhere")
 # Sizes at or near the bounds of the catalogue; the pairs are the worst for spins and for axes.
 LARGE = [
     {"gravity": {"g": 7.0}},
@@ -85,7 +81,6 @@ def test_flight_across_the_table_is_doubtful_where_no_bounce_decides(tmp_path):
 
 
 @pytest.mark.real
-@pytest.mark.skipif(not DATA.is_dir(), reason="RALLYGAP_DATA is not a folder")
 @pytest.mark.parametrize("source", ["spindoe", "tt3d", "isr_ball_prediction"])
-def test_measured_sets_pass(source):
-    assert len(read_shots(DATA / source, source).shots) > 50
+def test_measured_sets_pass(real_data, source):
+    assert len(read_shots(real_data / source, source).shots) > 50
