@@ -66,6 +66,15 @@ def test_stacked_updates_equal_single_updates():
         assert (one - other).abs().max() < RATE / 10  # after five steps; torch adds in 16 bits
 
 
+def test_a_matrix_whose_gradient_vanishes_stays_while_others_of_its_size_move():
+    dead, alive = (nn.Parameter(torch.zeros(8, 8)) for _ in range(2))
+    optimizer = StackedMuon([dead, alive], lr=RATE)
+    torch.manual_seed(0)
+    dead.grad, alive.grad = 1e-25 * torch.randn(8, 8), torch.randn(8, 8)
+    optimizer.step()
+    assert not dead.any() and alive.all()
+
+
 def test_biases_and_the_projection_equal_adam_alone():
     layers, other = Layers(), Layers()
     moved = stepped(layers, optimizer_of(layers), [0])
