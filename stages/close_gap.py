@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from models.gap.amend.simulator import amended_yaml
 from models.gap.settings import DEFAULTS
 from pipeline.gap.cases import Diagnosed, cases
-from pipeline.gap.figures.stability import closing_figure, stability_figure
+from pipeline.gap.figures.stability import closing_figure, detectable_causes, stability_figure
 from pipeline.gap.shots import SourceShots, read_training_shots
 from pipeline.gap.tables import metrics, report_tables
 from pipeline.io.artifacts import write_text
@@ -53,7 +53,7 @@ def _write(run: StageRun, one: Diagnosed) -> None:
 
 def _add_figures(run: StageRun, diagnosed: Sequence[Diagnosed]) -> None:
     run.add(closing_figure(diagnosed))
-    if any(one.verdict.leading for one in diagnosed):
+    if any(detectable_causes(one.verdict) for one in diagnosed):
         run.add(stability_figure(diagnosed))
 
 

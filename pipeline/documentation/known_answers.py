@@ -15,7 +15,7 @@ RATES = {  # what is counted: the number, and of how many
     "planted error is the leading cause": ("leading", "questions"),
     "by its own name": ("by_name", "questions"),
     "leading, and no other new cause": ("exact", "questions"),
-    "95 % intervals that contain the true value": ("covered", "intervals"),
+    "95 % intervals that contain the reference value": ("covered", "intervals"),
     "distorted recordings without a new leading cause": ("distorted_clean", "distorted"),
     "unplanted recordings without a cause": ("unplanted_clean", "unplanted"),
 }
@@ -24,8 +24,9 @@ SECTION = """## How far to trust a verdict
 
 On measured sets nobody knows the true causes. So known errors are planted, in the simulator or in
 the recordings, and verdicts must find them. {age} {folds}-fold cross-validation over recordings:
-each fold is diagnosed, and the verdict on the others amends `{nominal}` to the base simulator.
-Brackets: 95 % intervals (Wilson).
+each fold is diagnosed, and the verdict on the others amends `{nominal}` to the base simulator. The
+true value of a parameter is not known either: the reference value is the fold's own estimate
+without the planted error. Brackets: 95 % intervals (Wilson).
 
 {rates}
 

@@ -3,8 +3,8 @@
 import hashlib
 import json
 import warnings
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from functools import partial
 from pathlib import Path
 
@@ -25,7 +25,9 @@ DEPENDENCIES = (
     "models/gap",
     "pipeline/known_answers/answers.py",
     "pipeline/known_answers/design.py",
+    "pipeline/known_answers/folds.py",
     "pipeline/known_answers/planting.py",
+    "pipeline/known_answers/references.py",
     "constraints.txt",
 )
 
@@ -39,6 +41,7 @@ class Diagnosis:
         shots: without the error.
         simulator: without the error.
         error: that is planted before the diagnosis, if any.
+        references: values in the shots without the error, by identity.
         seed: of the error, where it is random.
     """
 
@@ -46,6 +49,7 @@ class Diagnosis:
     shots: Shots
     simulator: Simulator
     error: PlantedError | None = None
+    references: Mapping[str, float] = field(default_factory=dict)
     seed: int = 0
 
 
@@ -59,25 +63,34 @@ def verdicts(diagnoses: Sequence[Diagnosis], description: str) -> list[Verdict]:
     Raises:
         InputError: a file that an earlier run left is broken.
     """
-    pending = [diagnosis for diagnosis in diagnoses if not diagnosis.file.exists()]
-    tasks = [partial(_diagnose, diagnosis) for diagnosis in pending]
-    for _ in parallel(tasks, description, done=len(diagnoses) - len(pending)):
-        pass
+    make_missing({one.file: partial(_diagnose, one) for one in diagnoses}, description)
     return [_read(diagnosis.file) for diagnosis in diagnoses]
+
+
+def make_missing(tasks: Mapping[Path, Callable[[], None]], description: str) -> None:
+    """Do in parallel the tasks whose files are not there; each leaves its file."""
+    pending = [task for file, task in tasks.items() if not file.exists()]
+    for _ in parallel(pending, description, done=len(tasks) - len(pending)):
+        pass
 
 
 def fingerprint(root: Path, shots: Shots, folds: int) -> str:
     """Return a digest of all that the verdicts on a set depend on."""
     hashes = {name: content_hash(root / name) for name in DEPENDENCIES}
     digest = hashlib.sha256(json.dumps([hashes, folds]).encode())
-    for field in fields(shots):
-        digest.update(getattr(shots, field.name).tobytes())
+    for one in fields(shots):
+        digest.update(getattr(shots, one.name).tobytes())
     return digest.hexdigest()
 
 
 def _diagnose(diagnosis: Diagnosis) -> None:
-    error, seed = diagnosis.error, diagnosis.seed
-    simulator, shots = plant(error, diagnosis.simulator, diagnosis.shots, seed)
+    simulator, shots = plant(
+        diagnosis.error,
+        diagnosis.simulator,
+        diagnosis.shots,
+        diagnosis.references,
+        diagnosis.seed,
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # numerical warnings would hide the progress
         verdict = diagnose(shots, simulator)

@@ -1,6 +1,6 @@
 """Plants errors in a simulator or in recordings, and says what a correct verdict then finds."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +17,11 @@ WAVES = 64  # that the distortion is a sum of
 
 
 def plant(
-    error: PlantedError | None, simulator: Simulator, shots: Shots, seed: int
+    error: PlantedError | None,
+    simulator: Simulator,
+    shots: Shots,
+    references: Mapping[str, float],
+    seed: int,
 ) -> tuple[Simulator, Shots]:
     """Return the simulator and the shots of a question.
 
@@ -25,39 +29,39 @@ def plant(
         error: None changes nothing.
         simulator: without the error.
         shots: without the error.
+        references: values in the unchanged recordings, by identity.
         seed: of the distortion.
     """
     if error is None:
         return simulator, shots
     if error.place == "simulator":
-        return _spoiled(simulator, error), shots
+        return _spoiled(simulator, error, references[error.identity]), shots
     return simulator, _CHANGES[error.identity](shots, error.value, seed)
 
 
-def true_values(error: PlantedError, reference: Callable[[str], float]) -> dict[str, float]:
+def true_values(error: PlantedError, references: Mapping[str, float]) -> dict[str, float]:
     """Return the values by identity that a correct verdict finds; none for a distortion.
 
     Args:
         error: that is planted.
-        reference: gives a parameter's value in the unchanged recordings.
+        references: values in the unchanged recordings, by identity.
     """
     if error.place == "simulator":
-        return {error.identity: reference(error.identity)}
+        return {error.identity: references[error.identity]}
     if error.identity == "frame_tilt.y":
         # The table turns with the frame; its normal is tilted the other way.
         signs = {"frame_tilt.y": 1, "table_tilt.y": -1}
-        return {name: reference(name) + sign * error.value for name, sign in signs.items()}
+        return {name: references[name] + sign * error.value for name, sign in signs.items()}
     if error.identity == "spin_axis_bias.x":
-        return {error.identity: reference(error.identity) + error.value}
+        return {error.identity: references[error.identity] + error.value}
     if error.identity == DISTORTION:
         return {}
-    return {error.identity: (1 + reference(error.identity)) * (1 + error.value) - 1}
+    return {error.identity: (1 + references[error.identity]) * (1 + error.value) - 1}
 
 
-def _spoiled(simulator: Simulator, error: PlantedError) -> Simulator:
-    """Add an error to a parameter; subtract it where the range of the parameter ends."""
+def _spoiled(simulator: Simulator, error: PlantedError, value: float) -> Simulator:
+    """Add an error to a parameter's reference value; subtract it where the range ends."""
     hypothesis = Hypothesis.from_identity(error.identity)
-    value = hypothesis.value(simulator)
     high = hypothesis.declaration.bounds[1]
     changed = value + error.value if value + error.value <= high else value - error.value
     return hypothesis.at(simulator, changed)

@@ -1,11 +1,10 @@
 """Scores of answers: is the planted error among what the planting added to the verdict?"""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from models.ball.simulator import Simulator
 from models.gap.hypotheses import Hypothesis
 from models.gap.verdict import Cause, Verdict
 from pipeline.io.metrics import rounded
@@ -21,13 +20,13 @@ class Answer:
         question: that was asked.
         verdict: on it.
         unplanted: verdict on the unplanted question of the same fold.
-        base: simulator before an error was planted.
+        references: the fold's own values of parameters, by identity.
     """
 
     question: Question
     verdict: Verdict
     unplanted: Verdict
-    base: Simulator
+    references: Mapping[str, float]
 
     @property
     def is_planted(self) -> bool:
@@ -42,7 +41,7 @@ class Answer:
     @cached_property
     def truth(self) -> dict[str, float]:
         """Values by identity that a correct verdict finds besides those of the unplanted one."""
-        return true_values(self.question.error, self._reference) if self.question.error else {}
+        return true_values(self.question.error, self.references) if self.question.error else {}
 
     @cached_property
     def new(self) -> tuple[Cause, ...]:
@@ -86,11 +85,6 @@ class Answer:
     def _planted(self, cause: Cause) -> bool:
         """Whether a cause is what was planted, by its quantity or one in its class."""
         return not {*map(_quantity, self.truth)}.isdisjoint(map(_quantity, cause.possible))
-
-    def _reference(self, identity: str) -> float:
-        """Return a parameter's value without planting: by the unplanted verdict, or the base."""
-        found = {cause.identity: cause.estimate for cause in self.unplanted.main_causes}
-        return found.get(identity, Hypothesis.from_identity(identity).value(self.base))
 
 
 def same_departure(one: Cause, other: Cause) -> bool:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from models.gap.verdict import Cause, Verdict
 from pipeline.gap.cases import Diagnosed
 from pipeline.gap.figures.verdict import (
     ROW_HEIGHT,
@@ -44,10 +45,10 @@ def closing_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
 
 
 def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
-    """Draw the leading causes on one source, a panel per simulator and a mark per split."""
+    """Draw the detectable causes on one source, a panel per simulator and a mark per split."""
     source, simulators = diagnosed[0].case.source, _simulators(diagnosed)
     names = list(
-        dict.fromkeys(c.identity for diagnosis in diagnosed for c in diagnosis.verdict.leading)
+        dict.fromkeys(c.identity for one in diagnosed for c in detectable_causes(one.verdict))
     )
     figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW_HEIGHT * len(names) / 1.6))
     panels = figure.subplots(1, len(simulators), sharex=True, sharey=True, squeeze=False)[0]
@@ -63,16 +64,21 @@ def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
         title=f"Leading causes of the gap to {source}",
         caption="Estimates with 95 % intervals, one mark per split, less the simulator's value, in "
         "minimum detectable effects (5.8 standard errors with the simulator's own parameters "
-        "free); causes without one are not drawn. The axis is linear in the shaded band and "
+        "free); causes without one are left out. The axis is linear in the shaded band and "
         "logarithmic beyond.",
     )
+
+
+def detectable_causes(verdict: Verdict) -> list[Cause]:
+    """Return the leading causes with a minimum detectable effect, the unit of the figure."""
+    return [cause for cause in verdict.leading if cause.identity in verdict.minimum_detectable]
 
 
 def _draw_causes(axes: Axes, diagnosed: Sequence[Diagnosed], names: Sequence[str]) -> None:
     shade_undetectable(axes)
     for place, diagnosis in enumerate(diagnosed):
         offset = SPREAD * ((place + 0.5) / len(diagnosed) - 0.5)
-        for cause in diagnosis.verdict.leading:
+        for cause in detectable_causes(diagnosis.verdict):
             row = names.index(cause.identity) + offset
             draw_departure(axes, row, cause, diagnosis.verdict, line=2, mark=4)
     axes.set_xscale("symlog", linthresh=1.0, linscale=0.3)

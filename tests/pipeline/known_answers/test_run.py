@@ -10,9 +10,10 @@ import pytest
 from models.ball.simulators import shipped
 from models.gap.hypotheses import Hypothesis, hypotheses
 from pipeline.documentation.known_answers import known_answers
-from pipeline.known_answers import answers
+from pipeline.known_answers import answers, references
 from pipeline.known_answers.answers import Diagnosis, fingerprint, verdicts
 from pipeline.known_answers.design import IN_RECORDINGS, IN_SIMULATOR, PlantedError
+from pipeline.known_answers.references import IDENTITIES
 from pipeline.known_answers.run import REPORT, SCORES, TABLE, run_known_answers
 from pipeline.runtime.errors import InputError
 from tests.pipeline.known_answers.made_up import cause, found, shots
@@ -37,6 +38,12 @@ class Expert:
         causes = (self._cause(one, simulator) for one in wrong)
         return found(*causes).model_copy(update={"minimum_detectable": LIMITS})
 
+    @staticmethod
+    def reference_values(shots, simulator):
+        return {
+            identity: Hypothesis.from_identity(identity).value(NOMINAL) for identity in IDENTITIES
+        }
+
     def _cause(self, one: Hypothesis, simulator):
         return cause(one.identity, one.value(NOMINAL), one.value(simulator), margin=1e-4)
 
@@ -46,6 +53,7 @@ def expert(monkeypatch):
     def employ(**settings):
         made = Expert(**settings)
         monkeypatch.setattr(answers, "diagnose", made)
+        monkeypatch.setattr(references, "reference_values", made.reference_values)
         return made
 
     return employ

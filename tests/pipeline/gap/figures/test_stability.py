@@ -34,6 +34,13 @@ def test_errors_have_a_panel_a_simulator_and_a_line_a_split():
     assert shown == list(LINE_NAMES.values())
 
 
+def test_a_cause_without_a_minimum_detectable_effect_has_no_row():
+    limits = {"gravity.g": 0.05}
+    one = verdict(causes=(WIND, GRAVITY)).model_copy(update={"minimum_detectable": limits})
+    (axes,) = stability_figure([diagnosed(one, "first_one", 0)]).figure.axes
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["gravity.g"]
+
+
 def test_causes_are_drawn_in_minimum_detectable_effects():
     figure = stability_figure(found()).figure
     first, other = figure.axes
