@@ -30,11 +30,15 @@ SCRATCH = Path("scratch") / "exam"  # results of questions, in folders by the co
 
 
 def run_exam(root: Path) -> None:
-    """Run the questions without a record of this code; write records, and the costs of verdicts."""
+    """Run the questions without a record of this code; write records, and the costs of verdicts.
+
+    Questions without any record come first: a stopped run has asked what was never asked before.
+    """
     params = load_params(root / "params.yaml")
     asked, folder = assignments(params), _scratch(root, params)
     records = _kept_records(root)
     stale = [one for one in asked if _code(records, one) != folder.name]
+    stale.sort(key=lambda one: one[0].trial.name in records)
     try:
         run_questions(stale, folder)
     finally:

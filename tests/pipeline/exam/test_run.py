@@ -154,16 +154,18 @@ def test_the_exam_leaves_records_and_costs(root, few, monkeypatch):
     assert json.loads((root / "reports/costs/verdicts.json").read_text())["cores"] >= 1
 
 
-def test_a_stopped_exam_leaves_its_records_and_the_next_run_asks_the_others(root, few, monkeypatch):
-    write_records(root / RECORDS, [record(name=few[-1]), record(name="of another exam")])
+def test_a_stopped_exam_leaves_its_records_and_the_next_run_asks_the_others_new_ones_first(
+    root, few, monkeypatch
+):
+    write_records(root / RECORDS, [record(name=few[0]), record(name="of another exam")])
     with pytest.raises(KeyboardInterrupt):
         run_exam_with(Asked(monkeypatch, stopped_after=2), root)
     code = code_of_records(root, params())
     kept = [(one.name, one.code) for one in read_records(root / RECORDS)]
-    assert kept == [(few[0], code), (few[1], code), (few[-1], "")]
+    assert kept == [(few[0], ""), (few[1], code), (few[2], code)]
     shutil.rmtree(root / "scratch")  # records are enough to resume from
 
-    assert run_exam_with(Asked(monkeypatch), root) == few[2:]
+    assert run_exam_with(Asked(monkeypatch), root) == [*few[3:], few[0]]
     assert {one.code for one in read_records(root / RECORDS)} == {code}
 
 
