@@ -1,8 +1,10 @@
 """From shots and a simulator to a verdict: name, locate, amend, verify (docs/naming.md)."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import get_args
+
+import numpy as np
 
 from models.ball.simulator import Simulator
 from models.gap.fit.shots import Shots, held_out
@@ -150,9 +152,9 @@ class _Findings:
 
     @property
     def fits(self) -> bool:
-        """Whether the model with all causes fits the shots."""
+        """Whether the model with all causes fits the shots' paths."""
         most = self.whole.question.settings.verify.max_unexplained
-        return self.whole.fits and self.structure_share <= most
+        return self.whole.paths_fit and self.structure_share <= most
 
     @property
     def unexplained(self) -> Unexplained:
@@ -165,20 +167,34 @@ class _Findings:
         )
 
 
-def _reduced(
-    whole: Verified, fits: bool, shares: dict[str, float]
-) -> tuple[Verified, dict[str, Worth], list[Cause]]:
+# Main causes, what they are worth, and minor ones.
+_Reduced = tuple[Verified, dict[str, Worth], list[Cause]]
+
+
+def _reduced(whole: Verified, fits: bool, shares: dict[str, float]) -> _Reduced:
     """Return the main causes with what they are worth, and the minor ones.
 
-    ``fits`` says whether the model with all of them fits the shots.
+    Where an error of the cameras would take the place of those that are taken out, beyond its
+    interval, those that it would grow by stay. ``fits`` says whether the model with all causes fits
+    the shots.
     """
+    found = _without_minor(whole, fits, shares, np.inf)
+    size, most = found[0].camera_size[0], whole.camera_size[1]
+    return found if size <= most else _without_minor(whole, fits, shares, most)
+
+
+def _without_minor(whole: Verified, fits: bool, shares: dict[str, float], most: float) -> _Reduced:
+    """Take minor causes out; ``most`` is the largest error of the cameras, m, that they leave."""
     question, minor = whole.question, []
     judgement = whole.judgement(fits)
     while (k := judgement.weakest(question)) is not None:
+        reduced = whole.without(k)
+        if reduced.camera_size[0] > most and k not in judgement.irreplaceable:
+            judgement = replace(judgement, irreplaceable=judgement.irreplaceable | {k})
+            continue
         worth = judgement.worths.of_causes.get(judgement.identity(k))
         minor.append(cause(whole.named, k, "minor", shares, worth))
-        whole = whole.without(k)
-        judgement = whole.judgement(fits)
+        whole, judgement = reduced, reduced.judgement(fits, judgement.irreplaceable)
     return whole, judgement.worths.of_causes, minor
 
 

@@ -6,6 +6,7 @@ with what the fitted model expects of them.
 """
 
 from collections.abc import Iterator
+from typing import Literal
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from models.gap.verify.bootstrap import drawn_shots, interval
 from models.gap.verify.prediction_error import Errors
 
 AFTER, FLOOR = 1, 2  # rows of errors
+LABELS: Literal["labels"] = "labels"  # name of the check of labels
 
 
 def checks(
@@ -54,8 +56,8 @@ def _labels(verification: RefitResult, settings: GapSettings) -> Iterator[Check]
     """Compare the errors of labels with the spins: beyond half of them they say nothing."""
     if verification.linear.labelled.any():
         size = verification.noise_estimate.noise.label_error
-        allowed = settings.verify.allowed["labels"]
-        yield Check(name="labels", ratio=size, interval=(size, size), allowed=allowed)
+        allowed = settings.verify.allowed[LABELS]
+        yield Check(name=LABELS, ratio=size, interval=(size, size), allowed=allowed)
 
 
 def _check(name: str, squares: Floats, settings: GapSettings) -> Check | None:

@@ -4,7 +4,11 @@ A main cause has a plausible value, not one at its bound; its held-out gain of l
 significant; and predictions are not significantly better without it. Where the model does not fit
 the shots, the likelihood is no judge: predictions must be significantly worse without the cause,
 and not by a negligible amount only.
-Minor causes are taken out one at a time, the least worthy first, and the others are refitted.
+Minor causes are taken out one at a time, the least worthy first, and the others are refitted. If
+the cameras' error over space ends larger than its interval with all causes, it has taken the place
+of some: a smooth field bends paths as wind or gravity does, and held-out shots share it. Then a
+cause is irreplaceable if that error grows so much when it is taken out; it stays if its gain of
+likelihood is significant.
 """
 
 from dataclasses import dataclass
@@ -25,12 +29,14 @@ class Judgement:
         worths: of them.
         fits: whether the model with all causes fits the shots.
         error_mm: of the nominal simulator's predictions; the scale of what is harmful.
+        irreplaceable: places of causes that only a larger error of the cameras could replace.
     """
 
     named: Named
     worths: Worths
     fits: bool
     error_mm: float
+    irreplaceable: frozenset[int]
 
     def identity(self, k: int) -> str:
         """Return the identity of a cause, by its place."""
@@ -44,15 +50,17 @@ class Judgement:
     def _is_minor(self, k: int, question: Question) -> bool:
         hypothesis = self.named.explainer.evidence.columns[k]
         worth = self.worths.of_causes.get(hypothesis.identity)
-        value, _ = estimated(self.named, k)
-        if value in hypothesis.declaration.bounds or not self._is_needed(hypothesis.identity):
-            return True
-        if worth is None:
-            return False
         settings = question.settings.verify
-        harmful = worth.interval[1] < -settings.worse * self.error_mm
-        negligible = worth.interval[1] < settings.min_worth * self._largest
-        return harmful or (negligible and not self.fits and default_role(hypothesis) == "leading")
+        harmful = worth is not None and worth.interval[1] < -settings.worse * self.error_mm
+        value, _ = estimated(self.named, k)
+        if harmful or value in hypothesis.declaration.bounds:
+            return True
+        if k in self.irreplaceable and hypothesis.identity in self.worths.confirmed:
+            return False
+        if not self._is_needed(hypothesis.identity):
+            return True
+        negligible = worth is not None and worth.interval[1] < settings.min_worth * self._largest
+        return negligible and not self.fits and default_role(hypothesis) == "leading"
 
     def _is_needed(self, identity: str) -> bool:
         worth = self.worths.of_causes.get(identity)

@@ -7,11 +7,12 @@ import numpy as np
 
 from models.gap.fit.refit import RefitResult, fit_nuisance
 from models.gap.fit.shots import Shots
+from models.gap.name.causes import camera_size
 from models.gap.name.label_readings import read_labels, without_labels
 from models.gap.name.naming import Named, without_cause
 from models.gap.settings import GapSettings, Question
 from models.gap.verdict import Check, Gap
-from models.gap.verify.checks import checks
+from models.gap.verify.checks import LABELS, checks
 from models.gap.verify.prediction_error import Errors, HeldOut, gap
 from models.gap.verify.roles import Judgement
 from models.gap.verify.worth import Worths
@@ -64,16 +65,29 @@ class Verified:
         """Whether all checks pass."""
         return all(check.passed for check in self.checks)
 
+    @property
+    def paths_fit(self) -> bool:
+        """Whether all checks of paths pass: labels may err as much as the model says they do."""
+        return all(check.passed or check.name == LABELS for check in self.checks)
+
+    @property
+    def camera_size(self) -> tuple[float, float]:
+        """Standard deviation of the cameras' error over space, m, and the largest likely one."""
+        if self.named.distortion is None:
+            return 0.0, np.inf
+        size, (_, high) = camera_size(self.named, self.named.distortion)
+        return size, high
+
     def without(self, k: int) -> "Verified":
         """Return the causes but one, refitted."""
         named = without_cause(self.named, k, self.question)
         return Verified.of(named, self.measured, self.question)
 
-    def judgement(self, fits: bool) -> Judgement:
+    def judgement(self, fits: bool, irreplaceable: frozenset[int] = frozenset()) -> Judgement:
         """Return what decides about the roles of the causes."""
         worths = Worths.of(self.named, self.verification, self.held, self.question)
         before = float(np.mean(self.gap.before_mm)) if self.gap else 0.0
-        return Judgement(self.named, worths, fits, before)
+        return Judgement(self.named, worths, fits, before, irreplaceable)
 
 
 def _fit_held_out(shots: Shots, named: Named, settings: GapSettings) -> RefitResult:

@@ -1,11 +1,11 @@
 """Roles: worth is a difference of prediction errors, and what is not needed is minor."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
-from models.gap.diagnose import diagnose
+from models.gap.diagnose import _reduced, diagnose
 from models.gap.fit.refit import refit
 from models.gap.hypotheses import Hypothesis
 from models.gap.name.label_readings import all_as_read
@@ -15,6 +15,7 @@ from models.gap.settings import Question
 from models.gap.verdict import Worth
 from models.gap.verify.roles import Judgement
 from models.gap.verify.verified import Verified
+from models.gap.verify.worth import Worths
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 QUESTION = Question(NOMINAL, SETTINGS)
@@ -85,6 +86,64 @@ def test_predictions_decide_where_the_model_does_not_fit(both, interval, fits, i
     changed = replace(judgement, worths=replace(judgement.worths, of_causes=worths))
     assert (changed.weakest(QUESTION) is not None) == is_minor
     assert isinstance(changed, Judgement)
+
+
+@pytest.mark.parametrize(
+    ("interval", "confirmed", "is_minor"),
+    [
+        ((-1.0, 3.0), True, False),
+        ((-1.0, 3.0), False, True),  # the likelihood is not sure of it
+        ((-3.0, -1.0), True, True),  # predictions are better without it
+    ],
+)
+def test_a_cause_that_only_a_larger_error_of_the_cameras_could_replace_stays(
+    both, interval, confirmed, is_minor
+):
+    alone = both.without(place(both.named, DECAY))
+    drag = frozenset([place(alone.named, DRAG)])
+    worths = {"drag.cd": Worth(mm=1.0, interval=interval)}
+    sure = frozenset(["drag.cd"]) if confirmed else frozenset()
+    judgement = replace(alone.judgement(False, drag), worths=Worths(worths, sure))
+    assert (judgement.weakest(QUESTION) is not None) == is_minor
+
+
+class Replaced:
+    """Two needless causes; an error of the cameras grows to 20 mm in place of the first."""
+
+    question, named = QUESTION, None
+
+    def __init__(self, high, causes=(0, 1)):
+        self.causes = causes
+        self.camera_size = (0.001 if 0 in causes else 0.02, high)
+
+    def without(self, k):
+        return Replaced(self.camera_size[1], tuple(j for j in self.causes if j != k))
+
+    def judgement(self, fits, irreplaceable=frozenset()):
+        return Needless(self.causes, irreplaceable)
+
+
+@dataclass(frozen=True)
+class Needless:
+    """A judgement by which all causes are needless."""
+
+    causes: tuple[int, ...]
+    irreplaceable: frozenset[int]
+    worths = Worths({}, frozenset())
+
+    def weakest(self, question):
+        return next((k for k in self.causes if k not in self.irreplaceable), None)
+
+    def identity(self, k):
+        return str(k)
+
+
+def test_an_error_of_the_cameras_does_not_take_the_place_of_a_cause(monkeypatch):
+    monkeypatch.setattr("models.gap.diagnose.cause", lambda named, k, *of: k)
+    main, _, minor = _reduced(Replaced(high=0.003), True, {})
+    assert (main.causes, minor) == ((0,), [1])
+    main, _, minor = _reduced(Replaced(high=0.03), True, {})  # it may be so large in any case
+    assert (main.causes, minor) == ((), [0, 1])
 
 
 def test_a_verdict_on_a_fair_model_passes_its_checks():
