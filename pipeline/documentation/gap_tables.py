@@ -69,9 +69,10 @@ def arena_causes(root: Path) -> str:
 
 
 def exam_rates(root: Path) -> str:
-    """Counts of the exam for every method, from ``hidden_effects``."""
+    """Counts of the exam for every method, from ``hidden_effects``; a dash without records."""
     methods = _exam_results(root)
-    closed = [f"{100 * one['removable_closed']:.0f}" for one in methods.values()]
+    shares = (one["removable_closed"] for one in methods.values())
+    closed = [NONE if share is None else f"{100 * share:.0f}" for share in shares]
     rows = [*_exam_rows(methods, RATES), ["removable gap closed (%)", *closed]]
     return markdown_table(["", *methods], rows)
 

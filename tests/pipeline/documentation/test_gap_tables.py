@@ -8,6 +8,7 @@ import pytest
 from pipeline.documentation.gap_tables import (
     FORMER,
     ROBUSTNESS_RATES,
+    exam_rates,
     real_errors,
     real_summary,
     robustness_rates,
@@ -33,19 +34,27 @@ def write_real(root, former, cause):
     stability.drop(columns="split").to_csv(folder / "stability.csv", index=False)
 
 
-def written(root, first, other):
+def write_exam(root, first, other):
     path = root / "reports/hidden_effects/exam.json"
     path.parent.mkdir(parents=True)
     path.write_text(json.dumps({**first, "compared": {"sindy": other}}))
-    return robustness_rates(root).splitlines()
+
+
+def test_a_method_without_records_of_a_rate_has_a_dash(tmp_path):
+    asked = {"removable_closed": 0.923, "pairs": 77, "pairs_right": 74}
+    write_exam(tmp_path, asked, {"removable_closed": None, "pairs": 0, "pairs_right": 0})
+    rows = exam_rates(tmp_path).splitlines()
+    assert "| two causes: both named | 74 of 77 | – |" in rows
+    assert "| removable gap closed (%) | 92 | – |" in rows
 
 
 def test_rates_of_robustness_groups_have_their_counts(tmp_path):
-    head, _, *rows = written(
+    write_exam(
         tmp_path,
         {"clean_sets_new": 120, "false_leading": 2},
         {"clean_sets_new": 0, "false_leading": 0},
     )
+    head, _, *rows = robustness_rates(tmp_path).splitlines()
 
     assert head == "|  | rallygap | sindy |"
     assert rows[0] == "| clean sets with a physical cause named | 2 of 120 | – |"
@@ -53,7 +62,8 @@ def test_rates_of_robustness_groups_have_their_counts(tmp_path):
 
 
 def test_results_of_an_exam_without_these_groups_are_dashes(tmp_path):
-    _, _, *rows = written(tmp_path, {}, {})
+    write_exam(tmp_path, {}, {})
+    _, _, *rows = robustness_rates(tmp_path).splitlines()
 
     assert all(row.endswith("| – | – |") for row in rows)
 
