@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 
 from numpy import int64
 from numpy.typing import NDArray
@@ -62,10 +61,8 @@ class Fold:
         """The question in which no error is planted."""
         return Question(self.set, self.number)
 
-    def diagnosis(
-        self, question: Question, references: Mapping[str, float] = MappingProxyType({})
-    ) -> Diagnosis:
-        """Return the diagnosis that answers a question; ``references`` are planted about."""
+    def diagnosis(self, question: Question, references: Mapping[str, float]) -> Diagnosis:
+        """Return the diagnosis that answers a question; errors are planted about ``references``."""
         file = self.folder / f"{question.name}.json"
         return Diagnosis(file, self.shots, self.base, question.error, references, question.seed)
 

@@ -4,7 +4,6 @@ They are the true values of planted errors. The base simulator's values are thos
 recordings, which may differ: an error planted about them would have another size than it says.
 """
 
-import json
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -14,7 +13,7 @@ from models.gap.fit.shots import Shots, held_out
 from models.gap.hypotheses import Hypothesis
 from models.gap.name.naming import Named, name, with_estimates
 from models.gap.settings import DEFAULTS, Question
-from pipeline.io.artifacts import write_json
+from pipeline.io.artifacts import read_json, write_json
 from pipeline.known_answers.answers import Diagnosis, make_missing
 from pipeline.known_answers.design import IN_RECORDINGS, IN_SIMULATOR
 from pipeline.runtime.errors import InputError
@@ -61,8 +60,8 @@ def _write(fold: Diagnosis) -> None:
 
 
 def _read(file: Path) -> dict[str, float]:
+    values = read_json(file)
     try:
-        values = json.loads(file.read_text())
         return {identity: float(values[identity]) for identity in IDENTITIES}
     except (ValueError, KeyError, TypeError):
         raise InputError(file, "has no reference values; remove it and run again") from None

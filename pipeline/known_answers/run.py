@@ -67,7 +67,7 @@ def _read(root: Path, folder: Path, name: str, folds: int) -> MeasuredSet:
 def _ask(sets: Sequence[MeasuredSet]) -> list[Answer]:
     """Return the answers to all questions, in the order of sets and questions."""
     folds = folds_of(sets)
-    before = verdicts([fold.diagnosis(fold.unplanted) for fold in folds], "unplanted folds")
+    before = verdicts([fold.diagnosis(fold.unplanted, {}) for fold in folds], "unplanted folds")
     values = references([fold.before_planting() for fold in folds])
     asked = [
         (k, question)
