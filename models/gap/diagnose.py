@@ -117,9 +117,8 @@ class _Findings:
         limits = detection_limits(evidence_about(named.before, question), named.readings, question)
         varying = variations(main.named)
         net = name_net(nets, main.named, question) if nets else None
-        found = _by_role(
-            [*_main_causes(main.named, worths, self.shares), *minor, *(net.causes if net else ())]
-        )
+        leading = _main_causes(main.named, named, worths, self.shares)
+        found = _by_role([*leading, *minor, *(net.causes if net else ())])
         phases = self.located.phase_shares if self.located else dict.fromkeys(PHASES, 0.0)
         return Verdict(
             verdict=_answer(found, main, self.structure_share, bool(varying)),
@@ -198,11 +197,13 @@ def _without_minor(whole: Verified, fits: bool, shares: dict[str, float], most: 
     return whole, judgement.worths.of_causes, minor
 
 
-def _main_causes(named: Named, worths: dict[str, Worth], shares: dict[str, float]) -> list[Cause]:
-    """Return leading causes and sensor faults."""
+def _main_causes(
+    named: Named, whole: Named, worths: dict[str, Worth], shares: dict[str, float]
+) -> list[Cause]:
+    """Return leading causes and sensor faults; ``whole`` has the minor ones too."""
     columns = named.explainer.evidence.columns
     found = [
-        cause(named, k, default_role(columns[k]), shares, worths.get(columns[k].identity))
+        cause(named, k, default_role(columns[k]), shares, worths.get(columns[k].identity), whole)
         for k in named.explanation.causes
     ]
     if named.distortion is not None:

@@ -2,7 +2,8 @@
 
 numpy, OpenBLAS, MKL, oneDNN and torch choose instructions by the processor. Wider ones add in
 another order, the last bits differ, and a training amplifies the difference. All are limited to
-AVX2, which every such processor of the last ten years has. They read the environment when they are
+AVX2, which every such processor of the last ten years has. The threads of OpenBLAS add in another
+order as well: it has one, whatever the number of cores. They read the environment when they are
 loaded, so it is set before the first of them.
 """
 
@@ -12,6 +13,7 @@ import platform
 ARITHMETIC = {
     "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR",
     "OPENBLAS_CORETYPE": "Haswell",
+    "OPENBLAS_NUM_THREADS": "1",
     "MKL_CBWR": "AVX2",
     "ONEDNN_MAX_CPU_ISA": "AVX2",
     "ATEN_CPU_CAPABILITY": "avx2",

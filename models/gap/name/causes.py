@@ -32,12 +32,24 @@ def detection_limits(
 
 
 def cause(
-    named: Named, k: int, role: Role, gap_shares: dict[str, float], worth: Worth | None
+    named: Named,
+    k: int,
+    role: Role,
+    gap_shares: dict[str, float],
+    worth: Worth | None,
+    whole: Named | None = None,
 ) -> Cause:
-    """Return one of the causes as a verdict has it."""
+    """Return one of the causes as a verdict has it.
+
+    Its interval has that of ``whole`` as well, an explanation with minor causes, if it is given:
+    whether those are there is uncertain, and the value may depend on it.
+    """
     explainer, places = named.explainer, named.explanation.causes
     hypothesis = explainer.evidence.columns[k]
     estimate, interval = estimated(named, k)
+    if whole is not None:
+        _, (low, high) = estimated(whole, k)
+        interval = min(interval[0], low), max(interval[1], high)
     return Cause(
         **described(hypothesis, explainer.nominal),
         role=role,

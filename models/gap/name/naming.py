@@ -332,7 +332,11 @@ def _simpler(
 def _followed(
     fit: RefitResult, question: Question, required: Causes, propose: Proposal
 ) -> Followed:
-    """Refit with one proposal after the other as long as refits confirm them."""
+    """Refit with one proposal after the other as long as refits confirm them.
+
+    Causes that shots do not fit without, though the linear evidence says so, are required then:
+    that is of little use where the effect of a cause is far from linear, as that of saturation.
+    """
     earlier = [fit.free]
     while True:
         evidence = evidence_about(fit, question)
@@ -344,6 +348,9 @@ def _followed(
             return fit, explainer, explanation, causes in earlier
         earlier.append(causes)
         trial = _confirmed(explainer, explanation, fit)
+        if trial is None and set(causes) < set(fit.free):
+            required = (*required, *(cause for cause in fit.free if cause not in causes))
+            continue
         if trial is None:
             return fit, explainer, best_explanation(explainer, held, len(held)), False
         fit = trial

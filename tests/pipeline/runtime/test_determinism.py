@@ -18,7 +18,8 @@ import stages
 import numpy, threadpoolctl, torch
 from numpy._core._multiarray_umath import __cpu_features__ as features
 print([name for name in ("X86_V4", "AVX512_ICL", "AVX512_SPR") if features[name]])
-print({one["architecture"] for one in threadpoolctl.threadpool_info() if "architecture" in one})
+openblas = [one for one in threadpoolctl.threadpool_info() if one["internal_api"] == "openblas"]
+print({(one["architecture"], one["num_threads"]) for one in openblas})
 print(torch.backends.cpu.get_cpu_capability())
 """
 
@@ -32,8 +33,8 @@ def fresh(program, **environment):
     return done.stdout.splitlines()
 
 
-def test_libraries_use_nothing_wider_than_avx2():
-    assert fresh(LOADED) == ["[]", "{'Haswell'}", "AVX2"]
+def test_libraries_use_one_thread_and_nothing_wider_than_avx2():
+    assert fresh(LOADED) == ["[]", "{('Haswell', 1)}", "AVX2"]
 
 
 def test_who_sets_another_arithmetic_keeps_it():

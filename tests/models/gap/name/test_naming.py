@@ -10,10 +10,11 @@ from models.ball.simulator import Simulator
 from models.ball.simulators import shipped
 from models.gap.diagnose import diagnose
 from models.gap.fit.refit import refit
+from models.gap.hypotheses import Hypothesis
 from models.gap.name import naming
 from models.gap.name.label_readings import read_labels
 from models.gap.name.naming import name
-from models.gap.name.selection import Explainer, Explanation, evidence_about
+from models.gap.name.selection import Explainer, Explanation, best_explanation, evidence_about
 from models.gap.settings import Question
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
@@ -69,6 +70,19 @@ def test_implausible_values_are_not_confirmed():
     wrong, right = (Explanation((k,), {k: 0.0}) for k in (saturation, lift))
     assert [cause.effect for cause in naming._confirmed(explainer, right, fit).free] == ["magnus"]
     assert naming._confirmed(explainer, wrong, fit) is None
+
+
+def test_causes_that_shots_need_are_kept_whatever_is_proposed():
+    lift, saturation = Hypothesis("magnus", "cm"), Hypothesis("lift_saturation", "kappa")
+    truth = NOMINAL.amended("magnus", cm=0.15).amended("lift_saturation", kappa=15.0)
+    fit = refit(measured(truth, count=20), NOMINAL, (lift, saturation), SETTINGS.fit)
+
+    def one_cause(explainer, required):
+        return best_explanation(explainer, required, max(len(required), 1))
+
+    followed, _, explanation, stays = naming._followed(fit, Question(NOMINAL), (), one_cause)
+    assert stays and len(explanation.causes) == 2
+    assert set(followed.free) == {lift, saturation}
 
 
 def test_flipped_labels_are_found_together_with_a_cause():
