@@ -188,6 +188,9 @@ def _without_minor(whole: Verified, fits: bool, shares: dict[str, float], most: 
     judgement = whole.judgement(fits)
     while (k := judgement.weakest(question)) is not None:
         reduced = whole.without(k)
+        if fits and k not in judgement.needed and whole.is_likelier_than(reduced):
+            judgement = replace(judgement, needed=judgement.needed | {k})
+            continue
         if reduced.camera_size[0] > most and k not in judgement.irreplaceable:
             judgement = replace(judgement, irreplaceable=judgement.irreplaceable | {k})
             continue

@@ -17,7 +17,7 @@ RATES = {  # what is counted: the number, and of how many
     "leading, and no other new cause": ("exact", "questions"),
     "95 % intervals that contain the reference value": ("covered", "intervals"),
     "distorted recordings without a new leading cause": ("distorted_clean", "distorted"),
-    "unplanted recordings without a cause": ("unplanted_clean", "unplanted"),
+    "unplanted recordings without a leading cause": ("unplanted_clean", "unplanted"),
 }
 
 SECTION = """## How far to trust a verdict

@@ -118,7 +118,7 @@ def set_scores(answers: Sequence[Answer]) -> dict[str, Any]:
         "distorted": len(distorted),
         "distorted_clean": sum(not one.false for one in distorted),
         "unplanted": len(unplanted),
-        "unplanted_clean": sum(not verdict.main_causes for verdict in unplanted),
+        "unplanted_clean": sum(not verdict.leading for verdict in unplanted),
     }
 
 

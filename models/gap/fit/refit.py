@@ -13,7 +13,7 @@ from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised, linearise
 from models.gap.fit.noise import GramMatrices, Noise, gram_matrices
-from models.gap.fit.projection import eliminate_nuisance, nuisance_solution
+from models.gap.fit.projection import ReducedSystem, eliminate_nuisance, nuisance_solution
 from models.gap.fit.shared_errors import SharedErrors
 from models.gap.fit.shot_fit import ShotFit, fit_shots, refit_shots
 from models.gap.fit.shots import Shots
@@ -130,19 +130,32 @@ def likelihood_gain(before: RefitResult, after: RefitResult) -> float:
     Errors of labels and time stamps scale with spins and velocities: those of the later fit serve
     for both, or else smaller spins and velocities would pass for a worse fit.
     """
+    old, new = _left_by_both(before, after)
+    return _misfit(old) - _misfit(new)
+
+
+def likelihood_gains(before: RefitResult, after: RefitResult) -> Floats:
+    """Return the (B,) shots' parts of ``likelihood_gain``; shared errors count as known."""
+    old, new = _left_by_both(before, after)
+    gains: Floats = old.misfit - new.misfit
+    return gains
+
+
+def _left_by_both(before: RefitResult, after: RefitResult) -> tuple[ReducedSystem, ReducedSystem]:
+    """Return shared errors and residuals of both fits, in the noise of the later one."""
     old, new = before.noise_estimate, after.noise_estimate
     about = replace(after.linear, labelled=before.linear.labelled & after.linear.labelled)
     weights = np.minimum(old.weights, new.weights)
     shot_weights = np.minimum(old.shot_weights, new.shot_weights)
-    misfits = [
-        _misfit(fit.linear, about, new.noise, weights, shot_weights) for fit in (before, after)
-    ]
-    return misfits[0] - misfits[1]
+    return (
+        _left(before.linear, about, new.noise, weights, shot_weights),
+        _left(after.linear, about, new.noise, weights, shot_weights),
+    )
 
 
-def _misfit(
+def _left(
     linear: Linearised, about: Linearised, noise: Noise, weights: Floats, shot_weights: Floats
-) -> float:
+) -> ReducedSystem:
     units = np.where(about.labelled, linear.label_scales / about.label_scales, 0.0)
     same = replace(
         linear,
@@ -153,9 +166,11 @@ def _misfit(
     total = gram_matrices(same, noise, weights, shot_weights).total(noise)
     # Nuisance parameters, shared errors and residuals.
     kept = np.delete(np.arange(total.shape[-1]), linear.of_hypotheses)
-    left = eliminate_nuisance(total[:, kept[:, None], kept], linear.nuisance_count)
-    shared = SharedErrors.of(left, 0)
-    return float(left.misfit.sum()) - shared.explained
+    return eliminate_nuisance(total[:, kept[:, None], kept], linear.nuisance_count)
+
+
+def _misfit(left: ReducedSystem) -> float:
+    return float(left.misfit.sum()) - SharedErrors.of(left, 0).explained
 
 
 def _values(simulator: Simulator, free: tuple[Hypothesis, ...]) -> Floats:

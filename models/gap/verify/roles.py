@@ -4,7 +4,9 @@ A main cause has a plausible value, not one at its bound; its held-out gain of l
 significant; and predictions are not significantly better without it. Where the model does not fit
 the shots, the likelihood is no judge: predictions must be significantly worse without the cause,
 and not by a negligible amount only.
-Minor causes are taken out one at a time, the least worthy first, and the others are refitted. If
+Minor causes are taken out one at a time, the least worthy first, and the others are refitted. A
+cause is needed, and stays, if held-out shots that fit are then significantly less likely: the
+likelihood gain above is linear, which is little use for lift saturation and the like. If
 the cameras' error over space ends larger than its interval with all causes, it has taken the place
 of some: a smooth field bends paths as wind or gravity does, and held-out shots share it. Then a
 cause is irreplaceable if that error grows so much when it is taken out; it stays if its gain of
@@ -30,6 +32,7 @@ class Judgement:
         fits: whether the model with all causes fits the shots.
         error_mm: of the nominal simulator's predictions; the scale of what is harmful.
         irreplaceable: places of causes that only a larger error of the cameras could replace.
+        needed: places of causes without which held-out shots are significantly less likely.
     """
 
     named: Named
@@ -37,6 +40,7 @@ class Judgement:
     fits: bool
     error_mm: float
     irreplaceable: frozenset[int]
+    needed: frozenset[int]
 
     def identity(self, k: int) -> str:
         """Return the identity of a cause, by its place."""
@@ -53,7 +57,11 @@ class Judgement:
         settings = question.settings.verify
         harmful = worth is not None and worth.interval[1] < -settings.worse * self.error_mm
         value, _ = estimated(self.named, k)
-        if harmful or value in hypothesis.declaration.bounds:
+        if value in hypothesis.declaration.bounds:
+            return True
+        if k in self.needed:
+            return False
+        if harmful:
             return True
         if k in self.irreplaceable and hypothesis.identity in self.worths.confirmed:
             return False

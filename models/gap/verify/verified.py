@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.stats import t as student
 
-from models.gap.fit.refit import RefitResult, fit_nuisance
+from models.gap.fit.refit import RefitResult, fit_nuisance, likelihood_gains
 from models.gap.fit.shots import Shots
 from models.gap.name.causes import camera_size
 from models.gap.name.label_readings import read_labels, without_labels
@@ -78,16 +79,23 @@ class Verified:
         size, (_, high) = camera_size(self.named, self.named.distortion)
         return size, high
 
+    def is_likelier_than(self, other: "Verified") -> bool:
+        """Whether held-out shots are significantly likelier, by the spread of their gains."""
+        gains = likelihood_gains(other.verification, self.verification)
+        error = np.sqrt(len(gains)) * gains.std(ddof=1)
+        tail = (1 - self.question.settings.confidence) / 2
+        return bool(gains.sum() > student.isf(tail, len(gains) - 1) * error)
+
     def without(self, k: int) -> "Verified":
         """Return the causes but one, refitted."""
         named = without_cause(self.named, k, self.question)
         return Verified.of(named, self.measured, self.question)
 
     def judgement(self, fits: bool, irreplaceable: frozenset[int] = frozenset()) -> Judgement:
-        """Return what decides about the roles of the causes."""
+        """Return what decides about the roles of the causes; none is known to be needed yet."""
         worths = Worths.of(self.named, self.verification, self.held, self.question)
         before = float(np.mean(self.gap.before_mm)) if self.gap else 0.0
-        return Judgement(self.named, worths, fits, before, irreplaceable)
+        return Judgement(self.named, worths, fits, before, irreplaceable, frozenset())
 
 
 def _fit_held_out(shots: Shots, named: Named, settings: GapSettings) -> RefitResult:

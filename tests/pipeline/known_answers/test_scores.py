@@ -75,7 +75,7 @@ def test_no_cause_at_all_misses_the_planted_error():
 
 ANSWERS = [
     answer([WIND], error=None),
-    answer([], error=None),
+    answer([cause("wind.x", 0.5, 0.0, role="sensor")], error=None),
     answer([cause("drag.cd", 0.545, SPOILED)]),
     answer([cause("drag.cd", 0.6, SPOILED), WIND]),
     answer([]),
