@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from models.gap.fit.linearize import linearise
-from models.gap.fit.refit import likelihood_gain, refit
+from models.gap.fit.refit import likelihood_gain, likelihood_gains, refit
 from models.gap.hypotheses import Hypothesis
 from models.gap.inference.score_test import Evidence, familywise_p_values
 from tests.models.gap.hidden import NOMINAL, SETTINGS, listed, measured
@@ -106,6 +106,7 @@ def test_shots_are_likelier_about_the_simulator_with_the_hidden_effect():
     assert likelihood_gain(before, after) > 30.0
     assert likelihood_gain(after, before) < 0.0
     assert likelihood_gain(after, after) == 0.0
+    assert likelihood_gains(before, after).sum() == pytest.approx(likelihood_gain(before, after))
 
 
 def test_only_labels_that_both_fits_use_are_compared():

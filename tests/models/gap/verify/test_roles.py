@@ -107,6 +107,16 @@ def test_a_cause_that_only_a_larger_error_of_the_cameras_could_replace_stays(
     assert (judgement.weakest(QUESTION) is not None) == is_minor
 
 
+def test_held_out_shots_are_likelier_with_the_right_cause_and_it_stays(both):
+    drag, decay = (place(both.named, cause) for cause in (DRAG, DECAY))
+    assert both.is_likelier_than(both.without(drag))
+    assert not both.is_likelier_than(both.without(decay))
+    worths = Worths({"drag.cd": Worth(mm=-2.0, interval=(-3.0, -1.0))}, frozenset())
+    alone = replace(both.without(decay).judgement(fits=True), worths=worths)
+    assert alone.weakest(QUESTION) == drag
+    assert replace(alone, needed=frozenset([drag])).weakest(QUESTION) is None
+
+
 class Replaced:
     """Two needless causes; an error of the cameras grows to 20 mm in place of the first."""
 
@@ -119,8 +129,11 @@ class Replaced:
     def without(self, k):
         return Replaced(self.camera_size[1], tuple(j for j in self.causes if j != k))
 
+    def is_likelier_than(self, other):
+        return False
+
     def judgement(self, fits, irreplaceable=frozenset()):
-        return Needless(self.causes, irreplaceable)
+        return Needless(self.causes, irreplaceable, frozenset())
 
 
 @dataclass(frozen=True)
@@ -129,10 +142,12 @@ class Needless:
 
     causes: tuple[int, ...]
     irreplaceable: frozenset[int]
+    needed: frozenset[int]
     worths = Worths({}, frozenset())
 
     def weakest(self, question):
-        return next((k for k in self.causes if k not in self.irreplaceable), None)
+        stay = self.irreplaceable | self.needed
+        return next((k for k in self.causes if k not in stay), None)
 
     def identity(self, k):
         return str(k)
@@ -144,6 +159,14 @@ def test_an_error_of_the_cameras_does_not_take_the_place_of_a_cause(monkeypatch)
     assert (main.causes, minor) == ((0,), [1])
     main, _, minor = _reduced(Replaced(high=0.03), True, {})  # it may be so large in any case
     assert (main.causes, minor) == ((), [0, 1])
+
+
+@pytest.mark.parametrize(("fits", "kept"), [(True, (0, 1)), (False, ())])
+def test_needed_causes_stay_where_the_model_fits(monkeypatch, fits, kept):
+    monkeypatch.setattr("models.gap.diagnose.cause", lambda named, k, *of: k)
+    monkeypatch.setattr(Replaced, "is_likelier_than", lambda self, other: True)
+    main, _, _ = _reduced(Replaced(high=0.03), fits, {})
+    assert main.causes == kept
 
 
 def test_a_verdict_on_a_fair_model_passes_its_checks():
