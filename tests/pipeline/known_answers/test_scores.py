@@ -45,6 +45,12 @@ def test_sensor_faults_are_not_false_leading_causes_and_minor_ones_are_no_causes
     assert not answer([cause("drag.cd", 0.545, SPOILED, role="minor")]).leading
 
 
+def test_camera_distortion_is_no_new_cause_because_all_recordings_have_one():
+    distorted = cause("camera_distortion.amplitude", 0.004, 0.0, role="sensor")
+    one = answer([distorted, cause("drag.cd", 0.545, SPOILED)])
+    assert (one.leading, one.exact, one.false) == (True, True, ())
+
+
 def test_a_verdict_that_ignores_what_was_planted_is_wrong():
     before = [cause("position_scale.s", 0.03, 0.0)]
     error = PlantedError("recordings", "position_scale.s", "medium", 0.04)
