@@ -1,0 +1,51 @@
+"""The compiled ball filter agrees with filterpy's."""
+
+import numpy as np
+import pytest
+
+from models.predictors.ball_filter import filtered
+from models.predictors.protocol import History
+from tests.models.predictors.balls import FIRST, TRUTH, observed
+from tests.models.predictors.filterpy_filter import filtered_by_filterpy
+
+BALLS = np.tile(FIRST, (8, 1))
+
+
+def with_gaps_and_outliers(history, seed):
+    random = np.random.default_rng(seed)
+    states, mask = history.states.copy(), history.mask.copy()
+    struck = random.random(states.shape[:2]) < 0.1
+    states[struck, :3] += random.normal(size=(struck.sum(), 3)) * 0.2
+    mask[random.random(states.shape[:2]) < 0.15, :3] = False
+    mask[random.random(states.shape[:2]) < 0.3, 3:] = False
+    return History(np.where(mask, states, 0.0), mask)
+
+
+@pytest.mark.parametrize("labelled", [True, False])
+@pytest.mark.parametrize("spoilt", [True, False])
+def test_states_and_covariances_are_those_of_filterpy(labelled, spoilt):
+    history, _ = observed(BALLS, noise=0.003, labelled=labelled)
+    if spoilt:
+        history = with_gaps_and_outliers(history, seed=3)
+    found = filtered(history, TRUTH)
+    for b in range(len(history)):
+        state, covariance = filtered_by_filterpy(history.states[b], history.mask[b], TRUTH)
+        assert found.states[b] == pytest.approx(state, rel=1e-6, abs=1e-5)
+        assert found.covariances[b] == pytest.approx(covariance, rel=1e-5, abs=1e-7)
+
+
+def test_a_ball_without_a_measurement_is_at_rest_at_the_centre():
+    nothing = History(np.zeros((2, 12, 6)), np.zeros((2, 12, 6), dtype=bool))
+    assert not filtered(nothing, TRUTH).states.any()
+
+
+def test_errors_are_as_large_as_the_covariance_says():
+    """The mean of the squared Mahalanobis distances of many balls is the number of components."""
+    balls = np.tile(FIRST[0], (300, 1))
+    history, _ = observed(balls, noise=0.004, labelled=False)
+    found = filtered(history, TRUTH)
+    true = TRUTH.fly(balls[:1], [11 * 0.005]).states[0, 0]
+    miss = (found.states - true)[:, :6]
+    inner = found.covariances[:, :6, :6]
+    distances = np.einsum("bi,bi->b", miss, np.linalg.solve(inner, miss[..., None])[..., 0])
+    assert distances.mean() == pytest.approx(6.0, rel=0.3)
