@@ -31,7 +31,8 @@ FIRST_SAMPLES = 4  # samples whose slopes give the initial velocity
 VELOCITY_PRIOR = 5.0  # m/s; wide enough for a bounce among these samples
 SPIN_PRIOR = 150.0  # rad/s, where the spin is not labelled
 
-# Process noise: errors of the simulator in one tick.
+# Process noise: errors of the simulator in one tick of 5 ms.
+NOISE_TICK = 0.005  # s
 ACCELERATION_NOISE = 2.0  # m/s^2
 SPIN_DRIFT = 1.0  # rad/s
 
@@ -70,37 +71,24 @@ def filtered(history: History, simulator: Simulator) -> Filtered:
     placed: Bools = np.all(history.mask[:, :, :3], axis=2)
     labelled: Bools = np.all(history.mask[:, :, 3:], axis=2)
     states = np.ascontiguousarray(history.states)
-    return Filtered(*_filter_all(states, placed, labelled, simulator.vector, process_noise()))
-
-
-def process_noise() -> Floats:
-    """Return the (9, 9) covariance of the simulator's errors in one tick."""
-    of_position, shared, of_velocity = ACCELERATION_NOISE**2 * np.array(
-        [TICK**4 / 4, TICK**3 / 2, TICK**2]
-    )
-    noise = np.zeros((SIZE, SIZE))
-    for i in range(3):
-        j = i + 3
-        noise[i, i], noise[j, j], noise[j + 3, j + 3] = of_position, of_velocity, SPIN_DRIFT**2
-        noise[i, j] = noise[j, i] = shared
-    return noise
+    return Filtered(*_filter_all(states, placed, labelled, simulator.vector, TICK))
 
 
 @compiled
 def _filter_all(
-    measured: Floats, placed: Bools, labelled: Bools, p: Floats, noise: Floats
+    measured: Floats, placed: Bools, labelled: Bools, p: Floats, tick: float
 ) -> tuple[Floats, Floats]:
     """Filter (B, N, 6) measured positions and spins, of which some are there."""
     states = np.zeros((len(measured), SIZE))
     covariances = np.zeros((len(measured), SIZE, SIZE))
     for b in range(len(measured)):
-        states[b], covariances[b] = _filter_one(measured[b], placed[b], labelled[b], p, noise)
+        states[b], covariances[b] = _filter_one(measured[b], placed[b], labelled[b], p, tick)
     return states, covariances
 
 
 @compiled
 def _filter_one(
-    measured: Floats, placed: Bools, labelled: Bools, p: Floats, noise: Floats
+    measured: Floats, placed: Bools, labelled: Bools, p: Floats, tick: float
 ) -> tuple[Floats, Floats]:
     """Return the last state and its covariance, by the cheapest path through the history."""
     state, covariance, cheapest = np.zeros(SIZE), np.zeros((SIZE, SIZE)), np.inf
@@ -111,7 +99,7 @@ def _filter_one(
         if costs[start] >= cheapest:
             continue
         reached, spread, outliers = _track(
-            measured[start:], placed[start:], labelled[start:], p, noise
+            measured[start:], placed[start:], labelled[start:], p, tick
         )
         if costs[start] + outliers.sum() < cheapest:
             state, covariance, cheapest = reached, spread, costs[start] + outliers.sum()
@@ -124,55 +112,92 @@ def _filter_one(
 
 @compiled
 def _track(
-    measured: Floats, placed: Bools, labelled: Bools, p: Floats, noise: Floats
+    measured: Floats, placed: Bools, labelled: Bools, p: Floats, tick: float
 ) -> tuple[Floats, Floats, Bools]:
     """Filter measurements from the first; return the last state and which were outliers."""
-    x, P = _first_guess(measured, placed, labelled)
+    x, P = _first_guess(measured, placed, labelled, tick)
     outliers = np.zeros(len(measured), dtype=np.bool_)
     for k in range(len(measured)):
         if k > 0:
-            x, P = _predicted(x, P, p, noise)
+            x, P = advanced(x, P, tick, p)
         if placed[k]:
-            y = measured[k, :3] - x[:3]
-            S_inverse = _inverse(P[:3, :3] + POSITION_NOISE**2 * np.eye(3))
-            outliers[k] = y @ S_inverse @ y >= OUTLIER_DISTANCE
+            R = POSITION_NOISE**2 * np.eye(3)
+            outliers[k] = distance(x, P, measured[k, :3], R) >= OUTLIER_DISTANCE
             if not outliers[k]:
-                x, P = _updated(x, P, y, 0, POSITION_NOISE)
+                x, P = updated(x, P, measured[k, :3], 0, R)
         if labelled[k]:
-            spin = measured[k, 3:]
-            error = SPIN_NOISE_SHARE * np.sqrt((spin**2).sum()) + SPIN_NOISE_FLOOR
-            x, P = _updated(x, P, spin - x[6:], 6, error)
+            x, P = updated(x, P, measured[k, 3:], 6, label_noise(measured[k, 3:]))
     return x, P, outliers
 
 
 @compiled
-def _predicted(x: Floats, P: Floats, p: Floats, noise: Floats) -> tuple[Floats, Floats]:
-    """Return mean and covariance a tick later."""
+def advanced(x: Floats, P: Floats, dt: float, p: Floats) -> tuple[Floats, Floats]:
+    """Return mean and covariance ``dt`` seconds later, at most a tick.
+
+    Args:
+        x: (9,) mean.
+        P: (9, 9) covariance.
+        dt: s.
+        p: parameter vector of the simulator.
+    """
     probes = np.empty((2 * SIZE + 1, SIZE))
     probes[:] = x
     for j in range(SIZE):
         probes[1 + j, j] += STEPS[j]
         probes[1 + SIZE + j, j] -= STEPS[j]
-    reached = fly(probes, np.full((len(probes), 1), TICK), p)[0]
+    reached = fly(probes, np.full((len(probes), 1), dt), p)[0]
     F = np.empty((SIZE, SIZE))
     for j in range(SIZE):
         F[:, j] = (reached[1 + j, 0] - reached[1 + SIZE + j, 0]) / (2 * STEPS[j])
-    return reached[0, 0].copy(), F @ P @ F.T + noise
+    return reached[0, 0].copy(), F @ P @ F.T + _process_noise(dt)
 
 
 @compiled
-def _updated(x: Floats, P: Floats, y: Floats, first: int, error: float) -> tuple[Floats, Floats]:
-    """Return mean and covariance after a measurement of three components from ``first``.
+def _process_noise(dt: float) -> Floats:
+    """Return the (9, 9) covariance of the simulator's errors: a white acceleration and drift."""
+    Q = np.zeros((SIZE, SIZE))
+    density = ACCELERATION_NOISE**2 * NOISE_TICK / dt  # the same noise a second at every rate
+    for i in range(3):
+        Q[i, i] = density * dt**4 / 4
+        Q[i, i + 3] = Q[i + 3, i] = density * dt**3 / 2
+        Q[i + 3, i + 3] = density * dt**2
+        Q[i + 6, i + 6] = SPIN_DRIFT**2 * dt / NOISE_TICK
+    return Q
 
-    ``y`` is the innovation and ``error`` its standard deviation a component; the covariance is in
-    Joseph's form, which stays positive definite.
+
+@compiled
+def distance(x: Floats, P: Floats, position: Floats, R: Floats) -> float:
+    """Return the squared Mahalanobis distance of a measured position; R is its covariance."""
+    y = position - x[:3]
+    return float(y @ _inverse(P[:3, :3] + R) @ y)
+
+
+@compiled
+def updated(x: Floats, P: Floats, measured: Floats, first: int, R: Floats) -> tuple[Floats, Floats]:
+    """Return mean and covariance after three components from ``first`` were measured.
+
+    The covariance is in Joseph's form, which stays positive definite.
+
+    Args:
+        x: (9,) mean.
+        P: (9, 9) covariance.
+        measured: (3,) components.
+        first: of these components, 0 for a position and 6 for a spin.
+        R: (3, 3) covariance of the measurement.
     """
     end = first + 3
-    S = P[first:end, first:end] + error**2 * np.eye(3)
-    K = np.ascontiguousarray(P[:, first:end]) @ _inverse(S)
+    K = np.ascontiguousarray(P[:, first:end]) @ _inverse(P[first:end, first:end] + R)
     left = np.eye(SIZE)
     left[:, first:end] -= K
-    return x + K @ y, left @ P @ left.T + error**2 * (K @ K.T)
+    return x + K @ (measured - x[first:end]), left @ P @ left.T + K @ R @ K.T
+
+
+@compiled
+def label_noise(spin: Floats) -> Floats:
+    """Return the (3, 3) covariance of a spin label."""
+    error = SPIN_NOISE_SHARE * np.sqrt((spin**2).sum()) + SPIN_NOISE_FLOOR
+    covariance: Floats = error**2 * np.eye(3)
+    return covariance
 
 
 @compiled
@@ -189,11 +214,13 @@ def _inverse(a: Floats) -> Floats:
 
 
 @compiled
-def _first_guess(measured: Floats, placed: Bools, labelled: Bools) -> tuple[Floats, Floats]:
+def _first_guess(
+    measured: Floats, placed: Bools, labelled: Bools, tick: float
+) -> tuple[Floats, Floats]:
     """Return mean and covariance at the first measurement, whose position is known."""
     x, spin_spread = np.zeros(SIZE), SPIN_PRIOR
     x[:3] = measured[0, :3]
-    x[3:6] = _median_slope(measured, np.flatnonzero(placed)[:FIRST_SAMPLES])
+    x[3:6] = _median_slope(measured, np.flatnonzero(placed)[:FIRST_SAMPLES], tick)
     if labelled.any():
         x[6:] = measured[np.argmax(labelled), 3:]
         spin_spread = max(spin_spread, np.sqrt((x[6:] ** 2).sum()))
@@ -206,14 +233,14 @@ def _first_guess(measured: Floats, placed: Bools, labelled: Bools) -> tuple[Floa
 
 
 @compiled
-def _median_slope(measured: Floats, rows: NDArray[np.signedinteger]) -> Floats:
+def _median_slope(measured: Floats, rows: NDArray[np.signedinteger], tick: float) -> Floats:
     """Return the median slope over all pairs of rows, robust to one outlier; zero for one row."""
     count = len(rows)
     slopes = np.empty((count * (count - 1) // 2, 3))
     pair = 0
     for i in range(count):
         for j in range(i + 1, count):
-            span = TICK * (rows[j] - rows[i])
+            span = tick * (rows[j] - rows[i])
             slopes[pair] = (measured[rows[j], :3] - measured[rows[i], :3]) / span
             pair += 1
     velocity = np.zeros(3)

@@ -1,0 +1,164 @@
+"""The forecaster: one measurement after the other comes in, forecasts are there at any time.
+
+All times are of the sensor's clock. A measurement that the present ball cannot have made is an
+outlier, or belongs to another ball. It starts a second track. If that goes on while the present
+ball is seen no more, a player has struck the ball, or there is a new one, or the clock has started
+again: then the second track is the present ball.
+"""
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from models.ball.simulator import Simulator
+from models.ball.state import STATE_SIZE
+from models.ball.types import Floats
+from models.live.forecast_path import Event, ForecastPath
+from models.live.track import Track
+from models.predictors.ball_filter import (
+    ACCELERATION_NOISE,
+    NOISE_TICK,
+    POSITION_NOISE,
+    SPIN_DRIFT,
+    STEPS,
+)
+from models.predictors.protocol import TICK
+
+Seen = Literal["used", "unused", "new ball"]
+
+NEW_BALL = 4  # measurements of another ball in a row, of which the present one has none
+READY = 3  # measurements before a forecast
+HORIZON = 1.0  # s, how far ahead contacts, apex and crossings are looked for
+NOT_MEASURED = np.full(3, np.nan)
+PROBES = np.vstack([np.zeros(STATE_SIZE), np.diag(STEPS), -np.diag(STEPS)])
+
+
+class NoBallError(LookupError):
+    """No ball has been measured often enough to forecast it."""
+
+
+class Forecaster:
+    """Forecasts the ball that is measured, by a simulator.
+
+    Args:
+        simulator: of the ball.
+        noise: m, standard deviation of a measured coordinate, where no covariance is given.
+    """
+
+    def __init__(self, simulator: Simulator, noise: float = POSITION_NOISE) -> None:
+        self.simulator = simulator
+        self._noise = noise**2 * np.eye(3)
+        self._ball, self._other = Track(simulator), Track(simulator)
+        self._missed = 0  # measurements since the present ball had one
+
+    @property
+    def ready(self) -> bool:
+        """Whether there is a ball to forecast."""
+        return self._ball.count >= READY
+
+    @property
+    def last(self) -> float:
+        """Time of the present ball's last measurement, s; minus infinity without a ball."""
+        return self._ball.last
+
+    def observe(
+        self,
+        t: float,
+        position: ArrayLike,
+        covariance: ArrayLike | None = None,
+        spin: ArrayLike | None = None,
+    ) -> Seen:
+        """Take a measurement, in any order of times.
+
+        Args:
+            t: s, of the sensor's clock.
+            position: (3,) m, in the table frame.
+            covariance: (3, 3) m^2, of the position.
+            spin: (3,) rad/s, if it was measured.
+
+        Returns:
+            Whether it was used for the present ball, or not, or has made another ball the present
+            one.
+
+        Raises:
+            ValueError: a time or a position that is not finite.
+        """
+        place = np.asarray(position, dtype=np.float64)
+        if place.shape != (3,) or not np.isfinite(place).all() or not np.isfinite(t):
+            raise ValueError(
+                f"a measurement at {t} s has the position {position!r}; give 3 numbers"
+            )
+        noise = self._noise if covariance is None else np.asarray(covariance, dtype=np.float64)
+        measured = NOT_MEASURED if spin is None else np.asarray(spin, dtype=np.float64)
+        if self._ball.add(t, place, noise, measured):
+            self._missed = 0
+            return "used"
+        self._missed += 1
+        if not self._other.add(t, place, noise, measured):
+            self._other = Track(self.simulator)
+            self._other.add(t, place, noise, measured)
+        if min(self._missed, self._other.count) < NEW_BALL:
+            return "unused"
+        self._ball, self._other = self._other, Track(self.simulator)
+        self._missed = 0
+        return "new ball"
+
+    def predict(self, times: ArrayLike) -> tuple[Floats, Floats]:
+        """Forecast the ball.
+
+        Args:
+            times: (T,) s, of the sensor's clock, not falling.
+
+        Returns:
+            (T, 9) states: position (m), velocity (m/s) and spin (rad/s); and (T, 9, 9) covariances.
+
+        Raises:
+            NoBallError: there is no ball yet.
+        """
+        path = self.path(times)
+        return path.states, path.covariances
+
+    def path(self, times: ArrayLike) -> ForecastPath:
+        """Return the forecast at (T,) times; ``predict`` describes them."""
+        if not self.ready:
+            raise NoBallError("no ball has been measured three times yet")
+        moments = np.atleast_1d(np.asarray(times, dtype=np.float64))
+        ahead = moments - self._ball.last
+        flown = self.simulator.fly(self._ball.state + PROBES, ahead).states
+        above, below = flown[1 : STATE_SIZE + 1], flown[STATE_SIZE + 1 :]
+        slopes = np.moveaxis((above - below) / (2 * STEPS[:, None, None]), 0, 2)
+        covariances = slopes @ self._ball.covariance @ np.swapaxes(slopes, 1, 2)
+        return ForecastPath(moments, flown[0], covariances + _drift(np.maximum(ahead, 0.0)))
+
+    def bounce(self) -> Event | None:
+        """Return the ball's next contact with the table; None if there is none in a second."""
+        return self._coming().bounce()
+
+    def apex(self) -> Event | None:
+        """Return where the ball next stops rising; None if it does not within a second."""
+        return self._coming().apex()
+
+    def crossing(self, point: ArrayLike, normal: ArrayLike) -> Event | None:
+        """Return where the ball next crosses a plane; None if it does not within a second.
+
+        Args:
+            point: (3,) m, of the plane, such as the middle of a robot's strike plane.
+            normal: (3,) of the plane.
+        """
+        return self._coming().crossing(np.asarray(point), np.asarray(normal))
+
+    def _coming(self) -> ForecastPath:
+        return self.path(self._ball.last + np.arange(0.0, HORIZON + TICK / 2, TICK))
+
+
+def _drift(ahead: Floats) -> Floats:
+    """Return (T, 9, 9) what the filter's process noise adds in free flight."""
+    density = ACCELERATION_NOISE**2 * NOISE_TICK
+    added = np.zeros((len(ahead), STATE_SIZE, STATE_SIZE))
+    for i in range(3):
+        added[:, i, i] = density * ahead**3 / 3
+        added[:, i, i + 3] = added[:, i + 3, i] = density * ahead**2 / 2
+        added[:, i + 3, i + 3] = density * ahead
+        added[:, i + 6, i + 6] = SPIN_DRIFT**2 * ahead / NOISE_TICK
+    return added
