@@ -18,6 +18,7 @@ from models.predictors.protocol import TICK
 Belief = tuple[Floats, Floats]  # (9,) mean and (9, 9) covariance
 
 KEPT = 48  # measurements of which a late one can be among; 240 ms at 200 Hz
+LONGEST_GAP = 0.3  # s without a measurement, after which a ball is another one
 FIRST_SPEED = 15.0  # m/s, standard deviation of a velocity component before the second measurement
 
 
@@ -69,7 +70,8 @@ class Track:
         """
         place = int(np.searchsorted(self._times[: self._size], t))
         known = place < self._size and self._times[place] == t
-        if known or (place == 0 and self._size):
+        lost = place == self._size > 0 and t - self.last > LONGEST_GAP
+        if known or lost or (place == 0 and self._size):
             return False
         guess = self._reached(place - 1, t) if place else _first_guess(position, noise, spin)
         if place and distance(*guess, position, noise) >= OUTLIER_DISTANCE:
