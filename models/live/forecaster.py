@@ -6,6 +6,7 @@ ball is seen no more, a player has struck the ball, or there is a new one, or th
 again: then the second track is the present ball.
 """
 
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -14,7 +15,8 @@ from numpy.typing import ArrayLike
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
-from models.live.forecast_path import Event, ForecastPath
+from models.live import crossings
+from models.live.crossings import Crossing
 from models.live.track import Track
 from models.predictors.ball_filter import (
     ACCELERATION_NOISE,
@@ -29,9 +31,26 @@ Seen = Literal["used", "unused", "new ball"]
 
 NEW_BALL = 4  # measurements of another ball in a row, of which the present one has none
 READY = 3  # measurements before a forecast
-HORIZON = 1.0  # s, how far ahead contacts, apex and crossings are looked for
+COMING = np.arange(201) * TICK  # s, how far ahead contacts, apex and crossings are looked for
 NOT_MEASURED = np.full(3, np.nan)
 PROBES = np.vstack([np.zeros(STATE_SIZE), np.diag(STEPS), -np.diag(STEPS)])
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happens to a ball.
+
+    Attributes:
+        time: s, of the sensor's clock.
+        time_error: s, its standard deviation.
+        state: (9,) position (m), velocity (m/s) and spin (rad/s) then, before a contact.
+        covariance: (9, 9) of the state.
+    """
+
+    time: float
+    time_error: float
+    state: Floats
+    covariance: Floats
 
 
 class NoBallError(LookupError):
@@ -116,28 +135,22 @@ class Forecaster:
         Raises:
             NoBallError: there is no ball yet.
         """
-        path = self.path(times)
-        return path.states, path.covariances
-
-    def path(self, times: ArrayLike) -> ForecastPath:
-        """Return the forecast at (T,) times; ``predict`` describes them."""
         if not self.ready:
             raise NoBallError("no ball has been measured three times yet")
-        moments = np.atleast_1d(np.asarray(times, dtype=np.float64))
-        ahead = moments - self._ball.last
+        ahead = np.atleast_1d(np.asarray(times, dtype=np.float64)) - self._ball.last
         flown = self.simulator.fly(self._ball.state + PROBES, ahead).states
         above, below = flown[1 : STATE_SIZE + 1], flown[STATE_SIZE + 1 :]
         slopes = np.moveaxis((above - below) / (2 * STEPS[:, None, None]), 0, 2)
         covariances = slopes @ self._ball.covariance @ np.swapaxes(slopes, 1, 2)
-        return ForecastPath(moments, flown[0], covariances + _drift(np.maximum(ahead, 0.0)))
+        return flown[0], covariances + _drift(np.maximum(ahead, 0.0))
 
     def bounce(self) -> Event | None:
         """Return the ball's next contact with the table; None if there is none in a second."""
-        return self._coming().bounce()
+        return self._event(crossings.bounce(self._coming()))
 
     def apex(self) -> Event | None:
         """Return where the ball next stops rising; None if it does not within a second."""
-        return self._coming().apex()
+        return self._event(crossings.apex(self._coming(), TICK))
 
     def crossing(self, point: ArrayLike, normal: ArrayLike) -> Event | None:
         """Return where the ball next crosses a plane; None if it does not within a second.
@@ -146,10 +159,23 @@ class Forecaster:
             point: (3,) m, of the plane, such as the middle of a robot's strike plane.
             normal: (3,) of the plane.
         """
-        return self._coming().crossing(np.asarray(point), np.asarray(normal))
+        plane = np.asarray(point, dtype=np.float64), np.asarray(normal, dtype=np.float64)
+        return self._event(crossings.plane(self._coming(), TICK, *plane))
 
-    def _coming(self) -> ForecastPath:
-        return self.path(self._ball.last + np.arange(0.0, HORIZON + TICK / 2, TICK))
+    def _coming(self) -> Floats:
+        """Return the states of the coming second, a tick apart; nothing without a ball."""
+        if not self.ready:
+            return np.empty((0, STATE_SIZE))
+        states: Floats = self.simulator.fly(self._ball.state, COMING).states[0]
+        return states
+
+    def _event(self, found: Crossing | None) -> Event | None:
+        if found is None:
+            return None
+        before = self._ball.last + COMING[found.row]
+        covariance = self.predict([before])[1][0]
+        time, error = float(before + found.after), found.time_error(covariance)
+        return Event(time, error, found.state, covariance)
 
 
 def _drift(ahead: Floats) -> Floats:

@@ -1,0 +1,97 @@
+"""When a forecast ball meets the table, stops rising, or crosses a plane.
+
+Each is the first change of sign of a quantity along a path whose rows are a few milliseconds apart.
+The error of the time is that of the quantity over its rate of change.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.ball.state import BALL_RADIUS, POSITION, STATE_SIZE, VELOCITY
+from models.ball.types import Floats
+
+GRAVITY = 9.81  # m/s^2; only within a step of a path, and for the error of an apex
+NEAR_TABLE = 0.15  # m, height below which a ball that turns upwards has bounced
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where a quantity changes its sign on a path.
+
+    Attributes:
+        row: of the path, before it.
+        after: s from that row.
+        state: (9,) position (m), velocity (m/s) and spin (rad/s) then, before a contact.
+        gradient: (9,) of the quantity, by the state.
+        rate: of change of the quantity, 1/s.
+    """
+
+    row: int
+    after: float
+    state: Floats
+    gradient: Floats
+    rate: float
+
+    def time_error(self, covariance: Floats) -> float:
+        """Return the standard deviation of the time, s, by the (9, 9) covariance of the state."""
+        variance = float(self.gradient @ covariance @ self.gradient)
+        return float(np.sqrt(variance)) / max(abs(self.rate), 1e-3)
+
+
+def bounce(states: Floats) -> Crossing | None:
+    """Return the next contact with the table of a ball with (T, 9) states; None without any."""
+    height, rise = states[:, 2], states[:, 5]
+    k = _first((rise[:-1] < 0) & (rise[1:] > 0) & (height[:-1] < NEAR_TABLE))
+    if k is None:
+        return None
+    above, fall = max(float(height[k]) - BALL_RADIUS, 0.0), -float(rise[k])
+    after = (np.sqrt(fall**2 + 2 * GRAVITY * above) - fall) / GRAVITY
+    state = states[k].copy()
+    state[POSITION] += after * state[VELOCITY]
+    state[2], state[5] = BALL_RADIUS, rise[k] - GRAVITY * after
+    return Crossing(k, float(after), state, _gradient(2), float(state[5]))
+
+
+def apex(states: Floats, step: float) -> Crossing | None:
+    """Return where a ball with (T, 9) states, ``step`` s apart, next stops rising."""
+    rise = states[:, 5]
+    k = _first((rise[:-1] > 0) & (rise[1:] <= 0))
+    return None if k is None else _between(states, k, rise, step, _gradient(5), -GRAVITY)
+
+
+def plane(states: Floats, step: float, point: Floats, normal: Floats) -> Crossing | None:
+    """Return where a ball with (T, 9) states, ``step`` s apart, next crosses a plane.
+
+    Args:
+        states: of the ball.
+        step: s.
+        point: (3,) m, of the plane.
+        normal: (3,) of the plane, of any length.
+    """
+    unit = normal / np.linalg.norm(normal)
+    side = (states[:, POSITION] - point) @ unit
+    k = _first((side[:-1] != 0) & (side[:-1] * side[1:] <= 0))
+    if k is None:
+        return None
+    gradient = np.zeros(STATE_SIZE)
+    gradient[POSITION] = unit
+    return _between(states, k, side, step, gradient, float(states[k, VELOCITY] @ unit))
+
+
+def _first(places: "np.ndarray[tuple[int], np.dtype[np.bool_]]") -> int | None:
+    found = np.flatnonzero(places)
+    return int(found[0]) if len(found) else None
+
+
+def _gradient(column: int) -> Floats:
+    gradient: Floats = np.eye(STATE_SIZE)[column]
+    return gradient
+
+
+def _between(
+    states: Floats, k: int, quantity: Floats, step: float, gradient: Floats, rate: float
+) -> Crossing:
+    share = float(quantity[k] / (quantity[k] - quantity[k + 1]))
+    state: Floats = (1 - share) * states[k] + share * states[k + 1]
+    return Crossing(k, share * step, state, gradient, rate)
