@@ -236,6 +236,36 @@ def real(
     typer.echo(f"All of it: {root / 'reports' / 'real'}")
 
 
+@app.command(rich_help_panel=GAP)
+def live(
+    simulator: Annotated[str, typer.Option(help="a shipped one's name, or a YAML file")],
+    observations: Annotated[
+        str, typer.Option(help="address of the camera server, JSON by ZeroMQ")
+    ] = "tcp://127.0.0.1:7660",
+    forecasts: Annotated[
+        str, typer.Option(help="address to publish forecasts at")
+    ] = "tcp://127.0.0.1:7661",
+    recordings: Annotated[
+        Path | None, typer.Option("--replay", help="a folder of recordings, instead of a server")
+    ] = None,
+    source: Annotated[str, typer.Option(help="the adapter that reads the recordings")] = "csv",
+    speed: Annotated[
+        float, typer.Option(min=0.01, max=1000, help="of the replay; 1 is as recorded")
+    ] = 1.0,
+) -> None:
+    """Forecast the ball while it is measured; Ctrl-C ends with a histogram of latencies."""
+    from pipeline.live.command import replay, serve
+    from pipeline.live.latency import summary
+
+    if recordings is None:
+        typer.echo(f"Measurements from {observations}, forecasts at {forecasts}.")
+        latencies = serve(simulator, observations, forecasts)
+    else:
+        latencies = replay(simulator, recordings, source, speed, forecasts)
+    for line in [summary(latencies), *latencies.histogram()]:
+        typer.echo(line)
+
+
 @app.command("known-answers", rich_help_panel=RUNS)
 def known_answers(
     folder: Annotated[

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicHermiteSpline
 from models.ball.state import BALL_RADIUS, STATE_SIZE
 from models.ball.types import Floats, Integers
 from models.policy.incoming_balls import PATH_TIMES
-from models.predictors.physics import POSITION_NOISE
+from models.predictors.ball_filter import POSITION_NOISE
 from models.predictors.windows import Episode
 from models.segmentation.contacts import extrapolated
 from models.segmentation.smoothing import smooth

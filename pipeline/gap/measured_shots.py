@@ -117,6 +117,19 @@ def _source(name: str) -> Source:
     return known[name]
 
 
+def read_recordings(folder: Path, source: str) -> list[pd.DataFrame]:
+    """Return the rows of the recordings of a folder, in parts of whole recordings.
+
+    Args:
+        folder: with the files of the source.
+        source: name of the adapter that reads them.
+
+    Raises:
+        InputError: as ``read_shots`` does.
+    """
+    return _recordings(folder, _source(source))[0]
+
+
 def _recordings(
     folder: Path, source: Source
 ) -> tuple[list[pd.DataFrame], Manifest, tuple[str, ...]]:

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 
 PROJECT = "rallygap"
 # Distributions whose package has another name.
-PACKAGES = {"scikit-learn": "sklearn", "psycopg": "psycopg"}
+PACKAGES = {"scikit-learn": "sklearn", "psycopg": "psycopg", "pyzmq": "zmq"}
 
 
 def missing_extra(package: str) -> str | None:

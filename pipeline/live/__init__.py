@@ -1,0 +1,1 @@
+"""Live forecasts over a network: measurements come in from a camera server, forecasts go out."""

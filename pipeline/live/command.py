@@ -1,0 +1,60 @@
+"""``rallygap live``: from a camera server or from recordings to forecasts."""
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+
+from models.live.forecaster import Forecaster
+from pipeline.gap.measured_shots import read_recordings
+from pipeline.io.simulators import load_simulator
+from pipeline.live.bridge import received, sockets
+from pipeline.live.latency import Latencies
+from pipeline.live.loop import forecast_each, warm_up
+from pipeline.live.messages import Measurement
+from pipeline.live.replay import measurements, paced
+
+
+def serve(simulator: str, observations: str, forecasts: str) -> Latencies:
+    """Forecast what a camera server measures until Ctrl-C; return the latencies.
+
+    Args:
+        simulator: name of a shipped one, or its YAML file.
+        observations: address of the camera server.
+        forecasts: address to publish at.
+
+    Raises:
+        InputError: the simulator or an address cannot be used.
+    """
+    forecaster = Forecaster(load_simulator(simulator))
+    warm_up(forecaster)
+    with sockets(observations, forecasts) as (receiver, sender):
+        return _run(received(receiver), forecaster, sender.send_string)
+
+
+def replay(simulator: str, folder: Path, source: str, speed: float, forecasts: str) -> Latencies:
+    """Forecast what is in recordings, as if it came from cameras; return the latencies.
+
+    Args:
+        simulator: name of a shipped one, or its YAML file.
+        folder: of the recordings.
+        source: name of the adapter that reads them.
+        speed: how many times as fast as they were recorded.
+        forecasts: address to publish at.
+
+    Raises:
+        InputError: the simulator, the recordings or the address cannot be used.
+    """
+    forecaster = Forecaster(load_simulator(simulator))
+    rows = measurements(read_recordings(folder, source))
+    warm_up(forecaster)
+    with sockets(None, forecasts) as (_, sender):
+        return _run(paced(rows, speed), forecaster, sender.send_string)
+
+
+def _run(
+    rows: Iterator[Measurement], forecaster: Forecaster, publish: Callable[[str], object]
+) -> Latencies:
+    latencies = Latencies()
+    with suppress(KeyboardInterrupt):
+        forecast_each(rows, forecaster, publish, latencies)
+    return latencies

@@ -1,0 +1,42 @@
+"""The loop: a measurement in, a forecast out, and how long that takes."""
+
+import time
+from collections.abc import Callable, Iterable
+
+from models.live.forecaster import Forecaster, Seen
+from pipeline.live.latency import Latencies
+from pipeline.live.messages import Measurement, forecast_message
+
+
+def forecast_each(
+    rows: Iterable[Measurement],
+    forecaster: Forecaster,
+    publish: Callable[[str], object],
+    latencies: Latencies,
+) -> None:
+    """Publish the forecast after each measurement.
+
+    Args:
+        rows: in the order in which they come.
+        forecaster: that takes them.
+        publish: sends a message.
+        latencies: counts how long each took.
+    """
+    for row in rows:
+        begun = time.perf_counter()
+        publish(forecast_message(row.number, _observe(forecaster, row), forecaster))
+        latencies.add(time.perf_counter() - begun)
+
+
+def warm_up(forecaster: Forecaster) -> None:
+    """Compile what forecasts need, which takes seconds on a machine that has not done it yet."""
+    other = Forecaster(forecaster.simulator)
+    for k in range(4):
+        other.observe(0.005 * k, [0.0, 1.0 - 0.03 * k, 0.3], spin=[0.0, 0.0, 0.0])
+        forecast_message(k, "used", other)
+
+
+def _observe(forecaster: Forecaster, row: Measurement) -> Seen:
+    if row.position is None:
+        return "unused"
+    return forecaster.observe(row.time, row.position, spin=row.spin)

@@ -1,0 +1,111 @@
+"""Messages: measurements as tennicam's server sends them, and forecasts."""
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from models.ball.types import Floats
+from models.live.forecaster import Event, Forecaster, Seen
+
+NANOSECONDS = 1e9  # in a second
+AHEAD = 0.01 * np.arange(1, 31)  # s after the last measurement, of the states in a forecast
+
+
+class MessageError(ValueError):
+    """A message is no measurement."""
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A measurement of a ball.
+
+    Attributes:
+        number: of the frame.
+        time: s, of the sensor's clock.
+        position: (3,) m; None if the frame shows no ball.
+        spin: (3,) rad/s, if it was measured.
+    """
+
+    number: int
+    time: float
+    position: Floats | None
+    spin: Floats | None = None
+
+
+def parse(message: bytes | str) -> Measurement:
+    """Return the measurement in a message.
+
+    It is the JSON of https://github.com/intelligent-soft-robots/tennicam_client: ``num``, ``time``
+    in ns, ``obs``, a position in m or null; and where spin is measured, ``spin`` in rad/s.
+
+    Raises:
+        MessageError: saying what is wrong.
+    """
+    try:
+        fields = json.loads(message)
+    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise MessageError(f"is no JSON: {error}") from None
+    if not isinstance(fields, dict):
+        raise MessageError("is no JSON object with num, time and obs")
+    number, time = _number(fields, "num"), _number(fields, "time")
+    position, spin = _vector(fields, "obs"), _vector(fields, "spin")
+    return Measurement(int(number), time / NANOSECONDS, position, spin)
+
+
+def _number(fields: dict[str, Any], name: str) -> float:
+    value = fields.get(name)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+        raise MessageError(f"has {name} = {value!r}; give a number")
+    return value
+
+
+def _vector(fields: dict[str, Any], name: str) -> Floats | None:
+    value = fields.get(name)
+    if value is None:
+        return None
+    try:
+        vector = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        vector = np.empty(0)
+    if vector.shape != (3,) or not np.isfinite(vector).all():
+        raise MessageError(f"has {name} = {value!r}; give three finite numbers, or null")
+    return vector
+
+
+def forecast_message(number: int, seen: Seen, forecaster: Forecaster) -> str:
+    """Return the forecast after a frame as JSON; its states are null without a ball.
+
+    Args:
+        number: of the frame.
+        seen: what became of its measurement.
+        forecaster: that has taken it.
+    """
+    message: dict[str, Any] = {"num": number, "seen": seen, "time": None, "states": None}
+    if forecaster.ready:
+        times = forecaster.last + AHEAD
+        states, covariances = forecaster.predict(times)
+        errors = np.sqrt(covariances[:, range(3), range(3)])
+        message |= {
+            "time": _nanoseconds(forecaster.last),
+            "ahead": AHEAD.round(3).tolist(),
+            "states": states.round(5).tolist(),
+            "position_errors": errors.round(5).tolist(),
+            "bounce": _event(forecaster.bounce()),
+        }
+    return json.dumps(message)
+
+
+def _event(event: Event | None) -> dict[str, Any] | None:
+    if event is None:
+        return None
+    return {
+        "time": _nanoseconds(event.time),
+        "time_error": round(event.time_error, 5),
+        "state": event.state.round(5).tolist(),
+    }
+
+
+def _nanoseconds(time: float) -> int:
+    return round(time * NANOSECONDS)

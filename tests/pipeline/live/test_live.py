@@ -1,0 +1,118 @@
+"""A camera server, rallygap live and a robot: three processes that talk by ZeroMQ."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pandas as pd
+import pytest
+import zmq
+from typer.testing import CliRunner
+
+from models.ball.simulators import shipped
+from pipeline.cli import app
+from pipeline.live.replay import measurements, paced
+
+TRUTH = shipped("literature")
+FIRST = np.array([0.1, 1.2, 0.35, 0.3, -6.0, 1.0, -150.0, 20.0, 30.0])
+TIMES = 0.005 * np.arange(60)
+PLACES = TRUTH.fly(FIRST, TIMES).states[0, :, :3]
+
+
+def free_addresses(count):
+    taken = [socket.create_server(("127.0.0.1", 0)) for _ in range(count)]
+    addresses = [f"tcp://127.0.0.1:{one.getsockname()[1]}" for one in taken]
+    for one in taken:
+        one.close()
+    return addresses
+
+
+@pytest.fixture
+def recordings(tmp_path):
+    for k in range(2):
+        table = pd.DataFrame(np.column_stack([TIMES, PLACES]), columns=["t", "x", "y", "z"])
+        table.to_csv(tmp_path / f"ball_{k}.csv", index=False)
+    return tmp_path
+
+
+def test_a_robot_gets_forecasts_of_what_a_camera_server_measures():
+    observations, forecasts = free_addresses(2)
+    command = [sys.executable, "-c", "from pipeline.cli import main; main()", "live"]
+    command += ["--simulator", "literature", "--observations", observations]
+    live = subprocess.Popen(
+        [*command, "--forecasts", forecasts],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )
+    context = zmq.Context()
+    try:
+        camera, robot = context.socket(zmq.PUB), context.socket(zmq.SUB)
+        camera.bind(observations)
+        robot.setsockopt(zmq.SUBSCRIBE, b"")
+        robot.setsockopt(zmq.RCVTIMEO, 50)
+        robot.connect(forecasts)
+        last = until_forecast(camera, robot)
+        assert last["seen"] == "used"
+        assert np.array(last["states"])[9, :3] == pytest.approx(
+            TRUTH.fly(FIRST, [last["time"] / 1e9 + 0.1]).states[0, 0, :3], abs=0.02
+        )
+    finally:
+        context.destroy(linger=0)
+        live.send_signal(signal.SIGINT)
+        out = live.communicate(timeout=20)[0]
+    assert live.returncode == 0
+    assert "p99" in out
+
+
+def until_forecast(camera, robot):
+    """Send measurements of one ball again and again, and return the first late forecast."""
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline:
+        camera.send_string("no measurement")
+        for number, (t, place) in enumerate(zip(TIMES, PLACES, strict=True)):
+            frame = {"num": number, "time": round(t * 1e9), "proc_time": 1, "obs": place.tolist()}
+            camera.send_string(json.dumps(frame))
+            try:
+                answer = json.loads(robot.recv())
+            except zmq.Again:
+                continue
+            if answer["num"] > 40 and answer["states"]:
+                return answer
+    raise AssertionError("no forecast came")
+
+
+def test_recordings_are_replayed_and_latencies_shown(recordings):
+    arguments = ["live", "--simulator", "literature", "--replay", str(recordings)]
+    address = free_addresses(1)[0]
+    result = CliRunner().invoke(app, [*arguments, "--speed", "1000", "--forecasts", address])
+    assert result.exit_code == 0, result.output
+    assert "120 frames" in result.output
+
+
+@pytest.mark.parametrize("option", ["--observations", "--forecasts"])
+def test_an_address_that_is_none_is_one_line(option):
+    result = CliRunner().invoke(app, ["live", "--simulator", "literature", option, "nowhere"])
+    assert result.exit_code != 0
+    assert f"{option}" in str(result.exception)
+
+
+def test_recordings_follow_one_another_on_one_clock():
+    rows = pd.DataFrame(
+        {"recording_id": ["a", "a", "b"], "t": [5.0, 5.1, 3.0], "px": 0.0, "py": 0.0, "pz": 0.3}
+    ).assign(wx=[np.nan, 1.0, 2.0], wy=1.0, wz=1.0)
+    found = list(measurements([rows]))
+    assert [one.time for one in found] == pytest.approx([0.0, 0.1, 1.1])
+    assert [one.spin is None for one in found] == [True, False, False]
+
+
+def test_the_speed_shortens_the_waits():
+    rows = [type("Row", (), {"time": t})() for t in (0.0, 1.0, 2.0)]
+    begun = time.monotonic()
+    assert list(paced(rows, 20.0)) == rows
+    assert time.monotonic() - begun >= 0.1
