@@ -18,13 +18,8 @@ from models.ball.types import Floats
 from models.live import crossings
 from models.live.crossings import Crossing
 from models.live.track import Track
-from models.predictors.ball_filter import (
-    ACCELERATION_NOISE,
-    NOISE_TICK,
-    POSITION_NOISE,
-    SPIN_DRIFT,
-    STEPS,
-)
+from models.predictors.ball_filter import POSITION_NOISE
+from models.predictors.propagation import propagated
 from models.predictors.protocol import TICK
 
 Seen = Literal["used", "unused", "new ball"]
@@ -33,7 +28,6 @@ NEW_BALL = 4  # measurements of another ball in a row, of which the present one 
 READY = 3  # measurements before a forecast
 COMING = np.arange(201) * TICK  # s, how far ahead contacts, apex and crossings are looked for
 NOT_MEASURED = np.full(3, np.nan)
-PROBES = np.vstack([np.zeros(STATE_SIZE), np.diag(STEPS), -np.diag(STEPS)])
 
 
 @dataclass(frozen=True)
@@ -138,11 +132,9 @@ class Forecaster:
         if not self.ready:
             raise NoBallError("no ball has been measured three times yet")
         ahead = np.atleast_1d(np.asarray(times, dtype=np.float64)) - self._ball.last
-        flown = self.simulator.fly(self._ball.state + PROBES, ahead).states
-        above, below = flown[1 : STATE_SIZE + 1], flown[STATE_SIZE + 1 :]
-        slopes = np.moveaxis((above - below) / (2 * STEPS[:, None, None]), 0, 2)
-        covariances = slopes @ self._ball.covariance @ np.swapaxes(slopes, 1, 2)
-        return flown[0], covariances + _drift(np.maximum(ahead, 0.0))
+        now = self._ball.state[None], self._ball.covariance[None]
+        states, covariances = propagated(self.simulator, *now, ahead)
+        return states[0], covariances[0]
 
     def bounce(self) -> Event | None:
         """Return the ball's next contact with the table; None if there is none in a second."""
@@ -176,15 +168,3 @@ class Forecaster:
         covariance = self.predict([before])[1][0]
         time, error = float(before + found.after), found.time_error(covariance)
         return Event(time, error, found.state, covariance)
-
-
-def _drift(ahead: Floats) -> Floats:
-    """Return (T, 9, 9) what the filter's process noise adds in free flight."""
-    density = ACCELERATION_NOISE**2 * NOISE_TICK
-    added = np.zeros((len(ahead), STATE_SIZE, STATE_SIZE))
-    for i in range(3):
-        added[:, i, i] = density * ahead**3 / 3
-        added[:, i, i + 3] = added[:, i + 3, i] = density * ahead**2 / 2
-        added[:, i + 3, i + 3] = density * ahead
-        added[:, i + 6, i + 6] = SPIN_DRIFT**2 * ahead / NOISE_TICK
-    return added
