@@ -57,6 +57,21 @@ class Track:
         covariance: Floats = self._covariances[self._size - 1]
         return covariance
 
+    @property
+    def times(self) -> Floats:
+        """(K,) s, of the latest measurements that were used."""
+        return self._times[: self._size]
+
+    @property
+    def positions(self) -> Floats:
+        """(K, 3) m, of these."""
+        return self._positions[: self._size]
+
+    @property
+    def spins(self) -> Floats:
+        """(K, 3) rad/s, of these; NaN where not measured."""
+        return self._spins[: self._size]
+
     def add(self, t: float, position: Floats, noise: Floats, spin: Floats) -> bool:
         """Use a measurement unless it is an outlier or too late; return whether it was used.
 
@@ -68,7 +83,7 @@ class Track:
             noise: (3, 3) m^2, its covariance.
             spin: (3,) rad/s, NaN if it was not measured.
         """
-        place = int(np.searchsorted(self._times[: self._size], t))
+        place = int(np.searchsorted(self.times, t))
         known = place < self._size and self._times[place] == t
         lost = place == self._size > 0 and t - self.last > LONGEST_GAP
         if known or lost or (place == 0 and self._size):
