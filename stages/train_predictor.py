@@ -73,7 +73,7 @@ def _save(
         starts_from=starts_from,
         learning=learning,
     )
-    save_predictor(run.artifact(result.name), result.network, description)
+    save_predictor(run.artifact(result.name), result.network, result.spread, description)
 
 
 if __name__ == "__main__":

@@ -6,8 +6,9 @@ from torch import Tensor, nn
 
 from models.predictors.gru_tae import RecurrentAutoencoder
 from models.predictors.normaliser import Normaliser, uniform_motion
-from models.predictors.protocol import Forecast, History
+from models.predictors.protocol import Floats, Forecast, History
 from models.predictors.settings import GruTaeSettings, NetworkSettings, TaeSettings
+from models.predictors.spread import Spread
 from models.predictors.tae import TrajectoryAutoencoder
 from models.predictors.transformer import Transformer
 
@@ -65,16 +66,47 @@ def build_network(settings: NetworkSettings) -> ForecastNetwork:
 
 
 class LearnedPredictor:
-    """A trained network as a predictor; it stays where the network is, on CPU or GPU."""
+    """A trained network as a predictor; it stays where the network is, on CPU or GPU.
 
-    def __init__(self, network: ForecastNetwork) -> None:
-        self.network = network.eval()
+    Args:
+        network: forecasts.
+        spread: of its errors; without one there are no covariances.
+    """
+
+    def __init__(self, network: ForecastNetwork, spread: Spread | None = None) -> None:
+        self.network, self.spread = network.eval(), spread
 
     def predict(self, history: History) -> Forecast:
         """Forecast each ball."""
+        with torch.inference_mode():
+            forecast = self.network(*self._tensors(history))
+        return Forecast(_array(forecast), history.spin_measured)
+
+    def covariances(self, history: History) -> Floats:
+        """Return the (B, 60, 3, 3) covariances of forecast positions, m^2.
+
+        Raises:
+            ValueError: there is no spread.
+        """
+        if self.spread is None:
+            raise ValueError("this predictor has no spread, so it does not know its errors")
+        states, mask = self._tensors(history)
+        motion, normaliser = uniform_motion(states, mask), self.network.normaliser
+        with torch.inference_mode():
+            rows = self.spread(
+                normaliser.normalised(states, mask, motion),
+                mask,
+                normaliser.residual(states, mask, motion),
+            ).mT
+            turned = normaliser.turned(normaliser.position_size * rows.flatten(1, 2), motion)
+        rows = _array(turned.view(rows.shape))
+        return np.swapaxes(rows, 2, 3) @ rows
+
+    def _tensors(self, history: History) -> tuple[Tensor, Tensor]:
         device = self.network.normaliser.future_mean.device
         states = torch.as_tensor(history.states, dtype=torch.float32, device=device)
-        mask = torch.as_tensor(history.mask, device=device)
-        with torch.inference_mode():
-            forecast = self.network(states, mask)
-        return Forecast(forecast.cpu().numpy().astype(np.float64), history.spin_measured)
+        return states, torch.as_tensor(history.mask, device=device)
+
+
+def _array(values: Tensor) -> Floats:
+    return values.cpu().numpy().astype(np.float64)

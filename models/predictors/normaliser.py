@@ -105,6 +105,15 @@ class Normaliser(nn.Module):
         """Return the (B, 60, 9) ball states that correspond to a network's output."""
         return _rotated(output * self.future_spread + self.future_mean, motion) + motion
 
+    @property
+    def position_size(self) -> Tensor:
+        """What one is in a network's output of a position, m."""
+        return self.future_spread[0]
+
+    def turned(self, vectors: Tensor, motion: Tensor) -> Tensor:
+        """Return (B, N, 3) vectors of a network's output in the table frame."""
+        return _rotated(vectors, motion)
+
 
 def uniform_motion(history: Tensor, mask: Tensor) -> Tensor:
     """Return the (B, 60, 9) future states at constant velocity and spin.

@@ -1,8 +1,10 @@
 """The physics predictor: a filter over the history, then a simulator; the paper's baseline."""
 
 from models.ball.simulator import Simulator
+from models.ball.state import POSITION
 from models.predictors.ball_filter import filtered
-from models.predictors.protocol import FUTURE_TIMES, Forecast, History
+from models.predictors.propagation import propagated
+from models.predictors.protocol import FUTURE_TIMES, Floats, Forecast, History
 
 
 class PhysicsPredictor:
@@ -15,3 +17,9 @@ class PhysicsPredictor:
         """Forecast each ball; one without any measurement is forecast at the table's centre."""
         now = filtered(history, self.simulator).states
         return Forecast(self.simulator.fly(now, FUTURE_TIMES).states, history.spin_measured)
+
+    def covariances(self, history: History) -> Floats:
+        """Return the (B, 60, 3, 3) covariances of forecast positions, m^2, by the filter's."""
+        now = filtered(history, self.simulator)
+        _, found = propagated(self.simulator, now.states, now.covariances, FUTURE_TIMES)
+        return found[..., POSITION, POSITION]

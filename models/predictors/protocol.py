@@ -13,8 +13,8 @@ HISTORY = 12  # measured states in a predictor's input
 FUTURE = 60  # forecast states
 TICK = 0.005  # s between two of them
 
-FUTURE_TIMES = TICK * np.arange(1, FUTURE + 1)  # s after the last measured state
-HISTORY_TIMES = TICK * np.arange(1 - HISTORY, 1)  # s, the last measured state at zero
+FUTURE_TIMES: Floats = TICK * np.arange(1.0, FUTURE + 1)  # s after the last measured state
+HISTORY_TIMES: Floats = TICK * np.arange(1.0 - HISTORY, 1)  # s, the last measured state at zero
 
 
 @dataclass(frozen=True)
@@ -68,4 +68,15 @@ class Predictor(Protocol):
 
     def predict(self, history: History) -> Forecast:
         """Forecast each ball of a batch, independently of the others in the batch."""
+        ...
+
+
+class ProbabilisticPredictor(Predictor, Protocol):
+    """A predictor that says how far its forecasts may be off."""
+
+    def covariances(self, history: History) -> Floats:
+        """Return the (B, 60, 3, 3) covariances of forecast positions, m^2, of each ball.
+
+        They are what the predictor says; calibration.py makes sets of a given coverage of them.
+        """
         ...

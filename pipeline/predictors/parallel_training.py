@@ -13,6 +13,8 @@ from joblib import Parallel, cpu_count, delayed
 from numpy.typing import NDArray
 
 from models.predictors.learned import ForecastNetwork
+from models.predictors.spread import Spread
+from models.predictors.spread_training import fit_spread
 from models.predictors.training import ForecastTraining, WindowData
 from pipeline.predictors.trainer import StepReporter, train
 from pipeline.runtime.progress import progress_bars
@@ -39,10 +41,11 @@ class TrainingJob:
 
 @dataclass(frozen=True)
 class TrainingResult:
-    """A trained network, its learning curve (one row per epoch) and the training time (s)."""
+    """A trained network and its spread, its learning curve (one row per epoch) and seconds."""
 
     name: str
     network: ForecastNetwork
+    spread: Spread
     curve: pd.DataFrame
     seconds: float
 
@@ -99,4 +102,6 @@ def _train_job(job: TrainingJob, steps_done: StepCount) -> TrainingResult:
     training = ForecastTraining(job.network, job.data.settings)
     with FileLock(job.folder / "lock"):
         train(training, job.data, job.folder, [StepReporter(steps_done)])
-    return TrainingResult(job.name, job.network, pd.DataFrame(training.curve), training.seconds)
+    spread = fit_spread(job.network, job.data.train, job.data.seed)
+    curve = pd.DataFrame(training.curve)
+    return TrainingResult(job.name, job.network, spread, curve, training.seconds)

@@ -7,16 +7,18 @@ import torch
 from pydantic import BaseModel, ConfigDict, model_validator
 from safetensors import SafetensorError
 from safetensors.torch import load, save
-from torch import Tensor
+from torch import Tensor, nn
 
 from models.predictors.learned import ForecastNetwork, LearnedPredictor, build_network
 from models.predictors.settings import NetworkSettings, TrainingSettings
+from models.predictors.spread import Spread
 from pipeline.io.artifacts import read_as, replacing_folder, write_json, write_text
 from pipeline.io.markdown import markdown_page
 from pipeline.params import with_current_keys
 from pipeline.runtime.errors import InputError
 
-WEIGHTS, DESCRIPTION, CARD = "weights.safetensors", "predictor.json", "MODEL_CARD.md"
+WEIGHTS, SPREAD = "weights.safetensors", "spread.safetensors"
+DESCRIPTION, CARD = "predictor.json", "MODEL_CARD.md"
 _TEMPLATE = Path(__file__).parent / "templates" / "model_card.md"
 
 
@@ -67,12 +69,14 @@ class TrainedPredictor(BaseModel):
         return with_current_keys(content)
 
 
-def save_predictor(folder: Path, network: ForecastNetwork, description: TrainedPredictor) -> None:
+def save_predictor(
+    folder: Path, network: ForecastNetwork, spread: Spread, description: TrainedPredictor
+) -> None:
     """Write a trained predictor; the same weights give the same bytes."""
-    weights = {name: value.contiguous().cpu() for name, value in network.state_dict().items()}
     content = description.model_dump(mode="json")
     with replacing_folder(folder) as temporary:
-        (temporary / WEIGHTS).write_bytes(save(weights))
+        (temporary / WEIGHTS).write_bytes(_weights(network))
+        (temporary / SPREAD).write_bytes(_weights(spread))
         write_json(temporary / DESCRIPTION, content)
         write_text(temporary / CARD, markdown_page(_TEMPLATE, **content))
 
@@ -93,17 +97,9 @@ def load_network(folder: Path) -> ForecastNetwork:
         InputError: a file is missing or invalid, or the weights do not fit the network.
     """
     described = read_description(folder).network
-    weights = _read_weights(folder / WEIGHTS)
     with torch.device("meta"):  # allocates nothing, however large the described network is
-        planned = build_network(described).state_dict()
-    expected = {name: value.shape for name, value in planned.items()}
-    actual = {name: value.shape for name, value in weights.items()}
-    if actual != expected:
-        names = sorted(set(actual.items()) ^ set(expected.items()))
-        problem = f"does not fit the network of {DESCRIPTION}: see {names[0][0]}"
-        raise InputError(folder / WEIGHTS, problem)
-    if not all(value.isfinite().all() for value in weights.values()):
-        raise InputError(folder / WEIGHTS, "has values that are not finite; train it again")
+        planned = build_network(described)
+    weights = _checked_weights(folder / WEIGHTS, planned)
     network = build_network(described)
     network.load_state_dict(weights)
     return network
@@ -111,7 +107,26 @@ def load_network(folder: Path) -> ForecastNetwork:
 
 def load_predictor(folder: Path) -> LearnedPredictor:
     """Read a trained predictor, with the errors of ``load_network``."""
-    return LearnedPredictor(load_network(folder))
+    network, spread = load_network(folder), Spread()
+    spread.load_state_dict(_checked_weights(folder / SPREAD, spread))
+    return LearnedPredictor(network, spread)
+
+
+def _weights(module: nn.Module) -> bytes:
+    return save({name: value.contiguous().cpu() for name, value in module.state_dict().items()})
+
+
+def _checked_weights(path: Path, planned: nn.Module) -> dict[str, Tensor]:
+    """Read the weights of a module that has been planned."""
+    weights = _read_weights(path)
+    expected = {name: value.shape for name, value in planned.state_dict().items()}
+    actual = {name: value.shape for name, value in weights.items()}
+    if actual != expected:
+        names = sorted(set(actual.items()) ^ set(expected.items()))
+        raise InputError(path, f"does not fit the network of {DESCRIPTION}: see {names[0][0]}")
+    if not all(value.isfinite().all() for value in weights.values()):
+        raise InputError(path, "has values that are not finite; train it again")
+    return weights
 
 
 def _read_weights(path: Path) -> dict[str, Tensor]:

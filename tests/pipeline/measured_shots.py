@@ -10,6 +10,7 @@ from models.arena.camera_field import CameraField
 from models.arena.cameras import SlowError
 from models.arena.truth import Truth
 from models.ball.simulators import shipped
+from models.predictors.spread import Spread
 from pipeline.io.artifacts import write_json, write_table
 from pipeline.io.ground_truth import STATE_COLUMNS
 from pipeline.io.schemas import CONTACTS, EPISODES, SAMPLES, TRUE_CONTACTS, checked
@@ -74,7 +75,7 @@ def write_trained(root, name, **changes):
         "learning": learning,
     }
     folder = root / "artifacts" / "train_predictor" / name
-    save_predictor(folder, made, TrainedPredictor(**{**plain, **changes}))
+    save_predictor(folder, made, Spread(), TrainedPredictor(**{**plain, **changes}))
 
 
 def shot_tables(place, number, **changes):

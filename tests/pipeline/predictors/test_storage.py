@@ -9,9 +9,11 @@ import pytest
 from safetensors.torch import load_file, save_file
 
 from models.predictors.learned import LearnedPredictor
+from models.predictors.spread import Spread
 from pipeline.predictors.storage import (
     CARD,
     DESCRIPTION,
+    SPREAD,
     WEIGHTS,
     Learning,
     TrainedPredictor,
@@ -56,17 +58,19 @@ def description(**changes):
 @pytest.fixture
 def folder(tmp_path, trained):
     """Where it is saved."""
-    save_predictor(tmp_path / "predictor", trained, description())
+    save_predictor(tmp_path / "predictor", trained, Spread(), description())
     return tmp_path / "predictor"
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
 def test_a_network_of_every_kind_comes_back(tmp_path, kind):
     trained, shape = small_training(shape=NETWORKS[kind])[0].network, NETWORKS[kind]
-    save_predictor(tmp_path / kind, trained, description(network=shape))
+    spread = Spread()
+    save_predictor(tmp_path / kind, trained, spread, description(network=shape))
     history, _ = observed(noise=0.003)
-    saved, loaded = LearnedPredictor(trained), load_predictor(tmp_path / kind)
+    saved, loaded = LearnedPredictor(trained, spread), load_predictor(tmp_path / kind)
     np.testing.assert_array_equal(saved.predict(history).states, loaded.predict(history).states)
+    np.testing.assert_array_equal(saved.covariances(history), loaded.covariances(history))
     assert read_description(tmp_path / kind).network == shape
     assert f"kind {kind}" in (tmp_path / kind / CARD).read_text()
 
@@ -113,6 +117,7 @@ DAMAGES = {
         "is not a file of weights",
     ),
     "another network": (with_another_network, WEIGHTS, "does not fit the network"),
+    "no spread": (lambda folder: (folder / SPREAD).unlink(), SPREAD, "run the stage"),
     "a tensor lost": (without_a_tensor, WEIGHTS, "see network.projection.bias"),
     "no JSON": (lambda folder: damaged(folder, DESCRIPTION, b'{"name":'), DESCRIPTION, "not JSON"),
     "other JSON": (lambda folder: damaged(folder, DESCRIPTION, b"{}"), DESCRIPTION, "name"),
@@ -135,7 +140,7 @@ def test_saving_that_fails_leaves_the_former_predictor_and_nothing_else(folder, 
 
     monkeypatch.setattr("pipeline.predictors.storage.write_text", fail)
     with pytest.raises(OSError, match="full"):
-        save_predictor(folder, network(seed=1), description(name="other"))
+        save_predictor(folder, network(seed=1), Spread(), description(name="other"))
     after = {path: path.read_bytes() for path in folder.parent.rglob("*") if path.is_file()}
     assert after == before
 

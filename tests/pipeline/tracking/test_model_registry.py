@@ -11,6 +11,7 @@ import torch
 
 from models.predictors.learned import build_network
 from models.predictors.settings import TrainingSettings, TransformerSettings
+from models.predictors.spread import Spread
 from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from pipeline.runtime.provenance import Provenance
 from pipeline.tracking.model_registry import EXAMPLE, beats, register_predictors
@@ -44,7 +45,7 @@ def trained(folder, seed):
         name="small", network=NETWORK, parameters=network.parameter_count, sources=["arena"],
         starts_from=None, learning=LEARNING,
     )  # fmt: skip
-    save_predictor(folder / "artifacts/train_predictor/small", network, description)
+    save_predictor(folder / "artifacts/train_predictor/small", network, Spread(), description)
 
 
 def register(client, folder, loss, balls):

@@ -1,0 +1,49 @@
+"""How sure a learned forecast is: a small network for the covariance of its position errors."""
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from models.predictors.normaliser import INPUTS, RESIDUALS
+from models.predictors.protocol import FUTURE, HISTORY
+
+WIDTH = 128
+FACTORS = 6  # numbers in a (3, 3) lower triangle
+_ROWS, _COLUMNS = np.tril_indices(3)
+
+
+class Spread(nn.Module):
+    """Maps a normalised history to factors of the covariance of the forecast's position error.
+
+    Its layers say how much larger errors are than ``sizes``, typical ones.
+    """
+
+    sizes: Tensor
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.register_buffer("sizes", torch.ones(FUTURE, 3))
+        inputs = HISTORY * (2 * INPUTS + RESIDUALS)
+        self.layers = nn.Sequential(
+            nn.Linear(inputs, WIDTH),
+            nn.GELU(),
+            nn.Linear(WIDTH, WIDTH),
+            nn.GELU(),
+            nn.Linear(WIDTH, FUTURE * FACTORS),
+        )
+
+    def forward(self, history: Tensor, mask: Tensor, residual: Tensor) -> Tensor:
+        """Return (B, 60, 3, 3) lower triangles L, in the units of the normaliser.
+
+        Args:
+            history: (B, 12, 6) normalised measurements.
+            mask: (B, 12, 6) where there are any.
+            residual: (B, 12, 3) their deviations from uniform motion.
+        """
+        inputs = torch.cat([history, mask.to(history.dtype), residual], dim=2)
+        values = self.layers(inputs.flatten(1)).view(-1, FUTURE, FACTORS)
+        factors = values.new_zeros((*values.shape[:2], 3, 3))
+        factors[..., _ROWS, _COLUMNS] = values
+        diagonal = torch.diagonal(factors, dim1=2, dim2=3).exp()
+        lower: Tensor = factors.tril(-1) + torch.diag_embed(diagonal)
+        return self.sizes[..., None] * lower
