@@ -70,6 +70,15 @@ class Windows:
     def __len__(self) -> int:
         return len(self.anchors)
 
+    def __getitem__(self, rows: slice) -> "Windows":
+        return Windows(
+            self.history[rows],
+            self.anchors[rows],
+            self.future[rows],
+            self.measured[rows],
+            self.bounced[rows],
+        )
+
 
 def cut_windows(episode: Episode, every: float) -> Windows:
     """Cut an episode into windows: after its first 12 ticks, then every ``every`` seconds."""

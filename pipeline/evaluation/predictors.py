@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import Predictor
+from models.predictors.protocol import ProbabilisticPredictor
 from pipeline.io.amended_simulators import AMENDED, read_amended
 from pipeline.io.ground_truth import read_truth
 from pipeline.io.simulators import load_simulator
@@ -22,7 +22,7 @@ class NamedPredictor:
 
     Attributes:
         name: in reports.
-        predictor: forecasts.
+        predictor: forecasts, and says how sure it is.
         kind: ``physics``, ``amended``, ``oracle`` or the kind of network.
         simulator: of its flight model, if any.
         parameters: number of trained parameters, if any.
@@ -31,7 +31,7 @@ class NamedPredictor:
     """
 
     name: str
-    predictor: Predictor
+    predictor: ProbabilisticPredictor
     kind: str
     simulator: str | None = None
     parameters: int | None = None

@@ -47,9 +47,7 @@ def read_test_sets(artifacts: Path, every: float) -> list[MeasuredSet]:
     Raises:
         InputError: an artefact is missing or invalid, or no source has a window.
     """
-    manifest = read_manifest(artifacts / "ingest" / "manifest.json")
-    episodes = read_episodes(artifacts / "segment", manifest.labelled_once, splits=("test",))
-    sets = list(_cut(manifest, episodes, every))
+    sets = read_sets(artifacts, every, "test")
     if not sets:
         problem = (
             f"no unbroken test episode has a window to evaluate: {NO_WINDOW}; are its sources in "
@@ -57,6 +55,17 @@ def read_test_sets(artifacts: Path, every: float) -> list[MeasuredSet]:
         )
         raise InputError(artifacts / "segment" / "episodes.parquet", problem)
     return sets
+
+
+def read_sets(artifacts: Path, every: float, split: str) -> list[MeasuredSet]:
+    """Cut the unbroken episodes of a split into windows, as ``read_test_sets`` does.
+
+    Raises:
+        InputError: an artefact is missing or invalid.
+    """
+    manifest = read_manifest(artifacts / "ingest" / "manifest.json")
+    episodes = read_episodes(artifacts / "segment", manifest.labelled_once, splits=(split,))
+    return list(_cut(manifest, episodes, every))
 
 
 def _cut(

@@ -1,0 +1,44 @@
+"""Coverage and size of the sets of forecast positions over the horizon."""
+
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from pipeline.evaluation.figures.forecast_error import LEGEND_COLUMNS, line_style
+from pipeline.io.figure_style import FIGURE_WIDTH, MUTED, predictor_order
+
+HEIGHT = 5.5  # inches
+
+
+def coverage_figure(rows: pd.DataFrame) -> Figure:
+    """Draw a column of panels for each level: coverage above, size below.
+
+    Args:
+        rows: of one set, with columns predictor, level, horizon_ms, coverage, ci_low, ci_high,
+            size_mm.
+    """
+    levels = sorted(rows["level"].unique())
+    predictors = sorted(rows["predictor"].unique(), key=predictor_order)
+    figure = Figure(figsize=(FIGURE_WIDTH, HEIGHT))
+    grid = figure.subplots(2, len(levels), sharex=True, squeeze=False)
+    for (above, below), level in zip(grid.T, levels, strict=True):
+        for name in predictors:
+            line = rows[(rows["predictor"] == name) & (rows["level"] == level)]
+            colour, dashes = line_style(name)
+            style = {"color": colour, "linestyle": dashes}
+            above.plot(line["horizon_ms"], 100 * line["coverage"], **style)
+            low, high = 100 * line["ci_low"], 100 * line["ci_high"]
+            above.fill_between(line["horizon_ms"], low, high, color=colour, alpha=0.15, lw=0)
+            below.plot(line["horizon_ms"], line["size_mm"], **style)
+        above.axhline(100 * level, color=MUTED, linestyle="dotted")
+        above.set_title(f"sets of {100 * level:.0f} %")
+        below.set_xlabel("forecast horizon (ms)")
+        below.set_ylim(bottom=0)
+    grid[0, 0].set_ylabel("coverage (%)")
+    grid[1, 0].set_ylabel("radius (mm)")
+    lines = [
+        Line2D([], [], color=line_style(name)[0], linestyle=line_style(name)[1], label=name)
+        for name in predictors
+    ]
+    figure.legend(handles=lines, loc="outside upper left", ncols=min(len(lines), LEGEND_COLUMNS))
+    return figure
