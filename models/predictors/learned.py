@@ -4,10 +4,17 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from models.ball.simulator import Simulator
 from models.predictors.gru_tae import RecurrentAutoencoder
 from models.predictors.normaliser import Normaliser, uniform_motion
+from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import Floats, Forecast, History
-from models.predictors.settings import GruTaeSettings, NetworkSettings, TaeSettings
+from models.predictors.settings import (
+    GruTaeSettings,
+    HybridSettings,
+    NetworkSettings,
+    TaeSettings,
+)
 from models.predictors.spread import Spread
 from models.predictors.tae import TrajectoryAutoencoder
 from models.predictors.transformer import Transformer
@@ -16,17 +23,29 @@ from models.predictors.transformer import Transformer
 class ForecastNetwork(nn.Module):
     """A network that maps normalised histories to normalised futures, with its normaliser.
 
+    It corrects a baseline: uniform motion, or the forecast of a simulator (a hybrid).
+
     Args:
-        network: maps four normalised tensors to (B, 60, 9) future states:
+        network: maps four normalised tensors to (B, 60, 9) deviations from the baseline:
             history: (B, 12, 6) measurements, zero where there are none;
             mask: (B, 12, 6) where there are;
-            residual: (B, 12, 3) deviations of measured positions from uniform motion;
-            expected: (B, 60, 6) positions and spins of uniform motion.
+            residual: (B, 12, 3) deviations of measured positions from the baseline's straight line;
+            expected: (B, 60, 6) positions and spins of the baseline.
+        simulator: of a hybrid.
     """
 
-    def __init__(self, network: nn.Module) -> None:
+    def __init__(self, network: nn.Module, simulator: Simulator | None = None) -> None:
         super().__init__()
-        self.normaliser, self.network = Normaliser(), network
+        self.normaliser, self.network, self.simulator = Normaliser(), network, simulator
+
+    def baseline(self, history: Tensor, mask: Tensor) -> Tensor:
+        """Return the (B, 60, 9) ball states that the network corrects."""
+        if self.simulator is None:
+            return uniform_motion(history, mask)
+        measured = torch.where(mask, history, 0.0).cpu().numpy().astype(np.float64)
+        seen = History(measured, mask.cpu().numpy())
+        states = PhysicsPredictor(self.simulator).predict(seen).states
+        return torch.as_tensor(states, dtype=history.dtype, device=history.device)
 
     def forward(self, history: Tensor, mask: Tensor) -> Tensor:
         """Return (B, 60, 9) ball states.
@@ -35,11 +54,11 @@ class ForecastNetwork(nn.Module):
             history: (B, 12, 6) measured positions (m) and spins (rad/s), zero where not measured.
             mask: (B, 12, 6) where they were measured.
         """
-        motion = uniform_motion(history, mask)
+        motion = self.baseline(history, mask)
         return self.normaliser.states(self.deviation(history, mask, motion), motion)
 
     def deviation(self, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
-        """Return the (B, 60, 9) normalised deviations from ``motion``, which training fits."""
+        """Return the (B, 60, 9) normalised deviations from the baseline, which training fits."""
         normaliser = self.normaliser
         deviation: Tensor = self.network(
             normaliser.normalised(history, mask, motion),
@@ -55,13 +74,22 @@ class ForecastNetwork(nn.Module):
         return sum(parameter.numel() for parameter in self.parameters())
 
 
-def build_network(settings: NetworkSettings) -> ForecastNetwork:
-    """Return an untrained network, its weights drawn from torch's generator."""
+def build_network(settings: NetworkSettings, simulator: Simulator | None = None) -> ForecastNetwork:
+    """Return an untrained network, its weights drawn from torch's generator.
+
+    Args:
+        settings: of the network.
+        simulator: that its settings name, if it is a hybrid.
+    """
     sizes = settings.model_dump(exclude={"kind"})
     if isinstance(settings, TaeSettings):
         return ForecastNetwork(TrajectoryAutoencoder(**sizes))
     if isinstance(settings, GruTaeSettings):
         return ForecastNetwork(RecurrentAutoencoder(**sizes))
+    if isinstance(settings, HybridSettings):
+        transformer = Transformer(**{key: sizes[key] for key in sizes if key != "simulator"})
+        transformer.start_at_baseline()
+        return ForecastNetwork(transformer, simulator)
     return ForecastNetwork(Transformer(**sizes))
 
 
@@ -91,7 +119,7 @@ class LearnedPredictor:
         if self.spread is None:
             raise ValueError("this predictor has no spread, so it does not know its errors")
         states, mask = self._tensors(history)
-        motion, normaliser = uniform_motion(states, mask), self.network.normaliser
+        motion, normaliser = self.network.baseline(states, mask), self.network.normaliser
         with torch.inference_mode():
             rows = self.spread(
                 normaliser.normalised(states, mask, motion),

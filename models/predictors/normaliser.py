@@ -53,7 +53,9 @@ class Normaliser(nn.Module):
         self.register_buffer("future_mean", torch.zeros(9))
         self.register_buffer("future_spread", torch.ones(9))
 
-    def fit(self, history: Tensor, mask: Tensor, future: Tensor, measured: Tensor) -> None:
+    def fit(
+        self, history: Tensor, mask: Tensor, future: Tensor, measured: Tensor, motion: Tensor
+    ) -> None:
         """Compute mean and spread of every column from training windows.
 
         Args:
@@ -61,8 +63,8 @@ class Normaliser(nn.Module):
             mask: (B, 12, 6) where they were measured.
             future: (B, 60, 9) measured positions, velocities (m/s) and spins.
             measured: (B, 60, 9) where they were measured.
+            motion: (B, 60, 9) the baseline, which the network corrects.
         """
-        motion = uniform_motion(history, mask)
         self.history_mean, self.history_spread = _moments(_network_view(history, motion), mask)
         self.future_mean, spread = _moments(_rotated(future - motion, motion), measured)
         by_quantity = spread.view(3, 3).square().mean(dim=1, keepdim=True).sqrt()

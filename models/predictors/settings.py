@@ -37,6 +37,14 @@ class TransformerSettings(_Settings):
         return self
 
 
+class HybridSettings(TransformerSettings):
+    """A transformer that corrects the forecast of a simulator; its error counts by Huber's loss."""
+
+    kind: Literal["hybrid"]  # type: ignore[assignment]
+    simulator: Annotated[str, Field(min_length=1)]
+    """Name of a shipped simulator, or path of its YAML file."""
+
+
 class TaeSettings(_Settings):
     """A trajectory autoencoder; the original size is 512, 128, 64, 1024, false."""
 
@@ -68,7 +76,7 @@ class GruTaeSettings(_Settings):
 
 
 NetworkSettings = Annotated[
-    TransformerSettings | TaeSettings | GruTaeSettings, Field(discriminator="kind")
+    TransformerSettings | HybridSettings | TaeSettings | GruTaeSettings, Field(discriminator="kind")
 ]
 """Of any network, discriminated by ``kind``."""
 

@@ -11,7 +11,6 @@ from torch.optim import Adam
 from torch.optim.lr_scheduler import CosineAnnealingLR
 
 from models.predictors.learned import ForecastNetwork
-from models.predictors.normaliser import uniform_motion
 from models.predictors.spread import Spread
 from models.predictors.window_dataset import Tracks
 
@@ -54,7 +53,7 @@ def _typical_errors(network: ForecastNetwork, window: Window) -> Tensor:
 def _errors(network: ForecastNetwork, window: Window) -> tuple[Tensor, Tensor]:
     """Return (B, 60, 3) normalised errors of positions, and (B, 60) where they are known."""
     history, mask, future, measured = window
-    motion = uniform_motion(history, mask)
+    motion = network.baseline(history, mask)
     with torch.no_grad():
         wanted = network.normaliser.deviation(future, motion)
         errors = wanted - network.deviation(history, mask, motion)
@@ -65,7 +64,7 @@ def _loss(network: ForecastNetwork, spread: Spread, window: Window) -> Tensor:
     """Return the negative log likelihood of measured positions, but for a constant."""
     history, mask, _, _ = window
     errors, known = _errors(network, window)
-    motion, normaliser = uniform_motion(history, mask), network.normaliser
+    motion, normaliser = network.baseline(history, mask), network.normaliser
     normalised = normaliser.normalised(history, mask, motion)
     factors = spread(normalised, mask, normaliser.residual(history, mask, motion))
     scaled = torch.linalg.solve_triangular(factors, errors[..., None], upper=False)[..., 0]

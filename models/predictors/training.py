@@ -13,7 +13,6 @@ from torch.optim.lr_scheduler import ExponentialLR, LambdaLR
 from torch.utils.data import DataLoader, Dataset
 
 from models.predictors.learned import ForecastNetwork
-from models.predictors.normaliser import uniform_motion
 from models.predictors.optimizer import MuonAndAdam
 from models.predictors.settings import TrainingSettings
 from models.predictors.window_dataset import Indices, Tracks
@@ -23,6 +22,7 @@ Batch = tuple[Tensor, Tensor, Tensor, Tensor]
 # Each use of randomness has its own stream, next to the seed.
 _VALIDATION, _FITTING, _EPOCHS = 0, 1, 2
 WARM_UP = 0.05  # of all steps, over which the learning rate of the cosine rises
+HUBER = 1.0  # normalised error from which a hybrid's counts linearly
 LARGEST_FIT = 20_000  # windows for the normaliser's statistics; more change less than 0.1 %
 
 
@@ -101,16 +101,26 @@ class ForecastTraining(lightning.LightningModule):
         of measured values per process. Their average is then the loss of the whole batch.
         """
         history, mask, future, measured = batch
-        motion = uniform_motion(history, mask)
+        motion = self.network.baseline(history, mask)
         wanted = self.network.normaliser.deviation(future, motion)
         output = self.network.deviation(history, mask, motion)
-        squares = torch.where(measured, output - wanted, 0.0).square()
+        squares = self._squares(torch.where(measured, output - wanted, 0.0))
         if not torch.distributed.is_initialized():
             return squares.sum() / measured.sum().clamp(min=1), len(history)
         counts = torch.stack([measured.sum(), measured.new_tensor(len(history), dtype=torch.long)])
         torch.distributed.all_reduce(counts)
         mean = counts[0] / torch.distributed.get_world_size()
         return squares.sum() / mean.clamp(min=1), int(counts[1])
+
+    def _squares(self, errors: Tensor) -> Tensor:
+        """Return what errors count: their squares, of a hybrid by Huber's loss (1964).
+
+        Most of what a simulator leaves is small, and few balls that hit the net are far off.
+        """
+        if self.network.simulator is None:
+            return errors.square()
+        size = errors.abs()
+        return torch.where(size < HUBER, errors.square(), HUBER * (2 * size - HUBER))
 
 
 class WindowData(lightning.LightningDataModule):
@@ -135,7 +145,8 @@ class WindowData(lightning.LightningDataModule):
         """Fit the network's normaliser to training windows."""
         random = np.random.default_rng([self.seed, _FITTING])
         episodes = random.integers(0, self.train.episodes, LARGEST_FIT)
-        network.normaliser.fit(*self.train.windows(self.train.draw_anchors(episodes, random)))
+        window = self.train.windows(self.train.draw_anchors(episodes, random))
+        network.normaliser.fit(*window, network.baseline(*window[:2]))
 
     def setup(self, stage: str) -> None:
         """Move the tracks to the training device, once for all epochs."""

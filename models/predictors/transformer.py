@@ -134,6 +134,11 @@ class Transformer(nn.Module):
         )
         self.projection = nn.Linear(width, states_per_row * OUTPUTS)
 
+    def start_at_baseline(self) -> None:
+        """Let the untrained network say that the baseline is right."""
+        nn.init.zeros_(self.projection.weight)
+        nn.init.zeros_(self.projection.bias)
+
     def forward(self, history: Tensor, mask: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
         """Return (B, 60, 9) normalised future states; ``ForecastNetwork`` describes the inputs.
 

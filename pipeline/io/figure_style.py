@@ -56,12 +56,13 @@ _PREDICTOR_COLOURS = {
     "physics_c": "#0f7fc4",
     "physics_literature": "#d55e00",
     "oracle": "#7d8791",
+    "hybrid": "#c94f6d",
     "transformer": "#009988",
     "transformer_fine_tuned": "#8a6fd1",
     "tae": "#b85fa0",
     "gru_tae": "#a08000",
 }
-_OTHER_COLOURS = ["#5b7f2b", "#c94f6d", "#9c6b3f"]
+_OTHER_COLOURS = ["#5b7f2b", "#3f6f9c", "#9c6b3f"]
 
 
 def apply_style() -> None:

@@ -4,21 +4,24 @@ from pathlib import Path
 from typing import Any
 
 import torch
+import yaml
 from pydantic import BaseModel, ConfigDict, model_validator
 from safetensors import SafetensorError
 from safetensors.torch import load, save
 from torch import Tensor, nn
 
 from models.predictors.learned import ForecastNetwork, LearnedPredictor, build_network
-from models.predictors.settings import NetworkSettings, TrainingSettings
+from models.predictors.settings import HybridSettings, NetworkSettings, TrainingSettings
 from models.predictors.spread import Spread
 from pipeline.io.artifacts import read_as, replacing_folder, write_json, write_text
 from pipeline.io.markdown import markdown_page
+from pipeline.io.simulators import load_simulator
 from pipeline.params import with_current_keys
 from pipeline.runtime.errors import InputError
 
 WEIGHTS, SPREAD = "weights.safetensors", "spread.safetensors"
 DESCRIPTION, CARD = "predictor.json", "MODEL_CARD.md"
+SIMULATOR = "simulator.yaml"  # of a hybrid
 _TEMPLATE = Path(__file__).parent / "templates" / "model_card.md"
 
 
@@ -77,6 +80,10 @@ def save_predictor(
     with replacing_folder(folder) as temporary:
         (temporary / WEIGHTS).write_bytes(_weights(network))
         (temporary / SPREAD).write_bytes(_weights(spread))
+        if network.simulator is not None:
+            write_text(
+                temporary / SIMULATOR, yaml.safe_dump(network.simulator.to_dict(), sort_keys=False)
+            )
         write_json(temporary / DESCRIPTION, content)
         write_text(temporary / CARD, markdown_page(_TEMPLATE, **content))
 
@@ -97,10 +104,12 @@ def load_network(folder: Path) -> ForecastNetwork:
         InputError: a file is missing or invalid, or the weights do not fit the network.
     """
     described = read_description(folder).network
+    hybrid = isinstance(described, HybridSettings)
+    simulator = load_simulator(str(folder / SIMULATOR)) if hybrid else None
     with torch.device("meta"):  # allocates nothing, however large the described network is
         planned = build_network(described)
     weights = _checked_weights(folder / WEIGHTS, planned)
-    network = build_network(described)
+    network = build_network(described, simulator)
     network.load_state_dict(weights)
     return network
 

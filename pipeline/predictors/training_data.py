@@ -6,10 +6,11 @@ from pathlib import Path
 import lightning
 
 from models.predictors.learned import ForecastNetwork, build_network
-from models.predictors.settings import NetworkSettings, TrainingSettings
+from models.predictors.settings import HybridSettings, NetworkSettings, TrainingSettings
 from models.predictors.training import WindowData
 from models.predictors.window_dataset import build_tracks
 from pipeline.io.episodes import MeasuredEpisode, read_episodes
+from pipeline.io.simulators import load_simulator
 from pipeline.io.source_manifest import read_manifest
 from pipeline.runtime.errors import InputError
 
@@ -51,8 +52,13 @@ class TrainingEpisodes:
 
 
 def untrained_network(settings: NetworkSettings, data: WindowData) -> ForecastNetwork:
-    """Return a network with weights drawn from the seed and its normaliser fitted to the data."""
+    """Return a network with weights drawn from the seed and its normaliser fitted to the data.
+
+    Raises:
+        InputError: the simulator of a hybrid cannot be read.
+    """
     lightning.seed_everything(data.seed, verbose=False)
-    network = build_network(settings)
+    simulator = load_simulator(settings.simulator) if isinstance(settings, HybridSettings) else None
+    network = build_network(settings, simulator)
     data.fit_normaliser(network)
     return network
