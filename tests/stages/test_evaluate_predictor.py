@@ -89,6 +89,24 @@ def test_an_amended_simulator_is_evaluated_on_its_own_source(tmp_path):
     assert learned["trained on"].tolist() == ["elsewhere", "plain"]
 
 
+def test_sets_are_calibrated_by_validation_windows(whole, tmp_path):
+    """The shots of the test and those of the validation are alike, so coverage is as stated."""
+    assert not whole[0].report("coverage.csv").exists()  # without validation windows
+    shots = [shot_tables("arena/club", number, split="validation") for number in range(7)]
+    shots += [shot_tables("arena/amateur", number) for number in range(7)]
+    run, metrics = evaluated(tmp_path, sources=("arena",), shots=shots)
+    rows = table(run, "coverage").set_index(["predictor", "level", "horizon_ms"]).sort_index()
+    assert set(rows.index.levels[0]) == set(metrics["arena"])
+    for level in (0.5, 0.9):
+        found = rows.loc[("oracle", level)]
+        assert found["coverage"].mean() == pytest.approx(level, abs=0.2)
+        assert (found["ci_low"] <= found["coverage"]).all()
+    assert (rows["size_mm"].loc[("oracle", 0.9)] > rows["size_mm"].loc[("oracle", 0.5)]).all()
+    error = metrics["arena"]["oracle"]["position"]["300"]["mean"]
+    assert 0.1 * error < rows["crps_mm"].loc[("oracle", 0.9, 300)] < error
+    assert "figures/coverage_arena.png" in {item.file for item in run.items}
+
+
 def test_without_a_trained_predictor_the_stage_to_run_is_named(tmp_path):
     write_inputs(tmp_path, sources=("plain",))
     shutil.rmtree(tmp_path / "artifacts" / "train_predictor")
