@@ -239,6 +239,9 @@ def real(
 @app.command(rich_help_panel=GAP)
 def live(
     simulator: Annotated[str, typer.Option(help="a shipped one's name, or a YAML file")],
+    predictor: Annotated[
+        Path | None, typer.Option(help="the folder of a trained one that forecasts instead")
+    ] = None,
     observations: Annotated[
         str, typer.Option(help="address of the camera server, JSON by ZeroMQ")
     ] = "tcp://127.0.0.1:7660",
@@ -254,14 +257,15 @@ def live(
     ] = 1.0,
 ) -> None:
     """Forecast the ball while it is measured; Ctrl-C ends with a histogram of latencies."""
-    from pipeline.live.command import replay, serve
+    from pipeline.live.command import forecaster, replay, serve
     from pipeline.live.latency import summary
 
+    ready = forecaster(simulator, predictor)
     if recordings is None:
         typer.echo(f"Measurements from {observations}, forecasts at {forecasts}.")
-        latencies = serve(simulator, observations, forecasts)
+        latencies = serve(ready, observations, forecasts)
     else:
-        latencies = replay(simulator, recordings, source, speed, forecasts)
+        latencies = replay(ready, recordings, source, speed, forecasts)
     for line in [summary(latencies), *latencies.histogram()]:
         typer.echo(line)
 

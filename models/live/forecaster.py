@@ -13,14 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE
+from models.ball.state import POSITION, STATE_SIZE
 from models.ball.types import Floats
 from models.live import crossings
 from models.live.crossings import Crossing
+from models.live.history import history_of
 from models.live.track import Track
 from models.predictors.ball_filter import POSITION_NOISE
 from models.predictors.propagation import propagated
-from models.predictors.protocol import TICK
+from models.predictors.protocol import FUTURE_TIMES, TICK, ProbabilisticPredictor
 
 Seen = Literal["used", "unused", "new ball"]
 
@@ -52,15 +53,22 @@ class NoBallError(LookupError):
 
 
 class Forecaster:
-    """Forecasts the ball that is measured, by a simulator.
+    """Forecasts the ball that is measured.
 
     Args:
-        simulator: of the ball.
+        simulator: of the ball; it tells which measurements belong to it.
+        predictor: that forecasts up to 300 ms ahead, from the last 55 ms; the simulator does, from
+            all measurements, if there is none.
         noise: m, standard deviation of a measured coordinate, where no covariance is given.
     """
 
-    def __init__(self, simulator: Simulator, noise: float = POSITION_NOISE) -> None:
-        self.simulator = simulator
+    def __init__(
+        self,
+        simulator: Simulator,
+        predictor: ProbabilisticPredictor | None = None,
+        noise: float = POSITION_NOISE,
+    ) -> None:
+        self.simulator, self.predictor = simulator, predictor
         self._noise = noise**2 * np.eye(3)
         self._ball, self._other = Track(simulator), Track(simulator)
         self._missed = 0  # measurements since the present ball had one
@@ -125,16 +133,24 @@ class Forecaster:
 
         Returns:
             (T, 9) states: position (m), velocity (m/s) and spin (rad/s); and (T, 9, 9) covariances.
+            Where a predictor forecasts, those of velocity and spin are the simulator's.
 
         Raises:
             NoBallError: there is no ball yet.
+            ValueError: a time is farther ahead than the predictor forecasts.
         """
         if not self.ready:
             raise NoBallError("no ball has been measured three times yet")
         ahead = np.atleast_1d(np.asarray(times, dtype=np.float64)) - self._ball.last
         now = self._ball.state[None], self._ball.covariance[None]
-        states, covariances = propagated(self.simulator, *now, ahead)
-        return states[0], covariances[0]
+        states, covariances = (one[0] for one in propagated(self.simulator, *now, ahead))
+        if self.predictor is None:
+            return states, covariances
+        history = history_of(self._ball)
+        positions = _at(ahead, self.predictor.covariances(history)[0].reshape(-1, 9))
+        covariances[:, POSITION, 3:] = covariances[:, 3:, POSITION] = 0.0
+        covariances[:, POSITION, POSITION] = positions.reshape(-1, 3, 3)
+        return _at(ahead, self.predictor.predict(history).states[0]), covariances
 
     def bounce(self) -> Event | None:
         """Return the ball's next contact with the table; None if there is none in a second."""
@@ -158,13 +174,24 @@ class Forecaster:
         """Return the states of the coming second, a tick apart; nothing without a ball."""
         if not self.ready:
             return np.empty((0, STATE_SIZE))
+        if self.predictor is not None:
+            forecast: Floats = self.predictor.predict(history_of(self._ball)).states[0]
+            return forecast
         states: Floats = self.simulator.fly(self._ball.state, COMING).states[0]
         return states
 
     def _event(self, found: Crossing | None) -> Event | None:
         if found is None:
             return None
-        before = self._ball.last + COMING[found.row]
+        first = TICK if self.predictor else 0.0  # of the coming states
+        before = self._ball.last + first + COMING[found.row]
         covariance = self.predict([before])[1][0]
         time, error = float(before + found.after), found.time_error(covariance)
         return Event(time, error, found.state, covariance)
+
+
+def _at(ahead: Floats, values: Floats) -> Floats:
+    """Return (T, K) values between those of (60, K) at ``FUTURE_TIMES``."""
+    if ahead.max() > FUTURE_TIMES[-1] + TICK / 100 or ahead.min() < 0.0:
+        raise ValueError(f"a forecast of {1e3 * ahead.max():.0f} ms; give 0 to 300 ms")
+    return np.stack([np.interp(ahead, FUTURE_TIMES, column) for column in values.T], axis=1)

@@ -14,39 +14,57 @@ from pipeline.live.messages import Measurement
 from pipeline.live.replay import measurements, paced
 
 
-def serve(simulator: str, observations: str, forecasts: str) -> Latencies:
-    """Forecast what a camera server measures until Ctrl-C; return the latencies.
+def forecaster(simulator: str, predictor: Path | None) -> Forecaster:
+    """Return a forecaster that has compiled what it needs.
 
     Args:
         simulator: name of a shipped one, or its YAML file.
+        predictor: folder of a trained one, if the simulator is not to forecast.
+
+    Raises:
+        InputError: the simulator or the predictor cannot be read.
+    """
+    if predictor is None:
+        found = Forecaster(load_simulator(simulator))
+    else:
+        from pipeline.predictors.storage import load_predictor
+
+        found = Forecaster(load_simulator(simulator), load_predictor(predictor))
+    warm_up(found)
+    return found
+
+
+def serve(forecaster: Forecaster, observations: str, forecasts: str) -> Latencies:
+    """Forecast what a camera server measures until Ctrl-C; return the latencies.
+
+    Args:
+        forecaster: of the ball.
         observations: address of the camera server.
         forecasts: address to publish at.
 
     Raises:
-        InputError: the simulator or an address cannot be used.
+        InputError: an address cannot be used.
     """
-    forecaster = Forecaster(load_simulator(simulator))
-    warm_up(forecaster)
     with sockets(observations, forecasts) as (receiver, sender):
         return _run(received(receiver), forecaster, sender.send_string)
 
 
-def replay(simulator: str, folder: Path, source: str, speed: float, forecasts: str) -> Latencies:
+def replay(
+    forecaster: Forecaster, folder: Path, source: str, speed: float, forecasts: str
+) -> Latencies:
     """Forecast what is in recordings, as if it came from cameras; return the latencies.
 
     Args:
-        simulator: name of a shipped one, or its YAML file.
+        forecaster: of the ball.
         folder: of the recordings.
         source: name of the adapter that reads them.
         speed: how many times as fast as they were recorded.
         forecasts: address to publish at.
 
     Raises:
-        InputError: the simulator, the recordings or the address cannot be used.
+        InputError: the recordings or the address cannot be used.
     """
-    forecaster = Forecaster(load_simulator(simulator))
     rows = measurements(read_recordings(folder, source))
-    warm_up(forecaster)
     with sockets(None, forecasts) as (_, sender):
         return _run(paced(rows, speed), forecaster, sender.send_string)
 

@@ -30,7 +30,7 @@ def forecast_each(
 
 def warm_up(forecaster: Forecaster) -> None:
     """Compile what forecasts need, which takes seconds on a machine that has not done it yet."""
-    other = Forecaster(forecaster.simulator)
+    other = Forecaster(forecaster.simulator, forecaster.predictor)
     for k in range(4):
         other.observe(0.005 * k, [0.0, 1.0 - 0.03 * k, 0.3], spin=[0.0, 0.0, 0.0])
         forecast_message(k, "used", other)

@@ -7,6 +7,7 @@ from models.ball.simulator import Simulator
 from models.ball.simulators import shipped
 from models.live.forecaster import NEW_BALL, Forecaster, NoBallError
 from models.live.track import KEPT
+from models.predictors.physics import PhysicsPredictor
 
 TRUTH = shipped("literature")
 VACUUM = Simulator.from_dict({"gravity": {"g": 9.81}})
@@ -139,3 +140,20 @@ def test_spins_make_the_forecast_of_spin_sure():
     assert with_spin.predict(ahead)[0][-1, 6:] == pytest.approx(FIRST[6:], abs=25.0)
     sizes = [np.sqrt(one.predict(ahead)[1][-1, 6, 6]) for one in (with_spin, without)]
     assert sizes[0] < 0.3 * sizes[1]
+
+
+def test_any_predictor_can_forecast():
+    by_windows = Forecaster(TRUTH, PhysicsPredictor(TRUTH))
+    by_all = Forecaster(TRUTH)
+    for t, place in zip(TIMES[:12], measured(), strict=False):
+        by_windows.observe(t, place)
+        by_all.observe(t, place)
+    ahead = by_all.last + np.array([0.1, 0.1525, 0.3])
+    states, covariances = by_windows.predict(ahead)
+    expected, sure = by_all.predict(ahead)
+    assert states[:, :3] == pytest.approx(expected[:, :3], abs=0.02)
+    sizes = [np.sqrt(np.trace(one[:, :3, :3], axis1=1, axis2=2)) for one in (covariances, sure)]
+    assert sizes[0] == pytest.approx(sizes[1], rel=0.3)
+    assert by_windows.apex().time == pytest.approx(by_all.apex().time, abs=0.02)
+    with pytest.raises(ValueError, match="0 to 300 ms"):
+        by_windows.predict([by_windows.last + 0.5])
