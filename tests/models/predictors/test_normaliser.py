@@ -133,7 +133,7 @@ def test_an_outlier_of_30_cm_moves_uniform_motion_by_3_at_most(sample):
 def test_states_come_back_from_their_deviation():
     history, seen, future, measured = measured_balls()
     normaliser = Normaliser()
-    normaliser.fit(history, seen, future, measured)
+    normaliser.fit(history, seen, future, measured, uniform_motion(history, seen))
     motion = uniform_motion(history, seen)
     returned = normaliser.states(normaliser.deviation(future, motion), motion)
     torch.testing.assert_close(returned, future, rtol=1e-5, atol=1e-4)
@@ -143,7 +143,7 @@ def test_on_the_windows_it_was_fitted_to_means_are_zero_and_spreads_one_or_the_w
     history, seen, future, measured = (part.double() for part in measured_balls())
     seen, measured = seen.bool(), measured.bool()
     normaliser = Normaliser()
-    normaliser.fit(history, seen, future, measured)
+    normaliser.fit(history, seen, future, measured, uniform_motion(history, seen))
     motion = uniform_motion(history, seen)
     ins, outs = normaliser.normalised(history, seen, motion), normaliser.deviation(future, motion)
     means, spreads = moments(ins, seen)
@@ -165,8 +165,8 @@ def test_unmeasured_values_have_no_effect():
     history, seen, future, measured = measured_balls()
     plain, filled = Normaliser(), Normaliser()
     nonsense = torch.where(seen, history, 1e6), seen, torch.where(measured, future, 1e6), measured
-    plain.fit(history, seen, future, measured)
-    filled.fit(*nonsense)
+    plain.fit(history, seen, future, measured, uniform_motion(history, seen))
+    filled.fit(*nonsense, uniform_motion(*nonsense[:2]))
     for name, value in plain.state_dict().items():
         assert torch.equal(value, filled.state_dict()[name])
     motion = uniform_motion(history, seen)
@@ -179,7 +179,7 @@ def test_a_number_that_never_varies_or_was_never_measured_stays_finite():
     history, seen, future, measured = measured_balls()
     history[..., 5], seen[..., 4], measured[..., 6:] = 0.1, False, False
     normaliser = Normaliser()
-    normaliser.fit(history, seen, future, measured)
+    normaliser.fit(history, seen, future, measured, uniform_motion(history, seen))
     assert normaliser.history_spread[4:].tolist() == [1.0, 1.0]
     assert normaliser.future_spread[6:].tolist() == [1 / WEIGHT[2]] * 3
     assert normaliser.history_mean[4] == 0.0

@@ -83,7 +83,7 @@ def test_the_loss_of_the_mean_forecast_is_the_variance():
     train = tracks(6, 0)
     batch = train.windows(train.anchors)
     training = ForecastTraining(ForecastNetwork(ZeroNetwork()), BRIEF)
-    training.network.normaliser.fit(*batch)
+    training.network.normaliser.fit(*batch, uniform_motion(*batch[:2]))
     motion = uniform_motion(*batch[:2])
     wanted = training.network.normaliser.deviation(batch[2], motion)[batch[3]]
     assert training._loss(batch)[0].item() == pytest.approx(wanted.square().mean().item(), rel=1e-5)
