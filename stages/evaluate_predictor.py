@@ -56,9 +56,9 @@ def evaluate_predictor(run: StageRun) -> None:
         group_table(sets, results),
         net_table(met_net, results),
         predictor_table(predictors),
+        coverage_table(coverage),
+        *coverage_figures(coverage),
     )
-    if coverage:
-        run.add(coverage_table(coverage), *coverage_figures(coverage))
     write_shots(run.artifact("shots.json"), draw_shots(sets, predictors, run.seed))
 
 

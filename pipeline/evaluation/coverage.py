@@ -19,6 +19,7 @@ from pipeline.runtime.parallel import parallel
 
 BATCH = 256  # windows
 MM = 1e3  # in a metre
+COLUMNS = ["horizon_ms", "coverage", "ci_low", "ci_high", "size_mm", "crps_mm", "n"]
 
 
 def coverage_rows(
@@ -63,8 +64,10 @@ def coverage_rows(
 
 
 def coverage_table(rows: Mapping[str, pd.DataFrame]) -> ReportTable:
-    """Return the table at three horizons, by set."""
-    table = concat_tables({(name,): one for name, one in rows.items()}, ["set"])
+    """Return the table at three horizons, by set; without validation windows it is empty."""
+    tables = {(name,): one for name, one in rows.items()}
+    none = pd.DataFrame(columns=["set", "predictor", "level", *COLUMNS])
+    table = concat_tables(tables, ["set"]) if tables else none
     return ReportTable(
         table[table["horizon_ms"].isin(SHOWN_HORIZONS_MS)],
         "coverage",
@@ -119,16 +122,16 @@ def _rows(
     covered = calibration.covered(errors)[number]
     shares = error_statistics(covered, recordings, resamples, random)
     known = np.isfinite(covered)
-    columns = {
-        "horizon_ms": HORIZONS_MS,
-        "coverage": shares.mean,
-        "ci_low": shares.low,
-        "ci_high": shares.high,
-        "size_mm": MM * _mean(calibration.sizes(errors)[number], known),
-        "crps_mm": MM * _mean(crps(errors, calibration), known),
-        "n": shares.count,
-    }
-    return pd.DataFrame(columns)[shares.count > 0]
+    columns = (
+        HORIZONS_MS,
+        shares.mean,
+        shares.low,
+        shares.high,
+        MM * _mean(calibration.sizes(errors)[number], known),
+        MM * _mean(crps(errors, calibration), known),
+        shares.count,
+    )
+    return pd.DataFrame(dict(zip(COLUMNS, columns, strict=True)))[shares.count > 0]
 
 
 def _mean(values: Floats, known: np.ndarray) -> Floats:

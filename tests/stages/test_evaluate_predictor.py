@@ -91,7 +91,7 @@ def test_an_amended_simulator_is_evaluated_on_its_own_source(tmp_path):
 
 def test_sets_are_calibrated_by_validation_windows(whole, tmp_path):
     """The shots of the test and those of the validation are alike, so coverage is as stated."""
-    assert not whole[0].report("coverage.csv").exists()  # without validation windows
+    assert table(whole[0], "coverage").empty  # without validation windows
     shots = [shot_tables("arena/club", number, split="validation") for number in range(7)]
     shots += [shot_tables("arena/amateur", number) for number in range(7)]
     run, metrics = evaluated(tmp_path, sources=("arena",), shots=shots)
