@@ -88,7 +88,7 @@ def coverage_figures(rows: Mapping[str, pd.DataFrame]) -> list[ReportFigure]:
             f"coverage_{name}",
             title=f"Coverage and size of sets on {name}",
             caption="Share of measured positions inside the sets that are to contain 50 and 90 % "
-            "(dotted), and their mean radius.",
+            "(dotted line), and their mean radius. The table has intervals.",
         )
         for name, one in rows.items()
     ]

@@ -14,8 +14,7 @@ def coverage_figure(rows: pd.DataFrame) -> Figure:
     """Draw a column of panels for each level: coverage above, size below.
 
     Args:
-        rows: of one set, with columns predictor, level, horizon_ms, coverage, ci_low, ci_high,
-            size_mm.
+        rows: of one set, with columns predictor, level, horizon_ms, coverage, size_mm.
     """
     levels = sorted(rows["level"].unique())
     predictors = sorted(rows["predictor"].unique(), key=predictor_order)
@@ -27,8 +26,6 @@ def coverage_figure(rows: pd.DataFrame) -> Figure:
             colour, dashes = line_style(name)
             style = {"color": colour, "linestyle": dashes}
             above.plot(line["horizon_ms"], 100 * line["coverage"], **style)
-            low, high = 100 * line["ci_low"], 100 * line["ci_high"]
-            above.fill_between(line["horizon_ms"], low, high, color=colour, alpha=0.15, lw=0)
             below.plot(line["horizon_ms"], line["size_mm"], **style)
         above.axhline(100 * level, color=MUTED, linestyle="dotted")
         above.set_title(f"sets of {100 * level:.0f} %")
