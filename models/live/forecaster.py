@@ -79,6 +79,11 @@ class Forecaster:
         return self._ball.count >= READY
 
     @property
+    def ball(self) -> Track:
+        """The track of the present ball."""
+        return self._ball
+
+    @property
     def last(self) -> float:
         """Time of the present ball's last measurement, s; minus infinity without a ball."""
         return self._ball.last

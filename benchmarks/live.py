@@ -1,0 +1,118 @@
+"""Latency of live forecasts (`python -m benchmarks.live`; minutes).
+
+Replays recordings of the last run through forecasters, one predictor after the other on one core. A
+frame is answered when its measurement is filtered and the ball is forecast at the horizons of a
+policy, with covariances. Beside it stands the predictor's own call on windows, in the same run.
+Needs `dvc repro evaluate_predictor`; writes ``reports/live/latency.json``.
+"""
+
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+
+from benchmarks.comparison import ROOT
+from models.live.forecaster import Forecaster
+from models.live.history import history_of
+from models.predictors.physics import PhysicsPredictor
+from models.predictors.protocol import FUTURE_TIMES, Floats
+from pipeline.evaluation.costs import machine, one_core
+from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, read_predictors
+from pipeline.io.artifacts import read_table, write_json
+from pipeline.io.simulators import load_simulator
+from pipeline.live.messages import Measurement
+from pipeline.live.replay import measurements
+from pipeline.params import load_params
+from pipeline.runtime.progress import progress
+
+FRAMES = 20_000
+AHEAD = np.array([0.115, 0.12, 0.125])  # s, the horizons of a policy
+WARM_UP = 200  # frames
+EVERY = 20  # frames between two calls of the predictor itself
+REPORT = ROOT / "reports" / "live" / "latency.json"
+
+
+def frames(root: Path) -> list[Measurement]:
+    """Return the first frames of the last run's recordings."""
+    rows = read_table(root / "artifacts" / "ingest" / "recordings.parquet")
+    found = list(islice(measurements([rows]), FRAMES))
+    if len(found) < FRAMES:
+        raise ValueError(f"{len(found)} frames are too few; ingest {FRAMES}")
+    return found
+
+
+@dataclass(frozen=True)
+class Latency:
+    """What one predictor takes.
+
+    Attributes:
+        p50_ms: of a frame, the median.
+        p99_ms: of a frame, which one in a hundred exceeds.
+        eager_ms: of the predictor's own call, the median.
+        max_change_mm: the largest distance between the live forecast and that of this call.
+    """
+
+    p50_ms: float
+    p99_ms: float
+    eager_ms: float
+    max_change_mm: float | None
+
+
+def measure(one: NamedPredictor, rows: Sequence[Measurement]) -> Latency:
+    """Return the latency of a predictor; simulators forecast from all measurements of a ball."""
+    predictor = one.predictor
+    if isinstance(predictor, PhysicsPredictor):
+        forecaster = Forecaster(predictor.simulator)
+    else:
+        forecaster = Forecaster(load_simulator("literature"), predictor)
+    for row in rows[:WARM_UP]:
+        _answer(forecaster, row)
+    taken, eager, changes = [], [], [0.0]
+    for number, row in enumerate(rows):
+        begun = time.perf_counter()
+        states = _answer(forecaster, row)
+        taken.append(time.perf_counter() - begun)
+        if states is not None and number % EVERY == 0:
+            begun = time.perf_counter()
+            own = predictor.predict(history_of(forecaster.ball)).states[0]
+            eager.append(time.perf_counter() - begun)
+            own = np.stack([np.interp(AHEAD, FUTURE_TIMES, own[:, k]) for k in range(3)], axis=1)
+            changes.append(float(np.linalg.norm(states[:, :3] - own, axis=1).max()))
+    p50, p99 = np.percentile(taken, [50, 99])
+    change = _rounded(max(changes)) if forecaster.predictor else None
+    return Latency(_rounded(p50), _rounded(p99), _rounded(np.median(eager)), change)
+
+
+def _answer(forecaster: Forecaster, row: Measurement) -> Floats | None:
+    assert row.position is not None  # recordings have balls only
+    forecaster.observe(row.time, row.position, spin=row.spin)
+    return forecaster.predict(forecaster.last + AHEAD)[0] if forecaster.ready else None
+
+
+def _rounded(thousandths: float) -> float:
+    """Return ms or mm to three digits, of s or m."""
+    return round(1e3 * float(thousandths), 3)
+
+
+def main() -> None:
+    """Measure, write, print."""
+    settings = load_params(ROOT / "params.yaml").evaluate_predictor
+    rows, found = frames(ROOT), {}
+    known = [
+        one
+        for one in read_predictors(ROOT / "artifacts", settings)
+        if one.forecasts(ARENA) and one.kind not in ("physics", ORACLE)
+    ]
+    with one_core():
+        for one in progress(known, "latency", len(known)):
+            found[one.name] = asdict(measure(one, rows))
+    write_json(REPORT, {**machine(ROOT), "predictors": found})
+    Console().print(found)
+
+
+if __name__ == "__main__":
+    main()
