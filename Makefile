@@ -68,6 +68,7 @@ bench: .venv/ready ## half an hour: compare speed with other programs; write rep
 	@python -m benchmarks.ball_simulator
 	@python -m benchmarks.policy_training
 	@test ! -d artifacts/train_predictor || rallygap costs
+	@test ! -d artifacts/train_predictor || python -m benchmarks.live
 	@python -m benchmarks.learning
 
 docs: .venv/ready ## build the documentation site into docs/_build/html; a warning is an error
