@@ -17,6 +17,8 @@ PREDICTORS = {
     "amended_without_magnus": "physics, C without lift amended",
     "amended_from_literature": "physics, literature amended",
     "oracle": "oracle",
+    "hybrid": "hybrid",
+    "hybrid_fine_tuned": "hybrid, fine-tuned",
     "transformer": "transformer",
     "transformer_fine_tuned": "transformer, fine-tuned",
     "tae": "TAE",

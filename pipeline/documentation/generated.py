@@ -68,6 +68,7 @@ BLOCKS: dict[str, Writer] = {
     "gap-returns-real": partial(gap_tables.retrained_returns, run="real/"),
     "errors-by-group": partial(predictor_tables.errors_by, column="group"),
     "errors-by-net": partial(predictor_tables.errors_by, column="net"),
+    "coverage": predictor_tables.coverage,
     "errors-arena": partial(predictor_tables.position_errors, arena=True),
     "errors-arena-paper": partial(predictor_tables.position_errors, run="paper/", arena=True),
     "errors-real": partial(predictor_tables.position_errors, run="real/", arena=False),

@@ -47,6 +47,23 @@ def errors_by(root: Path, column: str) -> str:
     return markdown_table(["predictor", *errors[column].unique()], rows)
 
 
+def coverage(root: Path) -> str:
+    """Coverage and size of the sets of positions at 300 ms on the arena, and the score."""
+    query = "set == 'arena' and horizon_ms == 300"
+    table = read_report(root, "evaluate_predictor/coverage.csv", query)
+    levels = sorted(table["level"].unique())
+    heads = [f"{100 * level:.0f} % sets: coverage (%), radius (mm)" for level in levels]
+    rows = []
+    for predictor, some in table.groupby("predictor", sort=False):
+        cells = [
+            f"{100 * row.coverage:.1f} ({100 * row.ci_low:.1f} to {100 * row.ci_high:.1f}), "
+            f"{row.size_mm:.0f}"
+            for row in some.sort_values("level").itertuples()
+        ]
+        rows.append([PREDICTORS[predictor], *cells, f"{some['crps_mm'].iloc[0]:.1f}"])
+    return markdown_table(["predictor", *heads, "CRPS (mm)"], rows)
+
+
 def predictor_costs(root: Path) -> str:
     """Size, training time, latency and errors of predictors, from ``rallygap costs``."""
     rows = []
