@@ -1,7 +1,8 @@
 """``rallygap live``: from a camera server or from recordings to forecasts."""
 
+import signal
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from models.live.forecaster import Forecaster
@@ -12,6 +13,8 @@ from pipeline.live.latency import Latencies
 from pipeline.live.loop import forecast_each, warm_up
 from pipeline.live.messages import Measurement
 from pipeline.live.replay import measurements, paced
+
+STOPS = (signal.SIGINT, signal.SIGTERM)
 
 
 def forecaster(simulator: str, predictor: Path | None) -> Forecaster:
@@ -73,6 +76,17 @@ def _run(
     rows: Iterator[Measurement], forecaster: Forecaster, publish: Callable[[str], object]
 ) -> Latencies:
     latencies = Latencies()
-    with suppress(KeyboardInterrupt):
+    with _stoppable(), suppress(KeyboardInterrupt):
         forecast_each(rows, forecaster, publish, latencies)
     return latencies
+
+
+@contextmanager
+def _stoppable() -> Iterator[None]:
+    """Let Ctrl-C and the end of a service stop the block, also where the shell ignores Ctrl-C."""
+    before = {one: signal.signal(one, signal.default_int_handler) for one in STOPS}
+    try:
+        yield
+    finally:
+        for one, handler in before.items():
+            signal.signal(one, handler)

@@ -37,7 +37,7 @@ def test_the_shipped_simulators_have_the_published_values(name, cd, restitution)
 
 
 def test_an_unknown_simulator_is_named_with_those_that_exist():
-    assert len(shipped_names()) == 5
+    assert len(shipped_names()) == 6
     with pytest.raises(SimulatorError, match="imperfect_c"):
         shipped("imperfect_d")
 

@@ -40,7 +40,13 @@ def recordings(tmp_path):
     return tmp_path
 
 
-def test_a_robot_gets_forecasts_of_what_a_camera_server_measures():
+def ignoring_interrupts():
+    """As a shell starts a job in the background."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+def test_a_robot_gets_forecasts_of_what_a_camera_server_measures(stop):
     observations, forecasts = free_addresses(2)
     command = [sys.executable, "-c", "from pipeline.cli import main; main()", "live"]
     command += ["--simulator", "literature", "--observations", observations]
@@ -48,6 +54,7 @@ def test_a_robot_gets_forecasts_of_what_a_camera_server_measures():
         [*command, "--forecasts", forecasts],
         stdout=subprocess.PIPE,
         text=True,
+        preexec_fn=ignoring_interrupts,
         env={**os.environ, "PYTHONUNBUFFERED": "1"},
     )
     context = zmq.Context()
@@ -64,7 +71,7 @@ def test_a_robot_gets_forecasts_of_what_a_camera_server_measures():
         )
     finally:
         context.destroy(linger=0)
-        live.send_signal(signal.SIGINT)
+        live.send_signal(stop)
         out = live.communicate(timeout=20)[0]
     assert live.returncode == 0
     assert "p99" in out
