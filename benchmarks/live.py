@@ -3,7 +3,7 @@
 Replays recordings of the last run through forecasters, one predictor after the other on one core. A
 frame is answered when its measurement is filtered and the ball is forecast at the horizons of a
 policy, with covariances. Beside it stands the predictor's own call on windows, in the same run.
-Needs `dvc repro evaluate_predictor`; writes ``reports/live/latency.json``.
+Needs `dvc repro evaluate_predictor`; writes ``reports/live``.
 """
 
 import time
@@ -110,7 +110,8 @@ def main() -> None:
     with one_core():
         for one in progress(known, "latency", len(known)):
             found[one.name] = asdict(measure(one, rows))
-    write_json(REPORT, {**machine(ROOT), "predictors": found})
+    write_json(REPORT, found)
+    write_json(REPORT.with_name("machine.json"), machine(ROOT))
     Console().print(found)
 
 
