@@ -2,7 +2,7 @@
 
 Replays recordings of the last run through forecasters, one predictor after the other on one core. A
 frame is answered when its measurement is filtered and the ball is forecast at the horizons of a
-policy, with covariances. Beside it stands the predictor's own call on windows, in the same run.
+policy, with covariances. The predictor's own call on windows is measured in the same run.
 Needs `dvc repro evaluate_predictor`; writes ``reports/live``.
 """
 
@@ -73,13 +73,13 @@ def measure(one: NamedPredictor, rows: Sequence[Measurement]) -> Latency:
         _answer(forecaster, row)
     taken, eager, changes = [], [], [0.0]
     for number, row in enumerate(rows):
-        begun = time.perf_counter()
+        start = time.perf_counter()
         states = _answer(forecaster, row)
-        taken.append(time.perf_counter() - begun)
+        taken.append(time.perf_counter() - start)
         if states is not None and number % EVERY == 0:
-            begun = time.perf_counter()
+            start = time.perf_counter()
             own = predictor.predict(history_of(forecaster.ball)).states[0]
-            eager.append(time.perf_counter() - begun)
+            eager.append(time.perf_counter() - start)
             own = np.stack([np.interp(AHEAD, FUTURE_TIMES, own[:, k]) for k in range(3)], axis=1)
             changes.append(float(np.linalg.norm(states[:, :3] - own, axis=1).max()))
     p50, p99 = np.percentile(taken, [50, 99])

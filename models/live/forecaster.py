@@ -72,6 +72,7 @@ class Forecaster:
         self._noise = noise**2 * np.eye(3)
         self._ball, self._other = Track(simulator), Track(simulator)
         self._missed = 0  # measurements since the present ball had one
+        self._forecast: tuple[Floats, Floats] | None = None  # the predictor's, of this measurement
 
     @property
     def ready(self) -> bool:
@@ -117,6 +118,7 @@ class Forecaster:
             )
         noise = self._noise if covariance is None else np.asarray(covariance, dtype=np.float64)
         measured = NOT_MEASURED if spin is None else np.asarray(spin, dtype=np.float64)
+        self._forecast = None
         if self._ball.add(t, place, noise, measured):
             self._missed = 0
             return "used"
@@ -151,11 +153,10 @@ class Forecaster:
         states, covariances = (one[0] for one in propagated(self.simulator, *now, ahead))
         if self.predictor is None:
             return states, covariances
-        history = history_of(self._ball)
-        positions = _at(ahead, self.predictor.covariances(history)[0].reshape(-1, 9))
+        forecast, spread = self._by(self.predictor)
         covariances[:, POSITION, 3:] = covariances[:, 3:, POSITION] = 0.0
-        covariances[:, POSITION, POSITION] = positions.reshape(-1, 3, 3)
-        return _at(ahead, self.predictor.predict(history).states[0]), covariances
+        covariances[:, POSITION, POSITION] = _at(ahead, spread).reshape(-1, 3, 3)
+        return _at(ahead, forecast), covariances
 
     def bounce(self) -> Event | None:
         """Return the ball's next contact with the table; None if there is none in a second."""
@@ -180,10 +181,17 @@ class Forecaster:
         if not self.ready:
             return np.empty((0, STATE_SIZE))
         if self.predictor is not None:
-            forecast: Floats = self.predictor.predict(history_of(self._ball)).states[0]
-            return forecast
+            return self._by(self.predictor)[0]
         states: Floats = self.simulator.fly(self._ball.state, COMING).states[0]
         return states
+
+    def _by(self, predictor: ProbabilisticPredictor) -> tuple[Floats, Floats]:
+        """Return (60, 9) states and (60, 9) covariances of positions; once a measurement."""
+        if self._forecast is None:
+            history = history_of(self._ball)
+            spread = predictor.covariances(history)[0].reshape(-1, 9)
+            self._forecast = predictor.predict(history).states[0], spread
+        return self._forecast
 
     def _event(self, found: Crossing | None) -> Event | None:
         if found is None:

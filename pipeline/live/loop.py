@@ -23,9 +23,9 @@ def forecast_each(
         latencies: counts how long each took.
     """
     for row in rows:
-        begun = time.perf_counter()
+        start = time.perf_counter()
         publish(forecast_message(row.number, _observe(forecaster, row), forecaster))
-        latencies.add(time.perf_counter() - begun)
+        latencies.add(time.perf_counter() - start)
 
 
 def warm_up(forecaster: Forecaster) -> None:

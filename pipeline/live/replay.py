@@ -33,10 +33,9 @@ def measurements(parts: Iterable[pd.DataFrame]) -> Iterator[Measurement]:
 
 def paced(rows: Iterable[Measurement], speed: float) -> Iterator[Measurement]:
     """Yield measurements when they are due, ``speed`` times as fast as they were recorded."""
-    started = first = None
+    zero = None  # when the recording's time zero is, on the clock of this process
     for row in rows:
-        if started is None or first is None:
-            started, first = time.monotonic(), row.time
-        due = started + (row.time - first) / speed
-        time.sleep(max(due - time.monotonic(), 0.0))
+        if zero is None:
+            zero = time.monotonic() - row.time / speed
+        time.sleep(max(zero + row.time / speed - time.monotonic(), 0.0))
         yield row

@@ -157,3 +157,25 @@ def test_any_predictor_can_forecast():
     assert by_windows.apex().time == pytest.approx(by_all.apex().time, abs=0.02)
     with pytest.raises(ValueError, match="0 to 300 ms"):
         by_windows.predict([by_windows.last + 0.5])
+
+
+class Counting(PhysicsPredictor):
+    """Counts how often it forecasts."""
+
+    calls = 0
+
+    def predict(self, history):
+        self.calls += 1
+        return super().predict(history)
+
+
+def test_a_predictor_forecasts_once_a_measurement():
+    predictor = Counting(TRUTH)
+    forecaster = Forecaster(TRUTH, predictor)
+    for t, place in zip(TIMES[:12], measured(), strict=False):
+        forecaster.observe(t, place)
+        if forecaster.ready:
+            before, _ = forecaster.predict([forecaster.last + 0.1])
+            forecaster.apex()
+            assert (forecaster.predict([forecaster.last + 0.1])[0] == before).all()
+    assert predictor.calls == 10

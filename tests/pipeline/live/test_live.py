@@ -120,6 +120,6 @@ def test_recordings_follow_one_another_on_one_clock():
 
 def test_the_speed_shortens_the_waits():
     rows = [type("Row", (), {"time": t})() for t in (0.0, 1.0, 2.0)]
-    begun = time.monotonic()
+    start = time.monotonic()
     assert list(paced(rows, 20.0)) == rows
-    assert time.monotonic() - begun >= 0.1
+    assert time.monotonic() - start >= 0.1

@@ -74,7 +74,7 @@ def test_a_refit_without_a_cause_gives_the_others_their_own_values(both):
         ((-1.0, 3.0), True, False),  # the likelihood is sure of it
         ((-1.0, 3.0), False, True),  # where the model does not fit, predictions must be
         ((-3.0, -1.0), True, True),  # predictions are better without it
-        ((-0.1, 0.01), True, False),  # negligible beside the other cause, but sure
+        ((-0.1, 0.01), True, False),  # negligible next to the other cause, but sure
         ((0.001, 0.01), False, True),
     ],
 )
