@@ -9,6 +9,8 @@ import zmq
 from pipeline.live.messages import Measurement, MessageError, parse
 from pipeline.runtime.errors import InputError
 
+WAIT = 200  # ms, after which signals are looked at
+
 
 @contextmanager
 def sockets(observations: str | None, forecasts: str) -> Iterator[tuple[zmq.Socket, zmq.Socket]]:
@@ -25,6 +27,8 @@ def sockets(observations: str | None, forecasts: str) -> Iterator[tuple[zmq.Sock
     receiver, sender = context.socket(zmq.SUB), context.socket(zmq.PUB)
     try:
         receiver.setsockopt(zmq.SUBSCRIBE, b"")
+        # A signal just before a wait without end would be noticed with the next message only.
+        receiver.setsockopt(zmq.RCVTIMEO, WAIT)
         if observations is not None:
             _opened(receiver.connect, "--observations", observations)
         _opened(sender.bind, "--forecasts", forecasts)
@@ -37,9 +41,10 @@ def received(receiver: zmq.Socket) -> Iterator[Measurement]:
     """Yield measurements as they come; a message that is none is named once and left out."""
     named = False
     while True:
-        message = receiver.recv()
         try:
-            measurement = parse(message)
+            measurement = parse(receiver.recv())
+        except zmq.Again:
+            continue
         except MessageError as error:
             if not named:
                 typer.echo(f"A message {error}; such messages are left out.", err=True)
