@@ -10,12 +10,14 @@ from dataclasses import dataclass
 from models.ball.catalogue import catalogue, parameter_columns
 from models.ball.effect import Parameter
 from models.ball.simulator import Simulator
+from models.gap.types import Phase
 
 # Share of a parameter's range, for finite differences. It is small because a path has a kink where
 # it bounces: the fewer samples lie between the two bounces that are compared, the better.
 STEP = 5e-6
 
 AXES = ("x", "y", "z")  # parameters of these names are components of a vector
+PHASE_OF: dict[str, Phase] = {"flight": "flight", "contact": "table", "sensor": "sensor"}
 OTHER_SURFACES = ("net", "racket_bounce")  # shots touch nothing but the table
 
 
@@ -49,6 +51,11 @@ class Hypothesis:
     def quantity(self) -> str:
         """The physical quantity: the components of a vector, such as the wind's, are one."""
         return self.effect if self.parameter in AXES else self.identity
+
+    @property
+    def phase(self) -> Phase:
+        """The phase in which the effect acts."""
+        return PHASE_OF[catalogue()[self.effect].acts]
 
     @property
     def declaration(self) -> Parameter:

@@ -190,6 +190,7 @@ class VerifySettings:
     min_worth: float = 0.02  # of the largest worth; below it, a cause is minor
     max_unexplained: float = 0.1  # of the gap; above it, the verdict is unknown
     min_checked: int = 10  # held-out shots of a check
+    min_bounces: int = 40  # of the check of bounces; fewer do not tell scatter from other causes
     # Measured over expected sizes of a model that fits (verdict.py, Check).
     allowed: Mapping[str, tuple[float, float]] = field(
         default_factory=lambda: MappingProxyType(
@@ -198,6 +199,7 @@ class VerifySettings:
                 "prediction": (0.75, 1.33),
                 "landing": (0.67, 1.5),
                 "labels": (0.0, 0.5),
+                "bounces": (0.0, 0.03),  # real tables: .006 to .03
             }
         )
     )

@@ -25,6 +25,7 @@ VERSION = 2  # of the file (see ``Verdict.version``); grows when a field changes
 Answer = Literal["no_gap", "named", "ambiguous", "unknown"]
 Kind = Literal["wrong_value", "missing_effect"]
 # A physical cause that matters, a fault of the sensor, or structure that is small or unsure.
+VariationKind = Literal["drift", "by_side", "between_shots"]
 Role = Literal["leading", "sensor", "minor"]
 
 
@@ -54,12 +55,13 @@ class Check(_Part):
 
     Attributes:
         name: what is compared.
-        ratio: measured over expected, 1 where the model fits.
+        ratio: measured over expected, 1 where the model fits; of labels, their error over the spin;
+            of bounces, the standard deviation of the restitution.
         interval: 95 % interval, bootstrap over shots.
         allowed: range of ratios of a model that fits.
     """
 
-    name: Literal["residuals", "prediction", "landing", "labels"]
+    name: Literal["residuals", "prediction", "landing", "labels", "bounces"]
     ratio: float
     interval: tuple[float, float]
     allowed: tuple[float, float]
@@ -142,16 +144,18 @@ class Variation(_Part):
 
     Attributes:
         identity: ``effect.parameter``.
-        kind: whether it drifts over the session, or differs from shot to shot.
+        kind: whether it drifts over the session, differs between the sides of the net, or from
+            shot to shot.
         unit: of size and interval.
-        size: the change from the first shot to the last, or the standard deviation.
+        size: the change from the first shot to the last, or from y < 0 to y > 0, or the standard
+            deviation.
         interval: 95 % confidence interval of the size.
         p_value: of so much variation without any.
         possible: identities whose variation is about as likely, its own first.
     """
 
     identity: str
-    kind: Literal["drift", "between_shots"]
+    kind: VariationKind
     unit: str
     size: float
     interval: tuple[float, float]

@@ -22,8 +22,9 @@ from pipeline.params import Params
 from pipeline.runtime.parallel import parallel
 from pipeline.runtime.provenance import short
 
-# What records depend on: packages of ``models``, and the libraries.
-DEPENDENCIES = ("models/arena", "models/ball", "models/exam", "models/gap", "constraints.txt")
+# What records depend on: packages of ``models``, and the versions of libraries that calculate.
+PACKAGES = ("models/arena", "models/ball", "models/exam", "models/gap")
+LIBRARIES = ("llvmlite", "numba", "numpy", "pysindy", "scikit-learn", "scipy")
 Assignment = tuple[Question, Mapping[str, Method]]  # a question, and the methods that answer it
 
 
@@ -90,12 +91,16 @@ def code_of_records(root: Path, params: Params) -> str:
     simulator = load_simulator(settings.simulator).to_dict()
     values = [params.seed, settings.other_methods_every, simulator]
     digest.update(json.dumps(values, sort_keys=True).encode())
-    for path in _dependencies(root):
-        digest.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
+    for name in PACKAGES:
+        for path in sorted((root / name).rglob("*.py")):
+            digest.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
+    for line in _versions(root / "constraints.txt"):
+        digest.update(line.encode())
     return short(digest.hexdigest())
 
 
-def _dependencies(root: Path) -> Iterator[Path]:
-    for name in DEPENDENCIES:
-        path = root / name
-        yield from [path] if path.is_file() else sorted(path.rglob("*.py"))
+def _versions(constraints: Path) -> Iterator[str]:
+    """Yield the lines of the libraries that records depend on."""
+    for line in constraints.read_text(encoding="utf-8").splitlines():
+        if line.partition("==")[0].lower() in LIBRARIES:
+            yield line

@@ -8,6 +8,10 @@ from pipeline.gap.reservations import predicts_worse
 from pipeline.gap.wording import PLACES, listed
 
 CHECK_LABELS = "check signs, axes and units of the spin labels, and diagnose again."
+CHECK_BOUNCES = (
+    "let one ball bounce at one place, then at others, then other balls; diagnose those that "
+    "bounce alike by themselves."
+)
 CHECK_RECORDINGS = (
     "look for errors of the recordings, such as outliers, wrong time stamps or an old "
     "calibration, and diagnose again."
@@ -31,8 +35,9 @@ def next_step(verdict: Verdict, shots: Shots, settings: GapSettings) -> str:
     if predicts_worse(verdict):
         return KEEP_NOMINAL
     if verdict.misfits:
-        labels = all(check.name == "labels" for check in verdict.misfits)
-        return CHECK_LABELS if labels else CHECK_RECORDINGS
+        names = {check.name for check in verdict.misfits}
+        single = names.pop() if len(names) == 1 else ""
+        return {"labels": CHECK_LABELS, "bounces": CHECK_BOUNCES}.get(single, CHECK_RECORDINGS)
     if verdict.verdict == "no_gap":
         return _nothing_to_amend(shots, settings)
     if verdict.verdict == "unknown":

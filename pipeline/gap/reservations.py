@@ -17,6 +17,7 @@ DOUBTFUL = {
     "prediction": "intervals and small causes",
     "landing": "causes at the table",
     "labels": "causes that rest on spin labels",
+    "bounces": "causes at the table",
 }
 
 
@@ -24,7 +25,7 @@ def reservations(verdict: Verdict) -> Iterator[str]:
     """Yield what speaks against relying on a verdict, one sentence or two each."""
     if verdict.misfits:
         found = "; ".join(_misfit(check) for check in verdict.misfits)
-        doubtful = ", ".join(DOUBTFUL[check.name] for check in verdict.misfits)
+        doubtful = ", ".join(dict.fromkeys(DOUBTFUL[check.name] for check in verdict.misfits))
         yield (
             f"The fitted model does not describe these shots: {found}. Do not rely on {doubtful}."
         )
@@ -52,6 +53,10 @@ def _misfit(check: Check) -> str:
     if check.name == "labels":
         return (
             f"spin labels err by {100 * check.ratio:.0f} % of the spin (allowed {100 * high:g} %)"
+        )
+    if check.name == "bounces":
+        return (
+            f"the restitution differs by {check.ratio:.2g} from bounce to bounce (allowed {high:g})"
         )
     found = COMPARED[check.name].format(f"{check.ratio:.3g}")
     interval = f"{check.interval[0]:.3g} to {check.interval[1]:.3g}"

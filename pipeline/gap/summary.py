@@ -164,6 +164,7 @@ def variation_sentence(variation: Variation) -> str:
     size = f"{with_unit(variation.size, variation.unit)} (95 % {interval_text(variation.interval)})"
     what = {
         "drift": f"drifts over the session, by {size} from the first shot to the last",
+        "by_side": f"is larger where y > 0 than where y < 0, by {size}",
         "between_shots": f"differs from shot to shot, with a standard deviation of {size}",
     }[variation.kind]
     others = variation.possible[1:]

@@ -22,6 +22,7 @@ CHECKED = {
     "prediction": "prediction errors",
     "landing": "errors of predicted landings",
     "labels": "errors of spin labels, in units of the spin",
+    "bounces": "standard deviation of the restitution",
 }
 
 

@@ -41,15 +41,22 @@ POWERS = {
 def evidence_with_terms(
     fit: RefitResult, noise: Noise, settings: GapSettings
 ) -> tuple[Linearised, Evidence]:
-    """Return shots with the terms among their columns, and their evidence in a given noise."""
-    linear = with_terms(fit.linear)
+    """Return shots with the omnibus terms among their columns, and their evidence in a noise."""
+    return evidence_with(terms_about(fit.linear), fit, noise, settings)
+
+
+def evidence_with(
+    terms: Terms, fit: RefitResult, noise: Noise, settings: GapSettings
+) -> tuple[Linearised, Evidence]:
+    """Return shots with terms among their columns, and their evidence in a given noise."""
+    linear = _with_terms(fit.linear, terms)
     known = NoiseEstimate.known(linear, noise, fit.noise_estimate.weights, settings.fit)
     return linear, Evidence.of(linear, known, settings)
 
 
-def with_terms(linear: Linearised) -> Linearised:
-    """Return linearised shots with the terms among their columns."""
-    terms, end = terms_about(linear), linear.of_hypotheses.stop
+def _with_terms(linear: Linearised, terms: Terms) -> Linearised:
+    """Return linearised shots with terms among their columns."""
+    end = linear.of_hypotheses.stop
 
     def put(columns: Floats, more: Floats) -> Floats:
         return np.concatenate([columns[..., :end], more, columns[..., end:]], axis=-1)

@@ -11,7 +11,6 @@ from models.gap.name.distortion import CAMERA, Distortion
 from models.gap.name.intervals import within
 from models.gap.name.label_readings import LabelReadings
 from models.gap.name.naming import Named
-from models.gap.name.parts import phase_of
 from models.gap.settings import Question
 from models.gap.verdict import CameraNodes, Cause, DetectionLimits, Role, Worth
 
@@ -76,7 +75,7 @@ def estimated(named: Named, k: int) -> tuple[float, tuple[float, float]]:
 
 def default_role(hypothesis: Hypothesis) -> Role:
     """Return the role of a cause that is no minor structure."""
-    return "sensor" if phase_of(hypothesis) == "sensor" else "leading"
+    return "sensor" if hypothesis.phase == "sensor" else "leading"
 
 
 def label_signs_cause(named: Named, gap_shares: dict[str, float]) -> Cause:

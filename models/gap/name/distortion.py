@@ -3,6 +3,7 @@
 A smooth error of position bends paths as wind, a tilted frame or a high table do. So it competes
 with all causes: the likeliest explanation with an error of the cameras, of the likeliest size, is
 compared with the likeliest explanation without one, both less a penalty a cause (selection.py).
+It competes as well with an effect of the flight that differs between the sides of the net.
 """
 
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from models.gap.fit.refit import RefitResult
 from models.gap.fit.shared_errors import SharedErrors, VarianceLikelihood, variance_p_value
 from models.gap.fit.variance_components import NoiseEstimate
 from models.gap.hypotheses import Hypothesis
+from models.gap.name.by_side import side_tests
 from models.gap.name.selection import Explainer
 from models.gap.settings import FitSettings
 from models.gap.types import Places
@@ -78,7 +80,17 @@ def find_distortion(fit: RefitResult, explainer: Explainer) -> Distortion | None
     score, causes = scored[best]
     found = Distortion(replace(unit, size=best), score - rivals.score(0.0)[0], causes)
     plausible = best < high  # as with any cause, a size at its bound is none
-    return found if plausible and found.p_value <= settings.level else None
+    if not plausible or found.p_value > settings.level:
+        return None
+    return found if found.gain > _gain_by_side(fit, explainer) else None
+
+
+def _gain_by_side(fit: RefitResult, explainer: Explainer) -> float:
+    """Return the most that a difference of a parameter between sides gains, less its penalty."""
+    evidence = explainer.evidence
+    given = [evidence.columns[k] for k in sorted({*evidence.free, *explainer.refitted})]
+    tests = side_tests(fit, given, evidence.settings)
+    return max((test.gain for test in tests.values()), default=0.0) - explainer.penalty
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,26 +4,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from models.ball.catalogue import catalogue
-from models.gap.hypotheses import LABEL_SIGNS, Hypothesis
+from models.gap.hypotheses import LABEL_SIGNS
 from models.gap.locate.attribution import Part
 from models.gap.name.distortion import CAMERA
 from models.gap.name.naming import Named
 from models.gap.name.unexplained import UnexplainedStructure
-from models.gap.types import Phase
 
-PHASE_OF: dict[str, Phase] = {"flight": "flight", "contact": "table", "sensor": "sensor"}
 UNEXPLAINED = ""  # identity of the part that no cause explains
 
 
 def parts(named: Named, structure: UnexplainedStructure | None) -> list[Part]:
     """Return the parts of the gap, about the shots as they were fitted with the causes."""
     return [*_of_causes(named), *_of_sensor(named), *_of_structure(structure)]
-
-
-def phase_of(hypothesis: Hypothesis) -> Phase:
-    """Return the phase in which an effect of the catalogue acts."""
-    return PHASE_OF[catalogue()[hypothesis.effect].acts]
 
 
 def _of_causes(named: Named) -> Iterator[Part]:
@@ -33,7 +25,7 @@ def _of_causes(named: Named) -> Iterator[Part]:
         change = hypothesis.value(named.simulator) - hypothesis.value(nominal)
         column = linear.nuisance_count + linear.columns.index(hypothesis)
         positions, labels = linear.positions[..., column], linear.labels[..., column]
-        phase = phase_of(hypothesis)
+        phase = hypothesis.phase
         yield Part(hypothesis.identity, phase, change * positions, change * labels)
 
 

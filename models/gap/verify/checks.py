@@ -2,35 +2,43 @@
 
 A model of the errors that does not fit makes every test of causes wrong. So the residuals of
 held-out shots, the errors of predictions and of landings, and the errors of labels are compared
-with what the fitted model expects of them.
+with what the fitted model expects of them. Errors of labels and the scatter of bounces are part of
+the model whatever their size, and are compared with the largest plausible ones.
 """
 
 from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
+from scipy.stats import chi2
 
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
 from models.gap.fit.projection import eliminate_nuisance
 from models.gap.fit.refit import RefitResult
+from models.gap.fit.trajectory import KICK_SIZE
 from models.gap.settings import GapSettings
 from models.gap.verdict import Check
 from models.gap.verify.bootstrap import drawn_shots, interval
 from models.gap.verify.prediction_error import Errors
 
 AFTER, FLOOR = 1, 2  # rows of errors
-LABELS: Literal["labels"] = "labels"  # name of the check of labels
+LABELS: Literal["labels"] = "labels"
+BOUNCES: Literal["bounces"] = "bounces"
+NOT_OF_PATHS = (LABELS, BOUNCES)  # however large these are, the model has their size
 
 
 def checks(
-    verification: RefitResult, found: Errors | None, settings: GapSettings
+    fit: RefitResult, verification: RefitResult, found: Errors | None, settings: GapSettings
 ) -> tuple[Check, ...]:
-    """Return the checks for which there are enough held-out shots."""
+    """Return the checks for which there are enough shots; those of ``verification`` are held out.
+
+    ``fit`` is of the shots that the causes were named by.
+    """
     made = [_residuals(verification, settings)]
     if found is not None:
         made += list(_predictions(found, settings))
-    made += list(_labels(verification, settings))
+    made += [*_labels(verification, settings), *_bounces(fit, settings)]
     return tuple(check for check in made if check is not None)
 
 
@@ -58,6 +66,19 @@ def _labels(verification: RefitResult, settings: GapSettings) -> Iterator[Check]
         size = verification.noise_estimate.noise.label_error
         allowed = settings.verify.allowed[LABELS]
         yield Check(name=LABELS, ratio=size, interval=(size, size), allowed=allowed)
+
+
+def _bounces(fit: RefitResult, settings: GapSettings) -> Iterator[Check]:
+    """Compare the scatter of the restitution with the largest one that tables have shown."""
+    known, inner = fit.noise_estimate, slice(STATE_SIZE, fit.linear.nuisance_count)
+    bounced = fit.linear.positions[..., inner][..., ::KICK_SIZE].any(axis=(1, 2))
+    count = float(known.shot_weights @ bounced.sum(axis=1))
+    if count < settings.verify.min_bounces:
+        return
+    size, tail = known.noise.scatter[0], (1 - settings.confidence) / 2
+    low, high = size * np.sqrt(count / chi2.isf([tail, 1 - tail], count))
+    allowed = settings.verify.allowed[BOUNCES]
+    yield Check(name=BOUNCES, ratio=size, interval=(float(low), float(high)), allowed=allowed)
 
 
 def _check(name: str, squares: Floats, settings: GapSettings) -> Check | None:

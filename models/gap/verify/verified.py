@@ -13,7 +13,7 @@ from models.gap.name.label_readings import read_labels, without_labels
 from models.gap.name.naming import Named, without_cause
 from models.gap.settings import GapSettings, Question
 from models.gap.verdict import Check, Gap
-from models.gap.verify.checks import LABELS, checks
+from models.gap.verify.checks import NOT_OF_PATHS, checks
 from models.gap.verify.prediction_error import Errors, HeldOut, gap
 from models.gap.verify.roles import Judgement
 from models.gap.verify.worth import Worths
@@ -59,7 +59,7 @@ class Verified:
     @cached_property
     def checks(self) -> tuple[Check, ...]:
         """Whether the model fits held-out shots."""
-        return checks(self.verification, self.errors, self.question.settings)
+        return checks(self.named.fit, self.verification, self.errors, self.question.settings)
 
     @property
     def fits(self) -> bool:
@@ -68,8 +68,8 @@ class Verified:
 
     @property
     def paths_fit(self) -> bool:
-        """Whether all checks of paths pass: labels may err as much as the model says they do."""
-        return all(check.passed or check.name == LABELS for check in self.checks)
+        """Whether all checks pass, but of sizes that the model has: of labels and of bounces."""
+        return all(check.passed or check.name in NOT_OF_PATHS for check in self.checks)
 
     @property
     def camera_size(self) -> tuple[float, float]:

@@ -100,7 +100,11 @@ def test_the_code_of_records_follows_what_records_depend_on_and_nothing_else(roo
     assert code_of_records(root, params(rerun_questions=7)) == before
     assert code_of_records(root, params(other_methods_every=7)) != before
     (root / "README.md").write_text("other words\n")
+    (root / "constraints.txt").write_text("numpy==1\nmlflow==2\n")
     assert code_of_records(root, params()) == before
+    (root / "constraints.txt").write_text("numpy==2\nmlflow==2\n")
+    assert code_of_records(root, params()) != before
+    (root / "constraints.txt").write_text("numpy==1\n")
     (root / "models/gap/a.py").write_text("a = 2\n")
     assert code_of_records(root, params()) != before
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from models.gap.verdict import DetectionLimits, NetErrors, Unexplained, Variation
+from models.gap.verdict import Check, DetectionLimits, NetErrors, Unexplained, Variation
 from pipeline.gap.summary import answer_title, detection_lines
 from tests.pipeline.verdicts import (
     CAMERA,
@@ -167,3 +167,14 @@ def test_a_variation_is_listed_with_its_size_and_what_to_do():
     assert "differs from shot to shot, with a standard deviation of 0.1" in text(
         "unknown", (), variations=(balls,)
     )
+    draught = drift.model_copy(update={"kind": "by_side"})
+    assert "is larger where y > 0 than where y < 0, by 0.1" in text(
+        "unknown", (), variations=(draught,)
+    )
+
+
+def test_a_restitution_that_differs_too_much_is_said_with_what_to_do():
+    bounces = Check(name="bounces", ratio=0.06, interval=(0.05, 0.07), allowed=(0.0, 0.03))
+    message = text("unknown", (), checks=(bounces,))
+    assert "the restitution differs by 0.06 from bounce to bounce (allowed 0.03)" in message
+    assert "let one ball bounce at one place" in message

@@ -16,7 +16,7 @@ NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.
 
 def found(noise=NOISE, count=20, errors=None):
     fit = fit_nuisance(measured(count=count), NOMINAL, noise, SETTINGS.fit)
-    return {check.name: check for check in checks(fit, errors, SETTINGS)}
+    return {check.name: check for check in checks(fit, fit, errors, SETTINGS)}
 
 
 def errors(after, floor, shots=30):
@@ -62,3 +62,12 @@ def test_labels_that_err_by_more_than_half_of_the_spin_fail():
 def test_few_shots_are_not_judged():
     made = found(count=5, errors=errors(0.03, 0.01, shots=5))
     assert set(made) == {"labels"}
+
+
+def test_a_restitution_that_differs_more_than_on_any_table_fails():
+    assert "bounces" not in found()
+    assert found(count=50)["bounces"].passed
+    bounces = found(replace(NOISE, scatter=(0.05, 0.02, 0.005)), count=50)["bounces"]
+    assert bounces.ratio == 0.05
+    assert bounces.interval[0] == pytest.approx(0.05 * (1 - 1.96 / np.sqrt(2 * 50)), rel=0.05)
+    assert not bounces.passed
