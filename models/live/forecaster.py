@@ -72,7 +72,7 @@ class Forecaster:
         self._noise = noise**2 * np.eye(3)
         self._ball, self._other = Track(simulator), Track(simulator)
         self._missed = 0  # measurements since the present ball had one
-        self._forecast: tuple[Floats, Floats] | None = None  # the predictor's, of this measurement
+        self._forecast: Floats | None = None  # the predictor's, of this measurement
 
     @property
     def ready(self) -> bool:
@@ -153,10 +153,10 @@ class Forecaster:
         states, covariances = (one[0] for one in propagated(self.simulator, *now, ahead))
         if self.predictor is None:
             return states, covariances
-        forecast, spread = self._by(self.predictor)
+        found = _at(ahead, self._by(self.predictor))
         covariances[:, POSITION, 3:] = covariances[:, 3:, POSITION] = 0.0
-        covariances[:, POSITION, POSITION] = _at(ahead, spread).reshape(-1, 3, 3)
-        return _at(ahead, forecast), covariances
+        covariances[:, POSITION, POSITION] = found[:, STATE_SIZE:].reshape(-1, 3, 3)
+        return found[:, :STATE_SIZE], covariances
 
     def bounce(self) -> Event | None:
         """Return the ball's next contact with the table; None if there is none in a second."""
@@ -181,16 +181,23 @@ class Forecaster:
         if not self.ready:
             return np.empty((0, STATE_SIZE))
         if self.predictor is not None:
-            return self._by(self.predictor)[0]
+            return self._by(self.predictor)[1:, :STATE_SIZE]
         states: Floats = self.simulator.fly(self._ball.state, COMING).states[0]
         return states
 
-    def _by(self, predictor: ProbabilisticPredictor) -> tuple[Floats, Floats]:
-        """Return (60, 9) states and (60, 9) covariances of positions; once a measurement."""
+    def _by(self, predictor: ProbabilisticPredictor) -> Floats:
+        """Return (61, 18) states and covariances of positions, now and as a predictor says.
+
+        It forecasts once a measurement.
+        """
         if self._forecast is None:
-            history = history_of(self._ball)
-            spread = predictor.covariances(history)[0].reshape(-1, 9)
-            self._forecast = predictor.predict(history).states[0], spread
+            forecast, covariances = predictor.predict_with_covariances(history_of(self._ball))
+            rows = np.empty((1 + len(FUTURE_TIMES), 2 * STATE_SIZE))
+            rows[0, :STATE_SIZE] = self._ball.state
+            rows[0, STATE_SIZE:] = self._ball.covariance[POSITION, POSITION].ravel()
+            rows[1:, :STATE_SIZE] = forecast.states[0]
+            rows[1:, STATE_SIZE:] = covariances[0].reshape(-1, STATE_SIZE)
+            self._forecast = rows
         return self._forecast
 
     def _event(self, found: Crossing | None) -> Event | None:
@@ -204,7 +211,11 @@ class Forecaster:
 
 
 def _at(ahead: Floats, values: Floats) -> Floats:
-    """Return (T, K) values between those of (60, K) at ``FUTURE_TIMES``."""
+    """Return (T, K) values between those of (61, K), now and at ``FUTURE_TIMES``."""
     if ahead.max() > FUTURE_TIMES[-1] + TICK / 100 or ahead.min() < 0.0:
         raise ValueError(f"a forecast of {1e3 * ahead.max():.0f} ms; give 0 to 300 ms")
-    return np.stack([np.interp(ahead, FUTURE_TIMES, column) for column in values.T], axis=1)
+    places = ahead / TICK
+    after = np.minimum(np.maximum(np.ceil(places).astype(int), 1), len(FUTURE_TIMES))
+    share = (places - after + 1)[:, None]
+    between: Floats = (1 - share) * values[after - 1] + share * values[after]
+    return between

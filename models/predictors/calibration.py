@@ -2,7 +2,7 @@
 
 A predictor's covariance gives an ellipsoid its shape; how large it has to be for a given coverage
 follows from the errors on validation windows (Vovk, Gammerman and Shafer 2005; Lei 2018), at every
-horizon on its own. Without calibration, the radii are those of a normal distribution.
+horizon on its own.
 """
 
 from dataclasses import dataclass

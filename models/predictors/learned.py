@@ -54,8 +54,22 @@ class ForecastNetwork(nn.Module):
             history: (B, 12, 6) measured positions (m) and spins (rad/s), zero where not measured.
             mask: (B, 12, 6) where they were measured.
         """
-        motion = self.baseline(history, mask)
+        return self.corrected(history, mask, self.baseline(history, mask))
+
+    def corrected(self, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
+        """Return (B, 60, 9) ball states: those of the baseline, corrected."""
         return self.normaliser.states(self.deviation(history, mask, motion), motion)
+
+    def factors(self, spread: Spread, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
+        """Return (B, 60, 3, 3) factors A, m, of the covariances A'A of the states' positions."""
+        normaliser = self.normaliser
+        rows = spread(
+            normaliser.normalised(history, mask, motion),
+            mask,
+            normaliser.residual(history, mask, motion),
+        ).mT
+        turned = normaliser.turned(normaliser.position_size * rows.flatten(1, 2), motion)
+        return turned.view(rows.shape)
 
     def deviation(self, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
         """Return the (B, 60, 9) normalised deviations from the baseline, which training fits."""
@@ -110,8 +124,8 @@ class LearnedPredictor:
             forecast = self.network(*self._tensors(history))
         return Forecast(_array(forecast), history.spin_measured)
 
-    def covariances(self, history: History) -> Floats:
-        """Return the (B, 60, 3, 3) covariances of forecast positions, m^2.
+    def predict_with_covariances(self, history: History) -> tuple[Forecast, Floats]:
+        """Forecast each ball, with (B, 60, 3, 3) covariances of positions, m^2.
 
         Raises:
             ValueError: there is no spread.
@@ -119,16 +133,12 @@ class LearnedPredictor:
         if self.spread is None:
             raise ValueError("this predictor has no spread, so it does not know its errors")
         states, mask = self._tensors(history)
-        motion, normaliser = self.network.baseline(states, mask), self.network.normaliser
         with torch.inference_mode():
-            rows = self.spread(
-                normaliser.normalised(states, mask, motion),
-                mask,
-                normaliser.residual(states, mask, motion),
-            ).mT
-            turned = normaliser.turned(normaliser.position_size * rows.flatten(1, 2), motion)
-        rows = _array(turned.view(rows.shape))
-        return np.swapaxes(rows, 2, 3) @ rows
+            motion = self.network.baseline(states, mask)
+            forecast = self.network.corrected(states, mask, motion)
+            factors = _array(self.network.factors(self.spread, states, mask, motion))
+        covariances = np.swapaxes(factors, 2, 3) @ factors
+        return Forecast(_array(forecast), history.spin_measured), covariances
 
     def _tensors(self, history: History) -> tuple[Tensor, Tensor]:
         device = self.network.normaliser.future_mean.device

@@ -129,24 +129,26 @@ def uniform_motion(history: Tensor, mask: Tensor) -> Tensor:
     """
     times = torch.as_tensor(HISTORY_TIMES, dtype=history.dtype, device=history.device)
     ahead = torch.as_tensor(FUTURE_TIMES, dtype=history.dtype, device=history.device)
-    known = torch.where(mask, history, torch.nan)
-    position, spin = known[..., :3], known[..., 3:]
+    position, spin = history[..., :3], history[..., 3:]
+    seen, labelled = mask[..., :3], mask[..., 3:]
     spans = (times[_LATER] - times[_EARLIER])[:, None]
-    velocity = _median((position[:, _LATER] - position[:, _EARLIER]) / spans)
-    now = _median(position - velocity[:, None] * times[:, None])
-    mean_spin = torch.nan_to_num(spin.nanmean(dim=1))
+    slopes = (position[:, _LATER] - position[:, _EARLIER]) / spans
+    velocity = _median(slopes, seen[:, _LATER] & seen[:, _EARLIER])
+    now = _median(position - velocity[:, None] * times[:, None], seen)
+    labels = labelled.sum(dim=1).clamp(min=1)
+    mean_spin = torch.where(labelled, spin, 0.0).sum(dim=1) / labels
     moved = now[:, None] + ahead[:, None] * velocity[:, None]
     rest = torch.cat([velocity, mean_spin], dim=1)[:, None].expand(-1, len(ahead), -1)
     return torch.cat([moved, rest], dim=2)
 
 
-def _median(values: Tensor) -> Tensor:
-    """Return the (B, 3) median over the finite rows of (B, N, 3); zero without any."""
-    ordered = values.sort(dim=1).values  # NaN is sorted last
-    count = (~values.isnan()).sum(dim=1, keepdim=True)
+def _median(values: Tensor, known: Tensor) -> Tensor:
+    """Return the (B, 3) median over the known rows of (B, N, 3); zero without any."""
+    ordered = torch.where(known, values, torch.inf).sort(dim=1).values
+    count = known.sum(dim=1, keepdim=True)
     places = (count - 1) // 2, count // 2
     lower, upper = (ordered.gather(1, place.clamp(min=0)) for place in places)
-    return torch.nan_to_num((lower + upper) / 2).squeeze(1)
+    return torch.where(count > 0, (lower + upper) / 2, 0.0).squeeze(1)
 
 
 def _network_view(history: Tensor, motion: Tensor) -> Tensor:

@@ -18,8 +18,8 @@ class PhysicsPredictor:
         now = filtered(history, self.simulator).states
         return Forecast(self.simulator.fly(now, FUTURE_TIMES).states, history.spin_measured)
 
-    def covariances(self, history: History) -> Floats:
-        """Return the (B, 60, 3, 3) covariances of forecast positions, m^2, by the filter's."""
+    def predict_with_covariances(self, history: History) -> tuple[Forecast, Floats]:
+        """Forecast each ball; the (B, 60, 3, 3) covariances of positions, m^2, are the filter's."""
         now = filtered(history, self.simulator)
-        _, found = propagated(self.simulator, now.states, now.covariances, FUTURE_TIMES)
-        return found[..., POSITION, POSITION]
+        states, found = propagated(self.simulator, now.states, now.covariances, FUTURE_TIMES)
+        return Forecast(states, history.spin_measured), found[..., POSITION, POSITION]

@@ -34,16 +34,20 @@ def propagated(
     above, below = flown[:, 1 : STATE_SIZE + 1], flown[:, STATE_SIZE + 1 :]
     slopes = np.moveaxis((above - below) / (2 * STEPS[:, None, None]), 1, 3)
     spread = slopes @ covariances[:, None] @ np.swapaxes(slopes, 2, 3)
-    return flown[:, 0], spread + _added(np.maximum(ahead, 0.0))
+    powers = np.maximum(ahead, 0.0)[:, None, None, None] ** (1, 2, 3)
+    return flown[:, 0], spread + (powers * GROWTH).sum(axis=3)
 
 
-def _added(ahead: Floats) -> Floats:
-    """Return (T, 9, 9) what process noise adds in free flight."""
+def _growth() -> Floats:
+    """Return (9, 9, 3) what process noise adds in free flight by time, its square and its cube."""
     density = ACCELERATION_NOISE**2 * NOISE_TICK
-    added = np.zeros((len(ahead), STATE_SIZE, STATE_SIZE))
+    growth = np.zeros((STATE_SIZE, STATE_SIZE, 3))
     for i in range(3):
-        added[:, i, i] = density * ahead**3 / 3
-        added[:, i, i + 3] = added[:, i + 3, i] = density * ahead**2 / 2
-        added[:, i + 3, i + 3] = density * ahead
-        added[:, i + 6, i + 6] = SPIN_DRIFT**2 * ahead / NOISE_TICK
-    return added
+        growth[i, i, 2] = density / 3
+        growth[i, i + 3, 1] = growth[i + 3, i, 1] = density / 2
+        growth[i + 3, i + 3, 0] = density
+        growth[i + 6, i + 6, 0] = SPIN_DRIFT**2 / NOISE_TICK
+    return growth
+
+
+GROWTH = _growth()

@@ -74,9 +74,11 @@ class Predictor(Protocol):
 class ProbabilisticPredictor(Predictor, Protocol):
     """A predictor that says how far its forecasts may be off."""
 
-    def covariances(self, history: History) -> Floats:
-        """Return the (B, 60, 3, 3) covariances of forecast positions, m^2, of each ball.
+    def predict_with_covariances(self, history: History) -> tuple[Forecast, Floats]:
+        """Forecast each ball, and say how sure that is.
 
-        They are what the predictor says; calibration.py makes sets of a given coverage of them.
+        Returns:
+            The forecast, and (B, 60, 3, 3) covariances of its positions, m^2. They are what the
+            predictor says; calibration.py makes sets of a given coverage of them.
         """
         ...

@@ -84,9 +84,10 @@ class DecoderLayer(nn.Module):
             nn.LayerNorm(width) for _ in range(3)
         )
 
-    def forward(self, rows: Tensor, encoded: Tensor) -> Tensor:
-        """Return (B, T, width) of the shape of ``rows``."""
-        attended = self.after_attention(self.attention(rows, rows) + rows)
+    def forward(self, rows: Tensor, encoded: Tensor, first: int = 0) -> Tensor:
+        """Return (B, T - first, width) of the last of (B, T, width) ``rows``."""
+        last = rows[:, first:]
+        attended = self.after_attention(self.attention(last, rows) + last)
         crossed = self.after_crossing(self.crossing(attended, encoded) + attended)
         decoded: Tensor = self.after_block(self.block(crossed) + crossed)
         return decoded
@@ -154,9 +155,10 @@ class Transformer(nn.Module):
         for layer in self.encoder:
             encoded = layer(encoded)
         decoded = self.decoder_embedding(torch.cat([history, placeholders], dim=1))
-        for layer in self.decoder:
+        for layer in self.decoder[:-1]:
             decoded = layer(decoded, encoded)
-        future: Tensor = self.projection(decoded[:, HISTORY:])
+        # Nothing reads what the last layer makes of the history.
+        future: Tensor = self.projection(self.decoder[-1](decoded, encoded, HISTORY))
         return future.reshape(len(history), FUTURE, OUTPUTS)
 
 

@@ -95,8 +95,7 @@ def coverage_figures(rows: Mapping[str, pd.DataFrame]) -> list[ReportFigure]:
 
 
 def _errors_of_batch(predictor: ProbabilisticPredictor, windows: Windows) -> Errors:
-    forecast = predictor.predict(windows.history)
-    found = Errors.of(forecast, predictor.covariances(windows.history), windows)
+    found = Errors.of(*predictor.predict_with_covariances(windows.history), windows)
     return Errors(found.away[:, EVALUATED], found.covariances[:, EVALUATED])
 
 

@@ -30,9 +30,11 @@ def forecaster(simulator: str, predictor: Path | None) -> Forecaster:
     if predictor is None:
         found = Forecaster(load_simulator(simulator))
     else:
+        from models.live.compiled import CompiledPredictor
         from pipeline.predictors.storage import load_predictor
 
-        found = Forecaster(load_simulator(simulator), load_predictor(predictor))
+        compiled = CompiledPredictor(load_predictor(predictor))
+        found = Forecaster(load_simulator(simulator), compiled)
     warm_up(found)
     return found
 

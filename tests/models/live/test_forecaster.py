@@ -155,6 +155,9 @@ def test_any_predictor_can_forecast():
     sizes = [np.sqrt(np.trace(one[:, :3, :3], axis1=1, axis2=2)) for one in (covariances, sure)]
     assert sizes[0] == pytest.approx(sizes[1], rel=0.3)
     assert by_windows.apex().time == pytest.approx(by_all.apex().time, abs=0.02)
+    last = by_windows.predict([by_windows.last])
+    np.testing.assert_allclose(last[0][0], by_windows.ball.state)
+    np.testing.assert_allclose(last[1][0, :3, :3], by_windows.ball.covariance[:3, :3])
     with pytest.raises(ValueError, match="0 to 300 ms"):
         by_windows.predict([by_windows.last + 0.5])
 
@@ -164,9 +167,9 @@ class Counting(PhysicsPredictor):
 
     calls = 0
 
-    def predict(self, history):
+    def predict_with_covariances(self, history):
         self.calls += 1
-        return super().predict(history)
+        return super().predict_with_covariances(history)
 
 
 def test_a_predictor_forecasts_once_a_measurement():

@@ -19,7 +19,7 @@ def learned():
 
 def test_covariances_are_symmetric_and_positive(learned):
     history, _ = observed(noise=0.003)
-    found = learned.covariances(history)
+    found = learned.predict_with_covariances(history)[1]
     assert found.shape == (len(history), 60, 3, 3)
     assert found == pytest.approx(np.swapaxes(found, 2, 3))
     assert (np.linalg.eigvalsh(found) > 0).all()
@@ -29,7 +29,7 @@ def test_sizes_are_those_of_the_errors(learned):
     """After a short training, to a factor."""
     history, future = observed(np.tile(FIRST, (40, 1)), noise=0.003, seed=3)
     errors = (learned.predict(history).states - future)[..., :3]
-    found = np.sqrt(np.diagonal(learned.covariances(history), axis1=2, axis2=3))
+    found = np.sqrt(np.diagonal(learned.predict_with_covariances(history)[1], axis1=2, axis2=3))
     ratio = np.median(np.abs(errors), axis=(0, 1)) / (0.6745 * np.median(found, axis=(0, 1)))
     assert (ratio > 0.3).all() and (ratio < 3.0).all()
 
@@ -44,15 +44,15 @@ def test_the_network_stays_as_it_is():
 def test_a_ball_the_other_way_has_the_turned_covariance(learned):
     history, _ = observed(noise=0.003)
     half = np.tile([-1.0, -1.0, 1.0], 2)
-    turned = learned.covariances(History(history.states * half, history.mask))
-    expected = learned.covariances(history) * np.outer(half[:3], half[:3])
+    turned = learned.predict_with_covariances(History(history.states * half, history.mask))[1]
+    expected = learned.predict_with_covariances(history)[1] * np.outer(half[:3], half[:3])
     assert turned == pytest.approx(expected, rel=1e-4, abs=1e-9)
 
 
 def test_without_a_spread_there_are_no_covariances():
     history, _ = observed()
     with pytest.raises(ValueError, match="no spread"):
-        LearnedPredictor(network()).covariances(history)
+        LearnedPredictor(network()).predict_with_covariances(history)
 
 
 def test_physics_is_as_sure_as_its_errors_are_small():
@@ -60,7 +60,7 @@ def test_physics_is_as_sure_as_its_errors_are_small():
     history, future = observed(balls, noise=0.004)
     predictor = PhysicsPredictor(TRUTH)
     away = (predictor.predict(history).states - future)[..., :3]
-    found = predictor.covariances(history)
+    found = predictor.predict_with_covariances(history)[1]
     solved = np.linalg.solve(found, away[..., None])[..., 0]
     distances = (away * solved).sum(axis=2).mean(axis=0)
     assert (distances > 0.5).all() and (distances < 5.0).all()  # three degrees of freedom

@@ -1,0 +1,53 @@
+"""A compiled network forecasts what torch does, and in a forecaster as any predictor."""
+
+import numpy as np
+import pytest
+
+from models.live.compiled import CompiledPredictor
+from models.live.forecaster import Forecaster
+from models.predictors.learned import LearnedPredictor, build_network
+from models.predictors.settings import HybridSettings, TaeSettings, TransformerSettings
+from models.predictors.spread import Spread
+from tests.models.predictors.balls import TRUTH, observed
+
+SIZES = {"width": 16, "expanded": 16, "heads": 2, "encoder_layers": 1, "decoder_layers": 2}
+ROWS = {"states_per_row": 10, "uniform_motion": True}
+NETWORKS = {
+    "transformer": TransformerSettings(kind="transformer", **SIZES, **ROWS),
+    "hybrid": HybridSettings(kind="hybrid", simulator="imperfect_c_with_net", **SIZES, **ROWS),
+    "tae": TaeSettings(
+        kind="tae", hidden=16, features=8, latent=8, decoded=16, uniform_motion=False
+    ),
+}
+
+
+@pytest.fixture(scope="module", params=list(NETWORKS))
+def learned(request):
+    simulator = TRUTH if request.param == "hybrid" else None
+    network = build_network(NETWORKS[request.param], simulator)
+    network.normaliser.future_spread.fill_(0.3)
+    return LearnedPredictor(network, Spread())
+
+
+def test_forecasts_and_covariances_are_those_of_torch(learned):
+    compiled = CompiledPredictor(learned)
+    history, _ = observed(noise=0.003)
+    for k in range(3):
+        forecast, covariances = compiled.predict_with_covariances(history[k : k + 1])
+        expected, spread = learned.predict_with_covariances(history[k : k + 1])
+        np.testing.assert_allclose(forecast.states, expected.states, atol=2e-4)
+        np.testing.assert_allclose(covariances, spread, rtol=1e-3, atol=1e-5)
+        assert forecast.spin_measured == expected.spin_measured
+
+
+def test_a_forecaster_takes_it(learned):
+    forecaster = Forecaster(TRUTH, CompiledPredictor(learned))
+    for k in range(12):
+        forecaster.observe(0.005 * k, [0.0, 1.0 - 0.03 * k, 0.3])
+    states, covariances = forecaster.predict(forecaster.last + np.array([0.1, 0.2]))
+    assert np.isfinite(states).all() and np.isfinite(covariances).all()
+
+
+def test_without_a_spread_nothing_is_compiled(learned):
+    with pytest.raises(ValueError, match="no spread"):
+        CompiledPredictor(LearnedPredictor(learned.network))
