@@ -47,6 +47,7 @@ def _small(monkeypatch):
 def reported(root, *more):
     record, _ = run_question(QUESTION, METHODS)
     write_records(root / RECORDS, [*example_exam(every=20), *(more or [record])])
+    (root / "constraints.txt").touch()
     run = StageRun("hidden_effects", root, params())
     hidden_effects(run)
     return run
