@@ -15,7 +15,7 @@ export DO_NOT_TRACK := true
 PIP := .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real exam test test-naming test-all faults lint audit pictures bench docs ui
+.PHONY: help reproduce real exam learning-curves test test-naming test-all faults lint audit pictures bench docs ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
@@ -39,6 +39,9 @@ real: .venv/ready ## run the pipeline on the measured sets in DATA and keep the 
 exam: .venv/ready ## hours: run the whole blind exam and write its records; stop it with Ctrl-C, it resumes
 	@python -m pipeline.exam.full_run
 	@dvc repro hidden_effects
+
+learning-curves: .venv/ready ## an hour: predictors by the number of training recordings; after `make reproduce`
+	@python -m pipeline.learning_curves.run
 
 test: .venv/ready ## the quick tests, in parallel on all cores
 	@pytest --numprocesses logical --dist loadfile
@@ -64,11 +67,12 @@ audit: .venv/ready ## check the pinned packages for known vulnerabilities; needs
 pictures: .venv/ready ## take the screenshots of MLflow for docs/compare.md; needs Chromium
 	@pytest -m slow tests/pipeline/test_comparing_pages.py --pictures docs/images
 
-bench: .venv/ready ## half an hour: compare speed with other programs; write reports/costs
+bench: .venv/ready ## most of an hour: compare speed with other programs; write reports/costs
 	@python -m benchmarks.ball_simulator
 	@python -m benchmarks.policy_training
 	@test ! -d artifacts/train_predictor || rallygap costs
 	@test ! -d artifacts/train_predictor || python -m benchmarks.live
+	@python -m benchmarks.drift
 	@python -m benchmarks.learning
 
 docs: .venv/ready ## build the documentation site into docs/_build/html; a warning is an error

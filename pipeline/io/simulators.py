@@ -1,5 +1,7 @@
 """Simulators by name or by file."""
 
+import yaml
+
 from models.ball.simulator import Simulator, SimulatorError
 from models.ball.simulators import shipped
 from pipeline.runtime.errors import InputError
@@ -17,3 +19,9 @@ def load_simulator(name: str) -> Simulator:
         return shipped(name)
     except SimulatorError as error:
         raise InputError(name, error.problem) from None
+
+
+def simulator_yaml(simulator: Simulator) -> str:
+    """Return a simulator as the content of a YAML file."""
+    text: str = yaml.safe_dump(simulator.to_dict(), sort_keys=False)
+    return text

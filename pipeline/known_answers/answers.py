@@ -3,7 +3,7 @@
 import hashlib
 import json
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import partial
 from pathlib import Path
@@ -16,7 +16,7 @@ from pipeline.io.artifacts import write_text
 from pipeline.known_answers.design import PlantedError
 from pipeline.known_answers.planting import plant
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import parallel
+from pipeline.runtime.parallel import make_missing
 from pipeline.runtime.provenance import content_hash
 
 # What verdicts depend on, besides the shots: packages, files and the libraries.
@@ -65,13 +65,6 @@ def verdicts(diagnoses: Sequence[Diagnosis], description: str) -> list[Verdict]:
     """
     make_missing({one.file: partial(_diagnose, one) for one in diagnoses}, description)
     return [_read(diagnosis.file) for diagnosis in diagnoses]
-
-
-def make_missing(tasks: Mapping[Path, Callable[[], None]], description: str) -> None:
-    """Do in parallel the tasks whose files are not there; each leaves its file."""
-    pending = [task for file, task in tasks.items() if not file.exists()]
-    for _ in parallel(pending, description, done=len(tasks) - len(pending)):
-        pass
 
 
 def fingerprint(root: Path, shots: Shots, folds: int) -> str:

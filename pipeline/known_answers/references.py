@@ -14,9 +14,10 @@ from models.gap.hypotheses import Hypothesis
 from models.gap.name.naming import Named, name, with_estimates
 from models.gap.settings import DEFAULTS, Question
 from pipeline.io.artifacts import read_json, write_json
-from pipeline.known_answers.answers import Diagnosis, make_missing
+from pipeline.known_answers.answers import Diagnosis
 from pipeline.known_answers.design import IN_RECORDINGS, IN_SIMULATOR
 from pipeline.runtime.errors import InputError
+from pipeline.runtime.parallel import make_missing
 
 IDENTITIES = (*IN_SIMULATOR, *IN_RECORDINGS, "table_tilt.y")
 

@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 import torch
-import yaml
 from pydantic import BaseModel, ConfigDict, model_validator
 from safetensors import SafetensorError
 from safetensors.torch import load, save
@@ -15,7 +14,7 @@ from models.predictors.settings import HybridSettings, NetworkSettings, Training
 from models.predictors.spread import Spread
 from pipeline.io.artifacts import read_as, replacing_folder, write_json, write_text
 from pipeline.io.markdown import markdown_page
-from pipeline.io.simulators import load_simulator
+from pipeline.io.simulators import load_simulator, simulator_yaml
 from pipeline.params import with_current_keys
 from pipeline.runtime.errors import InputError
 
@@ -81,9 +80,7 @@ def save_predictor(
         (temporary / WEIGHTS).write_bytes(_weights(network))
         (temporary / SPREAD).write_bytes(_weights(spread))
         if network.simulator is not None:
-            write_text(
-                temporary / SIMULATOR, yaml.safe_dump(network.simulator.to_dict(), sort_keys=False)
-            )
+            write_text(temporary / SIMULATOR, simulator_yaml(network.simulator))
         write_json(temporary / DESCRIPTION, content)
         write_text(temporary / CARD, markdown_page(_TEMPLATE, **content))
 

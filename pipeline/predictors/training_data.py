@@ -1,6 +1,6 @@
 """The measured episodes that networks are trained on, and untrained networks fitted to them."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 import lightning
@@ -14,7 +14,8 @@ from pipeline.io.simulators import load_simulator
 from pipeline.io.source_manifest import read_manifest
 from pipeline.runtime.errors import InputError
 
-SPLITS = ("train", "validation")
+TRAIN = "train"
+SPLITS = (TRAIN, "validation")
 
 
 class TrainingEpisodes:
@@ -34,8 +35,13 @@ class TrainingEpisodes:
         episodes = read_episodes(artifacts / "segment", manifest.labelled_once, SPLITS)
         self.episodes: list[MeasuredEpisode] = [one for one in episodes if one.unbroken]
 
-    def window_data(self, sources: Sequence[str], settings: TrainingSettings) -> WindowData:
-        """Return the windows of some sources.
+    def window_data(
+        self,
+        sources: Sequence[str],
+        settings: TrainingSettings,
+        recordings: Collection[str] | None = None,
+    ) -> WindowData:
+        """Return the windows of some sources, for training those of some recordings if given.
 
         Raises:
             InputError: a split has no window.
@@ -43,6 +49,8 @@ class TrainingEpisodes:
         tracks = {}
         for split in SPLITS:
             chosen = [one for one in self.episodes if one.split == split and one.source in sources]
+            if split == TRAIN and recordings is not None:
+                chosen = [one for one in chosen if one.recording_id in recordings]
             try:
                 tracks[split] = build_tracks([one.episode for one in chosen])
             except ValueError as error:

@@ -8,7 +8,7 @@ where tasks run nor on how many run at once: each has one thread, and results ke
 import hashlib
 import os
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -48,6 +48,13 @@ def parallel(
     address = os.environ.get(CLUSTER)
     results = _on_cluster(address, tasks) if address else _on_cores(tasks)
     return progress(results, description, len(tasks) + done, done) if description else results
+
+
+def make_missing(tasks: Mapping[Path, Callable[[], None]], description: str) -> None:
+    """Do in parallel the tasks whose files are not there; each leaves its file."""
+    pending = [task for file, task in tasks.items() if not file.exists()]
+    for _ in parallel(pending, description, done=len(tasks) - len(pending)):
+        pass
 
 
 def _on_cores(tasks: Sequence[Callable[[], Result]]) -> Iterator[Result]:

@@ -1,0 +1,142 @@
+"""How soon a change of the world is noticed in live forecasts (`python -m benchmarks.drift`).
+
+Simulated sessions of the exam's shots: 100 in the simulator's world, then others, in which one
+parameter has changed or none has. Sizes are in multiples of what 100 shots can show. Ten minutes on
+two cores; writes ``reports/live/drift.json`` and its figure.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from rich.console import Console
+
+from benchmarks.comparison import ROOT
+from models.exam.design.detection_limits import DetectionLimits
+from models.exam.design.question import seed_of
+from models.exam.interface import shots_of
+from models.exam.simulate.recordings import simulate_trial
+from models.exam.simulate.trial import Trial
+from models.gap.hypotheses import Hypothesis
+from models.live.drift import REFERENCE, DriftMonitor
+from pipeline.io.artifacts import write_json
+from pipeline.io.figure_style import FIGURE_WIDTH, apply_style, save_figure
+from pipeline.io.simulators import load_simulator
+from pipeline.runtime.parallel import parallel
+
+SIMULATOR = load_simulator("literature")
+QUIET_SESSIONS, QUIET_SHOTS = 25, 400  # without a change
+SESSIONS, SHOTS = 20, 200  # of each cause and size
+SIZES = (1, 2, 4)  # detection limits
+CAUSES = {
+    "drag.cd": "worn ball: drag",
+    "magnus.cm": "worn ball: lift",
+    "wind.y": "air conditioner",
+    "frame_tilt.x": "camera that was knocked",
+    "clock_rate.d": "clock",
+    "table_bounce.restitution": "table: restitution",
+}
+REPORT = ROOT / "reports" / "live" / "drift.json"
+
+
+@dataclass(frozen=True)
+class Session:
+    """A session; its cause has a value after the reference, or there is none."""
+
+    number: int
+    shots: int
+    cause: Hypothesis | None = None
+    size: float = 0.0  # detection limits
+
+
+def first_alarm(session: Session) -> tuple[int, str] | None:
+    """Return the number of shots until the first alarm and what it names; None without any."""
+    plain = Trial("drift", SIMULATOR, shots=REFERENCE, seed=seed_of(session.number, "reference"))
+    monitor = DriftMonitor(shots_of(simulate_trial(plain)[0]), SIMULATOR)
+    causes: dict[str, dict[str, float]] = {}
+    if session.cause is not None:
+        (limit,) = DetectionLimits.of(plain).minimum_sizes((session.cause,))
+        sign = 1 if session.number % 2 else -1
+        value = session.cause.value(SIMULATOR) + sign * session.size * limit
+        causes = {session.cause.effect: {session.cause.parameter: value}}
+    seed = seed_of(session.number, "changed")
+    changed = Trial("drift", SIMULATOR, causes=causes, shots=session.shots, seed=seed)
+    alarms = monitor.add(shots_of(simulate_trial(changed)[0]))
+    found = ((k, alarm.hypothesis.identity) for k, alarm in enumerate(alarms, 1) if alarm)
+    return next(found, None)
+
+
+def sessions() -> Iterator[Session]:
+    """Yield all sessions: without a change, then by cause and size."""
+    for number in range(QUIET_SESSIONS):
+        yield Session(number, QUIET_SHOTS)
+    for identity in CAUSES:
+        cause = Hypothesis.from_identity(identity)
+        for size in SIZES:
+            for number in range(SESSIONS):
+                yield Session(number, SHOTS, cause, size)
+
+
+def summary(asked: Sequence[Session], found: Sequence[tuple[int, str] | None]) -> dict[str, Any]:
+    """Return the content of the report."""
+    quiet = [alarm for one, alarm in zip(asked, found, strict=True) if one.cause is None]
+    causes: dict[str, Any] = {}
+    for identity in CAUSES:
+        for size in SIZES:
+            alarms = [
+                alarm
+                for one, alarm in zip(asked, found, strict=True)
+                if one.cause and one.cause.identity == identity and one.size == size
+            ]
+            right = [alarm[0] if alarm and alarm[1] == identity else np.inf for alarm in alarms]
+            median = float(np.median(right))
+            causes.setdefault(identity, {})[f"{size}x"] = {
+                "sessions": len(alarms),
+                "alarms": sum(alarm is not None for alarm in alarms),
+                "median_shots": median if np.isfinite(median) else None,
+                "named_right": float(np.isfinite(right).mean()),
+            }
+    return {
+        "false_alarms": sum(alarm is not None for alarm in quiet),
+        "shots": QUIET_SESSIONS * QUIET_SHOTS,
+        "causes": causes,
+    }
+
+
+def drift_figure(causes: dict[str, Any]) -> Figure:
+    """Draw the median number of shots until a cause is named, and how often it is right."""
+    figure = Figure(figsize=(FIGURE_WIDTH, 3.2))
+    soon, right = figure.subplots(1, 2)
+    for identity, label in CAUSES.items():
+        found = causes[identity].values()
+        soon.plot(SIZES, [one["median_shots"] or np.nan for one in found], marker="o", label=label)
+        right.plot(SIZES, [100 * one["named_right"] for one in found], marker="o")
+    for axes in (soon, right):
+        axes.set_xscale("log")
+        axes.set_xticks(SIZES, [f"{size}" for size in SIZES])
+        axes.minorticks_off()
+        axes.set_xlabel("size of the change (detection limits of 100 shots)")
+    soon.set_title("median shots until the right name")
+    soon.set_ylim(bottom=0)
+    right.set_title("alarms with the right name (% of sessions)")
+    right.set_ylim(0, 105)
+    figure.legend(*soon.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def main() -> None:
+    """Measure, write, print."""
+    asked = list(sessions())
+    found = list(parallel([partial(first_alarm, one) for one in asked], "sessions"))
+    content = summary(asked, found)
+    write_json(REPORT, content)
+    apply_style()
+    save_figure(REPORT.with_suffix(".png"), drift_figure(content["causes"]))
+    Console().print(content)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,129 @@
+"""Drift: the world leaves the simulator while balls come in.
+
+Every shot is fitted on its own about the simulator, in the noise that reference shots have. Its
+efficient score about a parameter of the catalogue, and its information, say what the value is that
+the shot shows (gap/fit/projection.py). Where the value changes, that of the latest shots departs
+from that of the reference. For each parameter and for windows of several lengths, the difference is
+compared with its standard error (a generalised likelihood ratio in a window, Lai 1995). What the
+simulator gets wrong in reference and window alike cancels.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.ball.simulator import Simulator
+from models.ball.types import Floats, Integers
+from models.gap.fit.projection import eliminate_nuisance
+from models.gap.fit.refit import RefitResult, fit_nuisance, refit
+from models.gap.fit.shots import Shots
+from models.gap.hypotheses import Hypothesis
+from models.gap.inference.score_test import Evidence
+from models.gap.settings import DEFAULTS, GapSettings
+
+REFERENCE = 100  # shots, at least as many as most windows have
+WINDOWS = (5, 7, 10, 14, 20, 28, 40, 57, 80, 113, 160)  # lengths, in shots
+# Standard errors from which a difference is an alarm: in simulated sessions without any change, of
+# 100 reference shots, fewer than one shot in 10,000 raises one (benchmarks/drift.py).
+THRESHOLD = 5.0
+LARGEST = 6.0  # standard deviations; a shot's score counts as no larger
+TINY = 1e-12  # information of a shot that does not show a parameter
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """A parameter whose value has changed.
+
+    Attributes:
+        hypothesis: the parameter whose change explains the shots best.
+        change: of its value since the reference.
+        error: of the change, its standard error.
+        shots: the length of the window that shows it.
+        possible: parameters whose change explains them about as well, the likeliest first.
+    """
+
+    hypothesis: Hypothesis
+    change: float
+    error: float
+    shots: int
+    possible: tuple[Hypothesis, ...]
+
+
+class DriftMonitor:
+    """Watches shot after shot for a change of the world.
+
+    Args:
+        reference: shots of the world as it is now.
+        simulator: of the ball.
+        settings: of the gap workflow.
+
+    Attributes:
+        parameters: K of the catalogue that are watched, those that the reference can show.
+    """
+
+    def __init__(
+        self, reference: Shots, simulator: Simulator, settings: GapSettings = DEFAULTS
+    ) -> None:
+        self._simulator, self._settings = simulator, settings
+        fit = refit(reference, simulator, (), settings.fit)
+        self._noise = fit.noise_estimate.noise
+        evidence = Evidence.of(fit.linear, fit.noise_estimate, settings)
+        self._places = list(evidence.decidable(()))
+        self.parameters = tuple(evidence.columns[k] for k in self._places)
+        scores, information = self._scores(fit)
+        self._information = information.sum(axis=0)
+        self._value = scores.sum(axis=0) / self._information  # less the simulator's
+        departures = (scores - information * self._value) / np.sqrt(information)
+        # What differs between shots beyond the noise, such as players, must not pass for a change.
+        self._excess = np.maximum(departures.std(axis=0), 1.0)
+        # Of the latest shots: scores, the same limited, and information.
+        self._latest = np.empty((0, 3, len(self._places)))
+
+    def add(self, shots: Shots) -> list[Alarm | None]:
+        """Take the next shots, in their order; return the alarm at each of them, if any."""
+        fit = fit_nuisance(shots, self._simulator, self._noise, self._settings.fit)
+        return [self._add(*one) for one in zip(*self._scores(fit), strict=True)]
+
+    def _scores(self, fit: RefitResult) -> tuple[Floats, Floats]:
+        """Return (B, K) efficient scores of fitted shots and their information, each alone."""
+        system = eliminate_nuisance(fit.noise_estimate.gram_matrices, fit.linear.nuisance_count)
+        information = np.einsum("bkk->bk", system.information)[:, self._places]
+        return system.scores[:, self._places], np.maximum(information, TINY)
+
+    def _add(self, scores: Floats, information: Floats) -> Alarm | None:
+        """Take the (K,) scores of a shot and their information."""
+        scores = scores - information * self._value
+        most = LARGEST * self._excess * np.sqrt(information)
+        row = np.stack([scores, np.clip(scores, -most, most), information])[None]
+        self._latest = np.concatenate([self._latest[1 - WINDOWS[-1] :], row])
+        windows = np.array([one for one in WINDOWS if one <= len(self._latest)], dtype=np.int64)
+        if not len(windows):
+            return None
+        sums = np.cumsum(self._latest[::-1], axis=0)[windows - 1]
+        seen, limited, known = np.moveaxis(sums, 1, 0)
+        errors = self._excess * np.sqrt(1 / known + 1 / self._information)
+        return self._alarm(windows, seen / known, limited / known, errors)
+
+    def _alarm(
+        self, windows: Integers, changes: Floats, limited: Floats, errors: Floats
+    ) -> Alarm | None:
+        """Return the alarm by (W, K) changes in windows of (W,) lengths, if there is one.
+
+        Changes by limited scores decide whether there is one, and in which window: no shot decides
+        alone. Those by the scores themselves decide which parameter it is.
+        """
+        largest = np.abs(limited / errors).max(axis=1)
+        w = int(largest.argmax())
+        if largest[w] < THRESHOLD:
+            return None
+        gains = (changes[w] / errors[w]) ** 2
+        likeliest = np.argsort(-gains).tolist()
+        k = likeliest[0]
+        close = (j for j in likeliest if gains[j] > gains[k] - self._settings.tolerance)
+        return Alarm(
+            self.parameters[k],
+            float(changes[w, k]),
+            float(errors[w, k]),
+            int(windows[w]),
+            tuple(self.parameters[j] for j in close),
+        )

@@ -1,0 +1,90 @@
+"""Learning curves from errors: by number of recordings, over draws."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from models.predictors.protocol import Floats
+
+RESAMPLES = 1000
+KEYS = ["predictor", "recordings", "horizon_ms"]
+COLUMNS = [*KEYS, "mean", "ci_low", "ci_high", "median", "of_oracle", "draws", "n"]
+ORACLE = "oracle"
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Position errors of predictors of D draws on the same B windows.
+
+    Attributes:
+        predictor: what kind of predictor.
+        recordings: that each has learned from.
+        by_draw: (D, B, H) m, NaN where nothing was measured.
+    """
+
+    predictor: str
+    recordings: int
+    by_draw: Floats
+
+
+def curve_rows(
+    errors: list[Errors], tested: np.ndarray, horizons_ms: list[int], seed: int
+) -> pd.DataFrame:
+    """Return one row a predictor, number of recordings and horizon.
+
+    Means are over draws and windows. Their 95 % intervals come from a bootstrap that draws test
+    recordings, and draws of the training, with replacement. ``of_oracle`` is the mean in that of
+    the oracle, ``median`` that of all windows and draws.
+
+    Args:
+        errors: the oracle's among them.
+        tested: (B,) the test recording of each window.
+        horizons_ms: of the errors.
+        seed: of the bootstrap.
+    """
+    oracle = next(_means(one) for one in errors if one.predictor == ORACLE)
+    rows = [row for one in errors for row in _rows(one, tested, horizons_ms, oracle, seed)]
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def _rows(
+    one: Errors, tested: np.ndarray, horizons_ms: list[int], oracle: Floats, seed: int
+) -> Iterator[Mapping[str, float | str | int]]:
+    low, high = np.quantile(_resampled(one.by_draw, tested, seed), [0.025, 0.975], axis=0)
+    means, medians = _means(one), np.nanmedian(one.by_draw, axis=(0, 1))
+    for h, horizon in enumerate(horizons_ms):
+        yield {
+            "predictor": one.predictor,
+            "recordings": one.recordings,
+            "horizon_ms": horizon,
+            "mean": 1e3 * means[h],
+            "ci_low": 1e3 * low[h],
+            "ci_high": 1e3 * high[h],
+            "median": 1e3 * medians[h],
+            "of_oracle": means[h] / oracle[h],
+            "draws": len(one.by_draw),
+            "n": int(np.isfinite(one.by_draw[0, :, h]).sum()),
+        }
+
+
+def _means(one: Errors) -> Floats:
+    means: Floats = np.nanmean(one.by_draw, axis=(0, 1))
+    return means
+
+
+def _resampled(by_draw: Floats, tested: np.ndarray, seed: int) -> Floats:
+    """Return (R, H) means of resampled draws and test recordings."""
+    names, member = np.unique(tested, return_inverse=True)
+    draws, _, horizons = by_draw.shape
+    known = np.isfinite(by_draw[0])
+    sums, counts = np.zeros((len(names), draws, horizons)), np.zeros((len(names), horizons))
+    np.add.at(sums, member, np.nan_to_num(by_draw).swapaxes(0, 1))
+    np.add.at(counts, member, known)
+    random = np.random.default_rng(seed)
+    weights = random.multinomial(len(names), np.full(len(names), 1 / len(names)), RESAMPLES)
+    chosen = random.multinomial(draws, np.full(draws, 1 / draws), RESAMPLES) / draws
+    totals = np.einsum("rn,ndh,rd->rh", weights, sums, chosen, optimize=True)
+    means: Floats = totals / (weights @ counts)
+    return means

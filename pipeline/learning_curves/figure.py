@@ -1,0 +1,49 @@
+"""Figure of the learning curves."""
+
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
+
+from pipeline.io.figure_style import FIGURE_WIDTH, predictor_colour
+
+LABELS = {
+    "oracle": "oracle: the true physics",
+    "amended_imperfect_c": "simulator C, amended",
+    "hybrid": "hybrid: network on simulator C with a net",
+    "transformer": "transformer",
+}
+
+
+def learning_curves_figure(rows: pd.DataFrame) -> Figure:
+    """Draw position errors over the number of training recordings, a panel a horizon.
+
+    Args:
+        rows: of ``curve_rows``.
+    """
+    horizons = sorted(rows["horizon_ms"].unique())
+    sizes = sorted(rows["recordings"].unique())
+    figure = Figure(figsize=(FIGURE_WIDTH, 3.6))
+    grid = figure.subplots(1, len(horizons), sharex=True, sharey=True, squeeze=False)[0]
+    for axes, horizon in zip(grid, horizons, strict=True):
+        for predictor, label in LABELS.items():
+            line = rows.query("predictor == @predictor and horizon_ms == @horizon")
+            colour = predictor_colour(predictor)
+            axes.fill_between(
+                line["recordings"], line["ci_low"], line["ci_high"], color=colour, alpha=0.2, lw=0
+            )
+            axes.plot(
+                line["recordings"], line["mean"], color=colour,
+                marker="o", markersize=3, label=label,
+            )  # fmt: skip
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        axes.xaxis.set_major_locator(FixedLocator(sizes))
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.set_xticks(sizes, [f"{size:,}" for size in sizes])
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.set_title(f"{horizon} ms ahead")
+        axes.set_xlabel("training recordings")
+    grid[0].set_ylabel("position error (mm)")
+    handles, labels = grid[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    return figure

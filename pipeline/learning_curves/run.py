@@ -1,0 +1,128 @@
+"""The learning curves: ``make learning-curves``, an hour on two cores, on the last run's arena.
+
+Simulators are amended, and networks trained, by more and more of the training recordings, in three
+random orders. All forecast the same test windows. A killed run resumes.
+"""
+
+import hashlib
+import json
+import shutil
+from collections.abc import Iterator, Mapping
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from models.predictors.errors import HORIZONS_MS, error_norms
+from models.predictors.evaluation import SHOWN_HORIZONS_MS
+from models.predictors.learned import LearnedPredictor
+from models.predictors.physics import PhysicsPredictor
+from models.predictors.protocol import ProbabilisticPredictor
+from pipeline.evaluation.costs import machine
+from pipeline.evaluation.forecasts import forecast_windows
+from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
+from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
+from pipeline.io.amended_simulators import AMENDED
+from pipeline.io.artifacts import write_csv, write_json, write_text
+from pipeline.io.figure_style import apply_style, save_figure
+from pipeline.io.ground_truth import read_truth
+from pipeline.io.simulators import load_simulator, simulator_yaml
+from pipeline.learning_curves.curves import Errors, curve_rows
+from pipeline.learning_curves.figure import learning_curves_figure
+from pipeline.learning_curves.subsets import Learner, Subset, subsets
+from pipeline.params import load_params
+from pipeline.predictors.parallel_training import train_networks
+from pipeline.runtime.console import refuse
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.parallel import make_missing
+from pipeline.runtime.paths import repository_root
+from pipeline.runtime.provenance import content_hash, short
+
+SIZES, DRAWS = (10, 30, 100, 300, 1000), 3
+BASE, NETWORKS = "imperfect_c", ("hybrid", "transformer")
+REPORT = Path("reports") / "learning_curves"
+SCRATCH = Path("scratch") / "learning_curves"
+# What results depend on.
+DEPENDENCIES = ("models", "pipeline/learning_curves", "params.yaml", "artifacts/segment")
+
+
+def learning_curves(root: Path) -> None:
+    """Write the learning curves, their figure and the machine to ``reports``.
+
+    Raises:
+        InputError: the stages before have not run, or not with the arena.
+    """
+    params = load_params(root / "params.yaml")
+    scratch = root / SCRATCH / _fingerprint(root)
+    learner = Learner(root / "artifacts", ARENA, params)
+    chosen = list(subsets(learner.recordings, SIZES, DRAWS, params.seed))
+    every = params.evaluate_predictor.window_every_ms / 1000
+    (test,) = (one for one in read_test_sets(root / "artifacts", every) if one.name == ARENA)
+    found = [
+        _errors(test, chosen, f"{AMENDED}_{BASE}", _amended(learner, chosen, scratch)),
+        *(_errors(test, chosen, one, _trained(learner, chosen, one, scratch)) for one in NETWORKS),
+        _errors(test, chosen, ORACLE, _oracle(root, chosen)),
+    ]
+    errors = [one for part in found for one in part]
+    rows = curve_rows(errors, test.recordings, list(SHOWN_HORIZONS_MS), params.seed)
+    write_csv(root / REPORT.with_suffix(".csv"), rows, digits=4)
+    apply_style()
+    save_figure(root / REPORT.with_suffix(".png"), learning_curves_figure(rows))
+    write_json(root / REPORT.with_suffix(".json"), machine(root))
+    shutil.rmtree(root / SCRATCH)
+
+
+Predictors = Mapping[str, ProbabilisticPredictor]  # by the name of the subset
+
+
+def _errors(
+    test: MeasuredSet, chosen: list[Subset], name: str, predictors: Predictors
+) -> Iterator[Errors]:
+    """Yield the errors of a kind of predictor, for each number of recordings."""
+    shown = [HORIZONS_MS.index(horizon) for horizon in SHOWN_HORIZONS_MS]
+    named = [NamedPredictor(key, one, name) for key, one in predictors.items()]
+    forecasts = forecast_windows(test, named)
+    for size in sorted({one.size for one in chosen}):
+        of_size = [forecasts[one.name] for one in chosen if one.size == size]
+        norms = [error_norms(one, test.windows, "position")[:, shown] for one in of_size]
+        yield Errors(name, size, np.stack(norms) / 1e3)
+
+
+def _amended(learner: Learner, chosen: list[Subset], scratch: Path) -> Predictors:
+    files = {one.name: scratch / f"{one.name}.yaml" for one in chosen}
+    tasks = {files[one.name]: partial(_amend, learner, one, files[one.name]) for one in chosen}
+    make_missing(tasks, "amended simulators")
+    return {name: PhysicsPredictor(load_simulator(str(file))) for name, file in files.items()}
+
+
+def _amend(learner: Learner, subset: Subset, file: Path) -> None:
+    write_text(file, simulator_yaml(learner.amended(subset, BASE)))
+
+
+def _trained(learner: Learner, chosen: list[Subset], network: str, scratch: Path) -> Predictors:
+    jobs = [learner.training(one, network, scratch / f"{network}-{one.name}") for one in chosen]
+    results = train_networks(jobs)
+    return {
+        subset.name: LearnedPredictor(one.network, one.spread)
+        for subset, one in zip(chosen, results, strict=True)
+    }
+
+
+def _oracle(root: Path, chosen: list[Subset]) -> Predictors:
+    path = root / "artifacts" / "ingest" / "truth.json"
+    truth = read_truth(path)
+    if truth is None:
+        raise InputError(path, "is missing; run `dvc repro ingest` with the arena")
+    return dict.fromkeys((one.name for one in chosen), PhysicsPredictor(truth.simulator))
+
+
+def _fingerprint(root: Path) -> str:
+    hashes = [content_hash(root / name) for name in DEPENDENCIES]
+    return short(hashlib.sha256(json.dumps(hashes).encode()).hexdigest())
+
+
+if __name__ == "__main__":
+    try:
+        learning_curves(repository_root())
+    except InputError as error:
+        refuse(error)
