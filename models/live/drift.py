@@ -8,6 +8,7 @@ compared with its standard error (a generalised likelihood ratio in a window, La
 simulator gets wrong in reference and window alike cancels.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,9 @@ WINDOWS = (5, 7, 10, 14, 20, 28, 40, 57, 80, 113, 160)  # lengths, in shots
 THRESHOLD = 5.0
 LARGEST = 6.0  # standard deviations; a shot's score counts as no larger
 TINY = 1e-12  # information of a shot that does not show a parameter
+
+
+Shot = tuple[Floats, Floats, Floats]  # (N,) times, (N, 3) positions and spins, NaN without one
 
 
 @dataclass(frozen=True)
@@ -127,3 +131,34 @@ class DriftMonitor:
             int(windows[w]),
             tuple(self.parameters[j] for j in close),
         )
+
+
+class Session:
+    """Watches a session: its first shots are the reference.
+
+    Args:
+        simulator: of the ball.
+        reference: how many shots.
+    """
+
+    def __init__(self, simulator: Simulator, reference: int = REFERENCE) -> None:
+        self._simulator, self._count = simulator, reference
+        self._reference: list[Shot] = []
+        self._monitor: DriftMonitor | None = None
+
+    def add(self, shot: Shot) -> Alarm | None:
+        """Take the next shot; return the alarm that it raises. One that cannot be is left out."""
+        try:
+            if self._monitor is not None:
+                return self._monitor.add(_shots([shot]))[0]
+            self._reference.append(shot)
+            if len(self._reference) == self._count:
+                self._monitor = DriftMonitor(_shots(self._reference), self._simulator)
+        except (ValueError, np.linalg.LinAlgError):  # implausible places, or paths of no ball
+            del self._reference[-1:]
+        return None
+
+
+def _shots(found: Sequence[Shot]) -> Shots:
+    times, positions, spins = zip(*found, strict=True)
+    return Shots.from_arrays(times, positions, spins)

@@ -2,7 +2,7 @@
 
 import signal
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
 from models.live.forecaster import Forecaster
@@ -13,6 +13,8 @@ from pipeline.live.latency import Latencies
 from pipeline.live.loop import forecast_each, warm_up
 from pipeline.live.messages import Measurement
 from pipeline.live.replay import measurements, paced
+from pipeline.live.watch import Watch, alarm_sentence
+from pipeline.runtime.console import warn
 
 STOPS = (signal.SIGINT, signal.SIGTERM)
 
@@ -78,8 +80,9 @@ def _run(
     rows: Iterator[Measurement], forecaster: Forecaster, publish: Callable[[str], object]
 ) -> Latencies:
     latencies = Latencies()
-    with _stoppable(), suppress(KeyboardInterrupt):
-        forecast_each(rows, forecaster, publish, latencies)
+    watch = Watch(forecaster.simulator, lambda alarm: warn(alarm_sentence(alarm)))
+    with closing(watch), _stoppable(), suppress(KeyboardInterrupt):
+        forecast_each(rows, forecaster, watch, publish, latencies)
     return latencies
 
 

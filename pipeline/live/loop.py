@@ -6,11 +6,13 @@ from collections.abc import Callable, Iterable
 from models.live.forecaster import Forecaster, Seen
 from pipeline.live.latency import Latencies
 from pipeline.live.messages import Measurement, forecast_message
+from pipeline.live.watch import Watch
 
 
 def forecast_each(
     rows: Iterable[Measurement],
     forecaster: Forecaster,
+    watch: Watch,
     publish: Callable[[str], object],
     latencies: Latencies,
 ) -> None:
@@ -19,13 +21,16 @@ def forecast_each(
     Args:
         rows: in the order in which they come.
         forecaster: that takes them.
+        watch: for drift.
         publish: sends a message.
         latencies: counts how long each took.
     """
     for row in rows:
         start = time.perf_counter()
-        publish(forecast_message(row.number, _observe(forecaster, row), forecaster))
+        seen = _observe(forecaster, row)
+        publish(forecast_message(row.number, seen, forecaster, watch.alarm))
         latencies.add(time.perf_counter() - start)
+        watch.observe(row, seen, forecaster.ball)
 
 
 def warm_up(forecaster: Forecaster) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from models.ball.types import Floats
+from models.live.drift import Alarm
 from models.live.forecaster import Event, Forecaster, Seen
 
 NANOSECONDS = 1e9  # in a second
@@ -74,15 +75,19 @@ def _vector(fields: dict[str, Any], name: str) -> Floats | None:
     return vector
 
 
-def forecast_message(number: int, seen: Seen, forecaster: Forecaster) -> str:
+def forecast_message(
+    number: int, seen: Seen, forecaster: Forecaster, alarm: Alarm | None = None
+) -> str:
     """Return the forecast after a frame as JSON; its states are null without a ball.
 
     Args:
         number: of the frame.
         seen: what became of its measurement.
         forecaster: that has taken it.
+        alarm: of the watch for drift, if there was one.
     """
     message: dict[str, Any] = {"num": number, "seen": seen, "time": None, "states": None}
+    message["drift"] = _drift(alarm)
     if forecaster.ready:
         times = forecaster.last + AHEAD
         states, covariances = forecaster.predict(times)
@@ -95,6 +100,17 @@ def forecast_message(number: int, seen: Seen, forecaster: Forecaster) -> str:
             "bounce": _event(forecaster.bounce()),
         }
     return json.dumps(message)
+
+
+def _drift(alarm: Alarm | None) -> dict[str, Any] | None:
+    if alarm is None:
+        return None
+    return {
+        "identity": alarm.hypothesis.identity,
+        "change": alarm.change,
+        "error": alarm.error,
+        "possible": [one.identity for one in alarm.possible],
+    }
 
 
 def _event(event: Event | None) -> dict[str, Any] | None:

@@ -1,0 +1,106 @@
+"""The watch for drift beside the forecasts: shots go to another process, alarms come back."""
+
+import signal
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future, ProcessPoolExecutor
+from functools import partial
+from multiprocessing import get_context
+
+import numpy as np
+
+from models.ball.catalogue import catalogue
+from models.ball.simulator import Simulator
+from models.live.drift import Alarm, Session, Shot
+from models.live.forecaster import Seen
+from models.live.track import Track
+from pipeline.live.messages import Measurement
+
+LEAST = 20  # measurements of a shot
+Row = tuple[float, np.ndarray, np.ndarray]  # time, position and spin
+NO_SPIN = np.full(3, np.nan)
+
+
+class ShotCollector:
+    """Collects the measurements of the present ball until another one comes."""
+
+    def __init__(self) -> None:
+        self._rows: list[Row] = []
+
+    def observe(self, row: Measurement, seen: Seen, ball: Track) -> Shot | None:
+        """Take a measurement; return the last ball's shot when another ball has come."""
+        if seen == "new ball":
+            first = zip(ball.times, ball.positions.copy(), ball.spins.copy(), strict=True)
+            rows, self._rows = self._rows, list(first)
+            return _shot(rows) if len(rows) >= LEAST else None
+        if seen == "used" and row.position is not None:
+            self._rows.append((row.time, row.position, NO_SPIN if row.spin is None else row.spin))
+        return None
+
+
+def _shot(rows: list[Row]) -> Shot:
+    in_order = sorted(rows, key=lambda row: row[0])
+    times, positions, spins = (np.array(part) for part in zip(*in_order, strict=True))
+    return times, positions, spins
+
+
+class Watch:
+    """Watches for drift in a process of its own, so that forecasts do not wait for it.
+
+    Args:
+        simulator: of the ball.
+        on_alarm: called with the first alarm.
+
+    Attributes:
+        alarm: the first one, None until then.
+    """
+
+    def __init__(self, simulator: Simulator, on_alarm: Callable[[Alarm], None]) -> None:
+        self.alarm: Alarm | None = None
+        self._on_alarm = on_alarm
+        self._collector = ShotCollector()
+        self._pending: deque[Future[Alarm | None]] = deque()
+        self._worker = ProcessPoolExecutor(
+            1, get_context("spawn"), initializer=partial(_start, simulator)
+        )
+
+    def observe(self, row: Measurement, seen: Seen, ball: Track) -> None:
+        """Take a measurement and what became of it, and look whether there is an alarm."""
+        shot = self._collector.observe(row, seen, ball)
+        if shot is not None:
+            self._pending.append(self._worker.submit(_add, shot))
+        while self._pending and self._pending[0].done():
+            alarm = self._pending.popleft().result()
+            if alarm and not self.alarm:
+                self.alarm = alarm
+                self._on_alarm(alarm)
+
+    def close(self) -> None:
+        """End the process."""
+        self._worker.shutdown(wait=False, cancel_futures=True)
+
+
+def alarm_sentence(alarm: Alarm) -> str:
+    """Return an alarm in words."""
+    hypothesis, unit = alarm.hypothesis, alarm.hypothesis.declaration.unit
+    size = f"{alarm.change:+.3g}" + (f" {unit}" if unit != "1" else "")
+    others = ", ".join(one.identity for one in alarm.possible[1:])
+    tail = f" Not separable from {others}." if others else ""
+    return (
+        f"The world has left the simulator: {hypothesis.identity} "
+        f"({catalogue()[hypothesis.effect].title}) has changed by {size} (standard error "
+        f"{alarm.error:.2g}) in the last {alarm.shots} shots.{tail} Diagnose new recordings."
+    )
+
+
+_session: Session  # of the worker
+
+
+def _start(simulator: Simulator) -> None:
+    global _session
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to the terminal's processes alike
+    _session = Session(simulator)
+
+
+def _add(shot: Shot) -> Alarm | None:
+    return _session.add(shot)
