@@ -3,7 +3,8 @@
 Replays recordings of the last run through forecasters, one predictor after the other on one core. A
 frame is answered when its measurement is filtered and the ball is forecast at the horizons of a
 policy, with covariances. The predictor's own call on windows is measured in the same run.
-Needs `dvc repro evaluate_predictor`; writes ``reports/live``.
+The paper's size of the transformer has random weights, which take as long as trained ones. Needs
+`dvc repro evaluate_predictor`; writes ``reports/live``.
 """
 
 import time
@@ -13,28 +14,32 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
+import torch
 from rich.console import Console
 
 from benchmarks.comparison import ROOT
 from models.live.compiled import CompiledPredictor
 from models.live.forecaster import Forecaster
 from models.live.history import history_of
-from models.predictors.learned import LearnedPredictor
+from models.predictors.learned import LearnedPredictor, build_network
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import FUTURE_TIMES, Floats, ProbabilisticPredictor
+from models.predictors.settings import TransformerSettings
+from models.predictors.spread import Spread
 from pipeline.evaluation.costs import machine, one_core
 from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, read_predictors
 from pipeline.io.artifacts import read_table, write_json
 from pipeline.io.simulators import load_simulator
 from pipeline.live.messages import Measurement
 from pipeline.live.replay import measurements
-from pipeline.params import load_params
+from pipeline.params import load_params, read_yaml
 from pipeline.runtime.progress import progress
 
 FRAMES = 20_000
 AHEAD = np.array([0.115, 0.12, 0.125])  # s, the horizons of a policy
 WARM_UP = 200  # frames
 EVERY = 20  # frames between two calls of the predictor itself
+PAPER = "transformer_paper_size"
 REPORT = ROOT / "reports" / "live" / "latency.json"
 
 
@@ -105,6 +110,16 @@ def _compared(
     return float(np.median(eager)), max(changes)
 
 
+def _paper_size(trained: LearnedPredictor) -> NamedPredictor:
+    """Return the transformer of the paper's size with the normaliser of the laptop's."""
+    paper = read_yaml(ROOT / "profiles" / "paper.yaml")["train_predictor"]["networks"]
+    settings = TransformerSettings(kind="transformer", **paper["transformer"])
+    torch.manual_seed(0)
+    network = build_network(settings)
+    network.normaliser = trained.network.normaliser
+    return NamedPredictor(PAPER, LearnedPredictor(network, Spread()), "transformer")
+
+
 def _answer(forecaster: Forecaster, row: Measurement) -> Floats | None:
     assert row.position is not None  # recordings have balls only
     forecaster.observe(row.time, row.position, spin=row.spin)
@@ -125,6 +140,9 @@ def main() -> None:
         for one in read_predictors(ROOT / "artifacts", settings)
         if one.forecasts(ARENA) and one.kind not in ("physics", ORACLE)
     ]
+    learned = {one.name: one.predictor for one in known}["transformer"]
+    assert isinstance(learned, LearnedPredictor)
+    known.append(_paper_size(learned))
     with one_core():
         for one in progress(known, "latency", len(known)):
             found[one.name] = asdict(measure(one, rows))
