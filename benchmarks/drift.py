@@ -30,6 +30,7 @@ from pipeline.runtime.parallel import parallel
 SIMULATOR = load_simulator("literature")
 QUIET_SESSIONS, QUIET_SHOTS = 25, 400  # without a change
 SESSIONS, SHOTS = 20, 200  # of each cause and size
+AT_ONCE = 20  # shots that are fitted together
 SIZES = (1, 2, 4)  # detection limits
 CAUSES = {
     "drag.cd": "worn ball: drag",
@@ -64,7 +65,9 @@ def first_alarm(session: Session) -> tuple[int, str] | None:
         causes = {session.cause.effect: {session.cause.parameter: value}}
     seed = seed_of(session.number, "changed")
     changed = Trial("drift", SIMULATOR, causes=causes, shots=session.shots, seed=seed)
-    alarms = monitor.add(shots_of(simulate_trial(changed)[0]))
+    shots = shots_of(simulate_trial(changed)[0])
+    parts = (shots[k : k + AT_ONCE] for k in range(0, len(shots), AT_ONCE))
+    alarms = (alarm for part in parts for alarm in monitor.add(part))
     found = ((k, alarm.hypothesis.identity) for k, alarm in enumerate(alarms, 1) if alarm)
     return next(found, None)
 
