@@ -35,6 +35,7 @@ reproduce: .venv/ready ## run the whole pipeline on the embedded data
 
 real: .venv/ready ## run the pipeline on the measured sets in DATA and keep the results in reports/real
 	@rallygap real
+	@test ! -d artifacts/train_predictor || python -m pipeline.real_forecasts.run
 
 exam: .venv/ready ## hours: run the whole blind exam and write its records; stop it with Ctrl-C, it resumes
 	@python -m pipeline.exam.full_run

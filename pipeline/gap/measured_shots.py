@@ -130,6 +130,20 @@ def read_recordings(folder: Path, source: str) -> list[pd.DataFrame]:
     return _recordings(folder, _source(source))[0]
 
 
+def read_measured_episodes(folder: Path, source: str) -> list[MeasuredEpisode]:
+    """Return the episodes of the recordings of a folder.
+
+    Args:
+        folder: with the files of the source.
+        source: name of the adapter that reads them.
+
+    Raises:
+        InputError: as ``read_shots`` does.
+    """
+    parts, manifest, _ = _recordings(folder, _source(source))
+    return _episodes(parts, manifest, SegmentSettings(noise=_noise(parts)))
+
+
 def _recordings(
     folder: Path, source: Source
 ) -> tuple[list[pd.DataFrame], Manifest, tuple[str, ...]]:

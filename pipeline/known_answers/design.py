@@ -6,10 +6,6 @@ from typing import Literal
 from zlib import crc32
 
 import numpy as np
-from numpy.typing import NDArray
-
-from models.gap.fit.shots import Shots
-from pipeline.runtime.errors import InputError
 
 Place = Literal["simulator", "recordings"]
 
@@ -111,17 +107,3 @@ def planted_errors(limits: Mapping[str, float]) -> Iterator[PlantedError]:
                     yield PlantedError(place, identity, size, value)
     for size, value in DISTORTION_SIZES.items():
         yield PlantedError("recordings", DISTORTION, size, value)
-
-
-def fold_numbers(set_name: str, shots: Shots, count: int) -> NDArray[np.int64]:
-    """Return (B,) the fold of each shot; all shots of a recording are in the same one.
-
-    Raises:
-        InputError: there are fewer recordings than folds.
-    """
-    names, member = np.unique(shots.groups.astype(str), return_inverse=True)
-    if len(names) < count:
-        problem = f"has shots of {len(names)} recordings, too few for {count} folds"
-        raise InputError(set_name, problem)
-    order: NDArray[np.int64] = np.random.default_rng(0).permutation(len(names))
-    return order[member] % count

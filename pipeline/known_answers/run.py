@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from models.gap.settings import DEFAULTS
+from pipeline.gap.folds import fold_numbers
 from pipeline.gap.measured_shots import read_shots
 from pipeline.io.artifacts import write_csv, write_json
 from pipeline.known_answers.answers import fingerprint, verdicts
-from pipeline.known_answers.design import fold_numbers, questions
+from pipeline.known_answers.design import questions
 from pipeline.known_answers.folds import NOMINAL, MeasuredSet, folds_of
 from pipeline.known_answers.references import references
 from pipeline.known_answers.scores import Answer, set_scores
@@ -55,7 +56,7 @@ def run_known_answers(
 
 def _read(root: Path, folder: Path, name: str, folds: int) -> MeasuredSet:
     shots = read_shots(folder / name, name).shots
-    fold = fold_numbers(name, shots, folds)
+    fold = fold_numbers(name, shots.groups, folds)
     least = DEFAULTS.verify.held_out
     if np.bincount(fold, minlength=folds).min() < least:
         raise InputError(name, f"has a fold of fewer than {least} shots; ask for fewer folds")

@@ -1,23 +1,8 @@
-"""Every question is asked once, and folds keep recordings whole."""
+"""Every question is asked once."""
 
-import numpy as np
 import pytest
 
-from pipeline.known_answers.design import DISTORTION, fold_numbers, planted_errors, questions
-from pipeline.runtime.errors import InputError
-from tests.pipeline.known_answers.made_up import shots
-
-
-def test_folds_keep_recordings_whole_and_are_as_large_as_can_be():
-    some = shots(recordings=8, each=3)
-    fold = fold_numbers("lab", some, 3)
-    assert all(len(set(fold[some.groups == name])) == 1 for name in set(some.groups))
-    assert sorted(np.bincount(fold)) == [6, 9, 9]
-
-
-def test_too_few_recordings_are_refused():
-    with pytest.raises(InputError, match="lab: has shots of 2 recordings, too few for 3 folds"):
-        fold_numbers("lab", shots(recordings=2), 3)
+from pipeline.known_answers.design import DISTORTION, planted_errors, questions
 
 
 def test_errors_have_rising_sizes_in_minimum_detectable_effects():

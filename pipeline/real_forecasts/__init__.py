@@ -1,0 +1,1 @@
+"""Forecasts of measured sets: some recordings adapt predictors, which are tested on the others."""

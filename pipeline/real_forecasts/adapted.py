@@ -1,0 +1,70 @@
+"""Predictors that some recordings of a measured set adapt: amended, and fine-tuned."""
+
+import copy
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from models.ball.simulator import Simulator
+from models.gap.amend.simulator import amended
+from models.gap.diagnose import diagnose
+from models.predictors.learned import ForecastNetwork
+from models.predictors.settings import TrainingSettings
+from models.predictors.training import WindowData
+from models.predictors.transformer import Transformer
+from models.predictors.window_dataset import build_tracks
+from pipeline.gap.shots import shots_of, source_shots
+from pipeline.io.episodes import MeasuredEpisode
+from pipeline.predictors.parallel_training import TrainingJob
+
+HYBRID, TRANSFORMER = "hybrid", "transformer"
+ON_AMENDED = "hybrid_on_amended"
+
+
+def amended_by(episodes: Sequence[MeasuredEpisode], nominal: Simulator) -> Simulator:
+    """Return a simulator as the shots among some episodes amend it."""
+    found = source_shots(episodes)
+    return amended(nominal, diagnose(shots_of(found.members), nominal, nets=found.nets))
+
+
+@dataclass(frozen=True)
+class FineTuning:
+    """Networks that are fine-tuned to some recordings.
+
+    Attributes:
+        networks: trained on the arena: a transformer and a hybrid.
+        settings: of the fine-tuning.
+        seed: of every draw.
+    """
+
+    networks: dict[str, ForecastNetwork]
+    settings: TrainingSettings
+    seed: int
+
+    def jobs(
+        self, episodes: Sequence[MeasuredEpisode], simulator: Simulator, name: str, folder: Path
+    ) -> Iterator[TrainingJob]:
+        """Yield the trainings: of both networks, and of a hybrid that corrects this simulator.
+
+        Args:
+            episodes: to learn from.
+            simulator: as these amend it.
+            name: of the trainings, and of their folders.
+            folder: of checkpoints.
+        """
+        tracks = build_tracks([one.episode for one in episodes if one.unbroken])
+        # Nothing is chosen by validation, so there is none of its own.
+        data = WindowData(tracks, tracks, self.settings, self.seed)
+        start = {key: copy.deepcopy(one) for key, one in self.networks.items()}
+        start[ON_AMENDED] = _correcting(start[HYBRID], simulator)
+        for key, network in start.items():
+            yield TrainingJob(f"{key}-{name}", network, data, folder / f"{key}-{name}")
+
+
+def _correcting(hybrid: ForecastNetwork, simulator: Simulator) -> ForecastNetwork:
+    """Return a hybrid that says that another simulator is right, until it learns otherwise."""
+    network = copy.deepcopy(hybrid)
+    network.simulator = simulator
+    assert isinstance(network.network, Transformer)
+    network.network.start_at_baseline()
+    return network

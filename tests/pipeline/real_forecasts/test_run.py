@@ -1,0 +1,89 @@
+"""Forecasts of a made-up measured set: every recording is tested once, by predictors of others."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import pipeline.real_forecasts.run
+from models.ball.simulators import shipped
+from models.predictors.learned import build_network
+from models.predictors.settings import HybridSettings
+from models.predictors.spread import Spread
+from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
+from pipeline.real_forecasts.adapted import FineTuning
+from pipeline.real_forecasts.run import real_forecasts
+from tests.models.predictors.small_training import BRIEF, TINY, network
+from tests.pipeline.measured_shots import SIMULATOR, params, write_trained
+
+TINY_HYBRID = HybridSettings(
+    **{**TINY.model_dump(), "kind": "hybrid", "simulator": "imperfect_c_with_net"}
+)
+TIMES = 0.005 * np.arange(90)
+PREDICTORS = {"physics_literature", "amended", "hybrid", "hybrid_on_amended", "transformer"}
+
+
+@pytest.fixture
+def root(tmp_path, monkeypatch):
+    """A repository with tiny trained networks and a set of eight recordings."""
+    folder = tmp_path / "data" / "csv"
+    folder.mkdir(parents=True)
+    random = np.random.default_rng(0)
+    for number in range(8):
+        ball = [0.05 * number, 1.3, 0.3, 0.2, -7.0 + 0.2 * number, 0.5, -150.0, 10.0, 5.0]
+        places = SIMULATOR.fly(ball, TIMES).states[0, :, :3]
+        rows = np.column_stack([TIMES, places + 0.002 * random.standard_normal(places.shape)])
+        table = pd.DataFrame(rows, columns=["t", "x", "y", "z"])
+        table.to_csv(folder / f"ball_{number}.csv", index=False)
+    for name in pipeline.real_forecasts.run.DEPENDENCIES:
+        (tmp_path / name).mkdir(parents=True)
+    write_trained(tmp_path, "transformer")
+    _write_hybrid(tmp_path / "artifacts" / "train_predictor" / "hybrid")
+    tuned = params().train_predictor.model_copy(update={"training": BRIEF})
+    few = tuned.fine_tuning.model_copy(update={"epochs": 1, "windows_per_episode": 1})
+    used = params(train_predictor=tuned.model_copy(update={"fine_tuning": few}))
+    monkeypatch.setattr(pipeline.real_forecasts.run, "load_params", lambda path: used)
+    monkeypatch.setattr(pipeline.real_forecasts.run, "SETS", ("csv",))
+    monkeypatch.setattr(pipeline.real_forecasts.run, "FOLDS", 2)
+    return tmp_path
+
+
+def _write_hybrid(folder):
+    made = build_network(TINY_HYBRID, shipped("imperfect_c_with_net"))
+    learning = Learning(episodes=1, windows=1, validation_episodes=1, settings=BRIEF, seed=0)
+    described = TrainedPredictor(
+        name="hybrid",
+        network=TINY_HYBRID,
+        parameters=made.parameter_count,
+        sources=["arena"],
+        starts_from=None,
+        learning=learning,
+    )
+    save_predictor(folder, made, Spread(), described)
+
+
+def test_every_recording_is_tested_once_by_every_predictor(root):
+    real_forecasts(root, root / "data")
+    report = root / "reports" / "real"
+    rows = pd.read_csv(report / "forecasts.csv").query("quantity == 'position' and bounce == 'all'")
+    assert set(rows["predictor"]) == PREDICTORS
+    assert rows.groupby("horizon_ms")["n"].nunique().eq(1).all()
+    errors = rows.query("horizon_ms == 200").set_index("predictor")["mean"]
+    assert errors["physics_literature"] < 40.0  # the truth; the set errs by 2 mm
+    pairs = pd.read_csv(report / "forecast_differences.csv")
+    assert set(pairs["predictor"]) == {"amended", "hybrid", "hybrid_on_amended"}
+    assert "commit" in json.loads((report / "forecasts.json").read_text())
+    assert not (root / "scratch" / "real_forecasts").exists()
+
+
+def test_a_hybrid_on_another_simulator_starts_from_its_forecasts(root, tmp_path):
+    networks = {"transformer": network(TINY), "hybrid": build_network(TINY_HYBRID, SIMULATOR)}
+    other = SIMULATOR.amended("drag", cd=0.3)
+    (fold, _) = pipeline.real_forecasts.run._folds(root / "data" / "csv", "csv")
+    jobs = list(FineTuning(networks, BRIEF, 0).jobs(fold.others, other, "one", tmp_path))
+    assert [one.name for one in jobs] == ["transformer-one", "hybrid-one", "hybrid_on_amended-one"]
+    started = jobs[2].network
+    assert (started.simulator, jobs[1].network.simulator) == (other, SIMULATOR)
+    assert not started.network.projection.weight.any()
+    assert networks["hybrid"].simulator == SIMULATOR
