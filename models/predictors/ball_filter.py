@@ -61,34 +61,38 @@ class Filtered:
     covariances: Floats
 
 
-def filtered(history: History, simulator: Simulator) -> Filtered:
+def filtered(
+    history: History, simulator: Simulator, noise: float = POSITION_NOISE, tick: float = TICK
+) -> Filtered:
     """Filter balls; one without any measured position is at the table's centre, at rest.
 
     Args:
         history: of B balls.
         simulator: the motion model.
+        noise: m, standard deviation of a measured coordinate.
+        tick: s, between two states of the history.
     """
     placed: Bools = np.all(history.mask[:, :, :3], axis=2)
     labelled: Bools = np.all(history.mask[:, :, 3:], axis=2)
     states = np.ascontiguousarray(history.states)
-    return Filtered(*_filter_all(states, placed, labelled, simulator.vector, TICK))
+    return Filtered(*_filter_all(states, placed, labelled, simulator.vector, noise, tick))
 
 
 @compiled
 def _filter_all(
-    measured: Floats, placed: Bools, labelled: Bools, p: Floats, tick: float
+    measured: Floats, placed: Bools, labelled: Bools, p: Floats, noise: float, tick: float
 ) -> tuple[Floats, Floats]:
     """Filter (B, N, 6) measured positions and spins, of which some are there."""
     states = np.zeros((len(measured), SIZE))
     covariances = np.zeros((len(measured), SIZE, SIZE))
     for b in range(len(measured)):
-        states[b], covariances[b] = _filter_one(measured[b], placed[b], labelled[b], p, tick)
+        states[b], covariances[b] = _filter_one(measured[b], placed[b], labelled[b], p, noise, tick)
     return states, covariances
 
 
 @compiled
 def _filter_one(
-    measured: Floats, placed: Bools, labelled: Bools, p: Floats, tick: float
+    measured: Floats, placed: Bools, labelled: Bools, p: Floats, noise: float, tick: float
 ) -> tuple[Floats, Floats]:
     """Return the last state and its covariance, by the cheapest path through the history."""
     state, covariance, cheapest = np.zeros(SIZE), np.zeros((SIZE, SIZE)), np.inf
@@ -99,7 +103,7 @@ def _filter_one(
         if costs[start] >= cheapest:
             continue
         reached, spread, outliers = _track(
-            measured[start:], placed[start:], labelled[start:], p, tick
+            measured[start:], placed[start:], labelled[start:], p, noise, tick
         )
         if costs[start] + outliers.sum() < cheapest:
             state, covariance, cheapest = reached, spread, costs[start] + outliers.sum()
@@ -112,16 +116,16 @@ def _filter_one(
 
 @compiled
 def _track(
-    measured: Floats, placed: Bools, labelled: Bools, p: Floats, tick: float
+    measured: Floats, placed: Bools, labelled: Bools, p: Floats, noise: float, tick: float
 ) -> tuple[Floats, Floats, Bools]:
     """Filter measurements from the first; return the last state and which were outliers."""
-    x, P = _first_guess(measured, placed, labelled, tick)
+    x, P = _first_guess(measured, placed, labelled, noise, tick)
     outliers = np.zeros(len(measured), dtype=np.bool_)
     for k in range(len(measured)):
         if k > 0:
             x, P = advanced(x, P, tick, p)
         if placed[k]:
-            R = POSITION_NOISE**2 * np.eye(3)
+            R = noise**2 * np.eye(3)
             outliers[k] = distance(x, P, measured[k, :3], R) >= OUTLIER_DISTANCE
             if not outliers[k]:
                 x, P = updated(x, P, measured[k, :3], 0, R)
@@ -215,7 +219,7 @@ def _inverse(a: Floats) -> Floats:
 
 @compiled
 def _first_guess(
-    measured: Floats, placed: Bools, labelled: Bools, tick: float
+    measured: Floats, placed: Bools, labelled: Bools, noise: float, tick: float
 ) -> tuple[Floats, Floats]:
     """Return mean and covariance at the first measurement, whose position is known."""
     x, spin_spread = np.zeros(SIZE), SPIN_PRIOR
@@ -226,7 +230,7 @@ def _first_guess(
         spin_spread = max(spin_spread, np.sqrt((x[6:] ** 2).sum()))
     P = np.zeros((SIZE, SIZE))
     for i in range(3):
-        P[i, i] = (10 * POSITION_NOISE) ** 2
+        P[i, i] = (10 * noise) ** 2
         P[i + 3, i + 3] = VELOCITY_PRIOR**2
         P[i + 6, i + 6] = spin_spread**2
     return x, P

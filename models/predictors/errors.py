@@ -24,6 +24,7 @@ class ErrorStatistics:
 
     Attributes:
         mean: (H,) NaN where no window has a measurement.
+        median: (H,) over the windows.
         std: (H,) over the windows.
         count: (H,) windows with a measurement.
         low: (H,) lower end of the mean's 95 % interval, bootstrapped over recordings.
@@ -31,6 +32,7 @@ class ErrorStatistics:
     """
 
     mean: Floats
+    median: Floats
     std: Floats
     count: NDArray[np.int64]
     low: Floats
@@ -65,15 +67,19 @@ def error_statistics(
         mean = value.sum(axis=0) / count
         std = np.sqrt(np.where(counted, (value - mean) ** 2, 0.0).sum(axis=0) / count)
         means = _resampled_means(value, counted, recordings, resamples, generator)
-    low, high = _interval(means) if resamples else (mean, mean)
-    return ErrorStatistics(mean, std, count, low, high)
+    low, high = _quantiles(means, [0.025, 0.975]) if resamples else (mean, mean)
+    (median,) = _quantiles(error, [0.5])
+    return ErrorStatistics(mean, median, std, count, low, high)
 
 
-def _interval(means: Floats) -> tuple[Floats, Floats]:
-    with warnings.catch_warnings():  # a horizon at which nothing was measured has no interval
+def _quantiles(rows: Floats, shares: list[float]) -> Floats:
+    """Return (Q, H) quantiles of (R, H) rows, NaN left out."""
+    if not len(rows):
+        return np.full((len(shares), rows.shape[1]), np.nan)
+    with warnings.catch_warnings():  # a horizon at which nothing was measured has none
         warnings.simplefilter("ignore", RuntimeWarning)
-        low, high = np.nanquantile(means, [0.025, 0.975], axis=0)
-    return low, high
+        quantiles: Floats = np.nanquantile(rows, shares, axis=0)
+    return quantiles
 
 
 def _resampled_means(

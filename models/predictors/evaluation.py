@@ -12,7 +12,7 @@ from models.predictors.protocol import Bools, Floats, Forecast
 from models.predictors.windows import Windows
 
 SHOWN_HORIZONS_MS = (100, 200, 300)
-INTERVAL = ["mean", "ci_low", "ci_high", "n"]
+STATISTICS = ["mean", "median", "ci_low", "ci_high", "n"]
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class ForecastErrors:
         }
         rows = concat_tables(frames, ["group", "predictor"])
         last: pd.DataFrame = rows[rows["horizon_ms"] == HORIZONS_MS[-1]]
-        return last[["group", "predictor", *INTERVAL]]
+        return last[["group", "predictor", *STATISTICS]]
 
     def differences(self, predictors: list[str]) -> pd.DataFrame:
         """Return the paired differences between the errors of ``predictors`` and of all others.
@@ -88,7 +88,7 @@ class ForecastErrors:
             for quantity in QUANTITIES
         }
         rows = concat_tables(frames, ["predictor", "other", "quantity"])
-        return rows[rows["horizon_ms"].isin(SHOWN_HORIZONS_MS)].drop(columns="std")
+        return rows[rows["horizon_ms"].isin(SHOWN_HORIZONS_MS)].drop(columns=["median", "std"])
 
     def _difference(self, name: str, other: str, quantity: str) -> pd.DataFrame:
         difference = self.errors[name][quantity] - self.errors[other][quantity]
@@ -102,6 +102,7 @@ class ForecastErrors:
         columns = {
             "horizon_ms": HORIZONS_MS,
             "mean": result.mean,
+            "median": result.median,
             "std": result.std,
             "n": result.count,
             "ci_low": result.low,

@@ -32,7 +32,7 @@ def position_errors(root: Path, run: str = "", *, arena: bool) -> str:
 
 
 def errors_by(root: Path, column: str) -> str:
-    """Mean position errors in mm at 300 ms on the arena, from ``evaluate_predictor``.
+    """Mean and median position errors in mm at 300 ms on the arena, from ``evaluate_predictor``.
 
     Args:
         root: of the repository.
@@ -42,7 +42,10 @@ def errors_by(root: Path, column: str) -> str:
     errors = read_report(root, name, "set == 'arena'")
     rows = []
     for predictor, some in errors.groupby("predictor", sort=False):
-        cells = [with_interval(row.mean, row.ci_low, row.ci_high) for row in some.itertuples()]
+        cells = [
+            f"{with_interval(row.mean, row.ci_low, row.ci_high)}, median {row.median:.0f}"
+            for row in some.itertuples()
+        ]
         rows.append([PREDICTORS[predictor], *cells])
     return markdown_table(["predictor", *errors[column].unique()], rows)
 

@@ -10,7 +10,7 @@ from pipeline.io.schemas import checked
 from pipeline.runtime.errors import InputError
 
 REPORT = Path("reports") / "evaluate_predictor" / "forecast_error.csv"
-NUMBERS = ["mean", "std", "n", "ci_low", "ci_high"]
+NUMBERS = ["mean", "median", "std", "n", "ci_low", "ci_high"]
 KEYS = ["set", "against", "predictor", "quantity", "bounce", "horizon_ms"]
 WHOLE = ["horizon_ms", "n"]
 RUN = "run `dvc repro -f evaluate_predictor`"

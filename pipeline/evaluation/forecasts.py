@@ -33,7 +33,7 @@ def forecast_windows(
     ]
     batches = list(parallel(tasks, f"forecasts on {measured.name}"))
     return {
-        one.name: _concatenate(batches[k * len(starts) : (k + 1) * len(starts)])
+        one.name: concatenated(batches[k * len(starts) : (k + 1) * len(starts)])
         for k, one in enumerate(predictors)
     }
 
@@ -63,7 +63,8 @@ def evaluate(
     )
 
 
-def _concatenate(batches: Sequence[Forecast]) -> Forecast:
+def concatenated(batches: Sequence[Forecast]) -> Forecast:
+    """Return the forecasts of several batches as one."""
     return Forecast(
         np.concatenate([batch.states for batch in batches]),
         np.concatenate([batch.spin_measured for batch in batches]),

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from models.ball.simulator import Simulator
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import ProbabilisticPredictor
 from pipeline.io.amended_simulators import AMENDED, read_amended
@@ -70,13 +71,19 @@ def _physics(settings: EvaluatePredictorSettings) -> Iterator[NamedPredictor]:
 
 def _amended(folder: Path) -> Iterator[NamedPredictor]:
     for one in read_amended(folder):
-        yield NamedPredictor(
-            f"{AMENDED}_{one.base}",
-            PhysicsPredictor(one.simulator),
-            AMENDED,
-            simulator=f"{one.base}, amended",
-            trained_on=(one.source,),
-        )
+        effects = one.simulator.effects
+        variants = {"": one.simulator}
+        if "net" in effects:
+            rest = {name: values for name, values in effects.items() if name != "net"}
+            variants["_without_net"] = Simulator(rest)
+        for suffix, simulator in variants.items():
+            yield NamedPredictor(
+                f"{AMENDED}_{one.base}{suffix}",
+                PhysicsPredictor(simulator),
+                AMENDED,
+                simulator=f"{one.base}, amended{suffix.replace('_', ' ')}",
+                trained_on=(one.source,),
+            )
 
 
 def _oracle(path: Path) -> Iterator[NamedPredictor]:

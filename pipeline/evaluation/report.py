@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 
 from models.predictors.evaluation import (
-    INTERVAL,
     SHOWN_HORIZONS_MS,
+    STATISTICS,
     ForecastErrors,
     concat_tables,
 )
@@ -20,6 +20,7 @@ from pipeline.evaluation.test_windows import MeasuredSet
 from pipeline.io.metrics import place, rounded
 from pipeline.io.report_items import ReportFigure, ReportTable
 
+VARIANTS = ("_with_net", "_without_net")  # of predictors, in the tables only
 MEASURED, TRUTH = "measured", "truth"  # what forecasts are compared with
 
 Results = Mapping[tuple[str, str], ForecastErrors]  # by set and what it is compared with
@@ -47,8 +48,9 @@ def error_figures(measured: MeasuredSet, errors: pd.DataFrame) -> Iterator[Repor
     for against, rows in errors[errors["set"] == measured.name].groupby("against", sort=False):
         label = _label(measured.name, str(against))
         state = "measured" if against == MEASURED else "true"
+        drawn = rows[~rows["predictor"].str.endswith(VARIANTS)]
         yield ReportFigure(
-            forecast_error_figure(rows.assign(set=label)),
+            forecast_error_figure(drawn.assign(set=label)),
             f"forecast_error_{label}",
             title=f"Forecast error on {measured.name}, against the {state} state",
             caption=_caption(measured, state),
@@ -61,8 +63,9 @@ def error_table(errors: pd.DataFrame) -> ReportTable:
         errors[errors["horizon_ms"].isin(SHOWN_HORIZONS_MS)],
         "forecast_error",
         title="Forecast error at 100, 200 and 300 ms",
-        caption="Position in mm, velocity in m/s, spin in rad/s; n windows. Simulated balls also "
-        "against the true state, on the same windows.",
+        caption="Mean with its 95 % interval bootstrapped over recordings, median and standard "
+        "deviation over windows. Position in mm, velocity in m/s, spin in rad/s; n windows. "
+        "Simulated balls also against the true state, on the same windows.",
     )
 
 
@@ -111,15 +114,14 @@ def net_table(net_contacts: Mapping[str, Bools], results: Results) -> ReportTabl
         (name,): results[name, MEASURED].by_group(np.where(met, "with", "without"))
         for name, met in net_contacts.items()
     }
-    none = pd.DataFrame(columns=["set", "group", "predictor", *INTERVAL])
+    none = pd.DataFrame(columns=["set", "group", "predictor", *STATISTICS])
     table = concat_tables(tables, ["set"]) if tables else none
     return ReportTable(
         table.rename(columns={"group": "net"}),
         "forecast_error_by_net",
         title="Position error at 300 ms, with and without net contact",
         caption="Mean in mm with its 95 % interval bootstrapped over recordings; n windows. with: "
-        "the ball truly meets the net within the 300 ms, which is known for the arena only. Arena "
-        "and oracle have a net, other physics has none.",
+        "the ball truly meets the net within the 300 ms, which is known for the arena only.",
     )
 
 

@@ -41,6 +41,7 @@ def test_mean_and_spread_of_known_errors():
     error = np.repeat([[1.0], [2.0], [3.0], [6.0]], 41, axis=1)
     result = error_statistics(error, np.arange(4), 200, np.random.default_rng(0))
     np.testing.assert_allclose(result.mean, 3.0)
+    np.testing.assert_allclose(result.median, 2.5)
     np.testing.assert_allclose(result.std, np.std([1, 2, 3, 6]))
     assert (result.low < 3.0).all()
     assert (result.high > 3.0).all()

@@ -44,7 +44,7 @@ def root(tmp_path_factory):
     write_inputs(made, sources=("arena",))
     shutil.copy(REPOSITORY / "params.yaml", made)
     rows = [
-        ("arena", against, predictor, "position", bounce, horizon, mean, 1.0, 9, mean, mean)
+        ("arena", against, predictor, "position", bounce, horizon, mean, mean, 1.0, 9, mean, mean)
         for against, bounce, mean in (
             ("measured", "all", 12.5), ("truth", "all", 1.0), ("measured", "with", 2.0),
         )
@@ -79,7 +79,9 @@ def test_latency_is_of_every_call_after_the_warm_up(monkeypatch):
 
 
 def test_every_predictor_of_the_first_set_is_measured(costs):
-    assert set(costs["predictor"]) == {"physics_c", "physics_literature", "oracle", "tiny"}
+    assert set(costs["predictor"]) == {
+        "physics_c", "physics_c_with_net", "physics_literature", "oracle", "tiny",
+    }  # fmt: skip
     assert (costs["latency_ms_median"] > 0).all()
     assert (costs["latency_ms_p99"] >= costs["latency_ms_median"]).all()
 

@@ -28,7 +28,7 @@ def test_the_committed_report_is_read(root):
 
 
 def test_integers_and_a_numeric_set_name_are_accepted(root):
-    row = "7,measured,tae,spin,all,100,3,1,9,2,4"
+    row = "7,measured,tae,spin,all,100,3,2.5,1,9,2,4"
     (root / REPORT).write_text(f"{','.join([*KEYS, *NUMBERS])}\n{row}\n")
     (read,) = read_errors(root).to_dict("records")
     assert (read["set"], read["mean"]) == ("7", 3.0)

@@ -1,0 +1,78 @@
+"""The sensor of a simulator: true balls behind measurements, and forecasts as it measures them.
+
+An amended simulator may have effects of the sensor: cameras that err as a function of place, a
+tilted frame, a clock that runs fast. Forecasts are in the coordinates of the measurements, so what
+is measured is corrected, flown, and distorted again.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from models.ball.catalogue import catalogue
+from models.ball.sensor import measured_positions, measured_spins, sensor_quantity
+from models.ball.simulator import Simulator
+from models.ball.state import POSITION, SPIN, VELOCITY
+from models.ball.types import Floats
+from models.predictors.protocol import History
+
+STEPS = 3  # of a fixed-point iteration; sensors err by millimetres that hardly vary over as much
+
+
+class Sensor:
+    """The systematic errors of a simulator's sensor, but for delays.
+
+    Args:
+        simulator: with effects of the sensor, or without.
+    """
+
+    def __init__(self, simulator: Simulator) -> None:
+        self.simulator = simulator
+
+    @cached_property
+    def exact(self) -> bool:
+        """Whether there are none."""
+        return not any(catalogue()[name].acts == "sensor" for name in self.simulator.effects)
+
+    @cached_property
+    def clock(self) -> float:
+        """Seconds on the sensor's clock in a true second."""
+        return 1.0 if self.exact else float(sensor_quantity(self.simulator, "clock_gain"))
+
+    def true_positions(self, measured: Floats) -> Floats:
+        """Return (..., 3) true positions, m, of measured ones."""
+        true = measured
+        for _ in range(0 if self.exact else STEPS):
+            true = true + measured - measured_positions(self.simulator, true)
+        return true
+
+    def true_spins(self, labels: Floats) -> Floats:
+        """Return (..., 3) true spins, rad/s, of labels: errors of these are linear."""
+        if self.exact:
+            return labels
+        columns = measured_spins(self.simulator, np.eye(3))
+        spins: Floats = labels @ np.linalg.inv(columns)
+        return spins
+
+    def true_history(self, history: History) -> History:
+        """Return a history of true positions and spins."""
+        if self.exact:
+            return history
+        places, labels = history.states[..., :3], history.states[..., 3:]
+        true = np.concatenate([self.true_positions(places), self.true_spins(labels)], axis=-1)
+        return History(np.where(history.mask, true, 0.0), history.mask)
+
+    def measured_states(self, states: Floats) -> Floats:
+        """Return (..., 9) states as the sensor would measure them."""
+        if self.exact:
+            return states
+        places = states[..., POSITION]
+        measured = states.copy()
+        measured[..., POSITION] = measured_positions(self.simulator, places)
+        ahead = measured_positions(self.simulator, places + MOMENT * states[..., VELOCITY])
+        measured[..., VELOCITY] = (ahead - measured[..., POSITION]) / (MOMENT * self.clock)
+        measured[..., SPIN] = measured_spins(self.simulator, states[..., SPIN])
+        return measured
+
+
+MOMENT = 1e-3  # s, over which a velocity is measured
