@@ -24,7 +24,6 @@ import torch
 from torch import Tensor, nn
 
 from models.predictors.learned import ForecastNetwork, LearnedPredictor
-from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import FUTURE, HISTORY, Floats, Forecast, History
 from models.predictors.spread import Spread
 
@@ -54,8 +53,7 @@ class CompiledPredictor:
     def __init__(self, predictor: LearnedPredictor) -> None:
         if predictor.spread is None:
             raise ValueError("this predictor has no spread, so it does not know its errors")
-        simulator = predictor.network.simulator
-        self._baseline = PhysicsPredictor(simulator) if simulator else None
+        self._baseline = predictor.network.physics
         self._session = _session(_Graph(predictor.network, predictor.spread).eval())
 
     def predict(self, history: History) -> Forecast:
@@ -89,7 +87,7 @@ class _Graph(nn.Module):
         """Inputs for one ball, by name."""
         mask = torch.ones(1, HISTORY, 6, dtype=torch.bool)
         given = {"history": torch.zeros(1, HISTORY, 6), "mask": mask}
-        hybrid = self.network.simulator is not None
+        hybrid = self.network.physics is not None
         return {**given, "motion": torch.zeros(1, FUTURE, 9)} if hybrid else given
 
 

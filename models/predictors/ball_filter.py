@@ -61,38 +61,57 @@ class Filtered:
     covariances: Floats
 
 
+@dataclass(frozen=True)
+class Expected:
+    """What is known of balls before they are measured.
+
+    Attributes:
+        noise: m, standard deviation of a measured coordinate.
+        spin: rad/s, mean about three axes: along the horizontal course, to its left, and up.
+        spin_spread: rad/s, standard deviations about these; only their sizes matter with a label.
+    """
+
+    noise: float = POSITION_NOISE
+    spin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    spin_spread: tuple[float, float, float] = (SPIN_PRIOR, SPIN_PRIOR, SPIN_PRIOR)
+
+
+ANY_BALL = Expected()
+
+
 def filtered(
-    history: History, simulator: Simulator, noise: float = POSITION_NOISE, tick: float = TICK
+    history: History, simulator: Simulator, expected: Expected = ANY_BALL, tick: float = TICK
 ) -> Filtered:
     """Filter balls; one without any measured position is at the table's centre, at rest.
 
     Args:
         history: of B balls.
         simulator: the motion model.
-        noise: m, standard deviation of a measured coordinate.
+        expected: of the balls.
         tick: s, between two states of the history.
     """
     placed: Bools = np.all(history.mask[:, :, :3], axis=2)
     labelled: Bools = np.all(history.mask[:, :, 3:], axis=2)
     states = np.ascontiguousarray(history.states)
-    return Filtered(*_filter_all(states, placed, labelled, simulator.vector, noise, tick))
+    prior = np.array([expected.noise, *expected.spin, *expected.spin_spread])
+    return Filtered(*_filter_all(states, placed, labelled, simulator.vector, prior, tick))
 
 
 @compiled
 def _filter_all(
-    measured: Floats, placed: Bools, labelled: Bools, p: Floats, noise: float, tick: float
+    measured: Floats, placed: Bools, labelled: Bools, p: Floats, prior: Floats, tick: float
 ) -> tuple[Floats, Floats]:
     """Filter (B, N, 6) measured positions and spins, of which some are there."""
     states = np.zeros((len(measured), SIZE))
     covariances = np.zeros((len(measured), SIZE, SIZE))
     for b in range(len(measured)):
-        states[b], covariances[b] = _filter_one(measured[b], placed[b], labelled[b], p, noise, tick)
+        states[b], covariances[b] = _filter_one(measured[b], placed[b], labelled[b], p, prior, tick)
     return states, covariances
 
 
 @compiled
 def _filter_one(
-    measured: Floats, placed: Bools, labelled: Bools, p: Floats, noise: float, tick: float
+    measured: Floats, placed: Bools, labelled: Bools, p: Floats, prior: Floats, tick: float
 ) -> tuple[Floats, Floats]:
     """Return the last state and its covariance, by the cheapest path through the history."""
     state, covariance, cheapest = np.zeros(SIZE), np.zeros((SIZE, SIZE)), np.inf
@@ -103,7 +122,7 @@ def _filter_one(
         if costs[start] >= cheapest:
             continue
         reached, spread, outliers = _track(
-            measured[start:], placed[start:], labelled[start:], p, noise, tick
+            measured[start:], placed[start:], labelled[start:], p, prior, tick
         )
         if costs[start] + outliers.sum() < cheapest:
             state, covariance, cheapest = reached, spread, costs[start] + outliers.sum()
@@ -116,16 +135,16 @@ def _filter_one(
 
 @compiled
 def _track(
-    measured: Floats, placed: Bools, labelled: Bools, p: Floats, noise: float, tick: float
+    measured: Floats, placed: Bools, labelled: Bools, p: Floats, prior: Floats, tick: float
 ) -> tuple[Floats, Floats, Bools]:
     """Filter measurements from the first; return the last state and which were outliers."""
-    x, P = _first_guess(measured, placed, labelled, noise, tick)
+    x, P = _first_guess(measured, placed, labelled, prior, tick)
     outliers = np.zeros(len(measured), dtype=np.bool_)
     for k in range(len(measured)):
         if k > 0:
             x, P = advanced(x, P, tick, p)
         if placed[k]:
-            R = noise**2 * np.eye(3)
+            R = prior[0] ** 2 * np.eye(3)
             outliers[k] = distance(x, P, measured[k, :3], R) >= OUTLIER_DISTANCE
             if not outliers[k]:
                 x, P = updated(x, P, measured[k, :3], 0, R)
@@ -219,21 +238,33 @@ def _inverse(a: Floats) -> Floats:
 
 @compiled
 def _first_guess(
-    measured: Floats, placed: Bools, labelled: Bools, noise: float, tick: float
+    measured: Floats, placed: Bools, labelled: Bools, prior: Floats, tick: float
 ) -> tuple[Floats, Floats]:
     """Return mean and covariance at the first measurement, whose position is known."""
-    x, spin_spread = np.zeros(SIZE), SPIN_PRIOR
+    x, P = np.zeros(SIZE), np.zeros((SIZE, SIZE))
     x[:3] = measured[0, :3]
     x[3:6] = _median_slope(measured, np.flatnonzero(placed)[:FIRST_SAMPLES], tick)
+    course = _course(x[3:6])
+    x[6:] = course @ prior[1:4]
+    P[6:, 6:] = (course * prior[4:] ** 2) @ course.T
     if labelled.any():
         x[6:] = measured[np.argmax(labelled), 3:]
-        spin_spread = max(spin_spread, np.sqrt((x[6:] ** 2).sum()))
-    P = np.zeros((SIZE, SIZE))
+        P[6:, 6:] = max(SPIN_PRIOR, np.sqrt((x[6:] ** 2).sum())) ** 2 * np.eye(3)
     for i in range(3):
-        P[i, i] = (10 * noise) ** 2
+        P[i, i] = (10 * prior[0]) ** 2
         P[i + 3, i + 3] = VELOCITY_PRIOR**2
-        P[i + 6, i + 6] = spin_spread**2
     return x, P
+
+
+@compiled
+def _course(velocity: Floats) -> Floats:
+    """Return the (3, 3) axes, in columns, along a horizontal course, to its left, and up."""
+    axes, speed = np.eye(3), np.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
+    if speed > 0.0:
+        x, y = velocity[0] / speed, velocity[1] / speed
+        axes[:2, 0] = x, y
+        axes[:2, 1] = -y, x
+    return axes
 
 
 @compiled

@@ -31,20 +31,25 @@ class ForecastNetwork(nn.Module):
             mask: (B, 12, 6) where there are;
             residual: (B, 12, 3) deviations of measured positions from the baseline's straight line;
             expected: (B, 60, 6) positions and spins of the baseline.
-        simulator: of a hybrid.
+        physics: whose forecasts a hybrid corrects.
     """
 
-    def __init__(self, network: nn.Module, simulator: Simulator | None = None) -> None:
+    def __init__(self, network: nn.Module, physics: PhysicsPredictor | None = None) -> None:
         super().__init__()
-        self.normaliser, self.network, self.simulator = Normaliser(), network, simulator
+        self.normaliser, self.network, self.physics = Normaliser(), network, physics
+
+    @property
+    def simulator(self) -> Simulator | None:
+        """The simulator of a hybrid."""
+        return self.physics.simulator if self.physics else None
 
     def baseline(self, history: Tensor, mask: Tensor) -> Tensor:
         """Return the (B, 60, 9) ball states that the network corrects."""
-        if self.simulator is None:
+        if self.physics is None:
             return uniform_motion(history, mask)
         measured = torch.where(mask, history, 0.0).cpu().numpy().astype(np.float64)
         seen = History(measured, mask.cpu().numpy())
-        states = PhysicsPredictor(self.simulator).predict(seen).states
+        states = self.physics.predict(seen).states
         return torch.as_tensor(states, dtype=history.dtype, device=history.device)
 
     def forward(self, history: Tensor, mask: Tensor) -> Tensor:
@@ -103,7 +108,7 @@ def build_network(settings: NetworkSettings, simulator: Simulator | None = None)
     if isinstance(settings, HybridSettings):
         transformer = Transformer(**{key: sizes[key] for key in sizes if key != "simulator"})
         transformer.start_at_baseline()
-        return ForecastNetwork(transformer, simulator)
+        return ForecastNetwork(transformer, PhysicsPredictor(simulator) if simulator else None)
     return ForecastNetwork(Transformer(**sizes))
 
 

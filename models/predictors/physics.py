@@ -2,7 +2,7 @@
 
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION
-from models.predictors.ball_filter import POSITION_NOISE, Filtered, filtered
+from models.predictors.ball_filter import ANY_BALL, Expected, Filtered, filtered
 from models.predictors.propagation import propagated
 from models.predictors.protocol import FUTURE_TIMES, TICK, Floats, Forecast, History
 from models.predictors.sensor import Sensor
@@ -15,11 +15,11 @@ class PhysicsPredictor:
 
     Args:
         simulator: of the ball and of the sensor.
-        noise: m, standard deviation of a measured coordinate.
+        expected: of the balls.
     """
 
-    def __init__(self, simulator: Simulator, noise: float = POSITION_NOISE) -> None:
-        self.simulator, self.noise = simulator, noise
+    def __init__(self, simulator: Simulator, expected: Expected = ANY_BALL) -> None:
+        self.simulator, self.expected = simulator, expected
         self._sensor = Sensor(simulator)
 
     def predict(self, history: History) -> Forecast:
@@ -36,7 +36,7 @@ class PhysicsPredictor:
 
     def _now(self, history: History) -> Filtered:
         true, tick = self._sensor.true_history(history), TICK / self._sensor.clock
-        return filtered(true, self.simulator, self.noise, tick)
+        return filtered(true, self.simulator, self.expected, tick)
 
     @property
     def _ahead(self) -> Floats:

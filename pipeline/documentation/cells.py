@@ -24,6 +24,7 @@ PREDICTORS = {
     "hybrid": "hybrid",
     "hybrid_fine_tuned": "hybrid, fine-tuned",
     "transformer": "transformer",
+    "transformer_paper_size": "transformer of the paper's size, random weights",
     "transformer_fine_tuned": "transformer, fine-tuned",
     "tae": "TAE",
     "tae_fine_tuned": "TAE, fine-tuned",

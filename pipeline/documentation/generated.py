@@ -72,6 +72,8 @@ BLOCKS: dict[str, Writer] = {
     "errors-arena": partial(predictor_tables.position_errors, arena=True),
     "errors-arena-paper": partial(predictor_tables.position_errors, run="paper/", arena=True),
     "errors-real": partial(predictor_tables.position_errors, run="real/", arena=False),
+    "forecasts-real": predictor_tables.measured_forecasts,
+    "latency": predictor_tables.latency,
     "costs": predictor_tables.predictor_costs,
     "sim2sim": transfer_tables.sim2sim_returns,
     "sim2sim-paper": partial(transfer_tables.sim2sim_returns, run="paper/"),

@@ -10,7 +10,17 @@ from pipeline.documentation.cells import (
     read_report,
     with_interval,
 )
+from pipeline.io.artifacts import read_json
 from pipeline.io.markdown import markdown_table
+
+# Predictors that recordings of a measured set have adapted.
+ADAPTED = {
+    "physics_literature": "physics, literature",
+    "amended": "physics, literature amended",
+    "hybrid": "hybrid, fine-tuned",
+    "hybrid_on_amended": "hybrid on the amended simulator, fine-tuned",
+    "transformer": "transformer, fine-tuned",
+}
 
 
 def position_errors(root: Path, run: str = "", *, arena: bool) -> str:
@@ -65,6 +75,34 @@ def coverage(root: Path) -> str:
         ]
         rows.append([PREDICTORS[predictor], *cells, f"{some['crps_mm'].iloc[0]:.1f}"])
     return markdown_table(["predictor", *heads, "CRPS (mm)"], rows)
+
+
+def measured_forecasts(root: Path) -> str:
+    """Mean position errors in mm on measured sets by cross-validation, from ``make real``."""
+    query = "quantity == 'position' and bounce == 'all'"
+    errors = read_report(root, "real/forecasts.csv", query).sort_values("horizon_ms", kind="stable")
+    rows = []
+    for (name, predictor), some in errors.groupby(["set", "predictor"], sort=False):
+        cells = [
+            f"{with_interval(row.mean, row.ci_low, row.ci_high)}, median {row.median:.0f}"
+            for row in some.itertuples()
+        ]
+        rows.append([name, ADAPTED[predictor], *cells])
+    return markdown_table(["set", "predictor", *HORIZON_HEADS], rows)
+
+
+def latency(root: Path) -> str:
+    """Latency of live forecasts, from ``python -m benchmarks.live``."""
+    rows = [
+        [
+            PREDICTORS[name],
+            *(f"{one[key]:.2f}" for key in ("p50_ms", "p99_ms", "eager_ms")),
+            NONE if one["max_change_mm"] is None else f"{one['max_change_mm']:.2f}",
+        ]
+        for name, one in read_json(root / "reports" / "live" / "latency.json").items()
+    ]
+    heads = ["median (ms)", "99th percentile (ms)", "torch's own call, median (ms)"]
+    return markdown_table(["predictor", *heads, "largest change (mm)"], rows)
 
 
 def predictor_costs(root: Path) -> str:

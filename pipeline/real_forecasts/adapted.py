@@ -9,6 +9,7 @@ from models.ball.simulator import Simulator
 from models.gap.amend.simulator import amended
 from models.gap.diagnose import diagnose
 from models.predictors.learned import ForecastNetwork
+from models.predictors.physics import PhysicsPredictor
 from models.predictors.settings import TrainingSettings
 from models.predictors.training import WindowData
 from models.predictors.transformer import Transformer
@@ -42,13 +43,17 @@ class FineTuning:
     seed: int
 
     def jobs(
-        self, episodes: Sequence[MeasuredEpisode], simulator: Simulator, name: str, folder: Path
+        self,
+        episodes: Sequence[MeasuredEpisode],
+        physics: PhysicsPredictor,
+        name: str,
+        folder: Path,
     ) -> Iterator[TrainingJob]:
-        """Yield the trainings: of both networks, and of a hybrid that corrects this simulator.
+        """Yield the trainings: of both networks, and of a hybrid that corrects this predictor.
 
         Args:
             episodes: to learn from.
-            simulator: as these amend it.
+            physics: with the simulator that these amend.
             name: of the trainings, and of their folders.
             folder: of checkpoints.
         """
@@ -56,15 +61,15 @@ class FineTuning:
         # Nothing is chosen by validation, so there is none of its own.
         data = WindowData(tracks, tracks, self.settings, self.seed)
         start = {key: copy.deepcopy(one) for key, one in self.networks.items()}
-        start[ON_AMENDED] = _correcting(start[HYBRID], simulator)
+        start[ON_AMENDED] = _correcting(start[HYBRID], physics)
         for key, network in start.items():
             yield TrainingJob(f"{key}-{name}", network, data, folder / f"{key}-{name}")
 
 
-def _correcting(hybrid: ForecastNetwork, simulator: Simulator) -> ForecastNetwork:
-    """Return a hybrid that says that another simulator is right, until it learns otherwise."""
+def _correcting(hybrid: ForecastNetwork, physics: PhysicsPredictor) -> ForecastNetwork:
+    """Return a hybrid that says that another predictor is right, until it learns otherwise."""
     network = copy.deepcopy(hybrid)
-    network.simulator = simulator
+    network.physics = physics
     assert isinstance(network.network, Transformer)
     network.network.start_at_baseline()
     return network

@@ -27,8 +27,10 @@ from models.predictors.protocol import Forecast, Predictor
 from models.predictors.windows import Windows, concatenate_windows, cut_windows
 from pipeline.evaluation.costs import machine
 from pipeline.evaluation.forecasts import concatenated
+from pipeline.gap.expected_balls import expected_balls
 from pipeline.gap.folds import fold_numbers
 from pipeline.gap.measured_shots import read_measured_episodes
+from pipeline.gap.shots import shots_of, source_shots
 from pipeline.io.artifacts import write_csv, write_json, write_text
 from pipeline.io.episodes import MeasuredEpisode
 from pipeline.io.simulators import load_simulator, simulator_yaml
@@ -115,12 +117,13 @@ def _adapted(
         "amended simulators",
     )
     simulators = {name: load_simulator(str(file)) for name, file in files.items()}
-    trained = _fine_tuned(folds, simulators, root, params, scratch)
+    physics = {fold.name: _physics(fold, simulators[fold.name]) for fold in folds}
+    trained = _fine_tuned(folds, physics, root, params, scratch)
     keys = (TRANSFORMER, HYBRID, ON_AMENDED)
     return {
         fold.name: {
             f"physics_{NOMINAL}": PhysicsPredictor(nominal),
-            AMENDED: PhysicsPredictor(simulators[fold.name]),
+            AMENDED: physics[fold.name],
             **{key: trained[f"{key}-{fold.name}"] for key in keys},
         }
         for fold in folds
@@ -131,9 +134,15 @@ def _amend(fold: Fold, nominal: Simulator, file: Path) -> None:
     write_text(file, simulator_yaml(amended_by(fold.others, nominal)))
 
 
+def _physics(fold: Fold, simulator: Simulator) -> PhysicsPredictor:
+    """Return an amended simulator that expects such balls as the other folds have."""
+    shots = shots_of(source_shots(fold.others).members)
+    return PhysicsPredictor(simulator, expected_balls(shots, simulator))
+
+
 def _fine_tuned(
     folds: list[Fold],
-    simulators: Mapping[str, Simulator],
+    physics: Mapping[str, PhysicsPredictor],
     root: Path,
     params: Params,
     scratch: Path,
@@ -148,7 +157,7 @@ def _fine_tuned(
     jobs = [
         job
         for fold in folds
-        for job in tuning.jobs(fold.others, simulators[fold.name], fold.name, scratch)
+        for job in tuning.jobs(fold.others, physics[fold.name], fold.name, scratch)
     ]
     results: list[TrainingResult] = train_networks(jobs)
     return {one.name: LearnedPredictor(one.network, one.spread) for one in results}

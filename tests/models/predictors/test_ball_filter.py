@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from models.predictors.ball_filter import filtered
+from models.predictors.ball_filter import ANY_BALL, Expected, filtered
+from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import History
 from tests.models.predictors.balls import FIRST, TRUTH, observed
 from tests.models.predictors.filterpy_filter import filtered_by_filterpy
@@ -49,3 +50,27 @@ def test_errors_are_as_large_as_the_covariance_says():
     inner = found.covariances[:, :6, :6]
     distances = np.einsum("bi,bi->b", miss, np.linalg.solve(inner, miss[..., None])[..., 0])
     assert distances.mean() == pytest.approx(6.0, rel=0.3)
+
+
+def test_balls_that_never_spin_are_forecast_better_if_that_is_known():
+    """Without labels, the path alone hardly shows a spin."""
+    first = FIRST.copy()
+    first[:, 6:] = 0.0
+    history, future = observed(np.tile(first, (20, 1)), noise=0.003, labelled=False)
+    known = Expected(noise=0.003, spin_spread=(5.0, 5.0, 5.0))
+    errors = [
+        np.linalg.norm(PhysicsPredictor(TRUTH, one).predict(history).states - future, axis=-1)
+        for one in (ANY_BALL, known)
+    ]
+    assert errors[1][:, -1].mean() < 0.8 * errors[0][:, -1].mean()
+
+
+def test_the_expected_spin_turns_with_the_course():
+    """Topspin of 200 rad/s, whichever way a ball flies."""
+    topspin = Expected(spin=(0.0, 200.0, 0.0), spin_spread=(1.0, 1.0, 1.0))
+    along = np.array([0.0, 0.0, 0.4, 5.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    across = np.array([0.0, 0.0, 0.4, 0.0, -5.0, 1.0, 0.0, 0.0, 0.0])
+    history, _ = observed(np.stack([along, across]), labelled=False)
+    spins = filtered(history, TRUTH, topspin).states[:, 6:]
+    assert spins[0] == pytest.approx([0.0, 200.0, 0.0], abs=10.0)
+    assert spins[1] == pytest.approx([200.0, 0.0, 0.0], abs=10.0)

@@ -9,6 +9,7 @@ import pytest
 import pipeline.real_forecasts.run
 from models.ball.simulators import shipped
 from models.predictors.learned import build_network
+from models.predictors.physics import PhysicsPredictor
 from models.predictors.settings import HybridSettings
 from models.predictors.spread import Spread
 from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
@@ -79,11 +80,11 @@ def test_every_recording_is_tested_once_by_every_predictor(root):
 
 def test_a_hybrid_on_another_simulator_starts_from_its_forecasts(root, tmp_path):
     networks = {"transformer": network(TINY), "hybrid": build_network(TINY_HYBRID, SIMULATOR)}
-    other = SIMULATOR.amended("drag", cd=0.3)
+    other = PhysicsPredictor(SIMULATOR.amended("drag", cd=0.3))
     (fold, _) = pipeline.real_forecasts.run._folds(root / "data" / "csv", "csv")
     jobs = list(FineTuning(networks, BRIEF, 0).jobs(fold.others, other, "one", tmp_path))
     assert [one.name for one in jobs] == ["transformer-one", "hybrid-one", "hybrid_on_amended-one"]
     started = jobs[2].network
-    assert (started.simulator, jobs[1].network.simulator) == (other, SIMULATOR)
+    assert (started.physics, jobs[1].network.simulator) == (other, SIMULATOR)
     assert not started.network.projection.weight.any()
     assert networks["hybrid"].simulator == SIMULATOR
