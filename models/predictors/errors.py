@@ -68,7 +68,7 @@ def error_statistics(
         std = np.sqrt(np.where(counted, (value - mean) ** 2, 0.0).sum(axis=0) / count)
         means = _resampled_means(value, counted, recordings, resamples, generator)
     low, high = _quantiles(means, [0.025, 0.975]) if resamples else (mean, mean)
-    (median,) = _quantiles(error, [0.5])
+    (median,) = _quantiles(error.astype(np.float64), [0.5])
     return ErrorStatistics(mean, median, std, count, low, high)
 
 
