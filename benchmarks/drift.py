@@ -85,27 +85,29 @@ def sessions() -> Iterator[Session]:
 
 def summary(asked: Sequence[Session], found: Sequence[tuple[int, str] | None]) -> dict[str, Any]:
     """Return the content of the report."""
-    quiet = [alarm for one, alarm in zip(asked, found, strict=True) if one.cause is None]
-    causes: dict[str, Any] = {}
-    for identity in CAUSES:
-        for size in SIZES:
-            alarms = [
-                alarm
-                for one, alarm in zip(asked, found, strict=True)
-                if one.cause and one.cause.identity == identity and one.size == size
-            ]
-            right = [alarm[0] if alarm and alarm[1] == identity else np.inf for alarm in alarms]
-            median = float(np.median(right))
-            causes.setdefault(identity, {})[f"{size}x"] = {
-                "sessions": len(alarms),
-                "alarms": sum(alarm is not None for alarm in alarms),
-                "median_shots": median if np.isfinite(median) else None,
-                "named_right": float(np.isfinite(right).mean()),
-            }
+    by_case: dict[tuple[str, float], list[tuple[int, str] | None]] = {}
+    for one, alarm in zip(asked, found, strict=True):
+        case = (one.cause.identity if one.cause else "", one.size)
+        by_case.setdefault(case, []).append(alarm)
+    quiet = by_case["", 0.0]
     return {
         "false_alarms": sum(alarm is not None for alarm in quiet),
         "shots": QUIET_SESSIONS * QUIET_SHOTS,
-        "causes": causes,
+        "causes": {
+            identity: {f"{size}x": _scores(by_case[identity, size], identity) for size in SIZES}
+            for identity in CAUSES
+        },
+    }
+
+
+def _scores(alarms: Sequence[tuple[int, str] | None], identity: str) -> dict[str, Any]:
+    right = [alarm[0] if alarm and alarm[1] == identity else np.inf for alarm in alarms]
+    median = float(np.median(right))
+    return {
+        "sessions": len(alarms),
+        "alarms": sum(alarm is not None for alarm in alarms),
+        "median_shots": median if np.isfinite(median) else None,
+        "named_right": float(np.isfinite(right).mean()),
     }
 
 

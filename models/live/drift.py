@@ -24,12 +24,10 @@ from models.gap.settings import DEFAULTS, GapSettings
 
 REFERENCE = 100  # shots, at least as many as most windows have
 WINDOWS = (5, 7, 10, 14, 20, 28, 40, 57, 80, 113, 160)  # lengths, in shots
-# Standard errors from which a difference is an alarm: in simulated sessions without any change, of
-# 100 reference shots, fewer than one shot in 10,000 raises one (benchmarks/drift.py).
+# Standard errors from which a difference is an alarm. benchmarks/drift.py counts false alarms.
 THRESHOLD = 5.0
 LARGEST = 6.0  # standard deviations; a shot's score counts as no larger
 TINY = 1e-12  # information of a shot that does not show a parameter
-
 
 Shot = tuple[Floats, Floats, Floats]  # (N,) times, (N, 3) positions and spins, NaN without one
 

@@ -68,7 +68,7 @@ class Expected:
     Attributes:
         noise: m, standard deviation of a measured coordinate.
         spin: rad/s, mean about three axes: along the horizontal course, to its left, and up.
-        spin_spread: rad/s, standard deviations about these; only their sizes matter with a label.
+        spin_spread: rad/s, standard deviations about these. A label replaces mean and spread.
     """
 
     noise: float = POSITION_NOISE

@@ -66,7 +66,7 @@ def error_statistics(
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = value.sum(axis=0) / count
         std = np.sqrt(np.where(counted, (value - mean) ** 2, 0.0).sum(axis=0) / count)
-        means = _resampled_means(value, counted, recordings, resamples, generator)
+        means = resampled_means(value, counted, recordings, resamples, generator)
     low, high = _quantiles(means, [0.025, 0.975]) if resamples else (mean, mean)
     (median,) = _quantiles(error.astype(np.float64), [0.5])
     return ErrorStatistics(mean, median, std, count, low, high)
@@ -82,13 +82,14 @@ def _quantiles(rows: Floats, shares: list[float]) -> Floats:
     return quantiles
 
 
-def _resampled_means(
+def resampled_means(
     value: Floats,
     counted: Bools,
     recordings: np.ndarray,
     resamples: int,
     generator: np.random.Generator,
 ) -> Floats:
+    """Return (R, H) means of (B, H) values where they count, by resampled recordings."""
     if not len(recordings):
         return np.full((resamples, value.shape[1]), np.nan)
     names, member = np.unique(recordings, return_inverse=True)

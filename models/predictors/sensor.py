@@ -17,6 +17,7 @@ from models.ball.types import Floats
 from models.predictors.protocol import History
 
 STEPS = 3  # of a fixed-point iteration; sensors err by millimetres that hardly vary over as much
+MOMENT = 1e-3  # s, over which a velocity is measured
 
 
 class Sensor:
@@ -73,6 +74,3 @@ class Sensor:
         measured[..., VELOCITY] = (ahead - measured[..., POSITION]) / (MOMENT * self.clock)
         measured[..., SPIN] = measured_spins(self.simulator, states[..., SPIN])
         return measured
-
-
-MOMENT = 1e-3  # s, over which a velocity is measured

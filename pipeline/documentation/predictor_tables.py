@@ -1,6 +1,7 @@
 """Tables of forecast errors and of what predictors cost."""
 
 from pathlib import Path
+from typing import Any
 
 from pipeline.documentation.cells import (
     HORIZON_HEADS,
@@ -52,12 +53,17 @@ def errors_by(root: Path, column: str) -> str:
     errors = read_report(root, name, "set == 'arena'")
     rows = []
     for predictor, some in errors.groupby("predictor", sort=False):
-        cells = [
-            f"{with_interval(row.mean, row.ci_low, row.ci_high)}, median {row.median:.0f}"
-            for row in some.itertuples()
-        ]
+        cells = _with_medians(some)
         rows.append([PREDICTORS[predictor], *cells])
     return markdown_table(["predictor", *errors[column].unique()], rows)
+
+
+def _with_medians(rows: Any) -> list[str]:
+    """Return the mean of each row with its interval and its median."""
+    return [
+        f"{with_interval(row.mean, row.ci_low, row.ci_high)}, median {row.median:.0f}"
+        for row in rows.itertuples()
+    ]
 
 
 def coverage(root: Path) -> str:
@@ -83,10 +89,7 @@ def measured_forecasts(root: Path) -> str:
     errors = read_report(root, "real/forecasts.csv", query).sort_values("horizon_ms", kind="stable")
     rows = []
     for (name, predictor), some in errors.groupby(["set", "predictor"], sort=False):
-        cells = [
-            f"{with_interval(row.mean, row.ci_low, row.ci_high)}, median {row.median:.0f}"
-            for row in some.itertuples()
-        ]
+        cells = _with_medians(some)
         rows.append([name, ADAPTED[predictor], *cells])
     return markdown_table(["set", "predictor", *HORIZON_HEADS], rows)
 

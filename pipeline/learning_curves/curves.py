@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from models.predictors.errors import resampled_means
 from models.predictors.protocol import Floats
 
 RESAMPLES = 1000
@@ -76,15 +77,11 @@ def _means(one: Errors) -> Floats:
 
 def _resampled(by_draw: Floats, tested: np.ndarray, seed: int) -> Floats:
     """Return (R, H) means of resampled draws and test recordings."""
-    names, member = np.unique(tested, return_inverse=True)
-    draws, _, horizons = by_draw.shape
-    known = np.isfinite(by_draw[0])
-    sums, counts = np.zeros((len(names), draws, horizons)), np.zeros((len(names), horizons))
-    np.add.at(sums, member, np.nan_to_num(by_draw).swapaxes(0, 1))
-    np.add.at(counts, member, known)
+    draws, windows, horizons = by_draw.shape
     random = np.random.default_rng(seed)
-    weights = random.multinomial(len(names), np.full(len(names), 1 / len(names)), RESAMPLES)
+    flat = by_draw.swapaxes(0, 1).reshape(windows, -1)
+    counted = np.isfinite(flat)
+    of_draws = resampled_means(np.nan_to_num(flat), counted, tested, RESAMPLES, random)
     chosen = random.multinomial(draws, np.full(draws, 1 / draws), RESAMPLES) / draws
-    totals = np.einsum("rn,ndh,rd->rh", weights, sums, chosen, optimize=True)
-    means: Floats = totals / (weights @ counts)
+    means: Floats = np.einsum("rdh,rd->rh", of_draws.reshape(-1, draws, horizons), chosen)
     return means

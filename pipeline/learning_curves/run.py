@@ -4,8 +4,6 @@ Simulators are amended, and networks trained, by more and more of the training r
 random orders. All forecast the same test windows. A killed run resumes.
 """
 
-import hashlib
-import json
 import shutil
 from collections.abc import Iterator, Mapping
 from functools import partial
@@ -22,11 +20,11 @@ from pipeline.evaluation.costs import machine
 from pipeline.evaluation.forecasts import forecast_windows
 from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
 from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
+from pipeline.gap.amended_files import amended_simulators
 from pipeline.io.amended_simulators import AMENDED
-from pipeline.io.artifacts import write_csv, write_json, write_text
+from pipeline.io.artifacts import write_csv, write_json
 from pipeline.io.figure_style import apply_style, save_figure
 from pipeline.io.ground_truth import read_truth
-from pipeline.io.simulators import load_simulator, simulator_yaml
 from pipeline.learning_curves.curves import Errors, curve_rows
 from pipeline.learning_curves.figure import learning_curves_figure
 from pipeline.learning_curves.subsets import Learner, Subset, subsets
@@ -34,9 +32,8 @@ from pipeline.params import load_params
 from pipeline.predictors.parallel_training import train_networks
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import make_missing
 from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import content_hash, short
+from pipeline.runtime.provenance import combined_hash, short
 
 SIZES, DRAWS = (10, 30, 100, 300, 1000), 3
 BASE, NETWORKS = "imperfect_c", ("hybrid", "transformer")
@@ -53,7 +50,7 @@ def learning_curves(root: Path) -> None:
         InputError: the stages before have not run, or not with the arena.
     """
     params = load_params(root / "params.yaml")
-    scratch = root / SCRATCH / _fingerprint(root)
+    scratch = root / SCRATCH / short(combined_hash(root, DEPENDENCIES))
     learner = Learner(root / "artifacts", ARENA, params)
     chosen = list(subsets(learner.recordings, SIZES, DRAWS, params.seed))
     every = params.evaluate_predictor.window_every_ms / 1000
@@ -89,14 +86,8 @@ def _errors(
 
 
 def _amended(learner: Learner, chosen: list[Subset], scratch: Path) -> Predictors:
-    files = {one.name: scratch / f"{one.name}.yaml" for one in chosen}
-    tasks = {files[one.name]: partial(_amend, learner, one, files[one.name]) for one in chosen}
-    make_missing(tasks, "amended simulators")
-    return {name: PhysicsPredictor(load_simulator(str(file))) for name, file in files.items()}
-
-
-def _amend(learner: Learner, subset: Subset, file: Path) -> None:
-    write_text(file, simulator_yaml(learner.amended(subset, BASE)))
+    amend = {one.name: partial(learner.amended, one, BASE) for one in chosen}
+    return {name: PhysicsPredictor(one) for name, one in amended_simulators(amend, scratch).items()}
 
 
 def _trained(learner: Learner, chosen: list[Subset], network: str, scratch: Path) -> Predictors:
@@ -114,11 +105,6 @@ def _oracle(root: Path, chosen: list[Subset]) -> Predictors:
     if truth is None:
         raise InputError(path, "is missing; run `dvc repro ingest` with the arena")
     return dict.fromkeys((one.name for one in chosen), PhysicsPredictor(truth.simulator))
-
-
-def _fingerprint(root: Path) -> str:
-    hashes = [content_hash(root / name) for name in DEPENDENCIES]
-    return short(hashlib.sha256(json.dumps(hashes).encode()).hexdigest())
 
 
 if __name__ == "__main__":

@@ -86,8 +86,13 @@ def forecast_message(
         forecaster: that has taken it.
         alarm: of the watch for drift, if there was one.
     """
-    message: dict[str, Any] = {"num": number, "seen": seen, "time": None, "states": None}
-    message["drift"] = _drift(alarm)
+    message: dict[str, Any] = {
+        "num": number,
+        "seen": seen,
+        "time": None,
+        "states": None,
+        "drift": _drift(alarm),
+    }
     if forecaster.ready:
         times = forecaster.last + AHEAD
         states, covariances = forecaster.predict(times)

@@ -1,4 +1,4 @@
-"""The watch for drift beside the forecasts: shots go to another process, alarms come back."""
+"""The watch for drift during forecasts: shots go to another process, alarms come back."""
 
 import signal
 from collections import deque
@@ -65,15 +65,20 @@ class Watch:
         )
 
     def observe(self, row: Measurement, seen: Seen, ball: Track) -> None:
-        """Take a measurement and what became of it, and look whether there is an alarm."""
+        """Take a measurement and what became of it, and look whether there is an alarm.
+
+        The first alarm ends the watch: the simulator has to be amended.
+        """
+        if self.alarm:
+            return
         shot = self._collector.observe(row, seen, ball)
         if shot is not None:
             self._pending.append(self._worker.submit(_add, shot))
         while self._pending and self._pending[0].done():
-            alarm = self._pending.popleft().result()
-            if alarm and not self.alarm:
-                self.alarm = alarm
-                self._on_alarm(alarm)
+            self.alarm = self._pending.popleft().result()
+            if self.alarm:
+                self._on_alarm(self.alarm)
+                return
 
     def close(self) -> None:
         """End the process."""

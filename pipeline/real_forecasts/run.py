@@ -6,7 +6,6 @@ simulator amended, and networks of the arena fine-tuned. Needs the trained netwo
 """
 
 import hashlib
-import json
 import os
 import shutil
 from collections.abc import Mapping
@@ -27,22 +26,22 @@ from models.predictors.protocol import Forecast, Predictor
 from models.predictors.windows import Windows, concatenate_windows, cut_windows
 from pipeline.evaluation.costs import machine
 from pipeline.evaluation.forecasts import concatenated
+from pipeline.gap.amended_files import amended_simulators
 from pipeline.gap.expected_balls import expected_balls
 from pipeline.gap.folds import fold_numbers
 from pipeline.gap.measured_shots import read_measured_episodes
 from pipeline.gap.shots import shots_of, source_shots
-from pipeline.io.artifacts import write_csv, write_json, write_text
+from pipeline.io.artifacts import write_csv, write_json
 from pipeline.io.episodes import MeasuredEpisode
-from pipeline.io.simulators import load_simulator, simulator_yaml
+from pipeline.io.simulators import load_simulator
 from pipeline.params import Params, load_params
 from pipeline.predictors.parallel_training import TrainingResult, train_networks
 from pipeline.predictors.storage import load_network
 from pipeline.real_forecasts.adapted import HYBRID, ON_AMENDED, TRANSFORMER, FineTuning, amended_by
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import make_missing
 from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import content_hash, short
+from pipeline.runtime.provenance import combined_hash, short
 
 SETS, FOLDS = ("spindoe", "tt3d", "isr_ball_prediction"), 5
 NOMINAL, AMENDED = "literature", "amended"
@@ -111,12 +110,8 @@ def _adapted(
 ) -> dict[str, dict[str, Predictor]]:
     """Return all predictors for the test of each fold, by its name."""
     nominal = load_simulator(NOMINAL)
-    files = {fold.name: scratch / f"{fold.name}.yaml" for fold in folds}
-    make_missing(
-        {files[one.name]: partial(_amend, one, nominal, files[one.name]) for one in folds},
-        "amended simulators",
-    )
-    simulators = {name: load_simulator(str(file)) for name, file in files.items()}
+    amend = {fold.name: partial(amended_by, fold.others, nominal) for fold in folds}
+    simulators = amended_simulators(amend, scratch)
     physics = {fold.name: _physics(fold, simulators[fold.name]) for fold in folds}
     trained = _fine_tuned(folds, physics, root, params, scratch)
     keys = (TRANSFORMER, HYBRID, ON_AMENDED)
@@ -128,10 +123,6 @@ def _adapted(
         }
         for fold in folds
     }
-
-
-def _amend(fold: Fold, nominal: Simulator, file: Path) -> None:
-    write_text(file, simulator_yaml(amended_by(fold.others, nominal)))
 
 
 def _physics(fold: Fold, simulator: Simulator) -> PhysicsPredictor:
@@ -192,7 +183,7 @@ def _recordings(episodes: list[MeasuredEpisode]) -> NDArray[Any]:
 
 
 def _fingerprint(root: Path, folds: Mapping[str, list[Fold]]) -> str:
-    digest = hashlib.sha256(json.dumps([content_hash(root / one) for one in DEPENDENCIES]).encode())
+    digest = hashlib.sha256(combined_hash(root, DEPENDENCIES).encode())
     for fold in (one for some in folds.values() for one in some):
         for episode in fold.tested:
             digest.update(episode.episode.positions.tobytes())
@@ -201,6 +192,6 @@ def _fingerprint(root: Path, folds: Mapping[str, list[Fold]]) -> str:
 
 if __name__ == "__main__":
     try:
-        real_forecasts(repository_root(), Path(os.environ["RALLYGAP_DATA"]))
+        real_forecasts(repository_root(), Path(os.environ.get("RALLYGAP_DATA", "")))
     except InputError as error:
         refuse(error)
