@@ -24,8 +24,8 @@ VERSION = 2  # of the file (see ``Verdict.version``); grows when a field changes
 
 Answer = Literal["no_gap", "named", "ambiguous", "unknown"]
 Kind = Literal["wrong_value", "missing_effect"]
-# A physical cause that matters, a fault of the sensor, or structure that is small or unsure.
 VariationKind = Literal["drift", "by_side", "between_shots"]
+# A physical cause that matters, a fault of the sensor, or structure that is small or unsure.
 Role = Literal["leading", "sensor", "minor"]
 
 
@@ -57,7 +57,7 @@ class Check(_Part):
         name: what is compared.
         ratio: measured over expected, 1 where the model fits; of labels, their error over the spin;
             of bounces, the standard deviation of the restitution.
-        interval: 95 % interval, bootstrap over shots.
+        interval: 95 % interval, bootstrap over shots; of bounces, by their number.
         allowed: range of ratios of a model that fits.
     """
 

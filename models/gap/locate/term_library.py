@@ -75,9 +75,7 @@ def terms_about(linear: Linearised) -> Terms:
     terms, forcings = _forcings(flown.states)
     flight = flown.measured_changes(terms, after_forcing(flown.arcs, forcings))
     whole = Terms.together([flight, of_bounces(flown), _of_sensor(flown)])
-    whole.positions[~linear.sampled] = 0.0
-    whole.labels[~linear.labelled] = 0.0
-    return whole
+    return whole.where_used(linear)
 
 
 def _forcings(states: Floats) -> tuple[list[Term], Floats]:

@@ -54,6 +54,12 @@ class Terms:
             np.concatenate([part.labels for part in parts], axis=3),
         )
 
+    def where_used(self, linear: Linearised) -> "Terms":
+        """Return the terms, zero where a measurement is not used."""
+        positions = np.where(linear.sampled[..., None, None], self.positions, 0.0)
+        labels = np.where(linear.labelled[..., None, None], self.labels, 0.0)
+        return Terms(self.terms, positions, labels)
+
 
 @dataclass(frozen=True)
 class Flown:

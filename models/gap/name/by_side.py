@@ -64,10 +64,8 @@ def _terms(flown: Flown, parameters: Sequence[Hypothesis]) -> Terms:
     side = np.where(flown.states[..., POSITION.start + 1] > 0.0, 0.5, -0.5)[..., None]
     forcings = [side * _forcing(flown, one) for one in parameters]
     changes = after_forcing(flown.arcs, np.stack(forcings, axis=-1))
-    terms = flown.measured_changes([Term(BY_SIDE, one.identity) for one in parameters], changes)
-    terms.positions[~flown.linear.sampled] = 0.0
-    terms.labels[~flown.linear.labelled] = 0.0
-    return terms
+    names = [Term(BY_SIDE, one.identity) for one in parameters]
+    return flown.measured_changes(names, changes).where_used(flown.linear)
 
 
 def _forcing(flown: Flown, parameter: Hypothesis) -> Floats:

@@ -58,7 +58,7 @@ class Verified:
 
     @cached_property
     def checks(self) -> tuple[Check, ...]:
-        """Whether the model fits held-out shots."""
+        """Whether the model fits held-out shots, and its bounces those that are fitted."""
         return checks(self.named.fit, self.verification, self.errors, self.question.settings)
 
     @property
