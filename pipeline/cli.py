@@ -242,6 +242,9 @@ def live(
     predictor: Annotated[
         Path | None, typer.Option(help="the folder of a trained one that forecasts instead")
     ] = None,
+    balls: Annotated[
+        Path | None, typer.Option(help="the balls.json of a verdict, the balls to expect")
+    ] = None,
     observations: Annotated[
         str, typer.Option(help="address of the camera server, JSON by ZeroMQ")
     ] = "tcp://127.0.0.1:7660",
@@ -260,7 +263,7 @@ def live(
     from pipeline.live.command import forecaster, replay, serve
     from pipeline.live.latency import summary
 
-    ready = forecaster(simulator, predictor)
+    ready = forecaster(simulator, predictor, balls)
     if recordings is None:
         typer.echo(f"Measurements from {observations}, forecasts at {forecasts}.")
         latencies = serve(ready, observations, forecasts)

@@ -10,6 +10,7 @@ import numpy as np
 
 from models.ball.state import BALL_RADIUS, POSITION, STATE_SIZE, VELOCITY
 from models.ball.types import Floats
+from models.predictors.sensor import Sensor
 
 GRAVITY = 9.81  # m/s^2; only within a step of a path, and for the error of an apex
 NEAR_TABLE = 0.15  # m, height below which a ball that turns upwards has bounced
@@ -39,17 +40,23 @@ class Crossing:
         return float(np.sqrt(variance)) / max(abs(self.rate), 1e-3)
 
 
-def bounce(states: Floats) -> Crossing | None:
-    """Return the next contact with the table of a ball with (T, 9) states; None without any."""
+def bounce(states: Floats, sensor: Sensor) -> Crossing | None:
+    """Return the next contact with the table of a ball; None without any.
+
+    Args:
+        states: (T, 9) of the ball, as they would be measured.
+        sensor: that measures them; it knows where the table is in its coordinates.
+    """
     height, rise = states[:, 2], states[:, 5]
     k = _first((rise[:-1] < 0) & (rise[1:] > 0) & (height[:-1] < NEAR_TABLE))
     if k is None:
         return None
-    above, fall = max(float(height[k]) - BALL_RADIUS, 0.0), -float(rise[k])
+    true_height = float(sensor.true_positions(states[k, POSITION])[2])
+    above, fall = max(true_height - BALL_RADIUS, 0.0), -float(rise[k])
     after = (np.sqrt(fall**2 + 2 * GRAVITY * above) - fall) / GRAVITY
     state = states[k].copy()
     state[POSITION] += after * state[VELOCITY]
-    state[2], state[5] = BALL_RADIUS, rise[k] - GRAVITY * after
+    state[2], state[5] = height[k] - above, rise[k] - GRAVITY * after
     return Crossing(k, float(after), state, _gradient(2), float(state[5]))
 
 

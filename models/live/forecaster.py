@@ -1,9 +1,9 @@
 """The forecaster: one measurement after the other comes in, forecasts are there at any time.
 
-All times are of the sensor's clock. A measurement that the present ball cannot have made is an
-outlier, or belongs to another ball. It starts a second track. If that goes on while the present
-ball is seen no more, a player has struck the ball, or there is a new one, or the clock has started
-again: then the second track is the present ball.
+All times are of the sensor's clock, and all states as the sensor would measure them. A measurement
+that the present ball cannot have made is an outlier, or belongs to another ball. It starts a second
+track. If that goes on while the present ball is seen no more, a player has struck the ball, or
+there is a new one, or the clock has started again: then the second track is the present ball.
 """
 
 from dataclasses import dataclass
@@ -19,9 +19,10 @@ from models.live import crossings
 from models.live.crossings import Crossing
 from models.live.history import history_of
 from models.live.track import Track
-from models.predictors.ball_filter import POSITION_NOISE
+from models.predictors.ball_filter import ANY_BALL, Expected
 from models.predictors.propagation import propagated
 from models.predictors.protocol import FUTURE_TIMES, TICK, ProbabilisticPredictor
+from models.predictors.sensor import Sensor
 
 Seen = Literal["used", "unused", "new ball"]
 
@@ -38,7 +39,8 @@ class Event:
     Attributes:
         time: s, of the sensor's clock.
         time_error: s, its standard deviation.
-        state: (9,) position (m), velocity (m/s) and spin (rad/s) then, before a contact.
+        state: (9,) position (m), velocity (m/s) and spin (rad/s) then, before a contact, as they
+            would be measured.
         covariance: (9, 9) of the state.
     """
 
@@ -56,21 +58,22 @@ class Forecaster:
     """Forecasts the ball that is measured.
 
     Args:
-        simulator: of the ball; it tells which measurements belong to it.
+        simulator: of the ball and of the sensor; it tells which measurements belong to the ball.
         predictor: that forecasts up to 300 ms ahead, from the last 55 ms; the simulator does, from
             all measurements, if there is none.
-        noise: m, standard deviation of a measured coordinate, where no covariance is given.
+        expected: of the balls; its noise is that of a position without a covariance.
     """
 
     def __init__(
         self,
         simulator: Simulator,
         predictor: ProbabilisticPredictor | None = None,
-        noise: float = POSITION_NOISE,
+        expected: Expected = ANY_BALL,
     ) -> None:
-        self.simulator, self.predictor = simulator, predictor
-        self._noise = noise**2 * np.eye(3)
-        self._ball, self._other = Track(simulator), Track(simulator)
+        self.simulator, self.predictor, self.expected = simulator, predictor, expected
+        self._sensor = Sensor(simulator)
+        self._noise = expected.noise**2 * np.eye(3)
+        self._ball, self._other = self._new_track(), self._new_track()
         self._missed = 0  # measurements since the present ball had one
         self._forecast: Floats | None = None  # the predictor's, of this measurement
 
@@ -124,11 +127,11 @@ class Forecaster:
             return "used"
         self._missed += 1
         if not self._other.add(t, place, noise, measured):
-            self._other = Track(self.simulator)
+            self._other = self._new_track()
             self._other.add(t, place, noise, measured)
         if min(self._missed, self._other.count) < NEW_BALL:
             return "unused"
-        self._ball, self._other = self._other, Track(self.simulator)
+        self._ball, self._other = self._other, self._new_track()
         self._missed = 0
         return "new ball"
 
@@ -150,17 +153,18 @@ class Forecaster:
             raise NoBallError("no ball has been measured three times yet")
         ahead = np.atleast_1d(np.asarray(times, dtype=np.float64)) - self._ball.last
         now = self._ball.state[None], self._ball.covariance[None]
-        states, covariances = (one[0] for one in propagated(self.simulator, *now, ahead))
+        found = propagated(self.simulator, *now, ahead / self._sensor.clock)
+        states, covariances = (one[0] for one in found)
         if self.predictor is None:
-            return states, covariances
-        found = _at(ahead, self._by(self.predictor))
+            return self._sensor.measured_states(states), covariances
+        rows = _at(ahead, self._by(self.predictor))
         covariances[:, POSITION, 3:] = covariances[:, 3:, POSITION] = 0.0
-        covariances[:, POSITION, POSITION] = found[:, STATE_SIZE:].reshape(-1, 3, 3)
-        return found[:, :STATE_SIZE], covariances
+        covariances[:, POSITION, POSITION] = rows[:, STATE_SIZE:].reshape(-1, 3, 3)
+        return rows[:, :STATE_SIZE], covariances
 
     def bounce(self) -> Event | None:
         """Return the ball's next contact with the table; None if there is none in a second."""
-        return self._event(crossings.bounce(self._coming()))
+        return self._event(crossings.bounce(self._coming(), self._sensor))
 
     def apex(self) -> Event | None:
         """Return where the ball next stops rising; None if it does not within a second."""
@@ -182,8 +186,8 @@ class Forecaster:
             return np.empty((0, STATE_SIZE))
         if self.predictor is not None:
             return self._by(self.predictor)[1:, :STATE_SIZE]
-        states: Floats = self.simulator.fly(self._ball.state, COMING).states[0]
-        return states
+        states = self.simulator.fly(self._ball.state, COMING / self._sensor.clock).states[0]
+        return self._sensor.measured_states(states)
 
     def _by(self, predictor: ProbabilisticPredictor) -> Floats:
         """Return (61, 18) states and covariances of positions, now and as a predictor says.
@@ -193,12 +197,15 @@ class Forecaster:
         if self._forecast is None:
             forecast, covariances = predictor.predict_with_covariances(history_of(self._ball))
             rows = np.empty((1 + len(FUTURE_TIMES), 2 * STATE_SIZE))
-            rows[0, :STATE_SIZE] = self._ball.state
+            rows[0, :STATE_SIZE] = self._sensor.measured_states(self._ball.state)
             rows[0, STATE_SIZE:] = self._ball.covariance[POSITION, POSITION].ravel()
             rows[1:, :STATE_SIZE] = forecast.states[0]
             rows[1:, STATE_SIZE:] = covariances[0].reshape(-1, STATE_SIZE)
             self._forecast = rows
         return self._forecast
+
+    def _new_track(self) -> Track:
+        return Track(self.simulator, self.expected)
 
     def _event(self, found: Crossing | None) -> Event | None:
         if found is None:

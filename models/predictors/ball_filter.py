@@ -244,7 +244,7 @@ def _first_guess(
     x, P = np.zeros(SIZE), np.zeros((SIZE, SIZE))
     x[:3] = measured[0, :3]
     x[3:6] = _median_slope(measured, np.flatnonzero(placed)[:FIRST_SAMPLES], tick)
-    course = _course(x[3:6])
+    course = course_axes(x[3:6])
     x[6:] = course @ prior[1:4]
     P[6:, 6:] = (course * prior[4:] ** 2) @ course.T
     if labelled.any():
@@ -257,7 +257,7 @@ def _first_guess(
 
 
 @compiled
-def _course(velocity: Floats) -> Floats:
+def course_axes(velocity: Floats) -> Floats:
     """Return the (3, 3) axes, in columns, along a horizontal course, to its left, and up."""
     axes, speed = np.eye(3), np.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
     if speed > 0.0:

@@ -59,7 +59,7 @@ class Calibration:
     def of(cls, validation: Errors) -> "Calibration":
         """Return the smallest radii whose ellipsoids cover as much as ``LEVELS`` say.
 
-        At a horizon without any measurement they are NaN.
+        Where too few windows are measured for a level, they are NaN.
         """
         distances = np.sort(validation.distances, axis=0)  # NaN is last
         counts = np.isfinite(distances).sum(axis=0)
@@ -72,10 +72,12 @@ class Calibration:
         return cls(radii)
 
     def covered(self, errors: Errors) -> Floats:
-        """Return (L, B, H) 1 where a set contains the measured position, NaN without any."""
-        distances = errors.distances
-        inside = distances <= self.radii[:, None]
-        return np.where(np.isfinite(distances), inside, np.nan)
+        """Return (L, B, H) 1 where a set contains the measured position.
+
+        They are NaN where there is no set, or no measurement.
+        """
+        away = errors.distances - self.radii[:, None]
+        return np.where(np.isfinite(away), away <= 0.0, np.nan)
 
     def sizes(self, errors: Errors) -> Floats:
         """Return (L, B, H) radii, m, of balls with the volumes of the sets."""

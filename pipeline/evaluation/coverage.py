@@ -1,6 +1,7 @@
 """How sure predictors are, and whether they may be: coverage and size of their sets, and CRPS."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -20,6 +21,73 @@ from pipeline.runtime.parallel import parallel
 BATCH = 256  # windows
 MM = 1e3  # in a metre
 COLUMNS = ["horizon_ms", "coverage", "ci_low", "ci_high", "size_mm", "crps_mm", "n"]
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """What calibrated sets make of B forecasts at H horizons, by L levels; NaN where not measured.
+
+    Attributes:
+        covered: (L, B, H) 1 where a set contains the measured position.
+        sizes: (L, B, H) m, radii of balls with the volumes of the sets.
+        scores: (B, H) m, CRPS.
+    """
+
+    covered: Floats
+    sizes: Floats
+    scores: Floats
+
+    @classmethod
+    def of(cls, calibration: Calibration, errors: Errors) -> "Coverage":
+        """Return the coverage of forecasts by their errors."""
+        sizes, scores = calibration.sizes(errors), crps(errors, calibration)
+        return cls(calibration.covered(errors), sizes, scores)
+
+    @classmethod
+    def crossed(cls, parts: Sequence[Errors]) -> "Coverage":
+        """Return the coverage of all parts, each with sets that the other parts calibrate."""
+        found = []
+        for k, part in enumerate(parts):
+            others = joined_errors([*parts[:k], *parts[k + 1 :]])
+            found.append(cls.of(Calibration.of(others), part))
+        return cls(
+            np.concatenate([one.covered for one in found], axis=1),
+            np.concatenate([one.sizes for one in found], axis=1),
+            np.concatenate([one.scores for one in found]),
+        )
+
+    def table(self, recordings: np.ndarray, resamples: int, seed: int) -> pd.DataFrame:
+        """Return one row a level and horizon, with intervals by a bootstrap over recordings.
+
+        Args:
+            recordings: (B,) of the forecasts.
+            resamples: of these.
+            seed: of the draws.
+
+        Returns:
+            Columns level, horizon_ms, coverage with ci_low and ci_high, size_mm, crps_mm, n.
+        """
+        levels = {
+            (level,): self._rows(number, recordings, resamples, seed)
+            for number, level in enumerate(LEVELS)
+        }
+        return concat_tables(levels, ["level"])
+
+    def _rows(self, number: int, recordings: np.ndarray, resamples: int, seed: int) -> pd.DataFrame:
+        """Return the rows of one level, by its number."""
+        covered = self.covered[number]
+        shares = error_statistics(covered, recordings, resamples, np.random.default_rng(seed))
+        known = np.isfinite(covered)
+        columns = (
+            HORIZONS_MS,
+            shares.mean,
+            shares.low,
+            shares.high,
+            MM * _mean(self.sizes[number], known),
+            MM * _mean(self.scores, known),
+            shares.count,
+        )
+        return pd.DataFrame(dict(zip(COLUMNS, columns, strict=True)))[shares.count > 0]
 
 
 def coverage_rows(
@@ -43,24 +111,18 @@ def coverage_rows(
     Returns:
         Columns predictor, level, horizon_ms, coverage with ci_low and ci_high, size_mm, crps_mm, n.
     """
-    batches = [
-        partial(_errors_of_batch, one.predictor, windows)
-        for one in predictors
-        for part in (validation, test)
-        for windows in _batches(part.windows)
+    tasks = [
+        task for one in predictors for part in (validation, test) for task in _tasks(one, part)
     ]
-    found = iter(parallel(batches, f"uncertainty on {test.name}"))
+    found = iter(parallel(tasks, f"uncertainty on {test.name}"))
     frames = {}
     for one in predictors:
         known, new = (
-            _joined([next(found) for _ in _batches(part.windows)]) for part in (validation, test)
+            joined_errors([next(found) for _ in _tasks(one, part)]) for part in (validation, test)
         )
-        calibration = Calibration.of(known)
-        for number, level in enumerate(LEVELS):
-            frames[one.name, level] = _rows(
-                calibration, new, number, test.recordings, resamples, seed
-            )
-    return concat_tables(frames, ["predictor", "level"])
+        coverage = Coverage.of(Calibration.of(known), new)
+        frames[(one.name,)] = coverage.table(test.recordings, resamples, seed)
+    return concat_tables(frames, ["predictor"])
 
 
 def coverage_table(rows: Mapping[str, pd.DataFrame]) -> ReportTable:
@@ -94,6 +156,21 @@ def coverage_figures(rows: Mapping[str, pd.DataFrame]) -> list[ReportFigure]:
     ]
 
 
+def errors_of(predictor: ProbabilisticPredictor, windows: Windows) -> Errors:
+    """Return the errors at the horizons ``HORIZONS_MS``."""
+    return joined_errors([_errors_of_batch(predictor, one) for one in _batches(windows)])
+
+
+def joined_errors(parts: Sequence[Errors]) -> Errors:
+    """Return the errors of several parts as one."""
+    away = np.concatenate([one.away for one in parts])
+    return Errors(away, np.concatenate([one.covariances for one in parts]))
+
+
+def _tasks(one: NamedPredictor, part: MeasuredSet) -> list[Callable[[], Errors]]:
+    return [partial(_errors_of_batch, one.predictor, batch) for batch in _batches(part.windows)]
+
+
 def _errors_of_batch(predictor: ProbabilisticPredictor, windows: Windows) -> Errors:
     found = Errors.of(*predictor.predict_with_covariances(windows.history), windows)
     return Errors(found.away[:, EVALUATED], found.covariances[:, EVALUATED])
@@ -101,36 +178,6 @@ def _errors_of_batch(predictor: ProbabilisticPredictor, windows: Windows) -> Err
 
 def _batches(windows: Windows) -> list[Windows]:
     return [windows[k : k + BATCH] for k in range(0, len(windows), BATCH)]
-
-
-def _joined(parts: Sequence[Errors]) -> Errors:
-    away = np.concatenate([one.away for one in parts])
-    return Errors(away, np.concatenate([one.covariances for one in parts]))
-
-
-def _rows(
-    calibration: Calibration,
-    errors: Errors,
-    number: int,
-    recordings: np.ndarray,
-    resamples: int,
-    seed: int,
-) -> pd.DataFrame:
-    """Return the rows of one level, by its number."""
-    random = np.random.default_rng(seed)
-    covered = calibration.covered(errors)[number]
-    shares = error_statistics(covered, recordings, resamples, random)
-    known = np.isfinite(covered)
-    columns = (
-        HORIZONS_MS,
-        shares.mean,
-        shares.low,
-        shares.high,
-        MM * _mean(calibration.sizes(errors)[number], known),
-        MM * _mean(crps(errors, calibration), known),
-        shares.count,
-    )
-    return pd.DataFrame(dict(zip(COLUMNS, columns, strict=True)))[shares.count > 0]
 
 
 def _mean(values: Floats, known: np.ndarray) -> Floats:

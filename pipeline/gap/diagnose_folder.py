@@ -5,10 +5,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from models.ball.simulator import Simulator
-from models.gap.amend.simulator import amended_yaml
+from models.gap.amend.simulator import amended, amended_yaml
 from models.gap.diagnose import diagnose
 from models.gap.settings import DEFAULTS, GapSettings
 from models.gap.verdict import DetectionLimits
+from pipeline.gap.expected_balls import expected_balls, expected_json
 from pipeline.gap.figures.camera import camera_figure
 from pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
 from pipeline.gap.figures.verdict import causes_figure, error_figure
@@ -43,7 +44,8 @@ def diagnose_folder(
 ) -> Findings:
     """Diagnose the recordings of a folder and write the verdict.
 
-    ``out`` gets verdict.json, amended.yaml, report.html and figures/*.png, all of them or none.
+    ``out`` gets verdict.json, amended.yaml, balls.json, report.html and figures/*.png, all of them
+    or none.
 
     Args:
         data: folder with the files of the source.
@@ -89,14 +91,15 @@ def diagnose_folder(
         folder = data.resolve().name
         origin = made_from(measured.name, folder, counts, nominal, simulator, settings)
         verdict = verdict.model_copy(update={"made_from": origin})
-        findings = Findings(measured, nominal, simulator, settings, verdict)
         with bar.phase("writing"):
+            balls = expected_balls(measured.shots, amended(nominal, verdict, minor))
+            findings = Findings(measured, nominal, simulator, settings, verdict, balls)
             write_findings(findings, out, minor)
     return findings
 
 
 def write_findings(findings: Findings, out: Path, minor: bool = False) -> None:
-    """Write verdict, amended simulator, page and figures, all of them or none.
+    """Write verdict, amended simulator, expected balls, page and figures, all of them or none.
 
     Args:
         findings: to write.
@@ -134,7 +137,7 @@ def figures_of(findings: Findings) -> list[ReportFigure]:
 
 
 def _write_all(findings: Findings, folder: Path, minor: bool) -> None:
-    amended = amended_yaml(findings.simulator, findings.verdict, findings.measured.name, minor)
+    simulator = amended_yaml(findings.simulator, findings.verdict, findings.measured.name, minor)
     pictures = folder / FIGURES
     pictures.mkdir()
     apply_style()
@@ -142,8 +145,9 @@ def _write_all(findings: Findings, folder: Path, minor: bool) -> None:
     for figure in figures:
         figure.write(pictures / f"{figure.name}.png")
     write_text(folder / "verdict.json", findings.verdict.to_json())
-    write_text(folder / "amended.yaml", amended)
-    write_text(folder / "report.html", render_gap_page(findings, amended, pictures, figures))
+    write_text(folder / "amended.yaml", simulator)
+    write_text(folder / "balls.json", expected_json(findings.balls))
+    write_text(folder / "report.html", render_gap_page(findings, simulator, pictures, figures))
 
 
 def _replace_all(folder: Path, out: Path) -> None:

@@ -1,6 +1,11 @@
 """What shots say of the balls to come: the noise of the cameras, and the spins of the players."""
 
+import json
+from dataclasses import asdict
+from pathlib import Path
+
 import numpy as np
+from pydantic import BaseModel, FiniteFloat, PositiveFloat, ValidationError
 
 from models.ball.simulator import Simulator
 from models.ball.state import SPIN
@@ -10,6 +15,8 @@ from models.gap.fit.shots import Shots
 from models.gap.locate.covariates import course_frames
 from models.gap.settings import DEFAULTS
 from models.predictors.ball_filter import Expected
+from pipeline.io.artifacts import read_json
+from pipeline.runtime.errors import InputError
 
 LEAST_SPREAD = 5.0  # rad/s
 
@@ -27,3 +34,35 @@ def expected_balls(shots: Shots, simulator: Simulator) -> Expected:
         tuple(typical.tolist()),
         tuple(np.maximum(spread, LEAST_SPREAD).tolist()),
     )
+
+
+class _Content(BaseModel, extra="forbid"):
+    noise: PositiveFloat
+    spin: tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+    spin_spread: tuple[PositiveFloat, PositiveFloat, PositiveFloat]
+
+
+def expected_json(expected: Expected) -> str:
+    """Return the content of a file of expected balls, with five digits."""
+    return json.dumps({key: _rounded(value) for key, value in asdict(expected).items()}) + "\n"
+
+
+def read_expected(path: Path) -> Expected:
+    """Read a file of expected balls.
+
+    Raises:
+        InputError: it is missing, or something in it cannot be.
+    """
+    try:
+        return Expected(**_Content.model_validate(read_json(path)).model_dump())
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        problem = f"{first['msg']}; give the balls.json of a verdict"
+        raise InputError(path, problem, field=place) from None
+
+
+def _rounded(value: float | tuple[float, ...]) -> float | list[float]:
+    if isinstance(value, tuple):
+        return [float(f"{one:.5g}") for one in value]
+    return float(f"{value:.5g}")

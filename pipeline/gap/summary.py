@@ -9,6 +9,7 @@ from models.ball.simulator import Simulator
 from models.gap.hypotheses import Hypothesis
 from models.gap.settings import GapSettings
 from models.gap.verdict import Cause, DetectionLimits, Gap, Variation, Verdict
+from models.predictors.ball_filter import Expected
 from pipeline.gap.measured_shots import MeasuredShots
 from pipeline.gap.next_step import next_step
 from pipeline.gap.reservations import reservations
@@ -31,13 +32,23 @@ SIGNIFICANT = 0.05  # p-value up to which a covariate is reported
 
 @dataclass(frozen=True)
 class Findings:
-    """A verdict with its data, its nominal simulator under the user's name, and its settings."""
+    """A verdict and what made it.
+
+    Attributes:
+        measured: the data.
+        simulator: the nominal one.
+        simulator_name: the user's name for it.
+        settings: of the workflow.
+        verdict: on these.
+        balls: that are to be expected after these shots.
+    """
 
     measured: MeasuredShots
     simulator: Simulator
     simulator_name: str
     settings: GapSettings
     verdict: Verdict
+    balls: Expected
 
     @property
     def outcome(self) -> list[str]:

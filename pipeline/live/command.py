@@ -6,6 +6,9 @@ from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
 from models.live.forecaster import Forecaster
+from models.predictors.ball_filter import ANY_BALL
+from models.predictors.protocol import ProbabilisticPredictor
+from pipeline.gap.expected_balls import read_expected
 from pipeline.gap.measured_shots import read_recordings
 from pipeline.io.simulators import load_simulator
 from pipeline.live.bridge import received, sockets
@@ -19,26 +22,29 @@ from pipeline.runtime.console import warn
 STOPS = (signal.SIGINT, signal.SIGTERM)
 
 
-def forecaster(simulator: str, predictor: Path | None) -> Forecaster:
+def forecaster(simulator: str, predictor: Path | None, balls: Path | None) -> Forecaster:
     """Return a forecaster that has compiled what it needs.
 
     Args:
         simulator: name of a shipped one, or its YAML file.
         predictor: folder of a trained one, if the simulator is not to forecast.
+        balls: file of the balls to expect; without it they may have any spin.
 
     Raises:
-        InputError: the simulator or the predictor cannot be read.
+        InputError: one of these cannot be read.
     """
-    if predictor is None:
-        found = Forecaster(load_simulator(simulator))
-    else:
-        from models.live.compiled import CompiledPredictor
-        from pipeline.predictors.storage import load_predictor
-
-        compiled = CompiledPredictor(load_predictor(predictor))
-        found = Forecaster(load_simulator(simulator), compiled)
+    expected = read_expected(balls) if balls else ANY_BALL
+    compiled = _compiled(predictor) if predictor else None
+    found = Forecaster(load_simulator(simulator), compiled, expected)
     warm_up(found)
     return found
+
+
+def _compiled(folder: Path) -> ProbabilisticPredictor:
+    from models.live.compiled import CompiledPredictor
+    from pipeline.predictors.storage import load_predictor
+
+    return CompiledPredictor(load_predictor(folder))
 
 
 def serve(forecaster: Forecaster, observations: str, forecasts: str) -> Latencies:

@@ -9,7 +9,6 @@ import hashlib
 import os
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -18,14 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
-from models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErrors, concat_tables
-from models.predictors.evaluation import forecast_errors as errors_of
+from models.predictors.evaluation import SHOWN_HORIZONS_MS, concat_tables
 from models.predictors.learned import LearnedPredictor
 from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import Forecast, Predictor
-from models.predictors.windows import Windows, concatenate_windows, cut_windows
+from models.predictors.protocol import ProbabilisticPredictor
 from pipeline.evaluation.costs import machine
-from pipeline.evaluation.forecasts import concatenated
 from pipeline.gap.amended_files import amended_simulators
 from pipeline.gap.expected_balls import expected_balls
 from pipeline.gap.folds import fold_numbers
@@ -34,10 +30,11 @@ from pipeline.gap.shots import shots_of, source_shots
 from pipeline.io.artifacts import write_csv, write_json
 from pipeline.io.episodes import MeasuredEpisode
 from pipeline.io.simulators import load_simulator
-from pipeline.params import Params, load_params
+from pipeline.params import EvaluatePredictorSettings, Params, load_params
 from pipeline.predictors.parallel_training import TrainingResult, train_networks
 from pipeline.predictors.storage import load_network
 from pipeline.real_forecasts.adapted import HYBRID, ON_AMENDED, TRANSFORMER, FineTuning, amended_by
+from pipeline.real_forecasts.tested import Fold, Tested
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import repository_root
@@ -52,23 +49,8 @@ DEPENDENCIES = ("models", "pipeline/real_forecasts", "params.yaml", "artifacts/t
 COMPARED = (AMENDED, HYBRID, ON_AMENDED)  # with all others, window by window
 
 
-@dataclass(frozen=True)
-class Fold:
-    """One part of the recordings of a set, which the others adapt predictors for.
-
-    Attributes:
-        name: of its files.
-        tested: its episodes.
-        others: those of the other folds.
-    """
-
-    name: str
-    tested: list[MeasuredEpisode]
-    others: list[MeasuredEpisode]
-
-
 def real_forecasts(root: Path, folder: Path) -> None:
-    """Write errors and paired differences to ``reports/real``.
+    """Write errors, paired differences and the coverage of sets to ``reports/real``.
 
     Args:
         root: of the repository.
@@ -82,14 +64,29 @@ def real_forecasts(root: Path, folder: Path) -> None:
     scratch = root / SCRATCH / _fingerprint(root, folds)
     every = params.evaluate_predictor.window_every_ms / 1000
     adapted = _adapted([one for some in folds.values() for one in some], root, params, scratch)
-    found = {name: _errors(some, adapted, every, params) for name, some in folds.items()}
-    over = concat_tables({(name,): one.over_horizon() for name, one in found.items()}, ["set"])
-    rows = over[over["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
-    write_csv(root / REPORT / "forecasts.csv", rows, digits=4)
-    pairs = {(name,): one.differences(list(COMPARED)) for name, one in found.items()}
-    write_csv(root / REPORT / "forecast_differences.csv", concat_tables(pairs, ["set"]), digits=4)
+    tested = {name: Tested.of(some, adapted, every) for name, some in folds.items()}
+    _write_tables(root / REPORT, tested, params.evaluate_predictor, params.seed)
     write_json(root / REPORT / "forecasts.json", machine(root))
     shutil.rmtree(root / SCRATCH)
+
+
+def _write_tables(
+    folder: Path, tested: Mapping[str, Tested], settings: EvaluatePredictorSettings, seed: int
+) -> None:
+    found = {name: one.errors(settings, seed) for name, one in tested.items()}
+    tables = {
+        "forecasts": {(name,): one.over_horizon() for name, one in found.items()},
+        "forecast_differences": {
+            (name,): one.differences(list(COMPARED)) for name, one in found.items()
+        },
+        "forecast_coverage": {
+            (name,): one.coverage(settings, seed) for name, one in tested.items()
+        },
+    }
+    for name, parts in tables.items():
+        rows = concat_tables(parts, ["set"])
+        shown = rows[rows["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
+        write_csv(folder / f"{name}.csv", shown, digits=4)
 
 
 def _folds(folder: Path, name: str) -> list[Fold]:
@@ -107,7 +104,7 @@ def _folds(folder: Path, name: str) -> list[Fold]:
 
 def _adapted(
     folds: list[Fold], root: Path, params: Params, scratch: Path
-) -> dict[str, dict[str, Predictor]]:
+) -> dict[str, dict[str, ProbabilisticPredictor]]:
     """Return all predictors for the test of each fold, by its name."""
     nominal = load_simulator(NOMINAL)
     amend = {fold.name: partial(amended_by, fold.others, nominal) for fold in folds}
@@ -137,7 +134,7 @@ def _fine_tuned(
     root: Path,
     params: Params,
     scratch: Path,
-) -> dict[str, Predictor]:
+) -> dict[str, ProbabilisticPredictor]:
     settings = params.train_predictor
     folder = root / "artifacts" / "train_predictor"
     tuning = FineTuning(
@@ -152,30 +149,6 @@ def _fine_tuned(
     ]
     results: list[TrainingResult] = train_networks(jobs)
     return {one.name: LearnedPredictor(one.network, one.spread) for one in results}
-
-
-def _errors(
-    folds: list[Fold], adapted: Mapping[str, Mapping[str, Predictor]], every: float, params: Params
-) -> ForecastErrors:
-    """Return the errors on all recordings of a set."""
-    windows: list[Windows] = []
-    forecasts: dict[str, list[Forecast]] = {}
-    recordings: list[NDArray[Any]] = []
-    for fold in folds:
-        members = [one for one in fold.tested if one.unbroken]
-        parts = [cut_windows(one.episode, every) for one in members]
-        windows.append(concatenate_windows(parts))
-        recordings.append(np.repeat(_recordings(members), [len(part) for part in parts]))
-        for name, predictor in adapted[fold.name].items():
-            forecasts.setdefault(name, []).append(predictor.predict(windows[-1].history))
-    whole = concatenate_windows(windows)
-    return ForecastErrors(
-        errors_of({name: concatenated(parts) for name, parts in forecasts.items()}, whole),
-        np.concatenate(recordings),
-        whole.bounced[:, -1],
-        params.evaluate_predictor.bootstrap_resamples,
-        params.seed,
-    )
 
 
 def _recordings(episodes: list[MeasuredEpisode]) -> NDArray[Any]:

@@ -18,6 +18,7 @@ from models.gap.verdict import (
     Verdict,
     Worth,
 )
+from models.predictors.ball_filter import ANY_BALL
 from pipeline.gap.cases import Case, Diagnosed
 from pipeline.gap.labels import LabelCounts
 from pipeline.gap.measured_shots import MeasuredShots
@@ -182,4 +183,5 @@ def findings(of=None, simulator_name="sim.yaml", name="lab"):
         bounces=0,
         noise=0.003,
     )
-    return Findings(measured, shipped("literature"), simulator_name, DEFAULTS, of or verdict())
+    nominal = shipped("literature")
+    return Findings(measured, nominal, simulator_name, DEFAULTS, of or verdict(), ANY_BALL)

@@ -11,6 +11,7 @@ import pytest
 from models.ball.simulator import Simulator
 from pipeline.gap import diagnose_folder as diagnosis
 from pipeline.gap.diagnose_folder import diagnose_folder, write_findings
+from pipeline.gap.expected_balls import read_expected
 from pipeline.io.simulators import load_simulator
 from pipeline.runtime.errors import InputError
 from tests.pipeline.recorded import NOMINAL, write_recordings
@@ -19,7 +20,7 @@ from tests.pipeline.verdicts import WIND as WIND_CAUSE
 
 ROOT = Path(__file__).parents[3]
 WIND = {"wind": {"x": 0.6}}
-FILES = ["amended.yaml", "figures/causes.png", "figures/discrepancy.png"]
+FILES = ["amended.yaml", "balls.json", "figures/causes.png", "figures/discrepancy.png"]
 FILES += ["figures/errors.png", "figures/growth.png", "report.html", "verdict.json"]
 
 
@@ -66,6 +67,7 @@ def test_every_file_is_there_and_the_amended_simulator_is_one(windy):
     assert files(out) == FILES
     amended = load_simulator(str(out / "amended.yaml"))
     assert amended.effects["wind"]["x"] == pytest.approx(0.6, rel=0.1)
+    assert read_expected(out / "balls.json").noise == pytest.approx(0.003, rel=0.1)
     assert "<h1>Verdict: named</h1>" in (out / "report.html").read_text()
 
 
@@ -74,7 +76,8 @@ def test_clean_recordings_have_no_gap(tmp_path):
     found = diagnose_folder(folder, "csv", NOMINAL, 0.003, tmp_path / "out")
     assert found.verdict.verdict == "no_gap"
     assert files(tmp_path / "out") == [
-        "amended.yaml", "figures/errors.png", "figures/growth.png", "report.html", "verdict.json",
+        "amended.yaml", "balls.json", "figures/errors.png", "figures/growth.png", "report.html",
+        "verdict.json",
     ]  # fmt: skip
     assert load_simulator(str(tmp_path / "out/amended.yaml")) == load_simulator(NOMINAL)
 
@@ -99,7 +102,9 @@ def test_a_later_verdict_replaces_an_earlier_one_and_nothing_else(tmp_path):
     write_findings(findings(), tmp_path)
     (tmp_path / "notes.txt").write_text("mine")
     write_findings(findings(verdict("no_gap", (), gap=None)), tmp_path)
-    assert files(tmp_path) == ["amended.yaml", "notes.txt", "report.html", "verdict.json"]
+    assert files(tmp_path) == [
+        "amended.yaml", "balls.json", "notes.txt", "report.html", "verdict.json",
+    ]  # fmt: skip
 
 
 def test_same_findings_same_bytes(tmp_path):

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from pipeline.gap.expected_balls import expected_balls
+from models.predictors.ball_filter import Expected
+from pipeline.gap.expected_balls import expected_balls, expected_json, read_expected
+from pipeline.runtime.errors import InputError
 from tests.models.gap.hidden import NOMINAL, measured
 
 
@@ -16,3 +18,23 @@ def test_noise_and_spins_are_those_of_the_shots():
     left = found.spin_spread[1]
     assert left == pytest.approx(1.4826 * 125.0, rel=0.3)
     assert max(found.spin_spread) == left
+
+
+def test_a_file_has_the_balls_that_were_written(tmp_path):
+    expected = Expected(0.0021, (3.0, -120.0, 0.5), (40.0, 300.0, 90.0))
+    (tmp_path / "balls.json").write_text(expected_json(expected))
+    assert read_expected(tmp_path / "balls.json") == expected
+
+
+@pytest.mark.parametrize(
+    ("content", "field"),
+    [
+        ('{"noise": 0, "spin": [0, 0, 0], "spin_spread": [1, 1, 1]}', "noise"),
+        ('{"noise": 0.002, "spin": [0, 0], "spin_spread": [1, 1, 1]}', "spin"),
+        ('{"noise": 0.002, "spin": [0, 0, 0]}', "spin_spread"),
+    ],
+)
+def test_a_file_of_other_content_is_refused_by_its_field(tmp_path, content, field):
+    (tmp_path / "balls.json").write_text(content)
+    with pytest.raises(InputError, match=f"{field}.*give the balls.json of a verdict"):
+        read_expected(tmp_path / "balls.json")

@@ -15,12 +15,16 @@ import zmq
 from typer.testing import CliRunner
 
 from models.ball.simulators import shipped
+from models.predictors.ball_filter import ANY_BALL, Expected
 from pipeline.cli import app
+from pipeline.gap.expected_balls import expected_json
+from pipeline.live.command import forecaster
 from pipeline.live.replay import measurements, paced
 
 TRUTH = shipped("literature")
 FIRST = np.array([0.1, 1.2, 0.35, 0.3, -6.0, 1.0, -150.0, 20.0, 30.0])
 TIMES = 0.005 * np.arange(60)
+EXPECTED = Expected(0.002, (0.0, -120.0, 0.0), (40.0, 300.0, 90.0))
 PLACES = TRUTH.fly(FIRST, TIMES).states[0, :, :3]
 
 
@@ -100,6 +104,12 @@ def test_recordings_are_replayed_and_latencies_shown(recordings):
     result = CliRunner().invoke(app, [*arguments, "--speed", "1000", "--forecasts", address])
     assert result.exit_code == 0, result.output
     assert "120 frames" in result.output
+
+
+def test_expected_balls_are_those_of_a_file(tmp_path):
+    (tmp_path / "balls.json").write_text(expected_json(EXPECTED))
+    assert forecaster("literature", None, tmp_path / "balls.json").expected == EXPECTED
+    assert forecaster("literature", None, None).expected == ANY_BALL
 
 
 @pytest.mark.parametrize("option", ["--observations", "--forecasts"])

@@ -74,6 +74,9 @@ def test_every_recording_is_tested_once_by_every_predictor(root):
     assert errors["physics_literature"] < 40.0  # the truth; the set errs by 2 mm
     pairs = pd.read_csv(report / "forecast_differences.csv")
     assert set(pairs["predictor"]) == {"amended", "hybrid", "hybrid_on_amended"}
+    covered = pd.read_csv(report / "forecast_coverage.csv")
+    assert set(covered["predictor"]) == PREDICTORS
+    assert covered["coverage"].between(0.0, 1.0).all() and covered["size_mm"].gt(0.0).all()
     assert "commit" in json.loads((report / "forecasts.json").read_text())
     assert not (root / "scratch" / "real_forecasts").exists()
 
