@@ -5,9 +5,9 @@ operations. The network, its normaliser and the spread of its errors are compile
 The baseline of a hybrid is an input, which comes from a simulator.
 
 Of large networks the time is that of their matrices. Most of these are multiplied as 8-bit integers
-(dynamic quantisation), which changes forecasts by less than a millimetre. Those that would
-change them more stay as they are: the output, and what the first layer of the decoder makes of rows
-that no layer has normalised.
+(dynamic quantisation), which changes forecasts by less than a millimetre. Those of the output would
+change them more and stay as they are. What depends on no input, such as what the first layer of a
+decoder makes of the placeholders of future states, is calculated once, without integers.
 """
 
 import ast
@@ -30,13 +30,7 @@ from models.predictors.spread import Spread
 OPSET = 23  # the first with an operator for attention
 SLOWER = ["MatMulAddFusion", "SkipLayerNormFusion"]  # for the few rows of one window
 LARGE = 2_000_000  # parameters of a network, from which integers are faster
-# Modules whose matrices stay as they are.
-EXACT = {
-    "spread",
-    "network.network.projection",
-    "network.network.decoder.0.attention.value",
-    "network.network.decoder.0.attention.merged",
-}
+EXACT = {"spread", "network.network.projection"}  # modules whose matrices stay as they are
 SCOPES = "pkg.torch.onnx.name_scopes"  # where the exporter notes the modules of an operator
 
 
@@ -93,13 +87,18 @@ class _Graph(nn.Module):
 
 def _session(graph: _Graph) -> Any:
     """Compile a graph; it runs on the thread that calls it."""
+    model = _exported(graph)
+    return _run_by(_quantised(model) if graph.network.parameter_count > LARGE else model)
+
+
+def _run_by(model: Any, **settings: Any) -> Any:
+    """Return a session of ONNX Runtime that runs a model, with settings of its options."""
     import onnxruntime as runtime
 
     options = runtime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
-    model = _exported(graph)
-    if graph.network.parameter_count > LARGE:
-        model = _quantised(model)
+    for name, value in settings.items():
+        setattr(options, name, value)
     return runtime.InferenceSession(
         model.SerializeToString(),
         options,
@@ -128,7 +127,7 @@ def _quantised(model: Any) -> Any:
     with _silent(), tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "quantised.onnx"
         quantize_dynamic(
-            model,
+            _with_constants(model, Path(folder) / "constants.onnx"),
             path,
             op_types_to_quantize=["MatMul", "Gemm"],
             nodes_to_exclude=exact,
@@ -136,6 +135,16 @@ def _quantised(model: Any) -> Any:
             extra_options={"MatMulConstBOnly": True},
         )
         return onnx.load(path)
+
+
+def _with_constants(model: Any, path: Path) -> Any:
+    """Return an ONNX model in which what depends on no input is a constant, by way of a file."""
+    import onnx
+    from onnxruntime import GraphOptimizationLevel
+
+    level = GraphOptimizationLevel.ORT_ENABLE_BASIC
+    _run_by(model, graph_optimization_level=level, optimized_model_filepath=str(path))
+    return onnx.load(path)
 
 
 def _scopes(node: Any) -> list[str]:

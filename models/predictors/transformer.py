@@ -20,6 +20,10 @@ from torch.nn.functional import gelu, pad, scaled_dot_product_attention
 from models.predictors.normaliser import INPUTS, OUTPUTS, RESIDUALS
 from models.predictors.protocol import FUTURE, HISTORY
 
+# (B, T, width) rows, or several such tensors whose rows follow one another. A compiler calculates
+# once what is made of a tensor that depends on no input.
+Rows = Tensor | tuple[Tensor, ...]
+
 
 class Attention(nn.Module):
     """Multi-head scaled dot-product attention (Vaswani 2017)."""
@@ -29,15 +33,18 @@ class Attention(nn.Module):
         self.heads = heads
         self.query, self.key, self.value, self.merged = (nn.Linear(width, width) for _ in range(4))
 
-    def forward(self, queries: Tensor, memory: Tensor) -> Tensor:
+    def forward(self, queries: Rows, memory: Rows) -> Tensor:
         """Return (B, Q, width): ``queries`` of that shape attend to (B, K, width) ``memory``."""
-        query, key = self._split(self.query(queries)), self._split(self.key(memory))
-        attended = scaled_dot_product_attention(query, key, self._split(self.value(memory)))
+        query, key = self._heads(self.query, queries), self._heads(self.key, memory)
+        attended = scaled_dot_product_attention(query, key, self._heads(self.value, memory))
         merged: Tensor = self.merged(attended.transpose(1, 2).flatten(2))
         return merged
 
-    def _split(self, rows: Tensor) -> Tensor:
-        """Return (B, heads, T, width / heads)."""
+    def _heads(self, projection: nn.Module, parts: Rows) -> Tensor:
+        """Return (B, heads, T, width / heads) projections."""
+        if isinstance(parts, Tensor):
+            parts = (parts,)
+        rows = torch.cat([projection(part) for part in parts], dim=1)
         count, times, width = rows.shape
         return rows.view(count, times, self.heads, width // self.heads).transpose(1, 2)
 
@@ -84,10 +91,10 @@ class DecoderLayer(nn.Module):
             nn.LayerNorm(width) for _ in range(3)
         )
 
-    def forward(self, rows: Tensor, encoded: Tensor, first: int = 0) -> Tensor:
+    def forward(self, rows: Rows, encoded: Tensor, first: int = 0) -> Tensor:
         """Return (B, T - first, width) of the last of (B, T, width) ``rows``."""
-        last = rows[:, first:]
-        attended = self.after_attention(self.attention(last, rows) + last)
+        last = (torch.cat(rows, dim=1) if isinstance(rows, tuple) else rows)[:, first:]
+        attended = self.after_attention(self.attention(last if first else rows, rows) + last)
         crossed = self.after_crossing(self.crossing(attended, encoded) + attended)
         decoded: Tensor = self.after_block(self.block(crossed) + crossed)
         return decoded
@@ -95,6 +102,8 @@ class DecoderLayer(nn.Module):
 
 class Embedding(nn.Module):
     """Projects rows of measurements to the layers' width and adds the positional encoding."""
+
+    positions: Tensor
 
     def __init__(self, inputs: int, length: int, width: int) -> None:
         super().__init__()
@@ -104,8 +113,14 @@ class Embedding(nn.Module):
     def forward(self, rows: Tensor) -> Tensor:
         """Return (B, T, width) of (B, T, inputs) normalised rows."""
         projected = self.projection(rows.transpose(1, 2)).transpose(1, 2)
-        embedded: Tensor = projected + self.positions
+        embedded: Tensor = projected + self.positions[: rows.shape[1]]
         return embedded
+
+    def of_zeros(self, count: int, first: int) -> Tensor:
+        """Return (count, T, width) of rows of zeros from ``first`` on, after one of zeros."""
+        assert self.projection.bias is not None  # by default
+        rows: Tensor = self.projection.bias + self.positions[first:]
+        return rows.expand(count, -1, -1)
 
 
 class Transformer(nn.Module):
@@ -145,21 +160,29 @@ class Transformer(nn.Module):
 
         As in the paper, the network does not read the mask.
         """
-        placeholders = expected[:, FUTURE // self.rows - 1 :: FUTURE // self.rows]
         if self.uniform_motion:
             history = torch.cat([history, residual], dim=2)
-            placeholders = pad(placeholders, (0, RESIDUALS))
-        else:
-            placeholders = torch.zeros_like(placeholders)
         encoded = self.encoder_embedding(history)
         for layer in self.encoder:
             encoded = layer(encoded)
-        decoded = self.decoder_embedding(torch.cat([history, placeholders], dim=1))
+        decoded = self._embedded(history, expected)
         for layer in self.decoder[:-1]:
             decoded = layer(decoded, encoded)
         # Nothing reads what the last layer makes of the history.
         future: Tensor = self.projection(self.decoder[-1](decoded, encoded, HISTORY))
         return future.reshape(len(history), FUTURE, OUTPUTS)
+
+    def _embedded(self, history: Tensor, expected: Tensor) -> Rows:
+        """Return the decoder's input: the history, and a placeholder for every row of states."""
+        if self.uniform_motion:
+            states = expected[:, FUTURE // self.rows - 1 :: FUTURE // self.rows]
+            embedded: Tensor = self.decoder_embedding(
+                torch.cat([history, pad(states, (0, RESIDUALS))], dim=1)
+            )
+            return embedded
+        # The convolution of the first placeholder reaches into the history, the others are fixed.
+        first = self.decoder_embedding(pad(history, (0, 0, 0, 1)))
+        return first, self.decoder_embedding.of_zeros(len(history), HISTORY + 1)
 
 
 def sinusoids(length: int, width: int) -> Tensor:
