@@ -20,7 +20,6 @@ from models.policy.settings import (
     GoalSettings,
     HorizonsMs,
     LearningSettings,
-    ObservationKind,
     SensorNoise,
 )
 from models.predictors.settings import NetworkSettings, TrainingSettings
@@ -132,7 +131,7 @@ class PolicyGroupSettings(Settings):
     horizons_ms: Annotated[list[HorizonsMs], Field(min_length=1)]
     repeats: Annotated[int, Field(ge=1, le=100)]
     """Policies that differ only in the seed."""
-    observation: ObservationKind
+    observation: Literal["intercept", "strict"]
     goals: GoalSettings
     learning: LearningSettings
 

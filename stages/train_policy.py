@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-import numpy as np
 import pandas as pd
 
+from models.policy.random_streams import training_seed
 from pipeline.io.artifacts import write_table
 from pipeline.io.simulators import load_simulator
 from pipeline.policies.report import report_training
@@ -47,13 +47,9 @@ def _descriptions(run: StageRun) -> Iterator[TrainedPolicy]:
                         observation=group.observation,
                         goals=group.goals,
                         learning=group.learning,
-                        seed=_seed(run.seed, repeat),
+                        seed=training_seed(run.seed, repeat),
                         repeat=repeat,
                     )
-
-
-def _seed(seed: int, repeat: int) -> int:
-    return int(np.random.SeedSequence([seed, repeat]).generate_state(1)[0])
 
 
 if __name__ == "__main__":

@@ -26,6 +26,7 @@ class BallsInFlight:
         self._rows = np.arange(count)
         self._path = np.empty_like(incoming.path)
         self._forecasts = np.empty_like(incoming.forecasts)
+        self._spreads = None if incoming.spreads is None else np.empty_like(incoming.spreads)
         self._start, self._step = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64)
         self.bounce, self.gone = np.empty(count), np.empty(count)
         self.replace(np.ones(count, dtype=np.bool_), incoming)
@@ -33,6 +34,8 @@ class BallsInFlight:
     def replace(self, which: Bools, incoming: IncomingBalls) -> None:
         """Give the environments of ``which`` (B,) new balls, with paths and forecasts as long."""
         self._path[which], self._forecasts[which] = incoming.path, incoming.forecasts
+        if self._spreads is not None:
+            self._spreads[which] = incoming.spreads
         self._start[which], self._step[which] = round(incoming.start / PATH_STEP), 0
         bounce, gone = (incoming.playable / PATH_STEP).T
         self.bounce[which] = np.where(np.isnan(bounce), np.inf, bounce)
@@ -46,9 +49,12 @@ class BallsInFlight:
     @property
     def forecasts(self) -> Floats:
         """(B, H, 9) states that the predictor forecasts now."""
-        last = self._forecasts.shape[1] - 1
-        forecasts: Floats = self._forecasts[self._rows, np.minimum(self._step, last)]
-        return forecasts
+        return self._now(self._forecasts)
+
+    @property
+    def spreads(self) -> Floats | None:
+        """(B, H, 3) standard deviations of their positions, where the predictor says them."""
+        return None if self._spreads is None else self._now(self._spreads)
 
     def ahead(self) -> tuple[Integers, Floats]:
         """Return moments (S + 1, B), in path steps from the launch, and true states (S + 1, B, 9).
@@ -62,3 +68,8 @@ class BallsInFlight:
     def advance(self) -> None:
         """Go on to the next control step."""
         self._step += 1
+
+    def _now(self, values: Floats) -> Floats:
+        """Return those of (B, T, ...) values that belong to the control step of each ball."""
+        now: Floats = values[self._rows, np.minimum(self._step, values.shape[1] - 1)]
+        return now

@@ -89,8 +89,10 @@ class BatchSimulation:
 
     def observe(self) -> Observations:
         """Return the (B, O) observations of all environments."""
-        arms, forecasts = self.arms, self._balls.forecasts
-        return observe(arms.joints, arms.joint_speeds, forecasts, self._goals, self._kind)
+        arms, balls = self.arms, self._balls
+        return observe(
+            arms.joints, arms.joint_speeds, balls.forecasts, balls.spreads, self._goals, self._kind
+        )
 
     def step(self, actions: NDArray[np.floating]) -> StepResult:
         """Simulate one control step.

@@ -38,19 +38,25 @@ class IncomingBalls:
             predictor needs measurements first.
         forecasts: (B, T, H, 9) states that the predictor forecasts at each of the T control steps
             of ``control_times(start)``, at the H horizons after it.
+        spreads: (B, T, H, 3) m, standard deviations of the forecast positions; None where the
+            predictor does not say them.
     """
 
     path: Floats
     playable: Floats
     start: float
     forecasts: Floats
+    spreads: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.path)
 
     def __getitem__(self, rows: Rows) -> "IncomingBalls":
         """Return some of the balls."""
-        return IncomingBalls(self.path[rows], self.playable[rows], self.start, self.forecasts[rows])
+        spreads = None if self.spreads is None else self.spreads[rows]
+        return IncomingBalls(
+            self.path[rows], self.playable[rows], self.start, self.forecasts[rows], spreads
+        )
 
 
 def control_times(start: float) -> Floats:

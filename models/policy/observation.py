@@ -12,6 +12,7 @@ from models.robot.kinematics import Racket, racket
 
 Observations = NDArray[np.float32]
 
+WITH_CROSSING = ("intercept", "spread")  # kinds of observation
 LIMIT = 5.0  # clips every value: a diverged forecast must not saturate the network
 
 _MIDDLE, _HALF_RANGE = 0.5 * (UPPER + LOWER), 0.5 * (UPPER - LOWER)
@@ -30,10 +31,16 @@ GRAVITY = 9.81  # m/s^2
 SLOWEST = 0.5  # m/s: slower balls are treated as if they approached at this speed
 EARLIEST, LATEST = -0.5, 1.0  # s
 CROSSING_SCALE = np.array([0.3, 0.5, 0.5, 1.5, 4.0, 3.0])  # s, m, m, m/s
+SPREAD_SCALE = 0.03  # m
 
 
 def observe(
-    joints: Floats, speeds: Floats, forecasts: Floats, goals: Goals, kind: ObservationKind
+    joints: Floats,
+    speeds: Floats,
+    forecasts: Floats,
+    spreads: Floats | None,
+    goals: Goals,
+    kind: ObservationKind,
 ) -> Observations:
     """Return the (B, O) observations of B environments.
 
@@ -41,9 +48,13 @@ def observe(
         joints: (B, 6) m and rad.
         speeds: (B, 6) m/s and rad/s.
         forecasts: (B, H, 9) forecast states, nearest horizon first.
+        spreads: (B, H, 3) m, standard deviations of the forecast positions.
         goals: (B,).
         kind: ``strict`` is the paper's observation: robot, forecasts and goal; ``intercept`` adds
-            where the nearest forecast crosses the racket's plane.
+            where the nearest forecast crosses the racket's plane; ``spread`` adds the spreads.
+
+    Raises:
+        ValueError: ``spread`` without spreads.
     """
     racket_state = racket(joints, speeds)
     parts = [
@@ -55,8 +66,12 @@ def observe(
         ((forecasts - BALL_CENTRE) / BALL_SCALE).reshape(len(joints), -1),
         goals.scaled(),
     ]
-    if kind == "intercept":
+    if kind in WITH_CROSSING:
         parts.append(plane_crossing(racket_state, forecasts[:, 0]) / CROSSING_SCALE)
+    if kind == "spread":
+        if spreads is None:
+            raise ValueError("this policy observes spreads, but its predictor has none")
+        parts.append(spreads.reshape(len(joints), -1) / SPREAD_SCALE)
     clipped: Observations = np.clip(np.concatenate(parts, axis=1), -LIMIT, LIMIT).astype(np.float32)
     return clipped
 
@@ -84,5 +99,6 @@ def goal_slice(horizons: int, goals: int) -> slice:
 
 def observation_size(horizons: int, goals: int, kind: ObservationKind) -> int:
     """Return the size of an observation."""
-    crossings = len(CROSSING_SCALE) if kind == "intercept" else 0
-    return ROBOT_SIZE + horizons * STATE_SIZE + goals + crossings
+    crossings = len(CROSSING_SCALE) if kind in WITH_CROSSING else 0
+    spreads = 3 * horizons if kind == "spread" else 0
+    return ROBOT_SIZE + horizons * STATE_SIZE + goals + crossings + spreads

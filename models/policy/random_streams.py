@@ -8,6 +8,11 @@ import numpy as np
 _ITERATION, _VALIDATION, _EVALUATION = 0, 1, 2
 
 
+def training_seed(seed: int, repeat: int) -> int:
+    """Return the seed of a training by that of all and the number of the repeat."""
+    return int(np.random.SeedSequence([seed, repeat]).generate_state(1)[0])
+
+
 def iteration_seed(seed: int, iteration: int) -> int:
     """Return the seed of an iteration: of initial weights, balls, batches and actions."""
     return int(np.random.SeedSequence([seed, _ITERATION, iteration]).generate_state(1)[0])

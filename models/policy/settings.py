@@ -7,9 +7,14 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 from models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
 from models.predictors.protocol import FUTURE, TICK
 
-ObservationKind = Literal["intercept", "strict"]
+ObservationKind = Literal["intercept", "strict", "spread"]
 """``strict``: robot, forecasts and goal, as in the paper. ``intercept``: also when and where the
-forecast ball crosses the racket's plane, extrapolated without drag."""
+forecast ball crosses the racket's plane, extrapolated without drag. ``spread``: also the standard
+deviations of the forecast positions."""
+
+ForecastKind = Literal["exact", "filtered"]
+"""What policies train on. ``exact``: the true future. ``filtered``: what a filter makes of noisy
+measurements, with its standard deviations."""
 
 
 def _increasing(horizons: tuple[int, int, int]) -> tuple[int, int, int]:

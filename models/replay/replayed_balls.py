@@ -30,7 +30,14 @@ from models.policy.launches import WORKSPACE
 from models.policy.outcome import with_net
 from models.policy.settings import HorizonsMs
 from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import FUTURE, HISTORY_TIMES, TICK, History, Predictor
+from models.predictors.protocol import (
+    FUTURE,
+    HISTORY_TIMES,
+    TICK,
+    History,
+    Predictor,
+    ProbabilisticPredictor,
+)
 from models.predictors.windows import MIN_OBSERVED, ROUNDING, Episode, observed_at
 from models.replay.shots import Shot
 
@@ -125,8 +132,22 @@ def predict_all(predictor: Predictor, history: History) -> Floats:
     return np.concatenate([predictor.predict(part).states for part in parts])
 
 
+def predict_all_with_spreads(
+    predictor: ProbabilisticPredictor, history: History
+) -> tuple[Floats, Floats]:
+    """Return the (S, 60, 9) forecasts and (S, 60, 3) m, standard deviations of their positions."""
+    states, spreads = [], []
+    for first in range(0, len(history), BATCH):
+        found, covariances = predictor.predict_with_covariances(history[first : first + BATCH])
+        states.append(found.states)
+        spreads.append(np.sqrt(np.diagonal(covariances, axis1=2, axis2=3)))
+    return np.concatenate(states), np.concatenate(spreads)
+
+
 def every_step(forecasts: Floats, histories: Histories, horizons: HorizonsMs) -> Floats:
     """Return the ``forecasts`` of ``IncomingBalls`` from the latest history at every control step.
+
+    Or its ``spreads``, from (S, 60, 3) of these.
 
     Args:
         forecasts: (S, 60, 9) from each history, as ``predict_all`` returns them.

@@ -12,6 +12,7 @@ from models.policy.batch_simulation import ACTIONS
 from models.policy.observation import observation_size
 from models.policy.policy import Policy
 from models.policy.settings import (
+    ForecastKind,
     GoalSettings,
     HorizonsMs,
     LearningSettings,
@@ -33,6 +34,7 @@ class TrainedPolicy(BaseModel):
         effects: that simulator's effects and parameters.
         horizons: of its forecasts, ms.
         observation: its kind; scales are in ``models/policy/observation.py``.
+        forecasts: that it was trained with.
         goals: their distribution in training.
         learning: how it was trained.
         seed: of its training.
@@ -50,6 +52,7 @@ class TrainedPolicy(BaseModel):
     learning: LearningSettings
     seed: int
     repeat: int
+    forecasts: ForecastKind = "exact"
 
     @field_validator("effects")
     @classmethod
@@ -81,7 +84,7 @@ class TrainedPolicy(BaseModel):
     def task(self) -> Task:
         """The task that it was trained for."""
         simulator = Simulator.from_dict(self.effects)
-        return Task(simulator, self.horizons, self.goals, self.observation)
+        return Task(simulator, self.horizons, self.goals, self.observation, self.forecasts)
 
 
 def save_policy(folder: Path, policy: Policy, description: TrainedPolicy) -> None:

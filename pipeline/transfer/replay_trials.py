@@ -17,13 +17,14 @@ from models.policy.policy import Policy
 from models.policy.settings import HorizonsMs
 from models.policy.trial import TrialResult
 from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import Predictor
+from models.predictors.protocol import Predictor, ProbabilisticPredictor
 from models.replay.replayed_balls import (
     Histories,
     every_step,
     first_window,
     measurement_histories,
     predict_all,
+    predict_all_with_spreads,
 )
 from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
 from pipeline.io.amended_simulators import AMENDED
@@ -36,8 +37,9 @@ from pipeline.transfer.returns import with_states
 from pipeline.transfer.trials import Played, play_policy
 
 Policies = Sequence[tuple[Policy, TrainedPolicy]]
-Forecasts = Callable[[HorizonsMs], Floats]
-"""Forecasts of some shots at the horizons of a policy."""
+Forecasts = Callable[[HorizonsMs], tuple[Floats, Floats | None]]
+"""Forecasts of some shots at the horizons of a policy, and their spreads, as ``IncomingBalls`` has
+them."""
 
 
 class Forecaster(Protocol):
@@ -65,7 +67,23 @@ class EveryStep:
 
     def forecasts(self, histories: Histories) -> Forecasts:
         """Forecast from every history."""
-        return partial(every_step, predict_all(self.predictor, histories.history), histories)
+        states = predict_all(self.predictor, histories.history)
+        return lambda horizons: (every_step(states, histories, horizons), None)
+
+
+@dataclass(frozen=True)
+class EveryStepWithSpreads:
+    """A predictor that also says how sure it is at every control step."""
+
+    name: str
+    predictor: ProbabilisticPredictor
+    protocol: ClassVar[str] = "every_tick"
+
+    def forecasts(self, histories: Histories) -> Forecasts:
+        """Forecast from every history."""
+        found = predict_all_with_spreads(self.predictor, histories.history)
+        states, spreads = (partial(every_step, one, histories) for one in found)
+        return lambda horizons: (states(horizons), spreads(horizons))
 
 
 @dataclass(frozen=True)
@@ -78,7 +96,7 @@ class FirstWindow:
 
     def forecasts(self, histories: Histories) -> Forecasts:
         """Forecast from the first histories."""
-        return partial(first_window, self.simulator, histories)
+        return lambda horizons: (first_window(self.simulator, histories, horizons), None)
 
 
 @dataclass(frozen=True)
@@ -100,7 +118,7 @@ class ReplayTrial:
         with one_thread():
             forecasts = self.forecaster.forecasts(self.histories)
         played = [
-            self._play(policy, trained, forecasts(trained.horizons), self.record and not number)
+            self._play(policy, trained, *forecasts(trained.horizons), self.record and not number)
             for number, (policy, trained) in enumerate(self.policies)
         ]
         tables = [with_states(one.table, one.after_racket, one.before_landing) for one in played]
@@ -112,10 +130,15 @@ class ReplayTrial:
         return Played(table, played[0] if self.record else None)
 
     def _play(
-        self, policy: Policy, trained: TrainedPolicy, forecasts: Floats, record: bool
+        self,
+        policy: Policy,
+        trained: TrainedPolicy,
+        forecasts: Floats,
+        spreads: Floats | None,
+        record: bool,
     ) -> TrialResult:
         shots = self.shots
-        incoming = IncomingBalls(shots.path, shots.playable, FIRST_WINDOW, forecasts)
+        incoming = IncomingBalls(shots.path, shots.playable, FIRST_WINDOW, forecasts, spreads)
         count = len(shots) if record else 0
         return play_policy(policy, trained, shots.simulator, incoming, self.goals, count)
 
@@ -171,19 +194,18 @@ def replay_trials(
     ]
 
 
-def informed_forecasters(
+def informed_predictors(
     shots: ReplaySet, learned: Iterable[NamedPredictor], amended: Simulator | None
-) -> list[EveryStep]:
-    """Return the predictors that know more about a set than the policies' own simulator.
+) -> dict[str, ProbabilisticPredictor]:
+    """Return the predictors that know more about a set than the policies' own simulator, by name.
 
     The learned ones, physics with the amended simulator, and the oracle, where available.
     """
-    forecasters = [EveryStep(one.name, one.predictor) for one in learned]
-    if amended is not None:
-        forecasters.append(EveryStep(AMENDED, PhysicsPredictor(amended)))
-    if shots.oracle is not None:
-        forecasters.append(EveryStep(ORACLE, PhysicsPredictor(shots.oracle)))
-    return forecasters
+    found = {one.name: one.predictor for one in learned}
+    for name, simulator in ((AMENDED, amended), (ORACLE, shots.oracle)):
+        if simulator is not None:
+            found[name] = PhysicsPredictor(simulator)
+    return found
 
 
 def source_of(shots: ReplaySet) -> str:

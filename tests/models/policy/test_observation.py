@@ -10,6 +10,7 @@ from models.policy.observation import (
     EARLIEST,
     LATEST,
     LIMIT,
+    SPREAD_SCALE,
     observation_size,
     observe,
     plane_crossing,
@@ -22,11 +23,12 @@ RANDOM = np.random.default_rng(5)
 JOINTS = RANDOM.uniform(LOWER, UPPER, (4, 6))
 SPEEDS = RANDOM.uniform(-SPEED, SPEED, (4, 6))
 BALLS = np.tile([0.1, 0.4, 0.3, 0.3, -6.0, 1.0, 50.0, 20.0, 0.0], (4, 3, 1))
+SPREADS = RANDOM.uniform(0.0, 0.05, (4, 3, 3))
 GOALS = Goals(np.tile([0.1, 0.9], (4, 1)), np.full(4, 6.0), np.full(4, 50.0))
 
 
-def seen(kind, forecasts=BALLS, goals=GOALS):
-    return observe(JOINTS, SPEEDS, forecasts, goals, kind)
+def seen(kind, forecasts=BALLS, goals=GOALS, spreads=SPREADS):
+    return observe(JOINTS, SPEEDS, forecasts, spreads, goals, kind)
 
 
 def test_the_crossing_is_where_a_ball_without_air_passes_the_racket():
@@ -58,7 +60,21 @@ def test_strict_is_what_remains_without_the_crossing():
     np.testing.assert_allclose(more[:, strict.shape[1] :], expected, rtol=1e-6)
 
 
-@pytest.mark.parametrize("kind", ["strict", "intercept"])
+def test_spreads_follow_all_else():
+    less, more = seen("intercept"), seen("spread")
+
+    np.testing.assert_array_equal(more[:, : less.shape[1]], less)
+    scaled = SPREADS.reshape(4, -1) / SPREAD_SCALE
+    np.testing.assert_allclose(more[:, less.shape[1] :], scaled, rtol=1e-6)
+
+
+def test_a_predictor_without_spreads_cannot_serve_a_policy_that_observes_them():
+    assert seen("intercept", spreads=None).shape == seen("intercept").shape
+    with pytest.raises(ValueError, match="its predictor has none"):
+        seen("spread", spreads=None)
+
+
+@pytest.mark.parametrize("kind", ["strict", "intercept", "spread"])
 def test_the_size_is_known_beforehand(kind):
     assert seen(kind).shape == (4, observation_size(3, 4, kind))
     assert seen(kind).dtype == np.float32
@@ -66,7 +82,7 @@ def test_the_size_is_known_beforehand(kind):
 
 def test_joints_are_seen_in_shares_of_what_they_can_do():
     ends = observe(
-        np.array([LOWER, UPPER]), np.array([SPEED, -SPEED]), BALLS[:2], GOALS[:2], "strict"
+        np.array([LOWER, UPPER]), np.array([SPEED, -SPEED]), BALLS[:2], None, GOALS[:2], "strict"
     )
 
     np.testing.assert_allclose(ends[:, :12], np.outer([-1, 1], [1] * 6 + [-1] * 6), atol=1e-6)

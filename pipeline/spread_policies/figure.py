@@ -1,0 +1,53 @@
+"""Figure of return rates by what policies learn from and observe."""
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from pipeline.io.figure_style import FIGURE_WIDTH, MUTED
+
+LABELS = {
+    "exact": "learned from exact forecasts",
+    "filtered": "learned from a filter's forecasts",
+    "filtered_with_spread": "observes their spread, too",
+}
+ROW, HEADROOM = 0.22, 1.4  # inch per predictor and policy, and for title and axis
+APART = 0.25  # of the policies with one predictor
+MARKERS = ("o", "s", "D")
+COLOURS = (MUTED, "#0f7fc4", "#d55e00")
+
+
+def spread_policies_figure(table: pd.DataFrame) -> Figure:
+    """Draw return rates with their intervals: a column per set, a row per predictor.
+
+    Args:
+        table: one row per ``set``, ``predictor`` and ``policy``, with ``balls``, ``return_rate``,
+            ``return_rate_low`` and ``return_rate_high``.
+    """
+    sets, predictors = list(table["set"].unique()), list(table["predictor"].unique())
+    height = HEADROOM + ROW * len(predictors) * len(LABELS)
+    figure = Figure(figsize=(FIGURE_WIDTH, height))
+    grid = figure.subplots(1, len(sets), sharex=True, sharey=True, squeeze=False)[0]
+    for axes, name in zip(grid, sets, strict=True):
+        of_set = table[table["set"] == name]
+        for number, (policy, label) in enumerate(LABELS.items()):
+            rows = of_set[of_set["policy"] == policy]
+            rate = 100 * rows["return_rate"]
+            places = [predictors.index(one) + APART * (number - 1) for one in rows["predictor"]]
+            axes.errorbar(
+                rate,
+                places,
+                xerr=[rate - 100 * rows["return_rate_low"], 100 * rows["return_rate_high"] - rate],
+                fmt=MARKERS[number],
+                color=COLOURS[number],
+                markersize=4,
+                capsize=2,
+                label=label,
+            )
+        axes.set_title(f"{name}, n = {of_set['balls'].iloc[0]}")
+        axes.set_xlabel("return rate (%)")
+        axes.set_ylim(len(predictors) - 0.5, -0.5)
+        axes.grid(visible=False, axis="y")
+    grid[0].set_yticks(range(len(predictors)), [one.replace("_", " ") for one in predictors])
+    handles, labels = grid[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    return figure

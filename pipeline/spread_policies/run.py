@@ -1,0 +1,137 @@
+"""The experiment ``make spread-policies``: half an hour on two cores, after ``make reproduce``.
+
+Three kinds of policies learn in the same simulator, with the same seeds: from exact forecasts, as
+those of sim2real; from forecasts that a filter makes of noisy measurements; and from these with
+their standard deviations. All play the shots of sim2real with the same predictors. A killed run
+resumes.
+"""
+
+import shutil
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from models.policy.random_streams import training_seed
+from models.policy.settings import ForecastKind, ObservationKind
+from models.predictors.physics import PhysicsPredictor
+from models.predictors.protocol import ProbabilisticPredictor
+from pipeline.evaluation.costs import machine
+from pipeline.evaluation.predictors import read_learned
+from pipeline.io.amended_simulators import amended_by
+from pipeline.io.artifacts import write_csv, write_json
+from pipeline.io.figure_style import apply_style, save_figure
+from pipeline.io.simulators import load_simulator
+from pipeline.params import Params, load_params
+from pipeline.policies.storage import TrainedPolicy
+from pipeline.policies.training import TrainingJob, train_policies
+from pipeline.runtime.console import refuse
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.paths import repository_root
+from pipeline.runtime.provenance import combined_hash, short
+from pipeline.spread_policies.figure import spread_policies_figure
+from pipeline.transfer.rates import differences, rates
+from pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
+from pipeline.transfer.replay_trials import (
+    EveryStepWithSpreads,
+    Policies,
+    informed_predictors,
+    replay_trials,
+    source_of,
+)
+from pipeline.transfer.transfer_table import PHYSICS
+from pipeline.transfer.trials import joined, run_trials
+
+REPEATS, HORIZONS = 3, (115, 120, 125)
+# What policies observe, and which forecasts they learn from.
+KINDS: dict[str, tuple[ObservationKind, ForecastKind]] = {
+    "exact": ("intercept", "exact"),
+    "filtered": ("intercept", "filtered"),
+    "filtered_with_spread": ("spread", "filtered"),
+}
+BASELINE = "filtered"  # of the paired differences
+REPORT = Path("reports") / "spread_policies"
+SCRATCH = Path("scratch") / "spread_policies"
+# What trainings depend on.
+DEPENDENCIES = ("models/ball", "models/policy", "models/predictors", "models/robot", "params.yaml")
+
+
+def spread_policies(root: Path) -> None:
+    """Write return rates, paired differences, their figure and the machine to ``reports``.
+
+    Raises:
+        InputError: the stages before have not run.
+    """
+    params = load_params(root / "params.yaml")
+    sets = read_replay_sets(root / "artifacts", params.sim2real, params.seed)
+    predictors = {one.name: _predictors(root, params, one) for one in sets}
+    scratch = root / SCRATCH / short(combined_hash(root, DEPENDENCIES))
+    jobs = [TrainingJob(one, scratch / one.name) for one in _descriptions(params)]
+    trained = [(one.policy, one.description) for one in train_policies(jobs)]
+    played = _played(sets, predictors, trained, params.seed)
+    resamples = params.sim2real.bootstrap_resamples
+    table = rates(played, ["set", "predictor", "policy"], resamples, params.seed)
+    write_csv(root / REPORT.with_suffix(".csv"), table, digits=4)
+    setting, baseline = ["set", "predictor"], {"policy": BASELINE}
+    pairs = differences(played, setting, baseline, resamples, params.seed)
+    write_csv(root / REPORT.with_name(f"{REPORT.name}_differences.csv"), pairs, digits=4)
+    apply_style()
+    save_figure(root / REPORT.with_suffix(".png"), spread_policies_figure(table))
+    write_json(root / REPORT.with_suffix(".json"), machine(root))
+    shutil.rmtree(root / SCRATCH)
+
+
+def _descriptions(params: Params) -> Iterator[TrainedPolicy]:
+    """Yield the policies to train, with the goals and the learning of sim2real's."""
+    simulator, group = params.sim2real.simulator, params.train_policy.groups[params.sim2real.group]
+    for name, (observation, forecasts) in KINDS.items():
+        for repeat in range(REPEATS):
+            yield TrainedPolicy(
+                group=name,
+                simulator=simulator,
+                effects=load_simulator(simulator).to_dict(),
+                horizons=HORIZONS,
+                observation=observation,
+                goals=group.goals,
+                learning=group.learning,
+                seed=training_seed(params.seed, repeat),
+                repeat=repeat,
+                forecasts=forecasts,
+            )
+
+
+Predictors = Mapping[str, ProbabilisticPredictor]  # by name
+
+
+def _predictors(root: Path, params: Params, shots: ReplaySet) -> Predictors:
+    """Return the predictors of sim2real for a set."""
+    simulator = params.sim2real.simulator
+    amended = amended_by(root / "artifacts" / "close_gap", source_of(shots), simulator)
+    learned = read_learned(root / "artifacts" / "train_predictor", params.sim2real.learned)
+    physics = PhysicsPredictor(load_simulator(simulator))
+    return {PHYSICS: physics, **informed_predictors(shots, learned, amended)}
+
+
+def _played(
+    sets: list[ReplaySet], predictors: Mapping[str, Predictors], policies: Policies, seed: int
+) -> pd.DataFrame:
+    """Return one row a policy, shot and predictor; ``policy`` is the kind."""
+    forecasters = {
+        name: [EveryStepWithSpreads(*named) for named in some.items()]
+        for name, some in predictors.items()
+    }
+    tables = []
+    for kind in KINDS:
+        own = [one for one in policies if one[1].group == kind]
+        trials = [
+            trial for one in sets for trial in replay_trials(one, forecasters[one.name], own, seed)
+        ]
+        tables.append(joined(run_trials(trials)).assign(policy=kind))
+    return pd.concat(tables, ignore_index=True)
+
+
+if __name__ == "__main__":
+    try:
+        spread_policies(repository_root())
+    except InputError as error:
+        refuse(error)
