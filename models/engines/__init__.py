@@ -1,0 +1,1 @@
+"""Whatever flies balls: our simulators, scenes of other engines, and functions."""
