@@ -1,0 +1,1 @@
+"""The audit: which effects an engine really has, by probe shots, before any measurement."""

@@ -1,0 +1,133 @@
+"""The audit of an engine: its effects with their values, and what no effect explains."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.audit.bounces import Bounces
+from models.audit.probes import Probes, bounce_probes, flight_probes
+from models.audit.selection import Flown, selected, without
+from models.ball.simulator import Simulator
+from models.engines.engine import Engine, EngineError
+from models.gap.hypotheses import Hypothesis, hypotheses
+from models.gap.types import Phase
+
+# What every engine has; the values are those to begin with.
+BASE = Simulator.from_dict(
+    {"gravity": {"g": 9.81}, "table_bounce": {"restitution": 0.9, "friction": 0.2}}
+)
+ALWAYS: dict[Phase, tuple[Hypothesis, ...]] = {
+    "flight": (Hypothesis("gravity", "g"),),
+    "table": tuple(Hypothesis("table_bounce", name) for name in ("restitution", "friction")),
+}
+# Parameters that act as those of ALWAYS or as all others together.
+NOT_SEPARABLE = ("buoyancy.b", "added_mass.c")
+FEWEST_BOUNCES = 0.5  # of the bounce probes; with fewer there is no table
+
+
+@dataclass(frozen=True)
+class FoundEffect:
+    """A parameter that an engine has.
+
+    Attributes:
+        hypothesis: the parameter.
+        value: in its unit.
+        worth_mm: by how much the distance from the engine grows without it, median over probes at
+            their last time.
+    """
+
+    hypothesis: Hypothesis
+    value: float
+    worth_mm: float
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """What no effect explains: distances of positions at the last time of the probes of a phase.
+
+    Attributes:
+        median_mm: over the probes.
+        largest_mm: over the probes.
+    """
+
+    median_mm: float
+    largest_mm: float
+
+
+@dataclass(frozen=True)
+class Audit:
+    """What an engine really does.
+
+    Attributes:
+        simulator: the list of effects that comes closest to it.
+        effects: of flight, then of the table.
+        unexplained: what they do not explain, by phase.
+        bounces: contact by contact; None where the engine has no table.
+    """
+
+    simulator: Simulator
+    effects: tuple[FoundEffect, ...]
+    unexplained: dict[Phase, Unexplained]
+    bounces: Bounces | None
+
+
+def audit(engine: Engine, progress: Callable[[float], None] = lambda share: None) -> Audit:
+    """Fly probe shots and find the engine's effects.
+
+    Args:
+        engine: to be audited.
+        progress: called with the share of the work that is done.
+
+    Raises:
+        EngineError: the engine cannot fly the probes.
+    """
+    flight = _flown(engine, flight_probes())
+    progress(0.4)
+    simulator, effects = _found(flight, BASE)
+    unexplained: dict[Phase, Unexplained] = {"flight": _unexplained(flight, simulator)}
+    progress(0.5)
+    table = _flown(engine, bounce_probes())
+    progress(0.9)
+    bounces = Bounces.of(table, simulator)
+    if bounces.bounced.mean() < FEWEST_BOUNCES:
+        return Audit(simulator.without_surfaces(), effects, unexplained, None)
+    simulator, more = _found(table, simulator)
+    unexplained["table"] = _unexplained(table, simulator)
+    progress(1.0)
+    return Audit(simulator, (*effects, *more), unexplained, bounces)
+
+
+def _flown(engine: Engine, probes: Probes) -> Flown:
+    states = engine.fly(probes.states, probes.times)
+    if not np.isfinite(states).all():
+        raise EngineError(f"{engine.name} returns numbers that are not finite")
+    return Flown(probes, states)
+
+
+def _found(flown: Flown, simulator: Simulator) -> tuple[Simulator, tuple[FoundEffect, ...]]:
+    """Return the simulator with the engine's effects of a phase, and these."""
+    phase = flown.probes.phase
+    always = ALWAYS[phase]
+    candidates = [
+        one
+        for one in hypotheses(BASE)
+        if one.phase == phase and one not in always and one.identity not in NOT_SEPARABLE
+    ]
+    simulator, chosen = selected(flown, simulator, always, candidates)
+    return simulator, tuple(_effect(flown, simulator, chosen, one) for one in chosen)
+
+
+def _effect(
+    flown: Flown, simulator: Simulator, chosen: Sequence[Hypothesis], one: Hypothesis
+) -> FoundEffect:
+    worth = np.nan
+    if one not in ALWAYS[flown.probes.phase]:
+        reduced = without(flown, simulator, chosen, one)
+        worth = _unexplained(flown, reduced).median_mm - _unexplained(flown, simulator).median_mm
+    return FoundEffect(one, one.value(simulator), worth)
+
+
+def _unexplained(flown: Flown, simulator: Simulator) -> Unexplained:
+    distances = flown.distances(simulator)[:, -1]
+    return Unexplained(float(np.median(distances)), float(distances.max()))

@@ -1,0 +1,72 @@
+"""What a table does to balls, contact by contact, whatever law the engine has for it.
+
+States just before and just after a contact follow from states shortly before and after it, by the
+flight that the audit has found.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.audit.probes import GRAVITY
+from models.audit.selection import Flown
+from models.ball.simulator import Simulator
+from models.ball.state import BALL_RADIUS, SPIN, VELOCITY
+from models.ball.types import Bools, Floats
+
+# Share of the slip that the velocity changes by where the contact point comes to rest, by the
+# moment of inertia: 1 / (1 + m r^2 / I).
+SHELL, SOLID = 2 / 5, 2 / 7
+LEAST_SLIP = 1.0  # m/s, below which the share says little
+
+
+@dataclass(frozen=True)
+class Bounces:
+    """The contacts of B bounce probes.
+
+    Attributes:
+        bounced: (B,) whether the ball rises above the table afterwards.
+        restitution: (B,) normal speed after over before; NaN without a bounce.
+        grip: (B,) change of the velocity along the table over the slip; NaN without a bounce, or
+            with little slip.
+    """
+
+    bounced: Bools
+    restitution: Floats
+    grip: Floats
+
+    @classmethod
+    def of(cls, flown: Flown, simulator: Simulator) -> "Bounces":
+        """Return the contacts of the bounce probes that an engine flew.
+
+        Args:
+            flown: the bounce probes.
+            simulator: with the engine's flight.
+        """
+        flight, after = simulator.without_surfaces(), flown.states[:, 0]
+        moments = _moments(flown.probes.states)[:, None]
+        before = flight.fly(flown.probes.states, moments).states[:, 0]
+        since = flown.probes.times[0] - moments
+        risen = flight.fly(after, -since).states[:, 0]
+        bounced = (after[:, 2] > BALL_RADIUS) & (risen[:, 5] > 0.0)
+        slip = np.linalg.norm(_slip(before), axis=1)
+        change = np.linalg.norm((risen - before)[:, VELOCITY][:, :2], axis=1)
+        return cls(
+            bounced,
+            np.where(bounced, -risen[:, 5] / before[:, 5], np.nan),
+            np.where(bounced & (slip > LEAST_SLIP), change / np.maximum(slip, LEAST_SLIP), np.nan),
+        )
+
+
+def _moments(first: Floats) -> Floats:
+    """Return (B,) s until balls meet the table, under gravity alone."""
+    above, fall = first[:, 2] - BALL_RADIUS, -first[:, 5]
+    moments: Floats = (np.sqrt(fall**2 + 2 * GRAVITY * above) - fall) / GRAVITY
+    return moments
+
+
+def _slip(states: Floats) -> Floats:
+    """Return (B, 2) velocities of the lowest points of balls, m/s."""
+    spin, velocity = states[:, SPIN], states[:, VELOCITY]
+    across = velocity[:, 0] - BALL_RADIUS * spin[:, 1]
+    return np.stack([across, velocity[:, 1] + BALL_RADIUS * spin[:, 0]], axis=1)
