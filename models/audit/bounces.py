@@ -29,11 +29,22 @@ class Bounces:
         restitution: (B,) normal speed after over before; NaN without a bounce.
         grip: (B,) change of the velocity along the table over the slip; NaN without a bounce, or
             with little slip.
+        speed: (B,) m/s, normal to the table before.
+        slip: (B,) m/s, of the lowest point before.
     """
 
     bounced: Bools
     restitution: Floats
     grip: Floats
+    speed: Floats
+    slip: Floats
+
+    @property
+    def restitution_scatter(self) -> float:
+        """Standard deviation of the restitution, beyond what is linear in speed and slip."""
+        rows = np.stack([np.ones(len(self.speed)), self.speed, self.slip], axis=1)[self.bounced]
+        measured = self.restitution[self.bounced]
+        return float((measured - rows @ np.linalg.lstsq(rows, measured, rcond=None)[0]).std())
 
     @classmethod
     def of(cls, flown: Flown, simulator: Simulator) -> "Bounces":
@@ -55,6 +66,8 @@ class Bounces:
             bounced,
             np.where(bounced, -risen[:, 5] / before[:, 5], np.nan),
             np.where(bounced & (slip > LEAST_SLIP), change / np.maximum(slip, LEAST_SLIP), np.nan),
+            -before[:, 5],
+            slip,
         )
 
 

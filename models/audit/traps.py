@@ -1,0 +1,88 @@
+"""Traps: what simulators of table tennis often have without their users' knowledge."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.audit.audit import Audit
+from models.audit.bounces import SHELL, SOLID
+from models.audit.probes import flight_probes
+from models.ball.simulator import Simulator
+from models.ball.simulators import shipped
+from models.ball.state import POSITION
+from models.gap.hypotheses import Hypothesis
+
+LITERATURE = shipped("literature")
+DRAG, LIFT = Hypothesis("drag", "cd"), Hypothesis("magnus", "cm")
+LARGEST_LIFT = 0.35  # C_M, beyond all that balls have shown
+SCATTER = 0.01  # standard deviation of the restitution about its law
+SAME_GRIP = 0.03  # share, by which a grip may differ from that of a sphere
+MM = 1e3
+
+
+@dataclass(frozen=True)
+class Trap:
+    """A trap.
+
+    Attributes:
+        identifier: short, for programs.
+        sentence: what the engine does.
+        cost_mm: distance of a flight after 0.4 s from one with the literature's value, median over
+            the flight probes; None where it is not a matter of flight.
+    """
+
+    identifier: str
+    sentence: str
+    cost_mm: float | None = None
+
+
+def traps(audit: Audit) -> tuple[Trap, ...]:
+    """Return the traps in what an engine does."""
+    return (*_of_flight(audit.simulator), *_of_table(audit))
+
+
+def _of_flight(simulator: Simulator) -> Iterator[Trap]:
+    if DRAG.value(simulator) == 0.0:
+        sentence = "There is no drag: the ball flies in a vacuum."
+        yield Trap("no_drag", sentence, _cost(simulator, DRAG))
+    lift = LIFT.value(simulator)
+    if lift == 0.0:
+        yield Trap("no_lift", "Spin does not bend the path.", _cost(simulator, LIFT))
+    if lift < 0.0:
+        sentence = f"Lift is inverse (C_M {lift:.3g}): topspin lifts the ball."
+        yield Trap("inverse_lift", sentence, _cost(simulator, LIFT))
+    if lift > LARGEST_LIFT:
+        sentence = f"Lift is several times that of a real ball (C_M {lift:.3g})."
+        yield Trap("large_lift", sentence, _cost(simulator, LIFT))
+
+
+def _of_table(audit: Audit) -> Iterator[Trap]:
+    bounces = audit.bounces
+    if bounces is None:
+        yield Trap("no_table", "Balls do not bounce: there is no table where z is zero.")
+        return
+    if bounces.restitution_scatter > SCATTER:
+        low, high = np.nanmin(bounces.restitution), np.nanmax(bounces.restitution)
+        yield Trap(
+            "restitution_scatters",
+            f"The restitution scatters from bounce to bounce, between {low:.2f} and {high:.2f}.",
+        )
+    grip = float(np.nanmax(bounces.grip))
+    if abs(grip / SOLID - 1.0) < SAME_GRIP:
+        sentence = "The ball is a solid sphere: a contact takes 2/7 of the slip, not 2/5 of it."
+        yield Trap("solid_sphere", sentence)
+    elif grip < (1.0 - SAME_GRIP) * SOLID:
+        sentence = f"The ball never rolls: a contact takes at most {grip:.2f} of the slip, not 2/5."
+        yield Trap("never_rolls", sentence)
+    elif grip > (1.0 + SAME_GRIP) * SHELL:
+        sentence = f"The table gives tangential energy back: contacts take {grip:.2f} of the slip."
+        yield Trap("elastic_grip", sentence)
+
+
+def _cost(simulator: Simulator, one: Hypothesis) -> float:
+    probes = flight_probes()
+    right = one.at(simulator, one.value(LITERATURE))
+    own, other = (each.fly(probes.states, probes.times).states for each in (simulator, right))
+    away = np.linalg.norm((own - other)[:, -1, POSITION], axis=-1)
+    return float(MM * np.median(away))
