@@ -1,6 +1,5 @@
 """The workflow of ``rallygap diagnose``: a folder of recordings in, a folder with a verdict out."""
 
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -18,7 +17,7 @@ from pipeline.gap.provenance import made_from
 from pipeline.gap.summary import Findings, detection_lines
 from pipeline.gap.usage import episodes_text, usage_lines, with_doubts
 from pipeline.gap.verdict_page import render_gap_page
-from pipeline.io.artifacts import write_text
+from pipeline.io.artifacts import replacing_files, write_text
 from pipeline.io.figure_style import apply_style
 from pipeline.io.report_items import ReportFigure
 from pipeline.io.simulators import load_simulator
@@ -109,13 +108,8 @@ def write_findings(findings: Findings, out: Path, minor: bool = False) -> None:
     Raises:
         InputError: the folder cannot be written to.
     """
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=out, prefix=".rallygap.") as name:
-            _write_all(findings, Path(name), minor)
-            _replace_all(Path(name), out)
-    except OSError as error:
-        raise InputError(out, f"cannot be written to: {error.strerror}") from None
+    with replacing_files(out, [f"{FIGURES}/{name}.png" for name in FIGURE_NAMES]) as folder:
+        _write_all(findings, folder, minor)
 
 
 def figures_of(findings: Findings) -> list[ReportFigure]:
@@ -148,15 +142,6 @@ def _write_all(findings: Findings, folder: Path, minor: bool) -> None:
     write_text(folder / "amended.yaml", simulator)
     write_text(folder / "balls.json", expected_json(findings.balls))
     write_text(folder / "report.html", render_gap_page(findings, simulator, pictures, figures))
-
-
-def _replace_all(folder: Path, out: Path) -> None:
-    """Move all files into ``out``; figures of an earlier verdict go, other files stay."""
-    (out / FIGURES).mkdir(exist_ok=True)
-    for name in FIGURE_NAMES:
-        (out / FIGURES / f"{name}.png").unlink(missing_ok=True)
-    for path in sorted(folder.rglob("*.*")):
-        path.replace(out / path.relative_to(folder))
 
 
 def _check_enough(measured: MeasuredShots, data: Path) -> None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from models.gap.hypotheses import Hypothesis
 from models.gap.location import Located
@@ -12,8 +11,8 @@ from pipeline.gap.summary import Findings, answer_title, minor_causes, title
 from pipeline.gap.usage import episodes_text, labels_text
 from pipeline.gap.wording import ROLES, interval_text, number, percent, with_unit
 from pipeline.io.report_items import ReportFigure
-from pipeline.io.report_manifest import Column, read_figure
 from pipeline.web.environment import page_environment
+from pipeline.web.items import page_table, shown_figure
 
 TEMPLATES = Path(__file__).parent / "templates"
 SMALLEST_P = 1e-4  # that permutations resolve
@@ -41,14 +40,14 @@ def render_gap_page(
         answer=answer_title(verdict).lower(),
         outcome=findings.outcome,
         details=findings.details,
-        figures={figure.name: _shown(figure, folder) for figure in figures},
-        checks=_table(_checks(verdict.checks)) if verdict.checks else None,
-        causes=_table(_causes(verdict.main_causes)) if verdict.main_causes else None,
-        minor=_table(_minor(minor)) if minor else None,
-        growth=_table(_growth(located)) if located and located.growth else None,
-        errors=_table(_errors(gap)) if gap else None,
+        figures={figure.name: shown_figure(figure, folder) for figure in figures},
+        checks=page_table(_checks(verdict.checks)) if verdict.checks else None,
+        causes=page_table(_causes(verdict.main_causes)) if verdict.main_causes else None,
+        minor=page_table(_minor(minor)) if minor else None,
+        growth=page_table(_growth(located)) if located and located.growth else None,
+        errors=page_table(_errors(gap)) if gap else None,
         reduction=_reduction(gap) if gap else "",
-        detectable=_table(_detectable(findings)),
+        detectable=page_table(_detectable(findings)),
         not_identifiable=[
             f"{identity}: {title(identity)}" for identity in verdict.not_identifiable
         ],
@@ -56,20 +55,6 @@ def render_gap_page(
         amended=amended,
         facts=_facts(findings),
     )
-
-
-def _shown(figure: ReportFigure, folder: Path) -> dict[str, str]:
-    source = read_figure(folder / f"{figure.name}.png")
-    return {"title": figure.title, "caption": figure.caption, "source": source}
-
-
-def _table(columns: dict[str, list[str]]) -> dict[str, Any]:
-    """Return columns for the page's tables; a trailing blank in the name marks numbers."""
-    shown = [
-        Column(name.strip(), is_number=name.endswith(" "), cells=cells)
-        for name, cells in columns.items()
-    ]
-    return {"columns": shown, "rows": range(len(shown[0].cells))}
 
 
 def _causes(causes: Sequence[Cause]) -> dict[str, list[str]]:

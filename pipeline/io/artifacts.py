@@ -47,6 +47,33 @@ def replacing_folder(path: Path) -> Iterator[Path]:
         temporary.rename(path)
 
 
+@contextmanager
+def replacing_files(out: Path, former: Sequence[str] = ()) -> Iterator[Path]:
+    """Yield an empty folder whose files replace those of ``out`` when the block succeeds.
+
+    Other files of ``out`` stay.
+
+    Args:
+        out: a folder; it is made if there is none.
+        former: files of ``out`` that go even if no file replaces them.
+
+    Raises:
+        InputError: the folder cannot be written to.
+    """
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=out, prefix=".rallygap.") as folder:
+            yield Path(folder)
+            for name in former:
+                (out / name).unlink(missing_ok=True)
+            for path in sorted(Path(folder).rglob("*.*")):
+                place = out / path.relative_to(folder)
+                place.parent.mkdir(exist_ok=True)
+                path.replace(place)
+    except OSError as error:
+        raise InputError(out, f"cannot be written to: {error.strerror}") from None
+
+
 def write_text(path: Path, text: str) -> None:
     """Write UTF-8 text with Unix line ends."""
     with replacing(path) as temporary:
