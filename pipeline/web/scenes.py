@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from models.ball import state
 from models.robot.constants import RACKET_RADIUS
 from pipeline.evaluation.example_shots import Forecast, Shot
 from pipeline.io.figure_style import predictor_colour
 from pipeline.transfer.example_returns import Return
 from pipeline.web.arm import arm_lines
+from pipeline.web.table_geometry import table_geometry
 
 COLOUR_OF = {"physics": "physics_c"}  # predictor with the same colour
 
@@ -40,14 +40,7 @@ def _view(scenes: list[dict[str, Any]]) -> dict[str, Any]:
     return {
         "scenes": scenes,
         "colours": {name: predictor_colour(COLOUR_OF.get(name, name)) for name in names},
-        "table": {
-            "half_width": state.TABLE_HALF_WIDTH,
-            "half_length": state.TABLE_HALF_LENGTH,
-            "net_height": state.NET_HEIGHT,
-            "net_overhang": state.NET_OVERHANG,
-            "ball_radius": state.BALL_RADIUS,
-            "racket_radius": RACKET_RADIUS,
-        },
+        "table": {**table_geometry(), "racket_radius": RACKET_RADIUS},
     }
 
 

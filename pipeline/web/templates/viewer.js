@@ -1,10 +1,4 @@
-// A 3-D view: which scene, which instant, from where; scene.js draws it.
-
-const START = { yaw: -0.55, pitch: 0.45, zoom: 1 }; // radians
-const TURNS = {
-  ArrowLeft: [-0.08, 0], ArrowRight: [0.08, 0], ArrowUp: [0, 0.06], ArrowDown: [0, -0.06],
-  "+": [0, 0, 1.1], "-": [0, 0, 1 / 1.1],
-};
+// A 3-D view: which scene and which instant; camera.js says from where, scene.js draws it.
 
 function element(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
@@ -22,10 +16,10 @@ function view(id) {
   const [canvas, picker, playButton, slider] = ["view", "picker", "play", "time"].map(byId);
   const [clock, legend, speed] = ["clock", "legend", "speed"].map(byId);
 
-  let camera = { ...START };
   let scene, extent, time;
   let playing = false;
   const hidden = new Set(); // predictors
+  const camera = cameraOf(canvas, draw);
 
   function draw() {
     const names = Object.keys(scene.forecasts).filter((name) => !hidden.has(name));
@@ -82,54 +76,13 @@ function view(id) {
 
   function show(index) {
     scene = scenes[index];
-    extent = extentOf(scene, table);
+    extent = sceneExtent(scene, table);
     const measured = element("span", {}, element("span", { className: "dot" }), "measured");
     legend.replaceChildren(measured, ...Object.keys(scene.forecasts).map(legendEntry));
     slider.min = Math.round((scene.start - scene.zero) * 1000);
     slider.max = Math.round((scene.end - scene.zero) * 1000);
     setTime(scene.shown);
   }
-
-  // --- the camera ---
-  function turn(yaw, pitch, zoom = 1) {
-    camera.yaw += yaw;
-    camera.pitch = Math.min(Math.max(camera.pitch + pitch, 0.03), Math.PI / 2);
-    camera.zoom = Math.min(Math.max(camera.zoom * zoom, 0.4), 8);
-    draw();
-  }
-
-  const fingers = new Map(); // pointer id -> where it last was; a mouse is one finger
-  const spread = ([a, b]) => Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
-
-  canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    fingers.set(event.pointerId, event);
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    const last = fingers.get(event.pointerId);
-    if (!last) return;
-    const before = [...fingers.values()];
-    fingers.set(event.pointerId, event);
-    if (before.length === 2) turn(0, 0, spread([...fingers.values()]) / spread(before));
-    else turn(-0.008 * (event.clientX - last.clientX), 0.006 * (event.clientY - last.clientY));
-  });
-  for (const end of ["pointerup", "pointercancel"]) {
-    canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
-  }
-  canvas.addEventListener("wheel", (event) => {
-    if (!event.ctrlKey) return; // a plain wheel scrolls the page
-    event.preventDefault();
-    turn(0, 0, Math.exp(-0.002 * event.deltaY));
-  }, { passive: false });
-  canvas.addEventListener("keydown", (event) => {
-    if (!(event.key in TURNS)) return;
-    event.preventDefault();
-    turn(...TURNS[event.key]);
-  });
-  canvas.addEventListener("dblclick", () => {
-    camera = { ...START };
-    draw();
-  });
 
   picker.addEventListener("change", () => {
     play(false);
@@ -141,10 +94,7 @@ function view(id) {
     setTime(scene.zero + slider.valueAsNumber / 1000);
   });
   show(0);
-  for (const media of ["(prefers-color-scheme: dark)", "print"]) {
-    matchMedia(media).addEventListener("change", draw); // other colours
-  }
-  new ResizeObserver(draw).observe(canvas);
+  drawAgain(canvas, draw);
 }
 
 for (const box of document.querySelectorAll(".viewer")) view(box.id);

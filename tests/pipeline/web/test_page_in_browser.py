@@ -33,7 +33,12 @@ return [...drawn];
 
 
 def open_page(browser, page_file, size, theme="light"):
-    """Open the page at a size (CSS pixels) and forget what the browser logged before."""
+    """Open the page of a file."""
+    open_address(browser, page_file.as_uri(), size, theme)
+
+
+def open_address(browser, address, size, theme="light"):
+    """Open a page at a size (CSS pixels) and forget what the browser logged before."""
     screen = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE}
     scheme = {"name": "prefers-color-scheme", "value": theme}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
@@ -41,7 +46,7 @@ def open_page(browser, page_file, size, theme="light"):
     browser.get("about:blank")
     browser.get_log("browser")
     browser.get_log("performance")
-    browser.get(page_file.as_uri())
+    browser.get(address)
 
 
 def open_on_paper(browser, page_file):
