@@ -258,17 +258,22 @@ def live(
     speed: Annotated[
         float, typer.Option(min=0.01, max=1000, help="of the replay; 1 is as recorded")
     ] = 1.0,
+    view: Annotated[
+        bool, typer.Option("--view", help="show the ball and its forecast in the browser")
+    ] = False,
+    view_port: Annotated[int, typer.Option(help="of the view, on this machine only")] = 7662,
 ) -> None:
     """Forecast the ball while it is measured; Ctrl-C ends with a histogram of latencies."""
     from pipeline.live.command import forecaster, replay, serve
     from pipeline.live.latency import summary
 
     ready = forecaster(simulator, predictor, balls)
+    port = view_port if view else None
     if recordings is None:
         typer.echo(f"Measurements from {observations}, forecasts at {forecasts}.")
-        latencies = serve(ready, observations, forecasts)
+        latencies = serve(ready, observations, forecasts, port)
     else:
-        latencies = replay(ready, recordings, source, speed, forecasts)
+        latencies = replay(ready, recordings, source, speed, forecasts, port)
     for line in [summary(latencies), *latencies.histogram()]:
         typer.echo(line)
 

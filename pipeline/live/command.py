@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
+import typer
+
 from models.live.forecaster import Forecaster
 from models.predictors.ball_filter import ANY_BALL
 from models.predictors.protocol import ProbabilisticPredictor
@@ -16,6 +18,9 @@ from pipeline.live.latency import Latencies
 from pipeline.live.loop import forecast_each, warm_up
 from pipeline.live.messages import Measurement
 from pipeline.live.replay import measurements, paced
+from pipeline.live.view.browser import open_browser
+from pipeline.live.view.frame import Frame
+from pipeline.live.view.server import served
 from pipeline.live.watch import Watch, alarm_sentence
 from pipeline.runtime.console import warn
 
@@ -47,23 +52,31 @@ def _compiled(folder: Path) -> ProbabilisticPredictor:
     return CompiledPredictor(load_predictor(folder))
 
 
-def serve(forecaster: Forecaster, observations: str, forecasts: str) -> Latencies:
+def serve(
+    forecaster: Forecaster, observations: str, forecasts: str, view: int | None = None
+) -> Latencies:
     """Forecast what a camera server measures until Ctrl-C; return the latencies.
 
     Args:
         forecaster: of the ball.
         observations: address of the camera server.
         forecasts: address to publish at.
+        view: port of a page that shows the ball; None for no page.
 
     Raises:
-        InputError: an address cannot be used.
+        InputError: an address or the port cannot be used.
     """
     with sockets(observations, forecasts) as (receiver, sender):
-        return _run(received(receiver), forecaster, sender.send_string)
+        return _run(received(receiver), forecaster, sender.send_string, view)
 
 
 def replay(
-    forecaster: Forecaster, folder: Path, source: str, speed: float, forecasts: str
+    forecaster: Forecaster,
+    folder: Path,
+    source: str,
+    speed: float,
+    forecasts: str,
+    view: int | None = None,
 ) -> Latencies:
     """Forecast what is in recordings, as if it came from cameras; return the latencies.
 
@@ -73,23 +86,40 @@ def replay(
         source: name of the adapter that reads them.
         speed: how many times as fast as they were recorded.
         forecasts: address to publish at.
+        view: port of a page that shows the ball; None for no page.
 
     Raises:
-        InputError: the recordings or the address cannot be used.
+        InputError: the recordings, the address or the port cannot be used.
     """
     rows = measurements(read_recordings(folder, source))
     with sockets(None, forecasts) as (_, sender):
-        return _run(paced(rows, speed), forecaster, sender.send_string)
+        return _run(paced(rows, speed), forecaster, sender.send_string, view)
 
 
 def _run(
-    rows: Iterator[Measurement], forecaster: Forecaster, publish: Callable[[str], object]
+    rows: Iterator[Measurement],
+    forecaster: Forecaster,
+    publish: Callable[[str], object],
+    view: int | None,
 ) -> Latencies:
     latencies = Latencies()
-    watch = Watch(forecaster.simulator, lambda alarm: warn(alarm_sentence(alarm)))
-    with closing(watch), _stoppable(), suppress(KeyboardInterrupt):
-        forecast_each(rows, forecaster, watch, publish, latencies)
+    with _viewed(view, latencies) as show:
+        watch = Watch(forecaster.simulator, lambda alarm: warn(alarm_sentence(alarm)))
+        with closing(watch), _stoppable(), suppress(KeyboardInterrupt):
+            forecast_each(rows, forecaster, watch, publish, latencies, show)
     return latencies
+
+
+@contextmanager
+def _viewed(port: int | None, latencies: Latencies) -> Iterator[Callable[[Frame], object] | None]:
+    """Serve the view at a port and open it in the browser; do nothing without a port."""
+    if port is None:
+        yield None
+        return
+    with served(port, latencies) as server:
+        typer.echo(f"The view is at {server.address}")
+        open_browser(server.address)
+        yield server.show
 
 
 @contextmanager

@@ -4,8 +4,10 @@ import time
 from collections.abc import Callable, Iterable
 
 from models.live.forecaster import Forecaster, Seen
+from pipeline.live.forecast import ball_forecast
 from pipeline.live.latency import Latencies
 from pipeline.live.messages import Measurement, forecast_message
+from pipeline.live.view.frame import Frame
 from pipeline.live.watch import Watch
 
 
@@ -15,6 +17,7 @@ def forecast_each(
     watch: Watch,
     publish: Callable[[str], object],
     latencies: Latencies,
+    show: Callable[[Frame], object] | None = None,
 ) -> None:
     """Publish the forecast after each measurement.
 
@@ -24,13 +27,19 @@ def forecast_each(
         watch: for drift.
         publish: sends a message.
         latencies: counts how long each took.
+        show: takes what a view shows, after the forecast is published; None without a view.
     """
     for row in rows:
         start = time.perf_counter()
         seen = _observe(forecaster, row)
-        publish(forecast_message(row.number, seen, forecaster, watch.alarm))
+        ball = ball_forecast(forecaster)
+        message = forecast_message(row.number, seen, ball, watch.alarm)
+        publish(message)
         latencies.add(time.perf_counter() - start)
         watch.observe(row, seen, forecaster.ball)
+        if show is not None:
+            measured = forecaster.ball.positions.copy()
+            show(Frame(row.time, message, ball, measured, watch.alarm))
 
 
 def warm_up(forecaster: Forecaster) -> None:
@@ -38,7 +47,7 @@ def warm_up(forecaster: Forecaster) -> None:
     other = Forecaster(forecaster.simulator, forecaster.predictor)
     for k in range(4):
         other.observe(0.005 * k, [0.0, 1.0 - 0.03 * k, 0.3], spin=[0.0, 0.0, 0.0])
-        forecast_message(k, "used", other)
+        forecast_message(k, "used", ball_forecast(other))
 
 
 def _observe(forecaster: Forecaster, row: Measurement) -> Seen:

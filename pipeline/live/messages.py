@@ -8,10 +8,10 @@ import numpy as np
 
 from models.ball.types import Floats
 from models.live.drift import Alarm
-from models.live.forecaster import Event, Forecaster, Seen
+from models.live.forecaster import Event, Seen
+from pipeline.live.forecast import AHEAD, BallForecast
 
 NANOSECONDS = 1e9  # in a second
-AHEAD = 0.01 * np.arange(1, 31)  # s after the last measurement, of the states in a forecast
 
 
 class MessageError(ValueError):
@@ -76,14 +76,14 @@ def _vector(fields: dict[str, Any], name: str) -> Floats | None:
 
 
 def forecast_message(
-    number: int, seen: Seen, forecaster: Forecaster, alarm: Alarm | None = None
+    number: int, seen: Seen, ball: BallForecast | None, alarm: Alarm | None = None
 ) -> str:
     """Return the forecast after a frame as JSON; its states are null without a ball.
 
     Args:
         number: of the frame.
         seen: what became of its measurement.
-        forecaster: that has taken it.
+        ball: the forecast; None without a ball.
         alarm: of the watch for drift, if there was one.
     """
     message: dict[str, Any] = {
@@ -93,16 +93,14 @@ def forecast_message(
         "states": None,
         "drift": _drift(alarm),
     }
-    if forecaster.ready:
-        times = forecaster.last + AHEAD
-        states, covariances = forecaster.predict(times)
-        errors = np.sqrt(covariances[:, range(3), range(3)])
+    if ball is not None:
+        errors = np.sqrt(ball.covariances[:, range(3), range(3)])
         message |= {
-            "time": _nanoseconds(forecaster.last),
+            "time": _nanoseconds(ball.time),
             "ahead": AHEAD.round(3).tolist(),
-            "states": states.round(5).tolist(),
+            "states": ball.states.round(5).tolist(),
             "position_errors": errors.round(5).tolist(),
-            "bounce": _event(forecaster.bounce()),
+            "bounce": _event(ball.bounce),
         }
     return json.dumps(message)
 

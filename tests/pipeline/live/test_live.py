@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import time
+import urllib.request
 
 import numpy as np
 import pandas as pd
@@ -20,6 +21,8 @@ from pipeline.cli import app
 from pipeline.gap.expected_balls import expected_json
 from pipeline.live.command import forecaster
 from pipeline.live.replay import measurements, paced
+from pipeline.runtime.errors import InputError
+from tests.services import await_answer, free_port
 
 TRUTH = shipped("literature")
 FIRST = np.array([0.1, 1.2, 0.35, 0.3, -6.0, 1.0, -150.0, 20.0, 30.0])
@@ -110,6 +113,40 @@ def test_expected_balls_are_those_of_a_file(tmp_path):
     (tmp_path / "balls.json").write_text(expected_json(EXPECTED))
     assert forecaster("literature", None, tmp_path / "balls.json").expected == EXPECTED
     assert forecaster("literature", None, None).expected == ANY_BALL
+
+
+def test_the_view_has_what_is_replayed_until_the_end(recordings):
+    port, address = free_port(), free_addresses(1)[0]
+    command = [sys.executable, "-c", "from pipeline.cli import main; main()", "live"]
+    command += ["--simulator", "literature", "--replay", str(recordings), "--speed", "0.01"]
+    command += ["--forecasts", address, "--view", "--view-port", str(port)]
+    hidden = {"DISPLAY", "WAYLAND_DISPLAY", "BROWSER"}
+    live = subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={name: value for name, value in os.environ.items() if name not in hidden},
+    )
+    try:
+        await_answer(f"http://127.0.0.1:{port}/")
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/events", timeout=20) as events:
+            picture = next(line for line in events if b'"states": [[' in line)
+            live.send_signal(signal.SIGINT)
+            out, err = live.communicate(timeout=20)
+    finally:
+        live.kill()
+    assert json.loads(picture.removeprefix(b"data: "))["forecast"]["seen"] == "used"
+    assert (live.returncode, err) == (0, "")
+    assert f"The view is at http://127.0.0.1:{port}/" in out and "p99" in out
+
+
+def test_a_port_of_the_view_that_is_none_is_one_line(recordings):
+    arguments = ["live", "--simulator", "literature", "--replay", str(recordings)]
+    arguments += ["--forecasts", free_addresses(1)[0], "--view", "--view-port", "0"]
+    result = CliRunner().invoke(app, arguments)
+    assert isinstance(result.exception, InputError)
+    assert str(result.exception) == "--view-port: 0 is no port; give one from 1 to 65535"
 
 
 @pytest.mark.parametrize("option", ["--observations", "--forecasts"])

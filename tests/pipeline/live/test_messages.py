@@ -7,6 +7,7 @@ import pytest
 
 from models.ball.simulators import shipped
 from models.live.forecaster import Forecaster
+from pipeline.live.forecast import ball_forecast
 from pipeline.live.messages import MessageError, forecast_message, parse
 
 TRUTH = shipped("literature")
@@ -44,11 +45,11 @@ def test_what_is_no_measurement_says_what_is_wrong(message, problem):
 
 def test_a_forecast_has_states_errors_and_the_bounce():
     forecaster = Forecaster(TRUTH)
-    assert json.loads(forecast_message(0, "used", forecaster))["states"] is None
+    assert json.loads(forecast_message(0, "used", None))["states"] is None
     times = 2.0 + 0.005 * np.arange(30)
     for t, state in zip(times, TRUTH.fly(FIRST, times - 2.0).states[0], strict=True):
         forecaster.observe(t, state[:3])
-    message = json.loads(forecast_message(29, "used", forecaster))
+    message = json.loads(forecast_message(29, "used", ball_forecast(forecaster)))
     assert message["time"] == round(times[-1] * 1e9)
     true = TRUTH.fly(FIRST, times[-1] - 2.0 + np.array(message["ahead"])).states[0]
     assert np.array(message["states"])[:, :3] == pytest.approx(true[:, :3], abs=0.05)

@@ -108,5 +108,5 @@ def test_an_alarm_is_said_and_published():
     message = alarm_sentence(ALARM)
     assert "wind.x (the air moves) has changed by +0.31 m/s (standard error 0.04)" in message
     assert "in the last 14 shots. Not separable from frame_tilt.x." in message
-    assert '"drift": {"identity": "wind.x"' in forecast_message(1, "used", Forecaster(TRUTH), ALARM)
-    assert '"drift": null' in forecast_message(1, "used", Forecaster(TRUTH))
+    assert '"drift": {"identity": "wind.x"' in forecast_message(1, "used", None, ALARM)
+    assert '"drift": null' in forecast_message(1, "used", None)

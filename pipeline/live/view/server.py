@@ -1,0 +1,149 @@
+"""The server of the view: a page and its events, for this machine alone.
+
+The loop hands each frame over by one assignment. Every viewer has a thread, which looks for the
+latest frame when the next picture is due. Frames in between are not shown, and none waits.
+"""
+
+import os
+import re
+import socket
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from threading import Event, Thread
+from typing import Any
+
+from pipeline.live.latency import Latencies
+from pipeline.live.view.frame import Frame, picture
+from pipeline.live.view.page import render_view
+from pipeline.runtime.errors import InputError
+
+HOST = "127.0.0.1"
+# Any other name may belong to a web site that lets it point here, to read the page (DNS rebinding).
+LOCAL = re.compile(r"(127\.0\.0\.1|localhost)(:\d+)?")
+INTERVAL = 1 / 30  # s between pictures
+PATIENCE = 5.0  # s, after which a viewer that takes nothing is dropped
+QUIET = 60  # intervals without a frame, after which a comment shows whether the viewer is there
+UNDERWAY = 1 << 16  # bytes of pictures on their way to a viewer; more would be old on arrival
+POLL = 0.1  # s, after which the server looks whether it is to end
+RETRY = b"retry: 1000\n\n"  # ms, after which the page connects again
+COMMENT = b":\n\n"
+
+
+class ViewServer(ThreadingHTTPServer):
+    """Serves the page and its events.
+
+    Args:
+        port: of this machine.
+        latencies: of the frames, shown with them.
+
+    Attributes:
+        page: the page, UTF-8.
+        ended: whether all viewers are to be dropped.
+
+    Raises:
+        OSError: the port cannot be had.
+    """
+
+    daemon_threads = True  # the end does not wait for a viewer that has stalled
+
+    def __init__(self, port: int, latencies: Latencies) -> None:
+        self.page = render_view().encode()
+        self.ended = Event()
+        self._latencies = latencies
+        self._latest: Frame | None = None
+        super().__init__((HOST, port), _Viewer)
+
+    @property
+    def address(self) -> str:
+        """Of the page."""
+        return f"http://{HOST}:{self.server_port}/"
+
+    def show(self, frame: Frame) -> None:
+        """Take the latest frame; the one before is forgotten."""
+        self._latest = frame
+
+    def events(self) -> Iterator[bytes]:
+        """Yield pictures as server-sent events until the end; the latest frame when one is due."""
+        yield RETRY
+        shown, quiet = None, 0
+        while not self.ended.wait(INTERVAL):
+            frame, quiet = self._latest, quiet + 1
+            if frame is not None and frame is not shown:
+                yield f"data: {picture(frame, self._latencies)}\n\n".encode()
+                shown, quiet = frame, 0
+            elif quiet >= QUIET:
+                yield COMMENT
+                quiet = 0
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Say nothing of a viewer that has gone."""
+        if not isinstance(sys.exception(), OSError):
+            super().handle_error(request, client_address)
+
+
+@contextmanager
+def served(port: int, latencies: Latencies) -> Iterator[ViewServer]:
+    """Serve the view during the block.
+
+    Args:
+        port: of this machine.
+        latencies: of the frames, shown with them.
+
+    Raises:
+        InputError: the port cannot be had.
+    """
+    with _bound(port, latencies) as server:
+        Thread(target=server.serve_forever, args=(POLL,), daemon=True).start()
+        try:
+            yield server
+        finally:
+            server.ended.set()
+            server.shutdown()
+
+
+def _bound(port: int, latencies: Latencies) -> ViewServer:
+    if not 0 < port < 1 << 16:
+        raise InputError("--view-port", f"{port} is no port; give one from 1 to 65535")
+    try:
+        return ViewServer(port, latencies)
+    except OSError as error:
+        problem = f"{port} cannot be had: {os.strerror(error.errno or 0)}; give another one"
+        raise InputError("--view-port", problem) from None
+
+
+class _Viewer(BaseHTTPRequestHandler):
+    """Answers one request."""
+
+    server: ViewServer
+    timeout = PATIENCE
+
+    def do_GET(self) -> None:
+        """Send the page, or pictures as long as the viewer takes them."""
+        if not LOCAL.fullmatch(self.headers.get("Host", "")):
+            self.send_error(HTTPStatus.FORBIDDEN, "This page is for this machine alone")
+        elif self.path == "/":
+            self._start("text/html; charset=utf-8")
+            self.wfile.write(self.server.page)
+        elif self.path == "/events":
+            self._send_events()
+        else:
+            self.send_error(HTTPStatus.NOT_FOUND)
+
+    def _send_events(self) -> None:
+        self.connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, UNDERWAY)
+        self._start("text/event-stream")
+        with suppress(OSError):  # the viewer has gone, or takes nothing
+            for event in self.server.events():
+                self.wfile.write(event)
+
+    def _start(self, kind: str) -> None:
+        self.send_response(HTTPStatus.OK)
+        self.send_header("Content-Type", kind)
+        self.send_header("Cache-Control", "no-store")
+        self.end_headers()
+
+    def log_message(self, format: str, *args: object) -> None:
+        """Say nothing: the terminal is for forecasts."""
