@@ -112,6 +112,21 @@ def findings_lines(findings: "Findings", out: Path) -> list[str]:
 
 
 @app.command(rich_help_panel=GAP)
+def audit(
+    simulator: Annotated[
+        str, typer.Argument(help="a shipped one's name, a YAML file, or file.py:function")
+    ],
+    out: Annotated[Path, typer.Option(help="the folder to write to")],
+) -> None:
+    """Say which effects a simulator really has, by probe shots; no measurements are needed."""
+    from pipeline.engines.audit_folder import audit_folder
+
+    for line in audit_folder(simulator, out):
+        typer.echo(line)
+    typer.echo(f"Report: {out / 'report.html'}")
+
+
+@app.command(rich_help_panel=GAP)
 def simulators() -> None:
     """List the shipped simulators: their names, and their effects as YAML."""
     from textwrap import indent

@@ -1,0 +1,1 @@
+"""Engines by name or by file, and their audits as files."""

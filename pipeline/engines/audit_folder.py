@@ -1,0 +1,104 @@
+"""The workflow of ``rallygap audit``: an engine in, a folder with its audit out."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from models.audit.audit import Audit, audit
+from models.audit.probes import bounce_probes
+from models.audit.traps import Trap, traps
+from models.ball.simulator import Simulator
+from models.engines.engine import Engine, EngineError, check_deterministic
+from pipeline.engines.audit_text import audit_content, effects_table, outcome, sentence
+from pipeline.engines.figures import bounces_figure, worth_figure
+from pipeline.engines.load import load_engine
+from pipeline.io.artifacts import replacing_files, write_json, write_text
+from pipeline.io.figure_style import apply_style
+from pipeline.io.report_items import ReportFigure
+from pipeline.io.simulators import simulator_yaml
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.paths import check_folder
+from pipeline.runtime.progress import phase_bar
+from pipeline.web.environment import page_environment
+from pipeline.web.items import page_table, shown_figure
+
+TEMPLATES = Path(__file__).parent / "templates"
+FIGURES = "figures"
+FIGURE_NAMES = ("worth", "bounces")
+PHASES = {"flying probes": 90, "writing": 10}
+FEW = 6  # probes that are flown twice
+
+
+def audit_folder(name: str, out: Path) -> list[str]:
+    """Audit an engine and write what it does; return the outcome in sentences.
+
+    ``out`` gets audit.json, simulator.yaml, report.html and figures/*.png, all of them or none.
+
+    Args:
+        name: of the engine, as ``load_engine`` takes it.
+        out: folder to write to.
+
+    Raises:
+        InputError: there is no such engine, it fails, or the folder cannot be written to.
+    """
+    check_folder(out)
+    engine = load_engine(name)
+    with phase_bar(PHASES) as bar:
+        with bar.phase("flying probes"):
+            found = _audited(engine, bar.reached)
+        with bar.phase("writing"):
+            known = traps(found)
+            _write(name, found, known, out)
+    return outcome(name, found, known)
+
+
+def _audited(engine: Engine, progress: Callable[[float], None]) -> Audit:
+    probes = bounce_probes()
+    try:
+        check_deterministic(engine, probes.states[:FEW], probes.times)
+        return audit(engine, progress)
+    except EngineError as error:
+        raise InputError(engine.name, str(error).removeprefix(f"{engine.name} ")) from None
+
+
+def _write(name: str, found: Audit, known: tuple[Trap, ...], out: Path) -> None:
+    with replacing_files(out, [f"{FIGURES}/{one}.png" for one in FIGURE_NAMES]) as folder:
+        pictures = folder / FIGURES
+        pictures.mkdir()
+        apply_style()
+        figures = list(_figures(found))
+        for figure in figures:
+            figure.write(pictures / f"{figure.name}.png")
+        simulator = simulator_yaml(_rounded(found.simulator))
+        write_json(folder / "audit.json", audit_content(name, found, known))
+        write_text(folder / "simulator.yaml", simulator)
+        page = (
+            page_environment(TEMPLATES)
+            .get_template("audit.html")
+            .render(
+                name=name,
+                traps=[sentence(one) for one in known],
+                outcome=outcome(name, found, ()),
+                effects=page_table(effects_table(found)),
+                figures={one.name: shown_figure(one, pictures) for one in figures},
+                simulator=simulator,
+            )
+        )
+        write_text(folder / "report.html", page)
+
+
+def _rounded(simulator: Simulator) -> Simulator:
+    """Return a simulator whose values have six significant digits."""
+    rounded = {
+        name: {key: float(f"{value:.6g}") for key, value in values.items()}
+        for name, values in simulator.to_dict().items()
+    }
+    return Simulator.from_dict(rounded)
+
+
+def _figures(found: Audit) -> Iterator[ReportFigure]:
+    if any(np.isfinite(one.worth_mm) for one in found.effects):
+        yield worth_figure(found)
+    if found.bounces is not None:
+        yield bounces_figure(found.bounces)

@@ -1,0 +1,98 @@
+"""An audit in sentences and tables, for the terminal, the page and ``audit.json``."""
+
+from typing import Any
+
+import numpy as np
+
+from models.audit.audit import Audit, FoundEffect
+from models.audit.bounces import Bounces
+from models.audit.traps import Trap
+from models.ball.catalogue import catalogue
+from pipeline.gap.wording import number, with_unit
+
+SMALLEST = 0.01  # mm that sentences tell apart from zero
+AFTER = {"flight": "after 0.4 s of flight", "table": "0.15 s after a bounce begins"}
+
+
+def outcome(name: str, audit: Audit, traps: tuple[Trap, ...]) -> list[str]:
+    """Return what the audit says: traps, effects, and what they do not explain."""
+    effects = ", ".join(
+        f"{one.hypothesis.identity} {with_unit(one.value, one.hypothesis.declaration.unit)}"
+        for one in audit.effects
+    )
+    return [
+        *(f"Trap: {sentence(one)}" for one in traps),
+        f"{name} has {len(audit.effects)} parameters: {effects}.",
+        *(
+            f"Not explained by any effect {AFTER[phase]}: {_mm(left.median_mm)} in the median, "
+            f"{_mm(left.largest_mm)} at most."
+            for phase, left in audit.unexplained.items()
+        ),
+    ]
+
+
+def sentence(trap: Trap) -> str:
+    """Return a trap with its cost."""
+    if trap.cost_mm is None:
+        return trap.sentence
+    return f"{trap.sentence} After 0.4 s the ball is {trap.cost_mm:.0f} mm off."
+
+
+def effects_table(audit: Audit) -> dict[str, list[str]]:
+    """Return the columns of the table of effects."""
+    declared = [one.hypothesis.declaration for one in audit.effects]
+    return {
+        "parameter": [one.hypothesis.identity for one in audit.effects],
+        "effect": [catalogue()[one.hypothesis.effect].title for one in audit.effects],
+        "value ": [with_unit(one.value, one.hypothesis.declaration.unit) for one in audit.effects],
+        "worth (mm) ": [_worth(one) for one in audit.effects],
+        "measured balls": [one.observed or "–" for one in declared],
+    }
+
+
+def audit_content(name: str, audit: Audit, traps: tuple[Trap, ...]) -> dict[str, Any]:
+    """Return the content of ``audit.json``."""
+    return {
+        "engine": name,
+        "traps": [
+            {"identifier": one.identifier, "sentence": one.sentence, "cost_mm": _round(one.cost_mm)}
+            for one in traps
+        ],
+        "effects": [
+            {
+                "identity": one.hypothesis.identity,
+                "value": float(number(one.value)),
+                "unit": one.hypothesis.declaration.unit,
+                "worth_mm": _round(one.worth_mm),
+                "measured_balls": one.hypothesis.declaration.observed,
+            }
+            for one in audit.effects
+        ],
+        "unexplained": {
+            phase: {"median_mm": _round(one.median_mm), "largest_mm": _round(one.largest_mm)}
+            for phase, one in audit.unexplained.items()
+        },
+        "bounces": None if audit.bounces is None else _of_bounces(audit.bounces),
+    }
+
+
+def _of_bounces(bounces: Bounces) -> dict[str, float | None]:
+    return {
+        "share": _round(bounces.bounced.mean()),
+        "restitution_lowest": _round(np.nanmin(bounces.restitution)),
+        "restitution_highest": _round(np.nanmax(bounces.restitution)),
+        "restitution_scatter": _round(bounces.restitution_scatter),
+        "largest_grip": _round(np.nanmax(bounces.grip)),
+    }
+
+
+def _mm(distance: float) -> str:
+    return f"{number(distance)} mm" if distance >= SMALLEST else f"less than {SMALLEST} mm"
+
+
+def _worth(one: FoundEffect) -> str:
+    return "–" if np.isnan(one.worth_mm) else f"{one.worth_mm:.3g}"
+
+
+def _round(value: float | None) -> float | None:
+    return None if value is None or np.isnan(value) else float(f"{value:.4g}")
