@@ -127,6 +127,19 @@ def audit(
 
 
 @app.command(rich_help_panel=GAP)
+def export(
+    simulator: Annotated[str, typer.Argument(help="a shipped one's name, or a YAML file")],
+    to: Annotated[str, typer.Option(help="python or pybullet")],
+    out: Annotated[Path, typer.Option(help="the file to write")] = Path("ball_effects.py"),
+) -> None:
+    """Write a simulator's flight and bounce as one short file for another engine."""
+    from pipeline.engines.export.command import export
+
+    export(simulator, to, out)
+    typer.echo(f"Written: {out}")
+
+
+@app.command(rich_help_panel=GAP)
 def simulators() -> None:
     """List the shipped simulators: their names, and their effects as YAML."""
     from textwrap import indent

@@ -1,0 +1,1 @@
+"""Simulators as code for other engines: one short file without dependencies."""

@@ -1,0 +1,117 @@
+"""Simulators as code fly as they do here, in Python and in PyBullet."""
+
+import ast
+import importlib.util
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from typer.testing import CliRunner
+
+from models.audit.probes import bounce_probes, flight_probes
+from models.ball.simulator import Simulator
+from models.gap.hypotheses import hypotheses
+from pipeline.cli import app
+from pipeline.engines.export.code import ball_effects
+from tests.models.audit.test_audit import FLIGHT, PLAIN, TABLE, some_of
+
+# Every effect of flight and of the table, away from its neutral value.
+ALL = Simulator.from_dict(PLAIN)
+for one in hypotheses(ALL):
+    low, high = one.declaration.bounds
+    if one.phase != "sensor" and one.effect not in PLAIN:
+        ALL = one.at(ALL, 0.1 * high if high <= 1.0 else 0.02 * high)
+PROBES = (flight_probes(), bounce_probes())
+
+
+def imported(path, code):
+    path.write_text(code)
+    described = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(described)
+    described.loader.exec_module(module)
+    return module
+
+
+def largest_distance(module, simulator):
+    """m, between flights of the code and of the simulator."""
+    return max(
+        np.abs(np.array(module.fly(probes.states[::4], probes.times)) - flown)[..., :3].max()
+        for probes in PROBES
+        for flown in [simulator.fly(probes.states[::4], probes.times).states]
+    )
+
+
+def test_all_effects_together_are_the_same_in_code(tmp_path):
+    code = ball_effects(ALL, "all", [], "python")
+    assert largest_distance(imported(tmp_path / "ball_effects.py", code), ALL) < 1e-6
+
+
+@settings(max_examples=8, deadline=None)
+@given(some_of(FLIGHT), some_of(TABLE))
+def test_any_list_is_the_same_in_code(tmp_path_factory, flight, table):
+    simulator = Simulator.from_dict({**PLAIN, **flight, **table})
+    code = ball_effects(simulator, "some", [], "python")
+    module = imported(tmp_path_factory.mktemp("code") / "ball_effects.py", code)
+    assert largest_distance(module, simulator) < 1e-6
+
+
+@pytest.mark.parametrize("engine", ["python", "pybullet"])
+def test_the_code_depends_on_the_standard_library_and_its_engine_alone(engine):
+    code = ball_effects(ALL, "all", [], engine)
+    named = {
+        name.split(".")[0]
+        for node in ast.walk(ast.parse(code))
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        for name in (
+            [node.module] if isinstance(node, ast.ImportFrom) else [one.name for one in node.names]
+        )
+    }
+    assert named - {engine} == {"math", "typing"}
+
+
+def test_a_ball_of_pybullet_flies_as_the_simulator(tmp_path):
+    pybullet = pytest.importorskip("pybullet")
+    module = imported(tmp_path / "ball_effects.py", ball_effects(ALL, "all", [], "pybullet"))
+    first = np.array([0.1, 1.0, 0.3, 0.5, -5.0, -1.0, 120.0, 20.0, -60.0])
+    yaw, origin, dt = 0.7, (1.0, 2.0, 0.76), 1 / 240
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        ball, table = _world(pybullet, client)
+        flying = module.Ball(ball, table, dt, origin, yaw, client)
+        flying._set(tuple(first))
+        for _ in range(120):
+            flying.step()
+        flown = np.array(flying.state())
+        place, _ = pybullet.getBasePositionAndOrientation(ball, physicsClientId=client)
+    finally:
+        pybullet.disconnect(client)
+    expected = ALL.fly(first, [120 * dt])
+    assert expected.contacts.count[0] == 1
+    assert flown == pytest.approx(expected.states[0, 0], abs=1e-4)
+    turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+    assert np.array(place[:2]) == pytest.approx(turn @ flown[:2] + origin[:2])
+
+
+def _world(pybullet, client):
+    pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
+    sphere = pybullet.createCollisionShape(
+        pybullet.GEOM_SPHERE, radius=0.02, physicsClientId=client
+    )
+    plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client)
+    ball = pybullet.createMultiBody(0.0027, sphere, physicsClientId=client)
+    table = pybullet.createMultiBody(0, plane, basePosition=[0, 0, 0.76], physicsClientId=client)
+    return ball, table
+
+
+def test_the_command_writes_a_file_with_the_origin_of_its_values(tmp_path):
+    amended = tmp_path / "amended.yaml"
+    amended.write_text("# drag.cd: 0.54 before; estimated 0.47 from lab\ndrag: {cd: 0.47}\n")
+    out = tmp_path / "ball_effects.py"
+    result = CliRunner().invoke(app, ["export", str(amended), "--to", "python", "--out", str(out)])
+    assert result.exit_code == 0, result.output
+    assert "drag.cd: 0.54 before; estimated 0.47 from lab" in out.read_text()
+
+
+def test_another_engine_is_refused():
+    result = CliRunner().invoke(app, ["export", "literature", "--to", "unreal"])
+    assert "unreal is no engine; give python or pybullet" in str(result.exception)
