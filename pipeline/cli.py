@@ -86,7 +86,9 @@ def options(
 @app.command(rich_help_panel=GAP)
 def diagnose(
     data: Annotated[Path, typer.Argument(help="the folder of the recordings")],
-    simulator: Annotated[str, typer.Option(help="a shipped one's name, or a YAML file")],
+    simulator: Annotated[
+        str, typer.Option(help="a shipped one's name, a YAML file, or file.py:function")
+    ],
     out: Annotated[Path, typer.Option(help="the folder to write to")],
     source: Annotated[str, typer.Option(help="the adapter that reads the recordings")] = "csv",
     level: Annotated[

@@ -1,23 +1,20 @@
 """The workflow of ``rallygap audit``: an engine in, a folder with its audit out."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from models.audit.audit import Audit, audit
-from models.audit.probes import bounce_probes
+from models.audit.audit import Audit
 from models.audit.traps import Trap, traps
-from models.ball.simulator import Simulator
-from models.engines.engine import Engine, EngineError, check_deterministic
 from pipeline.engines.audit_text import audit_content, effects_table, outcome, sentence
+from pipeline.engines.audited import audited
 from pipeline.engines.figures import bounces_figure, worth_figure
 from pipeline.engines.load import load_engine
 from pipeline.io.artifacts import replacing_files, write_json, write_text
 from pipeline.io.figure_style import apply_style
 from pipeline.io.report_items import ReportFigure
 from pipeline.io.simulators import simulator_yaml
-from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import check_folder
 from pipeline.runtime.progress import phase_bar
 from pipeline.web.environment import page_environment
@@ -27,7 +24,6 @@ TEMPLATES = Path(__file__).parent / "templates"
 FIGURES = "figures"
 FIGURE_NAMES = ("worth", "bounces")
 PHASES = {"flying probes": 90, "writing": 10}
-FEW = 6  # probes that are flown twice
 
 
 def audit_folder(name: str, out: Path) -> list[str]:
@@ -46,20 +42,11 @@ def audit_folder(name: str, out: Path) -> list[str]:
     engine = load_engine(name)
     with phase_bar(PHASES) as bar:
         with bar.phase("flying probes"):
-            found = _audited(engine, bar.reached)
+            found = audited(engine, bar.reached)
         with bar.phase("writing"):
             known = traps(found)
             _write(name, found, known, out)
     return outcome(name, found, known)
-
-
-def _audited(engine: Engine, progress: Callable[[float], None]) -> Audit:
-    probes = bounce_probes()
-    try:
-        check_deterministic(engine, probes.states[:FEW], probes.times)
-        return audit(engine, progress)
-    except EngineError as error:
-        raise InputError(engine.name, str(error).removeprefix(f"{engine.name} ")) from None
 
 
 def _write(name: str, found: Audit, known: tuple[Trap, ...], out: Path) -> None:
@@ -70,7 +57,7 @@ def _write(name: str, found: Audit, known: tuple[Trap, ...], out: Path) -> None:
         figures = list(_figures(found))
         for figure in figures:
             figure.write(pictures / f"{figure.name}.png")
-        simulator = simulator_yaml(_rounded(found.simulator))
+        simulator = simulator_yaml(found.simulator)
         write_json(folder / "audit.json", audit_content(name, found, known))
         write_text(folder / "simulator.yaml", simulator)
         page = (
@@ -86,15 +73,6 @@ def _write(name: str, found: Audit, known: tuple[Trap, ...], out: Path) -> None:
             )
         )
         write_text(folder / "report.html", page)
-
-
-def _rounded(simulator: Simulator) -> Simulator:
-    """Return a simulator whose values have six significant digits."""
-    rounded = {
-        name: {key: float(f"{value:.6g}") for key, value in values.items()}
-        for name, values in simulator.to_dict().items()
-    }
-    return Simulator.from_dict(rounded)
 
 
 def _figures(found: Audit) -> Iterator[ReportFigure]:

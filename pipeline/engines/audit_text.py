@@ -8,7 +8,7 @@ from models.audit.audit import Audit, FoundEffect
 from models.audit.bounces import Bounces
 from models.audit.traps import Trap
 from models.ball.catalogue import catalogue
-from pipeline.gap.wording import number, with_unit
+from pipeline.io.numbers import number, with_unit
 
 SMALLEST = 0.01  # mm that sentences tell apart from zero
 AFTER = {"flight": "after 0.4 s of flight", "table": "0.15 s after a bounce begins"}

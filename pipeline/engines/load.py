@@ -23,10 +23,16 @@ def load_engine(name: str) -> Engine:
     Raises:
         InputError: there is no such engine, or its code fails when it is imported.
     """
-    place, _, function = name.rpartition(":")
-    if place and function.isidentifier():
+    if names_function(name):
+        place, _, function = name.rpartition(":")
         return FunctionEngine(name, _function(name, _module(place), function))
     return EffectsEngine(name, load_simulator(name))
+
+
+def names_function(name: str) -> bool:
+    """Whether a name is that of a function, and not of a list of effects."""
+    place, _, function = name.rpartition(":")
+    return bool(place) and function.isidentifier()
 
 
 def _function(name: str, module: ModuleType, function: str) -> Any:

@@ -8,6 +8,9 @@ from models.gap.amend.simulator import amended, amended_yaml
 from models.gap.diagnose import diagnose
 from models.gap.settings import DEFAULTS, GapSettings
 from models.gap.verdict import DetectionLimits
+from pipeline.engines.audited import effects_of
+from pipeline.engines.export.command import code_of
+from pipeline.engines.load import names_function
 from pipeline.gap.expected_balls import expected_balls, expected_json
 from pipeline.gap.figures.camera import camera_figure
 from pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
@@ -20,14 +23,15 @@ from pipeline.gap.verdict_page import render_gap_page
 from pipeline.io.artifacts import replacing_files, write_text
 from pipeline.io.figure_style import apply_style
 from pipeline.io.report_items import ReportFigure
-from pipeline.io.simulators import load_simulator
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import check_folder
 from pipeline.runtime.progress import phase_bar
 
 TABLE = "table_bounce"
 FIGURES = "figures"
+CODE = "ball_effects.py"
 FIGURE_NAMES = ("causes", "camera", "discrepancy", "growth", "errors")
+FORMER = [CODE, *(f"{FIGURES}/{name}.png" for name in FIGURE_NAMES)]
 # Phases of the work with their usual shares of the time, for the progress bar.
 PHASES = {"reading and segmenting": 15, "comparing": 75, "writing": 10}
 
@@ -44,12 +48,12 @@ def diagnose_folder(
     """Diagnose the recordings of a folder and write the verdict.
 
     ``out`` gets verdict.json, amended.yaml, balls.json, report.html and figures/*.png, all of them
-    or none.
+    or none; and where the simulator is a function, the amended one as code.
 
     Args:
         data: folder with the files of the source.
         source: name of the adapter that reads them.
-        simulator: name of a shipped one, or path of a YAML file.
+        simulator: name of a shipped one, path of a YAML file, or a function that flies balls.
         level: probability of a false cause where there is no gap.
         out: folder to write to.
         say: called with lines of text: what is used and what is doubtful, then what the shots can
@@ -60,7 +64,7 @@ def diagnose_folder(
         InputError: any of these cannot be used, or there are too few shots.
     """
     check_folder(out)
-    nominal = load_simulator(simulator)
+    nominal = effects_of(simulator, say)
     with phase_bar(PHASES) as bar:
         with bar.phase("reading and segmenting"):
             measured = read_shots(data, source)
@@ -108,7 +112,7 @@ def write_findings(findings: Findings, out: Path, minor: bool = False) -> None:
     Raises:
         InputError: the folder cannot be written to.
     """
-    with replacing_files(out, [f"{FIGURES}/{name}.png" for name in FIGURE_NAMES]) as folder:
+    with replacing_files(out, FORMER) as folder:
         _write_all(findings, folder, minor)
 
 
@@ -141,6 +145,8 @@ def _write_all(findings: Findings, folder: Path, minor: bool) -> None:
     write_text(folder / "verdict.json", findings.verdict.to_json())
     write_text(folder / "amended.yaml", simulator)
     write_text(folder / "balls.json", expected_json(findings.balls))
+    if names_function(findings.simulator_name):
+        write_text(folder / CODE, code_of(str(folder / "amended.yaml"), "python"))
     write_text(folder / "report.html", render_gap_page(findings, simulator, pictures, figures))
 
 

@@ -19,12 +19,11 @@ from pipeline.gap.wording import (
     counted,
     interval_text,
     listed,
-    number,
     p_text,
     percent,
-    with_unit,
     worth_text,
 )
+from pipeline.io.numbers import number, with_unit
 
 TYPICAL_MS = 200  # the horizon of the summary, where shots are that long
 SIGNIFICANT = 0.05  # p-value up to which a covariate is reported

@@ -9,8 +9,9 @@ import pandas as pd
 
 from models.gap.verdict import Cause, Gap
 from pipeline.gap.cases import Diagnosed
-from pipeline.gap.wording import interval_text, with_unit
+from pipeline.gap.wording import interval_text
 from pipeline.io.metrics import place, rounded
+from pipeline.io.numbers import with_unit
 from pipeline.io.report_items import ReportTable
 from pipeline.params import CloseGapSettings
 

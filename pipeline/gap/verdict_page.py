@@ -9,7 +9,8 @@ from models.gap.verdict import Cause, Check, Gap, Worth
 from pipeline.gap.figures.verdict import KIND_NAMES
 from pipeline.gap.summary import Findings, answer_title, minor_causes, title
 from pipeline.gap.usage import episodes_text, labels_text
-from pipeline.gap.wording import ROLES, interval_text, number, percent, with_unit
+from pipeline.gap.wording import ROLES, interval_text, percent
+from pipeline.io.numbers import number, with_unit
 from pipeline.io.report_items import ReportFigure
 from pipeline.web.environment import page_environment
 from pipeline.web.items import page_table, shown_figure

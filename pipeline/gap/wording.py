@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from models.gap.types import Phase
 from models.gap.verdict import Role, Worth
+from pipeline.io.numbers import number
 
 PLACES: dict[Phase, str] = {
     "flight": "in flight",
@@ -17,16 +18,6 @@ ROLES: dict[Role, str] = {
 }
 SMALLEST_P = 1e-3
 MOST_LISTED = 3  # names in a sentence; tables list all
-
-
-def number(value: float) -> str:
-    """Return a number with four significant digits."""
-    return f"{value:.4g}"
-
-
-def with_unit(value: float, unit: str) -> str:
-    """Return a number with its unit, if it has one."""
-    return number(value) if unit == "1" else f"{number(value)} {unit}"
 
 
 def interval_text(interval: tuple[float, float]) -> str:

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 
 from models.gap.verdict import Cause, Gap
-from pipeline.gap.wording import interval_text, number
+from pipeline.gap.wording import interval_text
+from pipeline.io.numbers import number
 from pipeline.known_answers.scores import Answer
 
 COLUMNS = [

@@ -22,12 +22,24 @@ def export(simulator: str, engine: str, out: Path) -> None:
     """
     if engine not in ENGINES:
         raise InputError("--to", f"{engine} is no engine; give {' or '.join(ENGINES)}")
-    known = load_simulator(simulator)
-    code = ball_effects(known, Path(simulator).name, _comments(simulator), engine)
     try:
-        write_text(out, code)
+        write_text(out, code_of(simulator, engine))
     except OSError as error:
         raise InputError(out, f"cannot be written: {error.strerror}") from None
+
+
+def code_of(simulator: str, engine: str) -> str:
+    """Return a simulator's flight and bounce as code for an engine.
+
+    Args:
+        simulator: name of a shipped one, or its YAML file, whose comments go into the code.
+        engine: one of ``ENGINES``.
+
+    Raises:
+        InputError: the simulator cannot be read.
+    """
+    known = load_simulator(simulator)
+    return ball_effects(known, Path(simulator).name, _comments(simulator), engine)
 
 
 def _comments(simulator: str) -> list[str]:

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.gap.verdict import Cause, Gap, Verdict
-from pipeline.gap.wording import number, with_unit
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
+from pipeline.io.numbers import number, with_unit
 from pipeline.io.report_items import ReportFigure
 
 KIND_COLOURS = {"wrong_value": "#0f7fc4", "missing_effect": "#d55e00"}

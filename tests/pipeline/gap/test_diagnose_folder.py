@@ -82,6 +82,28 @@ def test_clean_recordings_have_no_gap(tmp_path):
     assert load_simulator(str(tmp_path / "out/amended.yaml")) == load_simulator(NOMINAL)
 
 
+MINE = """
+from models.ball.simulators import shipped
+
+def fly(states, times):
+    return shipped("literature").fly(states, times).states
+"""
+
+
+def test_a_function_is_audited_diagnosed_and_given_back_as_code(tmp_path):
+    folder, said = write_recordings(tmp_path / "lab", WIND, shots=36), []
+    (tmp_path / "mine.py").write_text(MINE)
+    name = f"{tmp_path / 'mine.py'}:fly"
+    found = diagnose_folder(folder, "csv", name, 0.003, tmp_path / "out", said.append)
+    assert f"{name} has 5 parameters" in said[0]
+    assert [one.identity for one in found.verdict.causes] == ["wind.x"]
+    assert files(tmp_path / "out") == sorted([*FILES, "ball_effects.py"])
+    code = (tmp_path / "out" / "ball_effects.py").read_text()
+    assert "wind.x: missing before; estimated" in code and "def fly(states, times):" in code
+    write_findings(findings(), tmp_path / "out")
+    assert "ball_effects.py" not in files(tmp_path / "out")
+
+
 def test_minor_structure_is_amended_on_request_only(tmp_path):
     found = findings(verdict(causes=(WIND_CAUSE, MINOR)))
     for minor in (False, True):
