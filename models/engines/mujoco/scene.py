@@ -1,0 +1,176 @@
+"""A scene of MuJoCo as an engine."""
+
+import copy
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+
+from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
+from models.ball.types import Bools, Floats
+from models.engines.engine import EngineError
+from models.engines.mujoco.ball import Ball, find_ball
+from models.engines.mujoco.between_steps import states_between
+from models.engines.mujoco.frame import TableFrame, find_frame
+from models.engines.mujoco.initial import reset
+from models.engines.mujoco.log import collected_warnings
+from models.support.suggestion import suggestion
+
+INTEGRATORS = {
+    "Euler": mujoco.mjtIntegrator.mjINT_EULER,
+    "RK4": mujoco.mjtIntegrator.mjINT_RK4,
+    "implicit": mujoco.mjtIntegrator.mjINT_IMPLICIT,
+    "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
+}
+ROUNDING = 1e-9  # of a step: times that are so near to one need no further step
+QUATERNION = 4  # numbers
+
+
+@dataclass(frozen=True, eq=False)
+class MujocoScene:
+    """A scene of MuJoCo that flies its ball.
+
+    Each ball starts alone in the scene, everything else as the scene starts: at its first keyframe
+    or, without one, at its reference configuration. Every ball starts in the orientation that the
+    ball has there.
+
+    Attributes:
+        name: of the scene, for reports.
+        model: the scene; never changed.
+        ball: its ball.
+        frame: its table frame.
+    """
+
+    name: str
+    model: mujoco.MjModel
+    ball: Ball
+    frame: TableFrame
+
+    @classmethod
+    def of(cls, name: str, model: mujoco.MjModel, ball: str | None = None) -> "MujocoScene":
+        """Find ball and table in a scene.
+
+        Args:
+            name: of the scene.
+            model: the scene.
+            ball: name of the ball's body; None to find it.
+
+        Raises:
+            EngineError: the scene has no ball, or several.
+        """
+        found = find_ball(model, ball)
+        return cls(name, model, found, find_frame(model, found))
+
+    def with_step(self, step: float) -> "MujocoScene":
+        """Return this scene with another time step (s).
+
+        Raises:
+            EngineError: the step is not positive.
+        """
+        if not step > 0.0:
+            raise EngineError(f"a time step of {step:g} s; give one above 0")
+        model = copy.copy(self.model)
+        model.opt.timestep = step
+        return replace(self, model=model)
+
+    def with_integrator(self, name: str) -> "MujocoScene":
+        """Return this scene with another integrator: Euler, RK4, implicit or implicitfast.
+
+        Raises:
+            EngineError: there is no such integrator.
+        """
+        if name not in INTEGRATORS:
+            hint = suggestion(name, INTEGRATORS)
+            raise EngineError(f"there is no integrator called {name!r}; {hint}")
+        model = copy.copy(self.model)
+        model.opt.integrator = INTEGRATORS[name]
+        return replace(self, model=model)
+
+    def fly(self, states: Floats, times: Floats) -> Floats:
+        """Fly balls.
+
+        Args:
+            states: (B, 9) at time zero, in the table frame.
+            times: (T,) s, rising, the first one zero or later.
+
+        Returns:
+            (B, T, 9) states.
+
+        Raises:
+            EngineError: the simulation diverges; names the ball and the time.
+        """
+        model = _without_resets(self.model)
+        data = mujoco.MjData(model)
+        launches = self.frame.to_world(np.asarray(states, dtype=np.float64))
+        flown = np.empty((len(launches), len(times), STATE_SIZE))
+        for number, launch in enumerate(launches):
+            try:
+                flown[number] = self._flight(model, data, launch, np.asarray(times))
+            except _UnstableError as error:
+                raise EngineError(f"{self.name}: ball {number}: {error}") from None
+        return self.frame.to_table(flown)
+
+    def _flight(
+        self, model: mujoco.MjModel, data: mujoco.MjData, launch: Floats, times: Floats
+    ) -> Floats:
+        step = model.opt.timestep
+        count = max(1, int(np.ceil(times.max(initial=0.0) / step - ROUNDING)))
+        reset(model, data)
+        self._place(data, launch)
+        states, touches = self._steps(model, data, count)
+        return states_between(states, touches, step, times)
+
+    def _place(self, data: mujoco.MjData, launch: Floats) -> None:
+        first, moving = self.ball.position, self.ball.velocity
+        orientation = data.qpos[first + 3 : first + 3 + QUATERNION]
+        data.qpos[first : first + 3] = launch[POSITION]
+        data.qvel[moving : moving + 3] = launch[VELOCITY]
+        data.qvel[moving + 3 : moving + 6] = launch[SPIN] @ rotations(orientation)
+
+    def _steps(
+        self, model: mujoco.MjModel, data: mujoco.MjData, count: int
+    ) -> tuple[Floats, Bools]:
+        """Return (K + 1, 9) states at the steps, and (K,) whether the ball touches in a step."""
+        first, moving = self.ball.position, self.ball.velocity
+        pose = data.qpos[first : first + 3 + QUATERNION]
+        motion = data.qvel[moving : moving + 6]
+        path = np.empty((count + 1, len(pose) + len(motion)))
+        contacts = np.zeros(count + 1, dtype=np.bool_)
+        path[0] = (*pose, *motion)
+        with collected_warnings() as warnings:
+            for number in range(1, count + 1):
+                mujoco.mj_step(model, data)
+                path[number, : len(pose)], path[number, len(pose) :] = pose, motion
+                contacts[number] = data.ncon > 0 and self.ball.geom in data.contact.geom
+        if data.warning.number.any():
+            raise _UnstableError(next(text for text in warnings if "Time = " in text))
+        # Euler finds contacts at the start of a step, RK4 leaves those at its end.
+        return _states(path), contacts[1:] | contacts[:-1]
+
+
+def rotations(quaternions: Floats) -> Floats:
+    """Return (..., 3, 3) rotation matrices, body to world, of (..., 4) unit quaternions."""
+    w, x, y, z = np.moveaxis(quaternions, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+class _UnstableError(Exception):
+    """MuJoCo warns about its own simulation."""
+
+
+def _states(path: Floats) -> Floats:
+    """Return (K, 9) states from (K, 13) positions, quaternions, velocities and spins."""
+    spins = np.einsum("kij,kj->ki", rotations(path[:, 3:7]), path[:, 10:13])
+    return np.column_stack([path[:, :3], path[:, 7:10], spins])
+
+
+def _without_resets(model: mujoco.MjModel) -> mujoco.MjModel:
+    """Return a copy that does not start again when it diverges: that would look like a flight."""
+    changed = copy.copy(model)
+    changed.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    return changed

@@ -1,0 +1,179 @@
+"""What the attributes of a contact mean, against bounces in MuJoCo at small steps."""
+
+import math
+
+import numpy as np
+import pytest
+
+from models.ball.simulator import Simulator
+from models.engines.mujoco.contact import restitution, table_contact
+from tests.models.engines.mujoco.scenes import SHELL, TABLE, scene
+
+STEP = 5e-5
+HARD = 'solref="-1000000 -47" solimp=".98 .98 .001"'
+GENTLE = "0 -200"  # solreffriction
+
+
+def contact_of(geom="", option="", table=TABLE, rest=""):
+    one = scene(f"{SHELL} {geom}", option, table, rest)
+    return table_contact(one.model, one.ball, one.frame)
+
+
+def solref_on_both(solref, solimp=".9 .95 .001"):
+    contact = f'solref="{solref}" solimp="{solimp}" condim="1"'
+    return scene(
+        f"{SHELL} {contact}",
+        f'gravity="0 0 0" timestep="{STEP}" integrator="Euler"',
+        TABLE.replace("/>", f" {contact}/>"),
+    )
+
+
+def paired(friction, slip="0 0", shell=SHELL, cone="elliptic"):
+    """A bounce whose friction has its own damping."""
+    pair = (
+        f'<contact><pair geom1="top" geom2="sphere" {HARD} condim="3" solreffriction="{slip}" '
+        f'friction="{friction} {friction} 0 0 0"/></contact>'
+    )
+    option = f'gravity="0 0 0" timestep="{STEP}" integrator="Euler" cone="{cone}"'
+    return scene(shell, option, rest=pair)
+
+
+def bounced(one, velocity, spin=(0.0, 0.0, 0.0)):
+    """Return the (9,) state well after a bounce."""
+    launch = np.array([[0.0, -0.5, 0.0205, *velocity, *spin]])
+    return one.fly(launch, np.array([0.2]))[0, 0]
+
+
+@pytest.mark.parametrize(
+    ("damping_ratio", "expected"),
+    [(0.0, 1.0), (0.0235, 0.930), (0.5, 0.298), (1.0, math.exp(-2.0)), (5.0, 0.0097)],
+)
+def test_restitution_of_a_spring_and_a_damper(damping_ratio, expected):
+    assert restitution(damping_ratio) == pytest.approx(expected, abs=5e-4)
+
+
+def test_restitution_is_smooth_at_critical_damping():
+    around = [restitution(1.0 + shift) for shift in (-1e-6, -1e-10, 0.0, 1e-10, 1e-6)]
+    np.testing.assert_allclose(around, math.exp(-2.0), rtol=1e-5)
+    assert around == sorted(around, reverse=True)
+
+
+@pytest.mark.parametrize(
+    "solref",
+    ["-1000000 -47", "-1000000 -300", "-200000 -20", "-100000 -900", ".02 1", ".01 .2", ".004 2"],
+)
+def test_bounces_have_the_restitution_of_their_solref(solref):
+    one = solref_on_both(solref, ".98 .98 .001")
+    contact = table_contact(one.model, one.ball, one.frame)
+    ratio = bounced(one, (0.0, 0.0, -3.0))[5] / 3.0
+    assert ratio == pytest.approx(contact.restitution, abs=0.003)
+
+
+def test_an_impedance_that_grows_within_a_millimetre_changes_little():
+    one = solref_on_both("-1000000 -47")
+    assert bounced(one, (0.0, 0.0, -3.0))[5] / 3.0 == pytest.approx(0.930, abs=0.003)
+
+
+def test_depth_and_duration_of_a_bounce():
+    one = solref_on_both("-1000000 -300", ".98 .98 .001")
+    contact = table_contact(one.model, one.ball, one.frame)
+    launch = np.array([[0.0, -0.5, 0.0205, 0.0, 0.0, -3.0, 0.0, 0.0, 0.0]])
+    height = one.fly(launch, STEP * np.arange(400))[0, :, 2] - 0.02
+    assert -height.min() == pytest.approx(contact.depth(3.0), rel=0.03)
+    # A damped contact ends, still in the table, when it would begin to pull.
+    speeds = np.diff(height)
+    inside = np.flatnonzero(np.abs(np.diff(speeds)) > 1e-12)
+    assert STEP * (inside[-1] - inside[0]) == pytest.approx(contact.duration, rel=0.05)
+
+
+@pytest.mark.parametrize("spin", [(0.0, 0.0, 0.0), (100.0, 0.0, 30.0), (-150.0, 40.0, 0.0)])
+def test_a_ball_that_slides_follows_coulomb(spin):
+    velocity = (1.0, 8.0, -3.0)
+    one = paired(0.1, GENTLE)
+    flown = bounced(one, velocity, spin)
+    law = {"restitution": flown[5] / 3.0, "friction": 0.1}
+    before = np.array([[0.0, -0.5, 0.0205, *velocity, *spin]])
+    expected = Simulator.from_dict({"table_bounce": law}).fly(before, [0.2]).states[0, 0]
+    assert flown[5] / 3.0 == pytest.approx(0.93, abs=0.006)
+    np.testing.assert_allclose(flown[3:5], expected[3:5], atol=0.005)
+    # Friction acts halfway into the overlap, here 4.5 % nearer to the centre on average.
+    turned, wanted = (state[6:8] - spin[:2] for state in (flown, expected))
+    assert np.linalg.norm(wanted) > 40.0
+    np.testing.assert_allclose(turned, 0.955 * wanted, atol=0.015 * np.linalg.norm(wanted))
+
+
+@pytest.mark.parametrize(("shell", "cap"), [(SHELL, 2 / 5), ("", 2 / 7)])
+@pytest.mark.parametrize("slip_damping", [47, 200, 1000])
+def test_the_slip_that_a_bounce_ends(shell, cap, slip_damping):
+    one = paired(0.8, f"0 -{slip_damping}", shell)
+    contact = table_contact(one.model, one.ball, one.frame)
+    flown = bounced(one, (0.0, 1.0, -3.0))
+    assert 1.0 - flown[4] == pytest.approx(cap * contact.grip, rel=0.1)
+
+
+def test_without_a_damping_of_its_own_slip_has_that_of_the_normal():
+    assert table_contact(*_parts(paired(0.8))).slip_damping == 47.0
+    assert table_contact(*_parts(paired(0.8, "0 -200", cone="pyramidal"))).slip_damping == 47.0
+    assert table_contact(*_parts(paired(0.8, "0 -200"))).slip_damping == 200.0
+
+
+def _parts(one):
+    return one.model, one.ball, one.frame
+
+
+@pytest.mark.parametrize(
+    ("geom", "option", "table", "stiffness", "damping"),
+    [
+        # Geoms of one priority: the mean of standard values, the smaller of direct ones.
+        ('solref=".01 .5"', "", 'solref=".03 .5"', 1 / 0.01**2, 100.0),
+        ('solref=".01 .5" solmix="3"', "", 'solref=".03 .5"', 1 / 0.0075**2, 2 / 0.015),
+        ('solref="-1000 -5"', "", 'solref="-2000 -3"', 2000.0, 5.0),
+        ('solref="-1000 -5"', "", "", 1000.0, 5.0),
+        ('solref="-1000 -5" priority="1"', "", 'solref="-2000 -3"', 1000.0, 5.0),
+        # A pair of signs that does not fit, and a constant below two steps.
+        ('solref="-1000 5" priority="1"', "", "", 2500.0, 100.0),
+        ('solref=".001 .5" priority="1"', 'timestep=".001"', "", 1 / 0.001**2, 1000.0),
+    ],
+)
+def test_contacts_are_those_that_mujoco_makes(geom, option, table, stiffness, damping):
+    contact = contact_of(geom, option, TABLE.replace("/>", f" {table}/>"))
+    assert contact.stiffness == pytest.approx(stiffness)
+    assert contact.damping == pytest.approx(damping)
+
+
+def test_the_override_of_all_contacts_counts():
+    flag = '<option o_solref="-1000 -5"><flag override="enable"/></option>'
+    assert contact_of(rest=flag).damping == 5.0
+
+
+def test_safety_of_the_time_constant_can_be_off():
+    flag = '<option><flag refsafe="disable"/></option>'
+    contact = contact_of('solref=".001 .5" priority="1"', rest=flag)
+    assert (contact.damping, contact.raised) == (2000.0, False)
+
+
+def test_friction_is_the_larger_one_and_none_with_condim_1():
+    assert contact_of(
+        'friction=".3 0 0"', table=TABLE.replace("/>", ' friction=".2 0 0"/>')
+    ).friction == (0.3, 0.3)
+    frictionless = TABLE.replace("/>", ' condim="1"/>')
+    assert contact_of('condim="1"', table=frictionless).friction == (0.0, 0.0)
+
+
+def test_a_margin_lifts_the_surface():
+    one = scene(f'{SHELL} {HARD} margin=".003"', f'gravity="0 0 0" timestep="{STEP}"')
+    contact = table_contact(one.model, one.ball, one.frame)
+    assert contact.lift == pytest.approx(0.003)
+
+
+@pytest.mark.parametrize(
+    ("table", "rest"),
+    [
+        ("", ""),
+        (TABLE, '<option><flag contact="disable"/></option>'),
+        (TABLE, '<option o_solref="0 0"><flag override="enable"/></option>'),
+    ],
+    ids=["no table", "no contacts", "no spring"],
+)
+def test_without_a_push_there_is_no_contact(table, rest):
+    assert contact_of(table=table, rest=rest) is None

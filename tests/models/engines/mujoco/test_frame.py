@@ -1,0 +1,117 @@
+"""Where the playing surface of a scene lies."""
+
+import numpy as np
+import pytest
+
+from models.engines.mujoco.ball import find_ball
+from models.engines.mujoco.frame import find_frame
+from tests.models.engines.mujoco.scenes import BALL, TABLE, ball, compiled
+
+HALF = '<geom name="{}" type="box" size=".685 .7625 .01" pos="{} 0 .75"/>'
+HALVES = HALF.format("own", -0.685) + HALF.format("other", 0.685)
+STATES = np.random.default_rng(0).normal(size=(2, 3, 9))
+
+
+def frame_of(world, option="", rest="", keep=None):
+    model = compiled(world + (keep or ball()), option, rest)
+    return find_frame(model, find_ball(model))
+
+
+def test_the_frame_of_a_table_in_its_own_frame_is_the_world():
+    frame = frame_of(TABLE)
+    np.testing.assert_allclose(frame.origin, 0.0, atol=1e-12)
+    np.testing.assert_allclose(frame.axes, np.eye(3), atol=1e-12)
+    assert (frame.found, frame.length, frame.width) == (True, 2.74, 1.525)
+
+
+def test_a_table_along_x_has_its_own_axes():
+    table = '<geom type="box" size="1.37 .7625 .01" pos="1 2 .75"/>'
+    frame = frame_of(table)
+    np.testing.assert_allclose(frame.origin, [1.0, 2.0, 0.76])
+    np.testing.assert_allclose(frame.axes.T, [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "y"),
+    [(30, [0.866, 0.5]), (100, [-0.174, 0.985]), (135, [0.707, -0.707]), (170, [0.985, -0.174])],
+)
+def test_y_points_along_the_nearest_axis_of_the_world(degrees, y):
+    table = f'<geom type="box" size="1.37 .7625 .01" euler="0 0 {degrees}"/>'
+    frame = frame_of(table)
+    np.testing.assert_allclose(frame.axes[:2, 1], y, atol=1e-3)
+    assert np.linalg.det(frame.axes) == pytest.approx(1.0)
+
+
+def test_a_box_may_lie_on_any_of_its_sides():
+    frame = frame_of('<geom type="box" size=".7625 .01 1.37" euler="90 0 0"/>')
+    np.testing.assert_allclose(frame.axes, np.eye(3), atol=1e-9)
+    assert frame.origin[2] == pytest.approx(0.01)
+
+
+def test_two_halves_and_their_net_are_a_table():
+    net = '<geom type="box" size=".01 .9 .07625" pos="0 0 .836"/>'
+    frame = frame_of(HALVES + net)
+    np.testing.assert_allclose(frame.origin, [0.0, 0.0, 0.76], atol=1e-12)
+    assert len(frame.geoms) == 2
+    assert frame.length == pytest.approx(2.74)
+
+
+def test_a_table_that_is_not_level_keeps_its_normal():
+    frame = frame_of('<geom type="box" size=".7625 1.37 .01" euler="2 0 0"/>')
+    normal = [0.0, -np.sin(np.radians(2)), np.cos(np.radians(2))]
+    np.testing.assert_allclose(frame.axes[:, 2], normal, atol=1e-12)
+
+
+def test_up_is_against_gravity():
+    frame = frame_of('<geom type="box" size=".7625 .01 1.37"/>', 'gravity="0 -9.81 0"')
+    np.testing.assert_allclose(frame.axes.T, [[-1, 0, 0], [0, 0, 1], [0, 1, 0]], atol=1e-12)
+
+
+def test_the_highest_of_two_tables_is_played_on():
+    frame = frame_of(TABLE + '<geom type="box" size=".7625 1.37 .01" pos="0 0 .5"/>')
+    assert frame.origin[2] == pytest.approx(0.51)
+
+
+@pytest.mark.parametrize(
+    ("world", "keep", "rest"),
+    [
+        ("", None, ""),
+        ('<geom type="plane" size="2 2 .1"/>', None, ""),
+        ('<geom type="box" size="1 1 .1"/>', None, ""),
+        (HALF.format("own", -0.685), None, ""),
+        (HALF.format("own", -0.9) + HALF.format("other", 0.9), None, ""),
+        (TABLE.replace("/>", ' contype="0" conaffinity="0"/>'), None, ""),
+        (TABLE, ball(f'{BALL} contype="2" conaffinity="2"'), ""),
+        (
+            f'<body name="desk">{TABLE}</body>',
+            None,
+            '<contact><exclude body1="desk" body2="ball"/></contact>',
+        ),
+        ('<geom type="box" size=".7625 1.37 .01" euler="40 0 0"/>', None, ""),
+    ],
+)
+def test_without_a_table_the_world_is_the_frame(world, keep, rest):
+    frame = frame_of(world, rest=rest, keep=keep)
+    assert not frame.found
+    np.testing.assert_array_equal(frame.to_world(STATES), STATES)
+
+
+def test_a_pair_lets_a_ball_meet_a_table():
+    keep = ball(f'{BALL} name="sphere" contype="0" conaffinity="0"')
+    pair = '<contact><pair geom1="sphere" geom2="top"/></contact>'
+    assert frame_of(TABLE, rest=pair, keep=keep).found
+
+
+def test_the_table_is_where_the_scene_starts():
+    world = f'<body mocap="true" name="desk">{TABLE}</body>'
+    key = '<keyframe><key mpos="0 0 .76"/></keyframe>'
+    assert frame_of(world, rest=key).origin[2] == pytest.approx(0.76)
+
+
+def test_states_return_from_the_world():
+    frame = frame_of('<geom type="box" size="1.37 .7625 .01" pos="1 2 .75" euler="0 0 20"/>')
+    world = frame.to_world(STATES)
+    assert np.abs(world - STATES).max() > 0.5
+    np.testing.assert_allclose(frame.to_table(world), STATES, atol=1e-12)
+    speeds = [np.linalg.norm(one[..., 3:6], axis=-1) for one in (world, STATES)]
+    np.testing.assert_allclose(*speeds)

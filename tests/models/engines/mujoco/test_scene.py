@@ -1,0 +1,207 @@
+"""Balls that MuJoCo flies, against our simulator with the effects that the scene stands for."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+from models.ball.simulator import Simulator
+from models.ball.state import BALL_MASS, BALL_RADIUS
+from models.engines.engine import EngineError, check_deterministic
+from models.engines.mujoco.scene import MujocoScene
+from tests.models.engines.mujoco.scenes import CONTACT, SHELL, TABLE, air, ball, compiled, scene
+
+FLIGHT = np.linspace(0.0, 0.6, 97)  # most of them between time steps
+AIR = 'density="1.2"'
+GRAVITY = {"gravity": {"g": 9.81}}
+RANDOM = np.random.default_rng(1)
+COUNT = 25
+BALLS = np.column_stack(
+    [
+        RANDOM.uniform(-0.5, 0.5, COUNT),
+        RANDOM.uniform(-1.3, -0.8, COUNT),
+        RANDOM.uniform(3.0, 3.5, COUNT),
+        RANDOM.uniform(-1.0, 1.0, COUNT),
+        RANDOM.uniform(4.0, 12.0, COUNT),
+        RANDOM.uniform(-1.0, 3.0, COUNT),
+        RANDOM.uniform(-150.0, 150.0, (COUNT, 3)),
+    ]
+)
+STILL = np.where(np.arange(9) < 6, BALLS, 0.0)  # without spin
+
+
+def differences(one, effects, balls=BALLS, times=FLIGHT):
+    """Largest difference in position (mm), velocity (m/s) and spin (rad/s)."""
+    apart = np.abs(one.fly(balls, times) - Simulator.from_dict(effects).fly(balls, times).states)
+    position, velocity, spin = (float(apart[..., part : part + 3].max()) for part in (0, 3, 6))
+    return 1000.0 * position, velocity, spin
+
+
+@pytest.mark.parametrize("step", [0.0002, 0.002])
+@pytest.mark.parametrize(
+    ("geom", "option", "effects"),
+    [
+        ("", "", {}),
+        ("", 'gravity=".2 -.3 -9.8"', {"frame_tilt": {"x": 0.020394, "y": -0.030594}}),
+        (air(0.47), AIR, {"drag": {"cd": 0.47}}),
+        (air(0.0, 0.12), AIR, {"magnus": {"cm": 0.12}}),
+        (air(0.0, -0.4), AIR, {"magnus": {"cm": -0.4}}),
+        (
+            air(0.47, 0.12),
+            f'{AIR} wind="1 -2 .5"',
+            {"drag": {"cd": 0.47}, "magnus": {"cm": 0.12}, "wind": {"x": 1, "y": -2, "z": 0.5}},
+        ),
+    ],
+    ids=["gravity", "tilt", "drag", "lift", "inverse lift", "wind"],
+)
+def test_flights_with_runge_kutta_agree(geom, option, effects, step):
+    g = math.hypot(0.2, 0.3, 9.8) if "gravity" in option else 9.81
+    one = scene(f"{SHELL} {geom}", f'{option} timestep="{step}"')
+    position, velocity, spin = differences(one, {"gravity": {"g": g}, **effects})
+    assert position < 0.005
+    assert velocity < 1e-4
+    assert spin < 1e-9
+
+
+def test_viscosity_is_linear_drag():
+    one = scene(f"{SHELL} {air()}", 'viscosity=".001"')
+    k1 = 6 * math.pi * BALL_RADIUS * 0.001 / BALL_MASS
+    position, _, _ = differences(one, {**GRAVITY, "linear_drag": {"k1": k1}}, STILL)
+    assert position < 0.005
+
+
+def test_viscosity_also_slows_spin_at_twice_that_rate_in_a_shell():
+    one = scene(f"{SHELL} {air(0.0, 0.0)}", 'viscosity=".001"')
+    k1 = 6 * math.pi * BALL_RADIUS * 0.001 / BALL_MASS
+    spins = one.fly(BALLS, np.array([0.6]))[:, 0, 6:]
+    np.testing.assert_allclose(spins, math.exp(-2 * k1 * 0.6) * BALLS[:, 6:], rtol=1e-6)
+
+
+def test_compensated_gravity_is_buoyancy():
+    one = scene(SHELL, body='gravcomp=".0149"')
+    b = 0.0149 * BALL_MASS / (1.2 * 4 / 3 * math.pi * BALL_RADIUS**3)
+    assert differences(one, {**GRAVITY, "buoyancy": {"b": b}})[0] < 1e-6
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicit", "implicitfast"])
+def test_other_integrators_err_in_proportion_to_the_step(integrator):
+    effects = {**GRAVITY, "drag": {"cd": 0.47}, "magnus": {"cm": 0.12}}
+    one = scene(f"{SHELL} {air(0.47, 0.12)}", AIR).with_integrator(integrator)
+    coarse, fine = (differences(one.with_step(h), effects)[0] for h in (0.002, 0.0005))
+    assert 3.0 < coarse < 12.0
+    assert coarse / fine == pytest.approx(4.0, rel=0.05)
+
+
+def test_a_turned_table_at_its_height_flies_as_one_in_the_world():
+    turned = TABLE.replace('pos="0 0 -.0125"', 'pos="1 2 .7475" euler="0 0 -70"')
+    geom = f"{SHELL} {air(0.47, 0.12)} {CONTACT}"
+    option = f'{AIR} timestep=".0005"'
+    launches = BALLS - 2.6 * np.eye(9)[2]
+    flown = scene(geom, option, turned).fly(launches, FLIGHT)
+    expected = scene(geom, option).fly(launches, FLIGHT)
+    assert (expected[..., 5] > 0.0).any() and (expected[..., 2] < 0.1).any()
+    # A contact is as sensitive as its step is large to where in a step it begins.
+    np.testing.assert_allclose(flown[:, :12], expected[:, :12], atol=1e-9)
+    np.testing.assert_allclose(np.median(np.abs(flown - expected)), 0.0, atol=1e-9)
+
+
+def test_the_first_state_is_the_one_that_is_given():
+    turned = TABLE.replace('pos="0 0 -.0125"', 'pos="1 2 .7475" euler="0 0 -70"')
+    flown = scene(SHELL, table=turned).fly(BALLS, np.array([0.0]))
+    np.testing.assert_allclose(flown[:, 0], BALLS, atol=1e-12)
+
+
+def test_the_orientation_of_the_ball_at_the_start_does_not_turn_its_spin():
+    one = scene(SHELL, body='quat=".1 .2 .3 .4"')
+    np.testing.assert_allclose(one.fly(BALLS, FLIGHT)[:, -1, 6:], BALLS[:, 6:], rtol=1e-9)
+
+
+def test_balls_fly_one_by_one_and_leave_nothing_behind():
+    one = scene(f"{SHELL} {air(0.47, 0.12)} {CONTACT}", AIR)
+    check_deterministic(one, BALLS - 2.6 * np.eye(9)[2], FLIGHT)
+
+
+def test_other_bodies_start_as_the_keyframe_says():
+    # A plate that floats far above in the reference configuration is in the ball's way.
+    table = TABLE + (
+        '<body name="plate" pos="0 0 50" gravcomp="1"><joint type="slide" axis="0 0 1"/>'
+        '<geom type="box" size="2 2 .01" mass="100"/></body>'
+    )
+    key = '<keyframe><key qpos="-47.4 0 0 .5 1 0 0 0"/></keyframe>'
+    ball_above = np.array([[0.0, 0.0, 3.0, *[0.0] * 6]])
+    free = scene(SHELL, table=table).fly(ball_above, np.array([0.4]))[0, 0, 2]
+    met = scene(SHELL, table=table, rest=key).fly(ball_above, np.array([0.4]))[0, 0, 2]
+    assert free == pytest.approx(3.0 - 0.5 * 9.81 * 0.16)
+    assert met > free + 0.1
+
+
+def test_times_between_steps_are_on_the_path():
+    one = scene(f"{SHELL} {air(0.47, 0.12)}", f'{AIR} timestep=".004"')
+    between = one.fly(BALLS, np.arange(0.0005, 0.6, 0.004))
+    exact = one.with_step(0.0005).fly(BALLS, np.arange(0.0005, 0.6, 0.004))
+    assert np.abs(between - exact)[..., :3].max() < 1e-7
+    assert np.abs(between - exact)[..., 3:6].max() < 5e-4
+
+
+def test_no_step_overshoots_a_bounce():
+    drop = np.array([[0.0, 0.5, 0.1, 0.0, 0.0, -3.0, 0.0, 0.0, 0.0]])
+    one = scene(f"{SHELL} {CONTACT}", 'gravity="0 0 0" timestep=".001"')
+    steps = one.fly(drop, 0.001 * np.arange(61))[0, :, 2]
+    between = one.fly(drop, 0.0001 * np.arange(601))[0, :, 2]
+    assert between.min() == pytest.approx(steps.min(), abs=1e-12)
+
+
+def test_no_times_and_no_balls_are_no_flights():
+    one = scene(SHELL)
+    assert one.fly(BALLS, np.empty(0)).shape == (COUNT, 0, 9)
+    assert one.fly(np.empty((0, 9)), FLIGHT).shape == (0, 97, 9)
+
+
+def test_variants_do_not_change_the_scene():
+    one = scene(SHELL)
+    assert one.with_step(0.0005).model.opt.timestep == 0.0005
+    assert one.with_integrator("Euler").model.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER
+    assert one.model.opt.timestep == 0.001
+    assert one.model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+
+
+@pytest.mark.parametrize("step", [0.0, -0.001, math.nan])
+def test_a_step_is_above_zero(step):
+    with pytest.raises(EngineError, match="give one above 0"):
+        scene(SHELL).with_step(step)
+
+
+def test_an_unknown_integrator_is_refused():
+    with pytest.raises(EngineError, match="no integrator called 'euler'; did you mean Euler"):
+        scene(SHELL).with_integrator("euler")
+
+
+def test_a_simulation_that_diverges_names_ball_and_time(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    fast = BALLS[:3].copy()
+    fast[1, 3] = 1e9
+    mixed = 'solref="-1000 5" priority="1"'  # MuJoCo also warns of it
+    one = scene(f"{SHELL} {air(0.47)} {mixed}", f'{AIR} timestep=".002"')
+    with pytest.raises(EngineError, match=r"scene: ball 1: .* unstable. Time = 0\.00"):
+        one.fly(fast, FLIGHT)
+    assert list(tmp_path.iterdir()) == []  # no log of MuJoCo's
+    assert mujoco.get_mju_user_warning() is None
+
+
+def test_states_that_are_no_numbers_name_their_ball():
+    broken = BALLS[:2].copy()
+    broken[1, 4] = math.nan
+    with pytest.raises(EngineError, match="scene: ball 1: "):
+        scene(SHELL).fly(broken, FLIGHT)
+
+
+def test_a_scene_without_a_ball_is_no_engine():
+    with pytest.raises(EngineError, match="there is no ball"):
+        MujocoScene.of("empty", compiled(TABLE))
+
+
+def test_without_a_table_the_world_is_the_table_frame():
+    one = MujocoScene.of("sky", compiled(ball()))
+    assert not one.frame.found
+    np.testing.assert_array_equal(one.fly(BALLS, np.zeros(1))[:, 0], BALLS)
