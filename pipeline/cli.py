@@ -87,7 +87,7 @@ def options(
 def diagnose(
     data: Annotated[Path, typer.Argument(help="the folder of the recordings")],
     simulator: Annotated[
-        str, typer.Option(help="a shipped one's name, a YAML file, or file.py:function")
+        str, typer.Option(help="a shipped one's name, a list in YAML, scene.xml, file.py:function")
     ],
     out: Annotated[Path, typer.Option(help="the folder to write to")],
     source: Annotated[str, typer.Option(help="the adapter that reads the recordings")] = "csv",
@@ -116,7 +116,8 @@ def findings_lines(findings: "Findings", out: Path) -> list[str]:
 @app.command(rich_help_panel=GAP)
 def audit(
     simulator: Annotated[
-        str, typer.Argument(help="a shipped one's name, a YAML file, or file.py:function")
+        str,
+        typer.Argument(help="a shipped one's name, a YAML file, scene.xml, or file.py:function"),
     ],
     out: Annotated[Path, typer.Option(help="the folder to write to")],
 ) -> None:

@@ -7,10 +7,12 @@ import numpy as np
 
 from models.audit.audit import Audit
 from models.audit.traps import Trap, traps
+from models.engines.engine import Engine
 from pipeline.engines.audit_text import audit_content, effects_table, outcome, sentence
 from pipeline.engines.audited import audited
 from pipeline.engines.figures import bounces_figure, worth_figure
-from pipeline.engines.load import load_engine
+from pipeline.engines.load import load_engine, names_scene
+from pipeline.engines.scene_audit import SceneAudit
 from pipeline.io.artifacts import replacing_files, write_json, write_text
 from pipeline.io.figure_style import apply_style
 from pipeline.io.report_items import ReportFigure
@@ -45,11 +47,22 @@ def audit_folder(name: str, out: Path) -> list[str]:
             found = audited(engine, bar.reached)
         with bar.phase("writing"):
             known = traps(found)
-            _write(name, found, known, out)
-    return outcome(name, found, known)
+            scene = _scene(engine) if names_scene(name) else None
+            _write(name, found, known, scene, out)
+    notes = [f"Note: {one}" for one in scene.notes] if scene else []
+    return [*outcome(name, found, known), *notes]
 
 
-def _write(name: str, found: Audit, known: tuple[Trap, ...], out: Path) -> None:
+def _scene(engine: Engine) -> SceneAudit:
+    from models.engines.mujoco.scene import MujocoScene
+
+    assert isinstance(engine, MujocoScene)  # by its name
+    return SceneAudit.of(engine)
+
+
+def _write(
+    name: str, found: Audit, known: tuple[Trap, ...], scene: SceneAudit | None, out: Path
+) -> None:
     with replacing_files(out, [f"{FIGURES}/{one}.png" for one in FIGURE_NAMES]) as folder:
         pictures = folder / FIGURES
         pictures.mkdir()
@@ -58,7 +71,8 @@ def _write(name: str, found: Audit, known: tuple[Trap, ...], out: Path) -> None:
         for figure in figures:
             figure.write(pictures / f"{figure.name}.png")
         simulator = simulator_yaml(found.simulator)
-        write_json(folder / "audit.json", audit_content(name, found, known))
+        content = audit_content(name, found, known)
+        write_json(folder / "audit.json", content | (scene.content() if scene else {}))
         write_text(folder / "simulator.yaml", simulator)
         page = (
             page_environment(TEMPLATES)
@@ -70,6 +84,9 @@ def _write(name: str, found: Audit, known: tuple[Trap, ...], out: Path) -> None:
                 effects=page_table(effects_table(found)),
                 figures={one.name: shown_figure(one, pictures) for one in figures},
                 simulator=simulator,
+                says=page_table(scene.says_and_does(found)) if scene else None,
+                variants=page_table(scene.variants_table()) if scene else None,
+                notes=scene.notes if scene else (),
             )
         )
         write_text(folder / "report.html", page)

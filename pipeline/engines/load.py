@@ -1,4 +1,4 @@
-"""Engines by what users give: a simulator's name, a YAML list of effects, or a function."""
+"""Engines by what users give: a simulator's name, a list of effects, a scene, or a function."""
 
 import importlib
 import importlib.util
@@ -9,6 +9,7 @@ from typing import Any
 
 from models.engines.engine import EffectsEngine, Engine, FunctionEngine
 from models.support.suggestion import suggestion
+from pipeline.engines.mujoco_file import load_scene
 from pipeline.io.simulators import load_simulator
 from pipeline.runtime.errors import InputError
 
@@ -17,16 +18,25 @@ def load_engine(name: str) -> Engine:
     """Return the engine that a user names.
 
     Args:
-        name: a shipped simulator's name, the path of a YAML list of effects, or a function:
-            ``file.py:function`` or ``package.module:function``, of the form ``Flies``.
+        name: a shipped simulator's name, the path of a YAML list of effects, a scene of MuJoCo:
+            ``scene.xml`` or ``scene.xml#body`` of the ball, or a function: ``file.py:function`` or
+            ``package.module:function``, of the form ``Flies``.
 
     Raises:
         InputError: there is no such engine, or its code fails when it is imported.
     """
+    if names_scene(name):
+        path, _, ball = name.partition("#")
+        return load_scene(path, ball or None)
     if names_function(name):
         place, _, function = name.rpartition(":")
         return FunctionEngine(name, _function(name, _module(place), function))
     return EffectsEngine(name, load_simulator(name))
+
+
+def names_scene(name: str) -> bool:
+    """Whether a name is that of a scene of MuJoCo."""
+    return name.partition("#")[0].endswith(".xml")
 
 
 def names_function(name: str) -> bool:

@@ -1,0 +1,120 @@
+"""What a scene of MuJoCo says, next to what it does, and what its time step changes."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from models.audit.audit import Audit
+from models.audit.probes import bounce_probes, flight_probes
+from models.ball.state import POSITION
+from models.gap.hypotheses import Hypothesis
+from pipeline.io.numbers import number, with_unit
+
+if TYPE_CHECKING:
+    from models.engines.mujoco.notes import Effects
+    from models.engines.mujoco.scene import MujocoScene
+
+MM = 1e3
+EXACT = "RK4"
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A scene with another integrator or time step, compared with the scene as it is.
+
+    Attributes:
+        name: what is changed.
+        flight_mm: distance after 0.4 s of flight, median over the probes.
+        bounce_mm: distance 0.15 s after a bounce begins, median over the probes.
+    """
+
+    name: str
+    flight_mm: float
+    bounce_mm: float
+
+
+@dataclass(frozen=True)
+class SceneAudit:
+    """What a scene says, and what its time step changes.
+
+    Attributes:
+        effects: that its attributes stand for.
+        notes: on what one may not expect of it.
+        variants: of its integrator and time step.
+    """
+
+    effects: "Effects"
+    notes: tuple[str, ...]
+    variants: tuple[Variant, ...]
+
+    @classmethod
+    def of(cls, scene: "MujocoScene") -> "SceneAudit":
+        """Read and fly a scene."""
+        from models.engines.mujoco.says import says
+
+        said = says(scene)
+        notes = tuple(f"{one.sentence[0].upper()}{one.sentence[1:]}." for one in said.notes)
+        return cls(said.effects, notes, tuple(_variants(scene)))
+
+    def says_and_does(self, audit: Audit) -> dict[str, list[str]]:
+        """Return the columns of the table of what the scene says and does."""
+        found = {one.hypothesis.identity: one.value for one in audit.effects}
+        said = {
+            f"{effect}.{name}": value
+            for effect, values in self.effects.items()
+            for name, value in values.items()
+        }
+        shown = [one for one in {**said, **found} if said.get(one) or found.get(one)]
+        units = [Hypothesis.from_identity(one).declaration.unit for one in shown]
+        return {
+            "parameter": shown,
+            "the file says ": [
+                with_unit(said.get(one, 0.0), unit) for one, unit in zip(shown, units, strict=True)
+            ],
+            "the scene does ": [
+                with_unit(found.get(one, 0.0), unit) for one, unit in zip(shown, units, strict=True)
+            ],
+        }
+
+    def variants_table(self) -> dict[str, list[str]]:
+        """Return the columns of the table of variants."""
+        return {
+            "variant": [one.name for one in self.variants],
+            "after 0.4 s of flight (mm) ": [number(one.flight_mm) for one in self.variants],
+            "after a bounce (mm) ": [number(one.bounce_mm) for one in self.variants],
+        }
+
+    def content(self) -> dict[str, Any]:
+        """Return the part of ``audit.json``."""
+        return {
+            "says": self.effects,
+            "notes": list(self.notes),
+            "variants": [
+                {
+                    "name": one.name,
+                    "flight_mm": float(number(one.flight_mm)),
+                    "bounce_mm": float(number(one.bounce_mm)),
+                }
+                for one in self.variants
+            ],
+        }
+
+
+def _variants(scene: "MujocoScene") -> Iterator[Variant]:
+    step = float(scene.model.opt.timestep)
+    for shorter in (step / 2, step / 4):
+        yield _compared(scene, scene.with_step(shorter), f"time step {1e3 * shorter:g} ms")
+    yield _compared(scene, scene.with_integrator(EXACT), f"integrator {EXACT}")
+
+
+def _compared(scene: "MujocoScene", other: "MujocoScene", name: str) -> Variant:
+    flight, bounce = (
+        float(MM * np.median(np.linalg.norm(away[:, -1, POSITION], axis=-1)))
+        for probes in (flight_probes(), bounce_probes())
+        for away in [
+            other.fly(probes.states, probes.times) - scene.fly(probes.states, probes.times)
+        ]
+    )
+    return Variant(name, flight, bounce)
