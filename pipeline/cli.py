@@ -132,7 +132,7 @@ def audit(
 @app.command(rich_help_panel=GAP)
 def export(
     simulator: Annotated[str, typer.Argument(help="a shipped one's name, or a YAML file")],
-    to: Annotated[str, typer.Option(help="python or pybullet")],
+    to: Annotated[str, typer.Option(help="python, pybullet or mujoco")],
     out: Annotated[Path, typer.Option(help="the file to write")] = Path("ball_effects.py"),
 ) -> None:
     """Write a simulator's flight and bounce as one short file for another engine."""

@@ -10,7 +10,7 @@ from models.gap.settings import DEFAULTS, GapSettings
 from models.gap.verdict import DetectionLimits
 from pipeline.engines.audited import effects_of
 from pipeline.engines.export.command import code_of
-from pipeline.engines.load import names_function
+from pipeline.engines.load import code_for
 from pipeline.gap.expected_balls import expected_balls, expected_json
 from pipeline.gap.figures.camera import camera_figure
 from pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
@@ -48,12 +48,13 @@ def diagnose_folder(
     """Diagnose the recordings of a folder and write the verdict.
 
     ``out`` gets verdict.json, amended.yaml, balls.json, report.html and figures/*.png, all of them
-    or none; and where the simulator is a function, the amended one as code.
+    or none; and where the simulator is a function or a scene, the amended one as code.
 
     Args:
         data: folder with the files of the source.
         source: name of the adapter that reads them.
-        simulator: name of a shipped one, path of a YAML file, or a function that flies balls.
+        simulator: name of a shipped one, path of a YAML file or of a scene, or a function that
+            flies balls.
         level: probability of a false cause where there is no gap.
         out: folder to write to.
         say: called with lines of text: what is used and what is doubtful, then what the shots can
@@ -145,8 +146,9 @@ def _write_all(findings: Findings, folder: Path, minor: bool) -> None:
     write_text(folder / "verdict.json", findings.verdict.to_json())
     write_text(folder / "amended.yaml", simulator)
     write_text(folder / "balls.json", expected_json(findings.balls))
-    if names_function(findings.simulator_name):
-        write_text(folder / CODE, code_of(str(folder / "amended.yaml"), "python"))
+    engine = code_for(findings.simulator_name)
+    if engine is not None:
+        write_text(folder / CODE, code_of(str(folder / "amended.yaml"), engine))
     write_text(folder / "report.html", render_gap_page(findings, simulator, pictures, figures))
 
 

@@ -12,7 +12,7 @@ from models.audit.probes import bounce_probes, flight_probes
 from models.ball.simulator import Simulator
 from models.gap.hypotheses import hypotheses
 from pipeline.cli import app
-from pipeline.engines.export.code import ball_effects
+from pipeline.engines.export.code import ENGINES, ball_effects
 from tests.models.audit.test_audit import FLIGHT, PLAIN, TABLE, some_of
 
 # Every effect of flight and of the table, away from its neutral value.
@@ -55,7 +55,7 @@ def test_any_list_is_the_same_in_code(tmp_path_factory, flight, table):
     assert largest_distance(module, simulator) < 1e-6
 
 
-@pytest.mark.parametrize("engine", ["python", "pybullet"])
+@pytest.mark.parametrize("engine", ENGINES)
 def test_the_code_depends_on_the_standard_library_and_its_engine_alone(engine):
     code = ball_effects(ALL, "all", [], engine)
     named = set()
@@ -90,6 +90,43 @@ def test_a_ball_of_pybullet_flies_as_the_simulator(tmp_path):
     assert np.array(place[:2]) == pytest.approx(turn @ flown[:2] + origin[:2])
 
 
+TURNED = """
+<mujoco><option timestep="{step}" integrator="{integrator}"/><worldbody>
+<geom type="box" size="1.37 .7625 .0125" pos="1 2 .7475"/>
+<geom type="box" size=".1 .1 .1" pos="-3 2 1"/>
+<body name="ball" quat=".5 .5 .5 .5"><freejoint/>
+<geom type="sphere" size=".02" mass=".0027"/></body></worldbody></mujoco>
+"""
+AXES = ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))  # the table's length is along x
+
+
+@pytest.mark.parametrize(("step", "integrator"), [(0.002, "Euler"), (0.005, "RK4")])
+def test_a_ball_of_mujoco_flies_as_the_simulator(tmp_path, step, integrator):
+    mujoco = pytest.importorskip("mujoco")
+    module = imported(tmp_path / "ball_effects.py", ball_effects(ALL, "all", [], "mujoco"))
+    model = mujoco.MjModel.from_xml_string(TURNED.format(step=step, integrator=integrator))
+    flying = module.Ball(model, mujoco.MjData(model), "ball", (1.0, 2.0, 0.76), AXES)
+    first = np.array([0.1, 1.0, 0.3, 0.5, -5.0, -1.0, 120.0, 20.0, -60.0])
+    flying.set(tuple(first))
+    assert flying.state() == pytest.approx(tuple(first))
+    for _ in range(round(0.5 / step)):
+        flying.step()
+    expected = ALL.fly(first, [0.5])
+    assert expected.contacts.count[0] == 1
+    assert np.array(flying.state()) == pytest.approx(expected.states[0, 0], abs=1e-4)
+
+
+def test_what_is_not_the_table_meets_the_ball_as_before(tmp_path):
+    mujoco = pytest.importorskip("mujoco")
+    module = imported(tmp_path / "ball_effects.py", ball_effects(ALL, "all", [], "mujoco"))
+    model = mujoco.MjModel.from_xml_string(TURNED.format(step=0.002, integrator="RK4"))
+    flying = module.Ball(model, mujoco.MjData(model), "ball", (1.0, 2.0, 0.76), AXES)
+    flying.set((0.0, -3.85, 0.24, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0))  # towards the second box
+    for _ in range(50):
+        flying.step()
+    assert flying.state()[1] > -3.9
+
+
 def _world(pybullet, client):
     pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
     sphere = pybullet.createCollisionShape(
@@ -112,4 +149,4 @@ def test_the_command_writes_a_file_with_the_origin_of_its_values(tmp_path):
 
 def test_another_engine_is_refused():
     result = CliRunner().invoke(app, ["export", "literature", "--to", "unreal"])
-    assert "unreal is no engine; give python or pybullet" in str(result.exception)
+    assert "unreal is no engine; give python or pybullet or mujoco" in str(result.exception)
