@@ -9,6 +9,7 @@ from models.audit.bounces import Bounces
 from models.audit.probes import Probes, bounce_probes, flight_probes
 from models.audit.selection import Flown, selected, without
 from models.ball.simulator import Simulator
+from models.ball.state import SPIN
 from models.engines.engine import Engine, EngineError
 from models.gap.hypotheses import Hypothesis, hypotheses
 from models.gap.types import Phase
@@ -23,6 +24,7 @@ ALWAYS: dict[Phase, tuple[Hypothesis, ...]] = {
 }
 # Parameters that act as those of ALWAYS or as all others together.
 NOT_SEPARABLE = ("buoyancy.b", "added_mass.c")
+SAME_SPIN = 0.01  # relative, of spins that an engine has cut alike
 FEWEST_BOUNCES = 0.5  # of the bounce probes; with fewer there is no table
 
 
@@ -64,12 +66,14 @@ class Audit:
         effects: of flight, then of the table.
         unexplained: what they do not explain, by phase.
         bounces: contact by contact; None where the engine has no table.
+        spin_limit: rad/s, at which the engine cuts spins; infinite where it does not.
     """
 
     simulator: Simulator
     effects: tuple[FoundEffect, ...]
     unexplained: dict[Phase, Unexplained]
     bounces: Bounces | None
+    spin_limit: float
 
 
 def audit(engine: Engine, progress: Callable[[float], None] = lambda share: None) -> Audit:
@@ -83,6 +87,7 @@ def audit(engine: Engine, progress: Callable[[float], None] = lambda share: None
         EngineError: the engine cannot fly the probes.
     """
     flight = _flown(engine, flight_probes())
+    limit = _spin_limit(flight)
     progress(0.4)
     simulator, effects = _found(flight, BASE)
     unexplained: dict[Phase, Unexplained] = {"flight": _unexplained(flight, simulator)}
@@ -91,11 +96,11 @@ def audit(engine: Engine, progress: Callable[[float], None] = lambda share: None
     progress(0.9)
     bounces = Bounces.of(table, simulator)
     if bounces.bounced.mean() < FEWEST_BOUNCES:
-        return Audit(simulator.without_surfaces(), effects, unexplained, None)
+        return Audit(simulator.without_surfaces(), effects, unexplained, None, limit)
     simulator, more = _found(table, simulator)
     unexplained["table"] = _unexplained(table, simulator)
     progress(1.0)
-    return Audit(simulator, (*effects, *more), unexplained, bounces)
+    return Audit(simulator, (*effects, *more), unexplained, bounces, limit)
 
 
 def _flown(engine: Engine, probes: Probes) -> Flown:
@@ -103,6 +108,16 @@ def _flown(engine: Engine, probes: Probes) -> Flown:
     if not np.isfinite(states).all():
         raise EngineError(f"{engine.name} returns numbers that are not finite")
     return Flown(probes, states)
+
+
+def _spin_limit(flown: Flown) -> float:
+    """Return the spin at which all faster ones end within the first times, if there is one."""
+    launched = np.linalg.norm(flown.probes.states[:, SPIN], axis=1)
+    spins = np.linalg.norm(flown.states[:, 0, SPIN], axis=1)
+    largest = float(spins.max())
+    cut = launched > (1.0 + SAME_SPIN) * largest
+    same = np.abs(spins[cut] - largest) <= SAME_SPIN * largest
+    return largest if cut.any() and same.all() else np.inf
 
 
 def _found(flown: Flown, simulator: Simulator) -> tuple[Simulator, tuple[FoundEffect, ...]]:

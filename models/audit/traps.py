@@ -39,7 +39,13 @@ class Trap:
 
 def traps(audit: Audit) -> tuple[Trap, ...]:
     """Return the traps in what an engine does."""
-    return (*_of_flight(audit.simulator), *_of_table(audit))
+    return (*_of_spin(audit), *_of_flight(audit.simulator), *_of_table(audit))
+
+
+def _of_spin(audit: Audit) -> Iterator[Trap]:
+    if audit.spin_limit < np.inf:
+        sentence = f"Spins are cut at {audit.spin_limit:.0f} rad/s; balls have several hundred."
+        yield Trap("spin_limit", sentence)
 
 
 def _of_flight(simulator: Simulator) -> Iterator[Trap]:

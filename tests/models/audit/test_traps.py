@@ -7,7 +7,7 @@ from models.audit.audit import audit
 from models.audit.traps import traps
 from models.ball.simulator import Simulator
 from models.ball.simulators import shipped
-from models.engines.engine import EffectsEngine
+from models.engines.engine import EffectsEngine, FunctionEngine
 from tests.models.audit.closed_forms import SOLID, bouncing
 
 TABLE = {"table_bounce": {"restitution": 0.92, "friction": 0.25}}
@@ -37,6 +37,17 @@ def test_a_wrong_lift_is_named_with_its_cost(cm, trap):
 
 def test_a_ball_without_a_table_does_not_bounce():
     assert set(of_list(magnus={"cm": 0.07})) == {"no_table"}
+
+
+def test_an_engine_that_cuts_spins():
+    simulator = shipped("literature")
+
+    def cutting(states, times):
+        sizes = np.linalg.norm(states[:, 6:], axis=1, keepdims=True)
+        states[:, 6:] *= np.minimum(1.0, 100.0 / np.maximum(sizes, 1e-9))
+        return simulator.fly(states, times).states
+
+    assert "at 100 rad/s" in found(FunctionEngine("mine", cutting))["spin_limit"].sentence
 
 
 def test_a_solid_sphere_in_a_vacuum():
