@@ -11,8 +11,9 @@ def states_between(states: Floats, touches: Bools, step: float, times: Floats) -
 
     The time step of a scene belongs to it, above all to its contacts, so a flight is not stepped
     to the times that are asked for. Velocity and spin are linear within a step. The position
-    follows the cubic with the velocities at both ends, whose error is below 1e-9 m at a step of
-    2 ms; within a step that touches something the velocity jumps, and the position is linear.
+    follows the cubic with the velocities at both ends; within a step that touches something the
+    velocity jumps, and the position is linear. With RK4 at 2 ms that adds errors of 1e-11 m and
+    3e-5 m/s to those of the steps; with Euler, whose steps err by 9e-3 m, 2e-5 m.
 
     Args:
         states: (K + 1, 9) at the steps, K of at least one.

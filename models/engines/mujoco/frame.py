@@ -18,7 +18,7 @@ from models.engines.mujoco.ball import Ball
 from models.engines.mujoco.initial import initial_data
 
 SIZE_TOLERANCE = 0.05  # of the table's length and width, relative
-COPLANAR = 1e-3  # m, between the tops of boxes that are one surface
+COPLANAR = 2e-3  # m, between the tops of boxes that are one surface
 PARALLEL = 0.9998  # cosine: within a degree
 LEVEL = 0.97  # cosine: within fourteen degrees
 COVERED = 0.95  # share of the surface's rectangle that its boxes cover, at least

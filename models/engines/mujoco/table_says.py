@@ -104,8 +104,8 @@ def _grip_notes(contact: Contact) -> Iterator[Note]:
         yield Note(
             Trap.WEAK_GRIP,
             f"a bounce ends {100 * contact.grip:.0f} % of the slip at most, whatever the friction: "
-            "damping along the surface is that of solref unless a pair with an elliptic cone has a "
-            "solreffriction",
+            "slip is damped as solref says, or as the solreffriction of a pair with an elliptic "
+            "cone",
         )
     if contact.elliptic and contact.slip_damping * contact.duration > HASTE:
         yield Note(

@@ -8,6 +8,7 @@ from models.engines.mujoco.frame import find_frame
 from tests.models.engines.mujoco.scenes import BALL, TABLE, ball, compiled
 
 HALF = '<geom name="{}" type="box" size=".685 .7625 .01" pos="{} 0 .75"/>'
+HIGHER = '<geom type="box" size=".685 .7625 .75" pos=".685 0 .011"/>'
 HALVES = HALF.format("own", -0.685) + HALF.format("other", 0.685)
 STATES = np.random.default_rng(0).normal(size=(2, 3, 9))
 
@@ -54,6 +55,12 @@ def test_two_halves_and_their_net_are_a_table():
     np.testing.assert_allclose(frame.origin, [0.0, 0.0, 0.76], atol=1e-12)
     assert len(frame.geoms) == 2
     assert frame.length == pytest.approx(2.74)
+
+
+def test_halves_may_differ_by_a_millimetre_in_height():
+    frame = frame_of(HALF.format("own", -0.685) + HIGHER)
+    assert frame.origin[2] == pytest.approx(0.76)
+    assert len(frame.geoms) == 2
 
 
 def test_a_table_that_is_not_level_keeps_its_normal():
