@@ -36,13 +36,14 @@ def fly(states: Floats, times: Floats) -> Floats:
     """
     client = pybullet.connect(pybullet.DIRECT)
     try:
-        ball = _world(client)
+        ball, _ = world(client)
         return np.array([_flight(client, ball, state, times) for state in states])
     finally:
         pybullet.disconnect(client)
 
 
-def _world(client: int) -> int:
+def world(client: int) -> tuple[int, int]:
+    """Make a world with a table and a ball; return the bodies of ball and table."""
     pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
     pybullet.setTimeStep(STEP, physicsClientId=client)
     box = pybullet.createCollisionShape(
@@ -65,7 +66,7 @@ def _world(client: int) -> int:
         localInertiaDiagonal=[INERTIA * MASS * RADIUS**2] * 3,
         physicsClientId=client,
     )
-    return ball
+    return ball, table
 
 
 def _flight(client: int, ball: int, state: Floats, times: Floats) -> list[list[float]]:

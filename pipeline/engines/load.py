@@ -63,7 +63,7 @@ def _function(name: str, module: ModuleType, function: str) -> Any:
 def _module(place: str) -> ModuleType:
     """Import a module by its file or by its name; modules of the working directory are found."""
     try:
-        return _of_file(Path(place)) if place.endswith(".py") else _of_name(place)
+        return module_of_file(Path(place)) if place.endswith(".py") else _of_name(place)
     except InputError:
         raise
     except Exception as error:  # of whatever kind: the code is the user's
@@ -79,7 +79,12 @@ def _of_name(name: str) -> ModuleType:
         sys.path.pop(0)
 
 
-def _of_file(path: Path) -> ModuleType:
+def module_of_file(path: Path) -> ModuleType:
+    """Import a file as a module; its neighbours are found.
+
+    Raises:
+        InputError: there is no such file.
+    """
     if not path.is_file():
         raise InputError(path, "there is no such file; give file.py:function")
     described = importlib.util.spec_from_file_location(path.stem, path)

@@ -76,7 +76,7 @@ def test_a_ball_of_pybullet_flies_as_the_simulator(tmp_path):
     try:
         ball, table = _world(pybullet, client)
         flying = module.Ball(ball, table, dt, origin, yaw, client)
-        flying._set(tuple(first))
+        flying.set(tuple(first))
         for _ in range(120):
             flying.step()
         flown = np.array(flying.state())

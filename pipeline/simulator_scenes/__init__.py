@@ -1,0 +1,1 @@
+"""Scenes of MuJoCo and PyBullet with something wrong, diagnosed and amended."""

@@ -1,0 +1,79 @@
+"""The experiment ``make simulators``: minutes; writes ``reports/simulators/scenes.json``.
+
+Recordings are simulated under the hidden physics. Every scene is audited and diagnosed on them, and
+its ball amended. Then the scene as it is, and with the amended ball, fly other shots in their own
+engine. They start from their true launches, so a correct simulator errs by nothing.
+"""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from models.audit.traps import traps
+from models.ball.state import POSITION
+from models.ball.types import Floats
+from models.exam.interface import shots_of
+from models.exam.simulate.launches import launches
+from models.exam.simulate.recordings import simulate_trial
+from models.exam.simulate.trial import Trial
+from models.gap.amend.simulator import amended
+from models.gap.diagnose import diagnose
+from pipeline.engines.audited import audited
+from pipeline.io.artifacts import write_json
+from pipeline.runtime.parallel import parallel
+from pipeline.runtime.paths import repository_root
+from pipeline.simulator_scenes.amended_flights import amended_flights
+from pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
+
+SHOTS, TESTED = 100, 40  # to diagnose on, and to fly
+TIMES: Floats = np.array([0.1, 0.2, 0.3, 0.4])  # s
+MM = 1e3
+REPORT = Path("reports") / "simulators" / "scenes.json"
+
+
+def simulator_scenes(root: Path) -> dict[str, dict[str, Any]]:
+    """Write what becomes of every scene; return it by engine and scene."""
+    found = list(scenes())
+    rows = list(parallel([partial(scene_result, one) for one in found], "scenes"))
+    content: dict[str, dict[str, Any]] = {}
+    for one, row in zip(found, rows, strict=True):
+        content.setdefault(one.engine, {})[one.name] = row
+    write_json(root / REPORT, content)
+    return content
+
+
+def scene_result(scene: HiddenScene) -> dict[str, Any]:
+    """Return what becomes of a scene: its leading causes, and its errors before and after."""
+    engine = scene.build()
+    audit = audited(engine)
+    recordings = shots_of(simulate_trial(Trial("scenes", TRUTH, shots=SHOTS))[0])
+    verdict = diagnose(recordings, audit.simulator)
+    leading = [one.identity for one in verdict.causes if one.role == "leading"]
+    tested = launches(TRUTH, TESTED, 2, np.random.default_rng(1)).states
+    before = _error(engine.fly(tested, TIMES), tested)
+    known = amended(audit.simulator, verdict)
+    after = _error(amended_flights(scene, known, tested, TIMES), tested)
+    return {
+        "hidden": scene.hidden,
+        "traps": [one.identifier for one in traps(audit)],
+        "verdict": verdict.verdict,
+        "leading": leading,
+        "named_right": bool(set(scene.causes) & set(leading)),
+        "before_mm": before,
+        "after_mm": after,
+        "floor_mm": 0.0,
+        "removable_closed": round(1.0 - after / before, 3),
+    }
+
+
+def _error(flown: Floats, launched: Floats) -> float:
+    """Return the mean distance from the true flights over shots and times, mm."""
+    true = TRUTH.fly(launched, TIMES).states
+    distances = np.linalg.norm((flown - true)[..., POSITION], axis=-1)
+    return float(f"{MM * distances.mean():.4g}")
+
+
+if __name__ == "__main__":
+    simulator_scenes(repository_root())

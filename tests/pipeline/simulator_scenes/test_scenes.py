@@ -1,0 +1,43 @@
+"""Scenes with something wrong: amended balls fly in their engines as the hidden physics says."""
+
+import json
+
+import numpy as np
+import pytest
+
+import pipeline.simulator_scenes.run as experiment
+from models.exam.simulate.launches import launches
+from pipeline.simulator_scenes.amended_flights import amended_flights
+from pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
+
+pytest.importorskip("mujoco")
+pytest.importorskip("pybullet")
+
+SCENES = {f"{one.engine}.{one.name}": one for one in scenes()}
+TIMES = np.array([0.1, 0.3])
+
+
+@pytest.mark.parametrize("name", ["mujoco.euler", "pybullet.vacuum"])
+def test_the_true_physics_as_code_is_exact_in_the_engine(name):
+    states = launches(TRUTH, 6, 2, np.random.default_rng(0)).states
+    flown = amended_flights(SCENES[name], TRUTH, states, TIMES)
+    away = np.linalg.norm((flown - TRUTH.fly(states, TIMES).states)[..., :3], axis=-1)
+    assert away.max() < 1e-4
+
+
+def test_a_scene_without_an_error_is_near_the_hidden_physics():
+    right = HiddenScene("mujoco", "right", "nothing", (), {}).build()
+    states = launches(TRUTH, 6, 2, np.random.default_rng(0)).states
+    away = (right.fly(states, TIMES) - TRUTH.fly(states, TIMES).states)[:, 0, :3]
+    assert np.median(np.linalg.norm(away, axis=-1)) < 1e-3
+
+
+def test_what_becomes_of_a_scene_is_written(tmp_path, monkeypatch):
+    monkeypatch.setattr(experiment, "scenes", lambda: iter([SCENES["mujoco.vacuum"]]))
+    monkeypatch.setattr(experiment, "SHOTS", 40)
+    monkeypatch.setattr(experiment, "TESTED", 6)
+    found = experiment.simulator_scenes(tmp_path)["mujoco"]["vacuum"]
+    assert json.loads((tmp_path / experiment.REPORT).read_text())["mujoco"]["vacuum"] == found
+    assert found["named_right"] and "drag.cd" in found["leading"]
+    assert "no_drag" in found["traps"]
+    assert found["after_mm"] < 0.1 * found["before_mm"]
