@@ -17,6 +17,7 @@ from pipeline.documentation import (
     deviations,
     gap_tables,
     predictor_tables,
+    simulator_tables,
     transfer_tables,
 )
 from pipeline.documentation.diagnose_example import diagnose_example
@@ -73,6 +74,7 @@ BLOCKS: dict[str, Writer] = {
     "errors-arena-paper": partial(predictor_tables.position_errors, run="paper/", arena=True),
     "errors-real": partial(predictor_tables.position_errors, run="real/", arena=False),
     "forecasts-real": predictor_tables.measured_forecasts,
+    "scenes": simulator_tables.scenes_table,
     "latency": predictor_tables.latency,
     "costs": predictor_tables.predictor_costs,
     "sim2sim": transfer_tables.sim2sim_returns,
