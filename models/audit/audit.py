@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import ceil
+from time import monotonic
 
 import numpy as np
 
@@ -24,6 +26,9 @@ ALWAYS: dict[Phase, tuple[Hypothesis, ...]] = {
 }
 # Parameters that act as those of ALWAYS or as all others together.
 NOT_SEPARABLE = ("buoyancy.b", "added_mass.c")
+FEW = 8  # probes that are flown together
+PATIENCE = 60.0  # s for the probes of a phase, as far as that leaves enough of them
+FEWEST = 24  # probes of a phase
 SAME_SPIN = 0.01  # relative, of spins that an engine has cut alike
 FEWEST_BOUNCES = 0.5  # of the bounce probes; with fewer there is no table
 
@@ -67,6 +72,7 @@ class Audit:
         unexplained: what they do not explain, by phase.
         bounces: contact by contact; None where the engine has no table.
         spin_limit: rad/s, at which the engine cuts spins; infinite where it does not.
+        probes: how many were flown, by phase; fewer where the engine is slow.
     """
 
     simulator: Simulator
@@ -74,6 +80,7 @@ class Audit:
     unexplained: dict[Phase, Unexplained]
     bounces: Bounces | None
     spin_limit: float
+    probes: dict[Phase, int]
 
 
 def audit(engine: Engine, progress: Callable[[float], None] = lambda share: None) -> Audit:
@@ -86,28 +93,34 @@ def audit(engine: Engine, progress: Callable[[float], None] = lambda share: None
     Raises:
         EngineError: the engine cannot fly the probes.
     """
-    flight = _flown(engine, flight_probes())
-    limit = _spin_limit(flight)
-    progress(0.4)
+    flight = _flown(engine, flight_probes(), lambda share: progress(0.5 * share))
+    limit, counts = _spin_limit(flight), {flight.probes.phase: len(flight.probes)}
     simulator, effects = _found(flight, BASE)
     unexplained: dict[Phase, Unexplained] = {"flight": _unexplained(flight, simulator)}
-    progress(0.5)
-    table = _flown(engine, bounce_probes())
-    progress(0.9)
+    table = _flown(engine, bounce_probes(), lambda share: progress(0.5 + 0.5 * share))
+    counts[table.probes.phase] = len(table.probes)
     bounces = Bounces.of(table, simulator)
     if bounces.bounced.mean() < FEWEST_BOUNCES:
-        return Audit(simulator.without_surfaces(), effects, unexplained, None, limit)
+        return Audit(simulator.without_surfaces(), effects, unexplained, None, limit, counts)
     simulator, more = _found(table, simulator)
     unexplained["table"] = _unexplained(table, simulator)
-    progress(1.0)
-    return Audit(simulator, (*effects, *more), unexplained, bounces, limit)
+    return Audit(simulator, (*effects, *more), unexplained, bounces, limit, counts)
 
 
-def _flown(engine: Engine, probes: Probes) -> Flown:
-    states = engine.fly(probes.states, probes.times)
+def _flown(engine: Engine, probes: Probes, progress: Callable[[float], None]) -> Flown:
+    """Fly probes a few at a time; leave some out if the first ones show that all take too long."""
+    started = monotonic()
+    engine.fly(probes[:FEW].states, probes.times)
+    needed = (monotonic() - started) / FEW * len(probes)
+    kept = probes[:: max(1, min(ceil(needed / PATIENCE), len(probes) // FEWEST))]
+    parts = []
+    for first in range(0, len(kept), FEW):
+        parts.append(engine.fly(kept[first : first + FEW].states, kept.times))
+        progress(min((first + FEW) / len(kept), 1.0))
+    states = np.concatenate(parts)
     if not np.isfinite(states).all():
         raise EngineError(f"{engine.name} returns numbers that are not finite")
-    return Flown(probes, states)
+    return Flown(kept, states)
 
 
 def _spin_limit(flown: Flown) -> float:

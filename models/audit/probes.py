@@ -45,6 +45,13 @@ class Probes:
     states: Floats
     times: Floats
 
+    def __len__(self) -> int:
+        return len(self.states)
+
+    def __getitem__(self, rows: slice) -> "Probes":
+        """Return some of the shots."""
+        return Probes(self.phase, self.states[rows], self.times)
+
 
 def flight_probes() -> Probes:
     """Return balls without spin, and with spins about all axes, in all directions; one is still."""

@@ -54,6 +54,7 @@ def audit_content(name: str, audit: Audit, traps: tuple[Trap, ...]) -> dict[str,
     """Return the content of ``audit.json``."""
     return {
         "engine": name,
+        "probes": audit.probes,
         "traps": [
             {"identifier": one.identifier, "sentence": one.sentence, "cost_mm": _round(one.cost_mm)}
             for one in traps

@@ -71,6 +71,15 @@ def test_the_grip_is_that_of_a_shell():
     assert bounces.restitution == pytest.approx(0.92)
 
 
+def test_a_slow_engine_gets_fewer_probes(monkeypatch):
+    monkeypatch.setattr("models.audit.audit.PATIENCE", 1e-9)
+    shares = []
+    found = audit(EffectsEngine("mine", Simulator.from_dict(PLAIN)), shares.append)
+    assert found.probes == {"flight": 24, "table": 30}
+    assert {one.hypothesis.effect for one in found.effects} == set(PLAIN)
+    assert shares == sorted(shares) and shares[-1] == 1.0
+
+
 def test_an_engine_without_a_table_is_audited_in_flight():
     found = audited(Simulator.from_dict({"gravity": {"g": 9.81}, "drag": {"cd": 0.5}}))
     assert found.bounces is None
