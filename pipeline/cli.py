@@ -120,11 +120,14 @@ def audit(
         typer.Argument(help="a shipped one's name, a YAML file, scene.xml, or file.py:function"),
     ],
     out: Annotated[Path, typer.Option(help="the folder to write to")],
+    against: Annotated[
+        str | None, typer.Option(help="another simulator to compare it with")
+    ] = None,
 ) -> None:
     """Say which effects a simulator really has, by probe shots; no measurements are needed."""
     from pipeline.engines.audit_folder import audit_folder
 
-    for line in audit_folder(simulator, out):
+    for line in audit_folder(simulator, out, against):
         typer.echo(line)
     typer.echo(f"Report: {out / 'report.html'}")
 

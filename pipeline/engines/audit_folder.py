@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from models.audit.audit import Audit
-from models.audit.traps import Trap, traps
+from models.audit.traps import traps
 from models.engines.engine import Engine
-from pipeline.engines.audit_text import audit_content, effects_table, outcome, sentence
 from pipeline.engines.audited import audited
+from pipeline.engines.comparison import Comparison
 from pipeline.engines.figures import bounces_figure, worth_figure
+from pipeline.engines.findings import AuditFindings
 from pipeline.engines.load import load_engine, names_scene
 from pipeline.engines.scene_audit import SceneAudit
 from pipeline.io.artifacts import replacing_files, write_json, write_text
@@ -20,15 +21,15 @@ from pipeline.io.simulators import simulator_yaml
 from pipeline.runtime.paths import check_folder
 from pipeline.runtime.progress import phase_bar
 from pipeline.web.environment import page_environment
-from pipeline.web.items import page_table, shown_figure
+from pipeline.web.items import shown_figure
 
 TEMPLATES = Path(__file__).parent / "templates"
 FIGURES = "figures"
 FIGURE_NAMES = ("worth", "bounces")
-PHASES = {"flying probes": 90, "writing": 10}
+PHASES = {"flying probes": 60, "comparing": 30, "writing": 10}
 
 
-def audit_folder(name: str, out: Path) -> list[str]:
+def audit_folder(name: str, out: Path, against: str | None = None) -> list[str]:
     """Audit an engine and write what it does; return the outcome in sentences.
 
     ``out`` gets audit.json, simulator.yaml, report.html and figures/*.png, all of them or none.
@@ -36,21 +37,23 @@ def audit_folder(name: str, out: Path) -> list[str]:
     Args:
         name: of the engine, as ``load_engine`` takes it.
         out: folder to write to.
+        against: another engine to compare it with.
 
     Raises:
         InputError: there is no such engine, it fails, or the folder cannot be written to.
     """
     check_folder(out)
-    engine = load_engine(name)
+    engine, other = load_engine(name), load_engine(against) if against else None
     with phase_bar(PHASES) as bar:
         with bar.phase("flying probes"):
             found = audited(engine, bar.reached)
-        with bar.phase("writing"):
-            known = traps(found)
+        with bar.phase("comparing"):
             scene = _scene(engine) if names_scene(name) else None
-            _write(name, found, known, scene, out)
-    notes = [f"Note: {one}" for one in scene.notes] if scene else []
-    return [*outcome(name, found, known), *notes]
+            comparison = Comparison.of(engine, other) if other else None
+            findings = AuditFindings(name, found, traps(found), scene, comparison)
+        with bar.phase("writing"):
+            _write(findings, out)
+    return findings.lines
 
 
 def _scene(engine: Engine) -> SceneAudit:
@@ -60,35 +63,20 @@ def _scene(engine: Engine) -> SceneAudit:
     return SceneAudit.of(engine)
 
 
-def _write(
-    name: str, found: Audit, known: tuple[Trap, ...], scene: SceneAudit | None, out: Path
-) -> None:
+def _write(findings: AuditFindings, out: Path) -> None:
     with replacing_files(out, [f"{FIGURES}/{one}.png" for one in FIGURE_NAMES]) as folder:
         pictures = folder / FIGURES
         pictures.mkdir()
         apply_style()
-        figures = list(_figures(found))
+        figures = list(_figures(findings.audit))
         for figure in figures:
             figure.write(pictures / f"{figure.name}.png")
-        simulator = simulator_yaml(found.simulator)
-        content = audit_content(name, found, known)
-        write_json(folder / "audit.json", content | (scene.content() if scene else {}))
+        shown = {one.name: shown_figure(one, pictures) for one in figures}
+        simulator = simulator_yaml(findings.audit.simulator)
+        template = page_environment(TEMPLATES).get_template("audit.html")
+        write_json(folder / "audit.json", findings.content)
         write_text(folder / "simulator.yaml", simulator)
-        page = (
-            page_environment(TEMPLATES)
-            .get_template("audit.html")
-            .render(
-                name=name,
-                traps=[sentence(one) for one in known],
-                outcome=outcome(name, found, ()),
-                effects=page_table(effects_table(found)),
-                figures={one.name: shown_figure(one, pictures) for one in figures},
-                simulator=simulator,
-                says=page_table(scene.says_and_does(found)) if scene else None,
-                variants=page_table(scene.variants_table()) if scene else None,
-                notes=scene.notes if scene else (),
-            )
-        )
+        page = template.render(**findings.page, figures=shown, simulator=simulator)
         write_text(folder / "report.html", page)
 
 

@@ -4,19 +4,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from models.audit.audit import Audit
 from models.audit.probes import bounce_probes, flight_probes
-from models.ball.state import POSITION
 from models.gap.hypotheses import Hypothesis
+from pipeline.engines.comparison import distance
 from pipeline.io.numbers import number, with_unit
 
 if TYPE_CHECKING:
     from models.engines.mujoco.notes import Effects
     from models.engines.mujoco.scene import MujocoScene
 
-MM = 1e3
 EXACT = "RK4"
 
 
@@ -110,11 +107,5 @@ def _variants(scene: "MujocoScene") -> Iterator[Variant]:
 
 
 def _compared(scene: "MujocoScene", other: "MujocoScene", name: str) -> Variant:
-    flight, bounce = (
-        float(MM * np.median(np.linalg.norm(away[:, -1, POSITION], axis=-1)))
-        for probes in (flight_probes(), bounce_probes())
-        for away in [
-            other.fly(probes.states, probes.times) - scene.fly(probes.states, probes.times)
-        ]
-    )
+    flight, bounce = (distance(scene, other, one) for one in (flight_probes(), bounce_probes()))
     return Variant(name, flight, bounce)

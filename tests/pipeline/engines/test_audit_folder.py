@@ -39,6 +39,16 @@ def test_an_audit_has_the_list_and_its_traps(tmp_path):
     assert "Lift is inverse" in (tmp_path / "out" / "report.html").read_text()
 
 
+def test_two_engines_are_compared(tmp_path):
+    (tmp_path / "mine.yaml").write_text(MINE)
+    said = audit_folder(str(tmp_path / "mine.yaml"), tmp_path / "out", "literature")
+    assert said[-2].startswith("Compared with literature, balls are ")
+    assert "drag.cd 0.45 and 0.54" in said[-1] and "gravity.g" not in said[-1]
+    content = json.loads((tmp_path / "out" / "audit.json").read_text())["against"]
+    assert content["effects"]["magnus.cm"] == 0.069 and content["flight_mm"] > 100.0
+    assert "Compared with another engine" in (tmp_path / "out" / "report.html").read_text()
+
+
 def test_the_same_engine_gives_the_same_bytes(tmp_path):
     for name in ("first", "second"):
         audit_folder("literature", tmp_path / name)

@@ -1,0 +1,98 @@
+"""Two engines compared: their parameters, and how far their flights are apart."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from models.audit.audit import Audit
+from models.audit.probes import Probes, bounce_probes, flight_probes
+from models.ball.state import POSITION
+from models.engines.engine import Engine
+from models.gap.hypotheses import Hypothesis
+from pipeline.engines.audited import audited
+from pipeline.io.numbers import number, with_unit
+
+MM = 1e3
+SAME = 1e-3  # relative difference of values that are alike
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """An engine compared with another one.
+
+    Attributes:
+        name: of the other.
+        audit: of the other.
+        flight_mm: distance after 0.4 s of flight, median over the probes.
+        bounce_mm: distance 0.15 s after a bounce begins, median over the probes.
+    """
+
+    name: str
+    audit: Audit
+    flight_mm: float
+    bounce_mm: float
+
+    @classmethod
+    def of(cls, engine: Engine, other: Engine) -> "Comparison":
+        """Audit the other engine, and fly the probes in both.
+
+        Raises:
+            InputError: the other engine fails.
+        """
+        flight, bounce = (
+            distance(engine, other, one) for one in (flight_probes(), bounce_probes())
+        )
+        return cls(other.name, audited(other), flight, bounce)
+
+    def sentences(self, audit: Audit) -> list[str]:
+        """Return what differs from the audit of the first engine."""
+        table = self.table(audit)
+        differing = ", ".join(
+            f"{name} {here} and {there}" for name, here, there in zip(*table.values(), strict=True)
+        )
+        return [
+            f"Compared with {self.name}, balls are {number(self.flight_mm)} mm apart after 0.4 s "
+            f"of flight and {number(self.bounce_mm)} mm after a bounce, in the median.",
+            f"Parameters that differ: {differing or 'none'}.",
+        ]
+
+    def table(self, audit: Audit) -> dict[str, list[str]]:
+        """Return the columns of the parameters that differ."""
+        here, there = (
+            {one.hypothesis: one.value for one in each.effects} for each in (audit, self.audit)
+        )
+        names = [one for one in {**here, **there} if _differ(here.get(one), there.get(one))]
+        return {
+            "parameter": [one.identity for one in names],
+            "audited ": [_shown(one, here.get(one)) for one in names],
+            f"{self.name} ": [_shown(one, there.get(one)) for one in names],
+        }
+
+    def content(self) -> dict[str, Any]:
+        """Return the part of ``audit.json``."""
+        return {
+            "engine": self.name,
+            "effects": {
+                one.hypothesis.identity: float(number(one.value)) for one in self.audit.effects
+            },
+            "flight_mm": float(number(self.flight_mm)),
+            "bounce_mm": float(number(self.bounce_mm)),
+        }
+
+
+def distance(engine: Engine, other: Engine, probes: Probes) -> float:
+    """Return the distance of two engines' balls at the last time, mm, median over probes."""
+    flown, others = (one.fly(probes.states, probes.times) for one in (engine, other))
+    away = np.linalg.norm((flown - others)[:, -1, POSITION], axis=-1)
+    return float(MM * np.median(away))
+
+
+def _differ(here: float | None, there: float | None) -> bool:
+    if here is None or there is None:
+        return True
+    return abs(here - there) > SAME * max(abs(here), abs(there))
+
+
+def _shown(parameter: Hypothesis, value: float | None) -> str:
+    return "–" if value is None else with_unit(value, parameter.declaration.unit)
