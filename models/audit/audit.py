@@ -124,9 +124,9 @@ def _flown(engine: Engine, probes: Probes, progress: Callable[[float], None]) ->
 
 
 def _spin_limit(flown: Flown) -> float:
-    """Return the spin at which all faster ones end within the first times, if there is one."""
+    """Return the spin that all faster ones have at all times, if there is one."""
     launched = np.linalg.norm(flown.probes.states[:, SPIN], axis=1)
-    spins = np.linalg.norm(flown.states[:, 0, SPIN], axis=1)
+    spins = np.linalg.norm(flown.states[..., SPIN], axis=-1)
     largest = float(spins.max())
     cut = launched > (1.0 + SAME_SPIN) * largest
     same = np.abs(spins[cut] - largest) <= SAME_SPIN * largest

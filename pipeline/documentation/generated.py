@@ -75,6 +75,7 @@ BLOCKS: dict[str, Writer] = {
     "errors-real": partial(predictor_tables.position_errors, run="real/", arena=False),
     "forecasts-real": predictor_tables.measured_forecasts,
     "scenes": simulator_tables.scenes_table,
+    "published-models": simulator_tables.published_table,
     "latency": predictor_tables.latency,
     "costs": predictor_tables.predictor_costs,
     "sim2sim": transfer_tables.sim2sim_returns,

@@ -1,8 +1,9 @@
-"""The experiment ``make simulators``: minutes; writes ``reports/simulators/scenes.json``.
+"""The experiment ``make simulators``: minutes; writes ``reports/simulators``.
 
-Recordings are simulated under the hidden physics. Every scene is audited and diagnosed on them, and
-its ball amended. Then the scene as it is, and with the amended ball, fly other shots in their own
-engine. They start from their true launches, so a correct simulator errs by nothing.
+Published models are audited. And recordings are simulated under the hidden physics; every scene is
+audited and diagnosed on them, and its ball amended. Then the scene as it is, and with the amended
+ball, fly other shots in their own engine. They start from their true launches, so a correct
+simulator errs by nothing.
 """
 
 from functools import partial
@@ -20,17 +21,20 @@ from models.exam.simulate.recordings import simulate_trial
 from models.exam.simulate.trial import Trial
 from models.gap.amend.simulator import amended
 from models.gap.diagnose import diagnose
+from pipeline.engines.audit_text import audit_content
 from pipeline.engines.audited import audited
 from pipeline.io.artifacts import write_json
 from pipeline.runtime.parallel import parallel
 from pipeline.runtime.paths import repository_root
 from pipeline.simulator_scenes.amended_flights import amended_flights
+from pipeline.simulator_scenes.published import PUBLISHED
 from pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
 
 SHOTS, TESTED = 100, 40  # to diagnose on, and to fly
 TIMES: Floats = np.array([0.1, 0.2, 0.3, 0.4])  # s
 MM = 1e3
-REPORT = Path("reports") / "simulators" / "scenes.json"
+REPORTS = Path("reports") / "simulators"
+SCENES, PUBLISHED_MODELS = "scenes.json", "published.json"
 
 
 def simulator_scenes(root: Path) -> dict[str, dict[str, Any]]:
@@ -40,8 +44,21 @@ def simulator_scenes(root: Path) -> dict[str, dict[str, Any]]:
     content: dict[str, dict[str, Any]] = {}
     for one, row in zip(found, rows, strict=True):
         content.setdefault(one.engine, {})[one.name] = row
-    write_json(root / REPORT, content)
+    write_json(root / REPORTS / SCENES, content)
     return content
+
+
+def published_models(root: Path) -> None:
+    """Write the audits of published models."""
+    content = {}
+    for one in PUBLISHED:
+        found = audited(one.build())
+        content[one.name] = {
+            "file": one.file,
+            "says": one.says,
+            **audit_content(one.name, found, traps(found)),
+        }
+    write_json(root / REPORTS / PUBLISHED_MODELS, content)
 
 
 def scene_result(scene: HiddenScene) -> dict[str, Any]:
@@ -76,4 +93,5 @@ def _error(flown: Floats, launched: Floats) -> float:
 
 
 if __name__ == "__main__":
+    published_models(repository_root())
     simulator_scenes(repository_root())

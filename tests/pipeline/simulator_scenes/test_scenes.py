@@ -32,12 +32,29 @@ def test_a_scene_without_an_error_is_near_the_hidden_physics():
     assert np.median(np.linalg.norm(away, axis=-1)) < 1e-3
 
 
+def test_published_models_are_audited(tmp_path):
+    experiment.published_models(tmp_path)
+    path = tmp_path / experiment.REPORTS / experiment.PUBLISHED_MODELS
+    found = json.loads(path.read_text())
+    traps = {name: {one["identifier"] for one in row["traps"]} for name, row in found.items()}
+    assert {"large_lift", "never_rolls"} <= traps["google-deepmind/competitive_robot_table_tennis"]
+    assert {"no_drag", "no_lift"} <= traps["MyoHub/myosuite"]
+    inverse = traps["xSpaceCoder/DeepLearningTennis3DUplift"]
+    assert "inverse_lift" in inverse and "spin_limit" not in inverse
+    assert traps["purdue-tracelab/TTRL-ICRA2026"] == {"no_lift"}
+
+
 def test_what_becomes_of_a_scene_is_written(tmp_path, monkeypatch):
     monkeypatch.setattr(experiment, "scenes", lambda: iter([SCENES["mujoco.vacuum"]]))
     monkeypatch.setattr(experiment, "SHOTS", 40)
     monkeypatch.setattr(experiment, "TESTED", 6)
     found = experiment.simulator_scenes(tmp_path)["mujoco"]["vacuum"]
-    assert json.loads((tmp_path / experiment.REPORT).read_text())["mujoco"]["vacuum"] == found
+    assert (
+        json.loads((tmp_path / experiment.REPORTS / experiment.SCENES).read_text())["mujoco"][
+            "vacuum"
+        ]
+        == found
+    )
     assert found["named_right"] and "drag.cd" in found["leading"]
     assert "no_drag" in found["traps"]
     assert found["after_mm"] < 0.1 * found["before_mm"]

@@ -1,0 +1,95 @@
+"""Published models of table tennis, as minimal scenes with their parameters.
+
+The parameters are facts that were read in the files that are named; no file is copied. What a file
+does not say, such as a table of another shape, is ours.
+"""
+
+from dataclasses import dataclass
+
+from models.ball.simulator import Simulator
+from models.engines.engine import EffectsEngine, Engine
+
+SCENE = """<mujoco>
+  <option timestep="0.002" integrator="RK4" cone="elliptic" {option}/>
+  <worldbody>
+    <geom name="table" type="box" size=".7625 1.37 .0125" pos="0 0 -.0125"/>
+    <body name="ball" pos="0 0 .5">
+      <freejoint/>
+      <geom name="ball" type="sphere" size=".02" mass=".0027" fluidshape="ellipsoid" {geom}/>
+    </body>
+  </worldbody>
+  {contact}
+</mujoco>
+"""
+PAIR = """<contact><pair geom1="ball" geom2="table" condim="3" solref="-1000000 -17"
+    friction=".1 .1 .005 .0001 .0001" solreffriction="0 -200"/></contact>"""
+
+
+@dataclass(frozen=True)
+class PublishedModel:
+    """A published model.
+
+    Attributes:
+        name: of the project.
+        file: with the parameters.
+        says: these parameters, in short.
+        scene: of MuJoCo; None for another engine.
+        effects: the model as a list, where it is of another engine.
+    """
+
+    name: str
+    file: str
+    says: str
+    scene: str | None
+    effects: Simulator | None = None
+
+    def build(self) -> Engine:
+        """Return the model as an engine."""
+        if self.scene is None:
+            assert self.effects is not None  # of another engine
+            return EffectsEngine(self.name, self.effects)
+        import mujoco
+
+        from models.engines.mujoco.scene import MujocoScene
+
+        return MujocoScene.of(self.name, mujoco.MjModel.from_xml_string(self.scene))
+
+
+def _scene(option: str, geom: str, contact: str = "") -> str:
+    return SCENE.format(option=option, geom=geom, contact=contact)
+
+
+PUBLISHED = (
+    PublishedModel(
+        "google-deepmind/competitive_robot_table_tennis",
+        "ball_states_viz.ipynb",
+        "density 1.225, fluidcoef .235 .25 0 1 1; pair: solref -1e6 -17, friction .1, "
+        "solreffriction 0 -200",
+        _scene('density="1.225"', 'fluidcoef=".235 .25 0 1 1"', PAIR),
+    ),
+    PublishedModel(
+        "MyoHub/myosuite",
+        "myoarm_tabletennis.xml",
+        "fluidcoef .235 .25 0 1 1, solref -80000 -1",
+        _scene("", 'fluidcoef=".235 .25 0 1 1" solref="-80000 -1"'),
+    ),
+    PublishedModel(
+        "xSpaceCoder/DeepLearningTennis3DUplift",
+        "the scene of its simulation",
+        "fluidcoef .6 .6 .6 1 .2",
+        _scene('density="1.225"', 'fluidcoef=".6 .6 .6 1 .2" solref="-1000000 -47"'),
+    ),
+    PublishedModel(
+        "purdue-tracelab/TTRL-ICRA2026",
+        "its Isaac environment",
+        "C_D .4378, restitution min(.8, .9), friction .1, no lift",
+        None,
+        Simulator.from_dict(
+            {
+                "gravity": {"g": 9.81},
+                "drag": {"cd": 0.4378},
+                "table_bounce": {"restitution": 0.8, "friction": 0.1},
+            }
+        ),
+    ),
+)
