@@ -12,7 +12,7 @@ from models.engines.engine import EffectsEngine, Engine
 SCENE = """<mujoco>
   <option timestep="0.002" integrator="RK4" cone="elliptic" {option}/>
   <worldbody>
-    <geom name="table" type="box" size=".7625 1.37 .0125" pos="0 0 -.0125"/>
+    {table}
     <body name="ball" pos="0 0 .5">
       <freejoint/>
       <geom name="ball" type="sphere" size=".02" mass=".0027" fluidshape="ellipsoid" {geom}/>
@@ -21,6 +21,7 @@ SCENE = """<mujoco>
   {contact}
 </mujoco>
 """
+TABLE = '<geom name="table" type="box" size=".7625 1.37 .0125" pos="0 0 -.0125"/>'
 PAIR = """<contact><pair geom1="ball" geom2="table" condim="3" solref="-1000000 -17"
     friction=".1 .1 .005 .0001 .0001" solreffriction="0 -200"/></contact>"""
 
@@ -35,6 +36,7 @@ class PublishedModel:
         says: these parameters, in short.
         scene: of MuJoCo; None for another engine.
         effects: the model as a list, where it is of another engine.
+        bounces: whether the file says how the ball bounces; if not, there is no table here.
     """
 
     name: str
@@ -42,6 +44,7 @@ class PublishedModel:
     says: str
     scene: str | None
     effects: Simulator | None = None
+    bounces: bool = True
 
     def build(self) -> Engine:
         """Return the model as an engine."""
@@ -55,8 +58,8 @@ class PublishedModel:
         return MujocoScene.of(self.name, mujoco.MjModel.from_xml_string(self.scene))
 
 
-def _scene(option: str, geom: str, contact: str = "") -> str:
-    return SCENE.format(option=option, geom=geom, contact=contact)
+def _scene(option: str, geom: str, table: str = TABLE, contact: str = "") -> str:
+    return SCENE.format(option=option, geom=geom, table=table, contact=contact)
 
 
 PUBLISHED = (
@@ -65,7 +68,7 @@ PUBLISHED = (
         "ball_states_viz.ipynb",
         "density 1.225, fluidcoef .235 .25 0 1 1; pair: solref -1e6 -17, friction .1, "
         "solreffriction 0 -200",
-        _scene('density="1.225"', 'fluidcoef=".235 .25 0 1 1"', PAIR),
+        _scene('density="1.225"', 'fluidcoef=".235 .25 0 1 1"', contact=PAIR),
     ),
     PublishedModel(
         "MyoHub/myosuite",
@@ -77,7 +80,8 @@ PUBLISHED = (
         "xSpaceCoder/DeepLearningTennis3DUplift",
         "the scene of its simulation",
         "fluidcoef .6 .6 .6 1 .2",
-        _scene('density="1.225"', 'fluidcoef=".6 .6 .6 1 .2" solref="-1000000 -47"'),
+        _scene('density="1.225"', 'fluidcoef=".6 .6 .6 1 .2"', table=""),
+        bounces=False,
     ),
     PublishedModel(
         "purdue-tracelab/TTRL-ICRA2026",

@@ -39,8 +39,7 @@ def test_published_models_are_audited(tmp_path):
     traps = {name: {one["identifier"] for one in row["traps"]} for name, row in found.items()}
     assert {"large_lift", "never_rolls"} <= traps["google-deepmind/competitive_robot_table_tennis"]
     assert {"no_drag", "no_lift"} <= traps["MyoHub/myosuite"]
-    inverse = traps["xSpaceCoder/DeepLearningTennis3DUplift"]
-    assert "inverse_lift" in inverse and "spin_limit" not in inverse
+    assert traps["xSpaceCoder/DeepLearningTennis3DUplift"] == {"inverse_lift"}
     assert traps["purdue-tracelab/TTRL-ICRA2026"] == {"no_lift"}
 
 
