@@ -11,7 +11,6 @@ from pipeline.documentation.cells import (
     read_report,
     with_interval,
 )
-from pipeline.io.artifacts import read_json
 from pipeline.io.markdown import markdown_table
 
 # Predictors that recordings of a measured set have adapted.
@@ -92,20 +91,6 @@ def measured_forecasts(root: Path) -> str:
         cells = _with_medians(some)
         rows.append([name, ADAPTED[predictor], *cells])
     return markdown_table(["set", "predictor", *HORIZON_HEADS], rows)
-
-
-def latency(root: Path) -> str:
-    """Latency of live forecasts, from ``python -m benchmarks.live``."""
-    rows = [
-        [
-            PREDICTORS[name],
-            *(f"{one[key]:.2f}" for key in ("p50_ms", "p99_ms", "eager_ms")),
-            NONE if one["max_change_mm"] is None else f"{one['max_change_mm']:.2f}",
-        ]
-        for name, one in read_json(root / "reports" / "live" / "latency.json").items()
-    ]
-    heads = ["median (ms)", "99th percentile (ms)", "torch's own call, median (ms)"]
-    return markdown_table(["predictor", *heads, "largest change (mm)"], rows)
 
 
 def predictor_costs(root: Path) -> str:
