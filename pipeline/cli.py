@@ -136,11 +136,23 @@ def audit(
 def export(
     simulator: Annotated[str, typer.Argument(help="a shipped one's name, or a YAML file")],
     to: Annotated[str, typer.Option(help="python, pybullet or mujoco")],
-    out: Annotated[Path, typer.Option(help="the file to write")] = Path("ball_effects.py"),
+    out: Annotated[
+        Path | None, typer.Option(help="the file to write; with --scene, the folder")
+    ] = None,
+    scene: Annotated[
+        str | None, typer.Option(help="scene.xml of MuJoCo, to be amended and verified too")
+    ] = None,
 ) -> None:
-    """Write a simulator's flight and bounce as one short file for another engine."""
-    from pipeline.engines.export.command import export
+    """Write a simulator's flight and bounce for another engine: as code, or as a scene as well."""
+    from pipeline.engines.export.command import CODE, export, export_scene
 
+    if scene is not None:
+        folder = out or Path("amended")
+        for line in export_scene(simulator, to, scene, folder):
+            typer.echo(line)
+        typer.echo(f"Written: {folder}")
+        return
+    out = out or Path(CODE)
     export(simulator, to, out)
     typer.echo(f"Written: {out}")
 

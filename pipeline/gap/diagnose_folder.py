@@ -1,6 +1,7 @@
 """The workflow of ``rallygap diagnose``: a folder of recordings in, a folder with a verdict out."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from models.ball.simulator import Simulator
@@ -9,12 +10,14 @@ from models.gap.diagnose import diagnose
 from models.gap.settings import DEFAULTS, GapSettings
 from models.gap.verdict import DetectionLimits
 from pipeline.engines.audited import effects_of
-from pipeline.engines.export.command import code_of
-from pipeline.engines.load import code_for
+from pipeline.engines.export.command import CODE, code_of
+from pipeline.engines.export.scene_file import SCENE, check_place, former_scene
+from pipeline.engines.load import code_for, names_scene
 from pipeline.gap.expected_balls import expected_balls, expected_json
 from pipeline.gap.figures.camera import camera_figure
 from pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
 from pipeline.gap.figures.verdict import causes_figure, error_figure
+from pipeline.gap.handed_over import handed_over
 from pipeline.gap.measured_shots import MeasuredShots, read_shots
 from pipeline.gap.provenance import made_from
 from pipeline.gap.summary import Findings, detection_lines
@@ -29,11 +32,11 @@ from pipeline.runtime.progress import phase_bar
 
 TABLE = "table_bounce"
 FIGURES = "figures"
-CODE = "ball_effects.py"
 FIGURE_NAMES = ("causes", "camera", "discrepancy", "growth", "errors")
 FORMER = [CODE, *(f"{FIGURES}/{name}.png" for name in FIGURE_NAMES)]
 # Phases of the work with their usual shares of the time, for the progress bar.
 PHASES = {"reading and segmenting": 15, "comparing": 75, "writing": 10}
+SCENE_PHASES = {"reading and segmenting": 15, "comparing": 60, "writing": 25}
 
 
 def diagnose_folder(
@@ -48,7 +51,8 @@ def diagnose_folder(
     """Diagnose the recordings of a folder and write the verdict.
 
     ``out`` gets verdict.json, amended.yaml, balls.json, report.html and figures/*.png, all of them
-    or none; and where the simulator is a function or a scene, the amended one as code.
+    or none; where the simulator is a function or a scene, the amended one as code; and where it is
+    a scene, that amended as well.
 
     Args:
         data: folder with the files of the source.
@@ -65,8 +69,11 @@ def diagnose_folder(
         InputError: any of these cannot be used, or there are too few shots.
     """
     check_folder(out)
+    is_scene = names_scene(simulator)
+    if is_scene:
+        check_place(simulator, out)
     nominal = effects_of(simulator, say)
-    with phase_bar(PHASES) as bar:
+    with phase_bar(SCENE_PHASES if is_scene else PHASES) as bar:
         with bar.phase("reading and segmenting"):
             measured = read_shots(data, source)
             _check_enough(measured, data)
@@ -98,6 +105,8 @@ def diagnose_folder(
         with bar.phase("writing"):
             balls = expected_balls(measured.shots, amended(nominal, verdict, minor))
             findings = Findings(measured, nominal, simulator, settings, verdict, balls)
+            if is_scene:
+                findings = replace(findings, handed=handed_over(findings, minor))
             write_findings(findings, out, minor)
     return findings
 
@@ -113,7 +122,7 @@ def write_findings(findings: Findings, out: Path, minor: bool = False) -> None:
     Raises:
         InputError: the folder cannot be written to.
     """
-    with replacing_files(out, FORMER) as folder:
+    with replacing_files(out, [*FORMER, *former_scene(out)]) as folder:
         _write_all(findings, folder, minor)
 
 
@@ -146,10 +155,17 @@ def _write_all(findings: Findings, folder: Path, minor: bool) -> None:
     write_text(folder / "verdict.json", findings.verdict.to_json())
     write_text(folder / "amended.yaml", simulator)
     write_text(folder / "balls.json", expected_json(findings.balls))
-    engine = code_for(findings.simulator_name)
+    _write_for_engine(findings, folder)
+    write_text(folder / "report.html", render_gap_page(findings, simulator, pictures, figures))
+
+
+def _write_for_engine(findings: Findings, folder: Path) -> None:
+    """Write the amended simulator for its own engine, where it is no list of effects."""
+    engine, handed = code_for(findings.simulator_name), findings.handed
     if engine is not None:
         write_text(folder / CODE, code_of(str(folder / "amended.yaml"), engine))
-    write_text(folder / "report.html", render_gap_page(findings, simulator, pictures, figures))
+    if handed is not None and handed.scene is not None:
+        write_text(folder / SCENE, handed.scene)
 
 
 def _check_enough(measured: MeasuredShots, data: Path) -> None:

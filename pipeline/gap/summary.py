@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from models.ball.catalogue import catalogue
 from models.ball.simulator import Simulator
@@ -25,6 +26,9 @@ from pipeline.gap.wording import (
 )
 from pipeline.io.numbers import number, with_unit
 
+if TYPE_CHECKING:
+    from pipeline.engines.export.scene.handover import HandedOver
+
 TYPICAL_MS = 200  # the horizon of the summary, where shots are that long
 SIGNIFICANT = 0.05  # p-value up to which a covariate is reported
 
@@ -40,6 +44,7 @@ class Findings:
         settings: of the workflow.
         verdict: on these.
         balls: that are to be expected after these shots.
+        handed: what is given back where the simulator is a scene of MuJoCo.
     """
 
     measured: MeasuredShots
@@ -48,6 +53,7 @@ class Findings:
     settings: GapSettings
     verdict: Verdict
     balls: Expected
+    handed: "HandedOver | None" = None
 
     @property
     def outcome(self) -> list[str]:
@@ -67,8 +73,9 @@ class Findings:
 
     @property
     def details(self) -> list[str]:
-        """Where the gap arises, on what it depends, and what the shots can show, in sentences."""
-        return [*self._phases(), *self._growth(), self._detection()]
+        """Where the gap arises, what the shots can show, and how an amended scene flies."""
+        handed = self.handed.sentences if self.handed else ()
+        return [*self._phases(), *self._growth(), self._detection(), *handed]
 
     def _answer(self) -> str:
         shots = f"{len(self.measured.shots)} shots of {self.measured.name}"

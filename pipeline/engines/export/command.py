@@ -1,11 +1,17 @@
-"""``rallygap export``: a list of effects in, a file for an engine out."""
+"""``rallygap export``: a list of effects in, a file for an engine or an amended scene out."""
 
 from pathlib import Path
 
+from pipeline.engines.audited import audited
 from pipeline.engines.export.code import ENGINES, ball_effects
-from pipeline.io.artifacts import write_text
+from pipeline.engines.export.scene_file import SCENE, check_place
+from pipeline.engines.load import load_engine, names_scene
+from pipeline.io.artifacts import replacing_files, write_text
 from pipeline.io.simulators import load_simulator
 from pipeline.runtime.errors import InputError
+from pipeline.runtime.paths import check_folder
+
+CODE = "ball_effects.py"
 
 
 def export(simulator: str, engine: str, out: Path) -> None:
@@ -28,6 +34,42 @@ def export(simulator: str, engine: str, out: Path) -> None:
         raise InputError(out, f"cannot be written: {error.strerror}") from None
 
 
+def export_scene(simulator: str, engine: str, scene: str, out: Path) -> tuple[str, ...]:
+    """Write a scene amended by a list of effects, and code for it; return what they are worth.
+
+    ``out`` gets scene.xml and ball_effects.py, both or none of them.
+
+    Args:
+        simulator: name of a shipped one, or its YAML file, whose comments go into both files.
+        engine: of the scene, ``mujoco``.
+        scene: of MuJoCo, ``scene.xml`` or ``scene.xml#body``.
+        out: folder to write to.
+
+    Returns:
+        Sentences: what is changed, what is not said, and what the verification shows.
+
+    Raises:
+        InputError: the list or the scene cannot be used, or the folder cannot be written to.
+    """
+    if engine != "mujoco":
+        raise InputError("--scene", f"is for --to mujoco, not {engine}")
+    if not names_scene(scene):
+        raise InputError("--scene", f"{scene} is no scene of MuJoCo; give scene.xml")
+    check_folder(out)
+    check_place(scene, out)
+    after = load_simulator(simulator)
+    before = audited(load_engine(scene)).simulator
+    from pipeline.engines.export.scene.handover import handed_over
+
+    comments, code = _comments(simulator), code_of(simulator, "mujoco")
+    handed = handed_over(scene, before, after, code, comments)
+    with replacing_files(out) as folder:
+        assert handed.scene is not None  # otherwise there is an error
+        write_text(folder / SCENE, handed.scene)
+        write_text(folder / CODE, handed.code)
+    return handed.sentences
+
+
 def code_of(simulator: str, engine: str) -> str:
     """Return a simulator's flight and bounce as code for an engine.
 
@@ -42,9 +84,12 @@ def code_of(simulator: str, engine: str) -> str:
     return ball_effects(known, Path(simulator).name, _comments(simulator), engine)
 
 
+def comments_of(text: str) -> list[str]:
+    """Return the comments of a list of effects: where its values come from."""
+    return [line.removeprefix("# ") for line in text.splitlines() if line.startswith("# ")]
+
+
 def _comments(simulator: str) -> list[str]:
-    """Return the comments of a YAML file: where its values come from."""
     if not simulator.endswith((".yaml", ".yml")):
         return []
-    lines = Path(simulator).read_text(encoding="utf-8").splitlines()
-    return [line.removeprefix("# ") for line in lines if line.startswith("# ")]
+    return comments_of(Path(simulator).read_text(encoding="utf-8"))

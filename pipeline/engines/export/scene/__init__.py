@@ -1,0 +1,1 @@
+"""Scenes of MuJoCo amended: the file with a list of effects in its attributes, and verified."""

@@ -1,0 +1,139 @@
+"""Attributes of a scene that give its ball a flight: the inverse of what a scene says."""
+
+import math
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from models.ball.state import AIR_DENSITY, DRAG_FACTOR, MAGNUS_FACTOR
+from models.engines.mujoco.air import is_sphere, shaped_geoms
+from models.engines.mujoco.scene import MujocoScene
+from pipeline.engines.export.scene.target import Target
+from pipeline.runtime.errors import InputError
+
+AIR = {"wind_x", "wind_y", "wind_z", "drag", "lift", "linear", "spin_loss"}
+FALL = {"fall", "tilt_x", "tilt_y"}
+SHELL = 2.0 / 3.0  # moment of inertia over m r^2
+SAME_INERTIA = 0.01  # relative
+DECIMALS = 6  # of fluidcoef, whose added mass MuJoCo integrates to so many
+ROUNDING = 1e-6  # relative, of numbers as they are written
+NO_PASSIVE = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
+NO_GRAVITY = mujoco.mjtDisableBit.mjDSBL_GRAVITY
+
+Attributes = dict[str, str]
+
+
+def option_changes(scene: MujocoScene, target: Target, changed: Sequence[str]) -> Attributes:
+    """Return the attributes of ``<option>`` that have to change, with their values.
+
+    Args:
+        scene: as it is.
+        target: what it is to do.
+        changed: names of the numbers that a list changes. Those of the air come together, because
+            each needs air of some density, in which wind blows.
+
+    Raises:
+        InputError: gravity or the air is switched off by a flag.
+    """
+    wanted: dict[str, float | np.ndarray] = {}
+    if FALL & set(changed):
+        _check_flag(scene, NO_GRAVITY, "gravity")
+        wanted["gravity"] = _gravity(scene, target)
+    if AIR & set(changed):
+        _check_flag(scene, NO_PASSIVE, "all passive forces, that of the air among them,")
+        blows = np.array([target.wind_x, target.wind_y, target.wind_z])
+        wanted["wind"] = scene.frame.axes @ blows
+        wanted["density"] = density(scene, target)
+        wanted["viscosity"] = _viscosity(scene, target)
+    option = scene.model.opt
+    return {
+        name: numbers(value)
+        for name, value in wanted.items()
+        if not np.allclose(getattr(option, name), value, rtol=ROUNDING, atol=ROUNDING)
+    }
+
+
+def ball_changes(scene: MujocoScene, target: Target, changed: Sequence[str]) -> Attributes:
+    """Return the attributes of the ball's geom that have to change for its flight.
+
+    Args:
+        scene: as it is.
+        target: what it is to do.
+        changed: as of ``option_changes``.
+
+    Raises:
+        InputError: the air also acts on other geoms of the ball.
+    """
+    if not AIR & set(changed):
+        return {}
+    model, geom = scene.model, scene.ball.geom
+    shaped = shaped_geoms(model, scene.ball)
+    if set(shaped) - {geom} or not is_sphere(model, geom):
+        problem = "the air acts on several geoms of the ball; give fluidshape to its sphere alone"
+        raise InputError(scene.name, problem)
+    known, wanted = model.geom_fluid[geom, 1:6], _coefficients(scene, target, changed)
+    changes = {} if shaped else {"fluidshape": "ellipsoid"}
+    if not shaped or not np.allclose(known, wanted, rtol=ROUNDING, atol=ROUNDING):
+        changes["fluidcoef"] = numbers(wanted)
+    return changes
+
+
+def is_shell(scene: MujocoScene) -> bool:
+    """Return whether the ball has the moment of inertia of a shell."""
+    ball = scene.ball
+    share = scene.model.body_inertia[ball.body] / (ball.mass * ball.radius**2)
+    return bool(np.allclose(share, SHELL, rtol=SAME_INERTIA))
+
+
+def density(scene: MujocoScene, target: Target) -> float:
+    """Return the density of the air, kg/m^3: that of the scene, where it has one or needs none."""
+    known = float(scene.model.opt.density)
+    return known if known > 0.0 or not (target.drag or target.lift) else AIR_DENSITY
+
+
+def numbers(values: float | np.ndarray) -> str:
+    """Return numbers as an attribute, with seven digits."""
+    return " ".join(f"{value + 0.0:.7g}" for value in np.atleast_1d(np.round(values, 12)))
+
+
+def _gravity(scene: MujocoScene, target: Target) -> np.ndarray:
+    """Return the (3,) attribute; the compensation of the ball's body remains."""
+    x, y = target.tilt_x, target.tilt_y
+    pull = target.fall * np.array([x, y, -math.sqrt(1.0 - x**2 - y**2)])
+    share = 1.0 - float(scene.model.body_gravcomp[scene.ball.body])
+    if share == 0.0:
+        problem = "gravcomp of the ball is 1, so it has no gravity; take it away"
+        raise InputError(scene.name, problem)
+    return scene.frame.axes @ pull / share
+
+
+def _viscosity(scene: MujocoScene, target: Target) -> float:
+    """Return the attribute that gives the linear drag, with the damping of the joint."""
+    ball = scene.ball
+    missing = target.linear * ball.mass - float(scene.model.dof_damping[ball.velocity])
+    return max(missing, 0.0) / (6.0 * math.pi * ball.radius)
+
+
+def _coefficients(scene: MujocoScene, target: Target, changed: Sequence[str]) -> np.ndarray:
+    """Return the (5,) attribute ``fluidcoef``.
+
+    The third number slows spin, in proportion to spin and not to speed. It remains where a list
+    describes it as before, and else is 0.
+    """
+    ball, air = scene.ball, density(scene, target)
+    known = scene.model.geom_fluid[ball.geom, 1:7]
+    drag, second, brake, fourth, lift, added = known.tolist()
+    volume = 4.0 / 3.0 * math.pi * ball.radius**3
+    if air > 0.0:
+        drag = target.drag * DRAG_FACTOR * ball.mass / (air * math.pi * ball.radius**2)
+        lift = target.lift * MAGNUS_FACTOR * ball.mass / air / volume
+        lift += added / volume if added > 0.0 else 0.5
+    brake = 0.0 if "spin_loss" in changed else brake
+    return np.round([drag, second, brake, fourth, lift], DECIMALS)
+
+
+def _check_flag(scene: MujocoScene, flag: int, what: str) -> None:
+    if scene.model.opt.disableflags & flag == flag:
+        problem = f"a <flag> of the scene switches {what} off; take it away"
+        raise InputError(scene.name, problem)

@@ -1,0 +1,36 @@
+"""What a verdict gives back for a scene of MuJoCo."""
+
+from typing import TYPE_CHECKING
+
+from models.gap.amend.simulator import amended, amended_yaml
+from pipeline.engines.export.code import ball_effects
+from pipeline.engines.export.command import comments_of
+from pipeline.gap.summary import Findings
+from pipeline.runtime.errors import InputError
+
+if TYPE_CHECKING:
+    from pipeline.engines.export.scene.handover import HandedOver
+
+
+def handed_over(findings: Findings, minor: bool) -> "HandedOver":
+    """Return the scene of a verdict amended, and code for it, both verified.
+
+    A scene that cannot be patched is no error: then there is the code, and a sentence says why.
+
+    Args:
+        findings: on a scene of MuJoCo.
+        minor: whether minor structure is amended as well.
+
+    Raises:
+        InputError: the scene cannot be read or flown.
+    """
+    from pipeline.engines.export.scene import handover
+
+    name, before = findings.simulator_name, findings.simulator
+    comments = comments_of(amended_yaml(before, findings.verdict, findings.measured.name, minor))
+    after = amended(before, findings.verdict, minor)
+    code = ball_effects(after, "amended.yaml", comments, "mujoco")
+    try:
+        return handover.handed_over(name, before, after, code, comments)
+    except InputError as problem:
+        return handover.without_scene(name, after, code, problem)

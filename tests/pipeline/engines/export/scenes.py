@@ -1,0 +1,60 @@
+"""Scenes to be patched, and lists of effects for them."""
+
+from models.ball.simulator import Simulator
+from models.engines.mujoco.says import says
+from pipeline.engines.export.scene.patch import patched
+from pipeline.engines.export.scene.source import SceneSource
+
+SCENE = """<?xml version="1.0"?>
+<!-- A table. <option wind="9 9 9"/> and <geom name="ball"/> are not here -- and stay. -->
+<mujoco model='lab'>
+  <option timestep = "0.001"   integrator="RK4" density='1.2'
+          gravity="0 0 -9.81" />  <!-- tuned by hand -->
+  <worldbody>
+    <geom name="table" type="box" size="1.37 .7625 .0125" pos="1 2 .7475" friction="0 0 0"/>
+    <body name="robot" pos="5 5 1"><geom size=".1"/></body>
+    <body name="ball" pos="0 0 1.5">
+      <freejoint/>
+      <geom name='ball' type="sphere" size=".02" mass=".0027" shellinertia="true"
+            fluidshape="ellipsoid" fluidcoef='.15 0 0 0 .55'
+            solref="-1000000 -30" solimp=".98 .98 .001" friction="0 0 0"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+PLAIN = """<mujoco>{head}<worldbody>
+<geom type="box" size=".7625 1.37 .0125" pos="0 0 -.0125" friction="0 0 0"/>
+<body name="ball" pos="0 0 .5"><freejoint/>
+<geom type="sphere" size=".02" {ball}/></body></worldbody>{rest}</mujoco>"""
+
+
+def plain(ball='mass=".0027" shellinertia="true" friction="0 0 0"', head="", rest=""):
+    """A scene with the defaults of MuJoCo."""
+    return PLAIN.format(ball=ball, head=head, rest=rest)
+
+
+def source_of(folder, text):
+    """The scene as a file."""
+    path = folder / "lab.xml"
+    path.write_bytes(text.encode())
+    return SceneSource.read(str(path))
+
+
+def does(source):
+    """The list that a scene's attributes stand for."""
+    return Simulator.from_dict(says(source.scene()).effects)
+
+
+def amended(source, changes):
+    """The same list with changes, such as ``{"drag": {"cd": 0.5}}``."""
+    after = does(source)
+    for effect, values in changes.items():
+        after = after.amended(effect, **values)
+    return after
+
+
+def patch_of(folder, text, changes, comments=()):
+    """A scene patched with changes of what it says, and the list of both."""
+    source = source_of(folder, text)
+    after = amended(source, changes)
+    return patched(source, does(source), after, comments), after

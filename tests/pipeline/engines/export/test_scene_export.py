@@ -1,0 +1,159 @@
+"""Scenes are handed over with what the verification shows; all files are written, or none."""
+
+import pytest
+from typer.testing import CliRunner
+
+from models.engines.mujoco.scene import MujocoScene
+from pipeline.cli import app
+from pipeline.engines.export.code import ball_effects
+from pipeline.engines.export.command import export_scene
+from pipeline.engines.export.scene.coded_ball import CodedBall
+from pipeline.engines.export.scene.handover import handed_over, without_scene
+from pipeline.engines.export.scene.shots import VerificationShots
+from pipeline.engines.export.scene.unsaid import unsaid
+from pipeline.engines.export.scene.verification import agreement, scene_sentences
+from pipeline.engines.export.scene_file import check_place, former_scene
+from pipeline.engines.mujoco_file import load_scene
+from pipeline.runtime.errors import InputError
+from tests.pipeline.engines.export.scenes import SCENE, amended, does, patch_of, source_of
+
+LIST = """gravity: {g: 9.81}
+# drag.cd: 0.3 before; estimated 0.47 from lab (95 % 0.46 to 0.48); verdict named
+drag: {cd: 0.47}
+magnus: {cm: 0.05}
+table_bounce: {restitution: 0.93, friction: 0.0}
+"""
+
+
+def test_the_command_writes_a_verified_scene_and_code(tmp_path):
+    source = source_of(tmp_path, SCENE)
+    (tmp_path / "amended.yaml").write_text(LIST)
+    out = tmp_path / "out"
+    words = ["export", str(tmp_path / "amended.yaml"), "--to", "mujoco"]
+    words += ["--scene", str(source.path), "--out", str(out)]
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 0, result.output
+    assert sorted(one.name for one in out.iterdir()) == ["ball_effects.py", "scene.xml"]
+    scene, text = load_scene(out / "scene.xml"), (out / "scene.xml").read_text()
+    assert does_drag(scene) == pytest.approx(0.47)
+    assert "estimated 0.47 from lab (95 % 0.46 to 0.48)" in text
+    said = result.output.splitlines()
+    assert said[0] == "Changed attributes of lab.xml: fluidcoef, solref."
+    assert all(f"rallygap: {one}" in text for one in said[:4])
+    assert "scene.xml, RK4 at 1 ms: 200 shots agree with the list within 0.0" in result.output
+    assert "ball_effects.py: 40 shots agree with the list within 0.001 mm" in result.output
+    assert former_scene(out) == ["scene.xml"]
+
+
+def does_drag(scene: MujocoScene):
+    from models.engines.mujoco.says import says
+
+    return says(scene).effects["drag"]["cd"]
+
+
+@pytest.mark.parametrize(
+    ("engine", "scene", "problem"),
+    [
+        ("python", "lab.xml", "is for --to mujoco, not python"),
+        ("mujoco", "lab.yaml", "lab.yaml is no scene of MuJoCo; give scene.xml"),
+        ("mujoco", "none.xml", "there is no such file"),
+    ],
+)
+def test_other_engines_and_files_are_refused(tmp_path, monkeypatch, engine, scene, problem):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=problem):
+        export_scene("literature", engine, scene, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_scene_of_the_user_is_never_replaced(tmp_path):
+    path = tmp_path / "scene.xml"
+    path.write_text(SCENE)
+    assert former_scene(tmp_path) == []
+    for scene in (str(path), str(tmp_path / "other.xml")):
+        with pytest.raises(InputError, match=r"has a scene\.xml of yours"):
+            check_place(scene, tmp_path)
+    path.write_text("<!-- rallygap: amended -->" + SCENE)
+    check_place(str(tmp_path / "other.xml"), tmp_path)
+    with pytest.raises(InputError, match="of yours"):
+        check_place(f"{path}#ball", tmp_path)
+
+
+def test_euler_does_not_meet_the_limit_and_the_step_that_does_is_given(tmp_path):
+    text = SCENE.replace('integrator="RK4"', "").replace('"0.001"', '"0.004"')
+    found, after = patch_of(tmp_path, text, {"drag": {"cd": 0.47}})
+    shots = VerificationShots.of(after).some()
+    said = list(scene_sentences(found.scene, after, shots, "scene.xml"))
+    assert said[0].startswith("scene.xml, Euler at 4 ms: 40 shots agree") and " over " in said[0]
+    assert said[-2].startswith("With RK4 at 4 ms, scene.xml flies within 0.0")
+    assert "a contact lasts" in said[-1]
+
+
+def test_what_no_attribute_says_is_said_with_its_cost(tmp_path):
+    changes = {
+        "spin_decay": {"c": 0.02},
+        "lift_saturation": {"kappa": 1.0},
+        "table_height": {"h": 0.002},
+        "linear_drag": {"k1": 0.05},
+        "time_offset": {"tau": 0.01},
+    }
+    found, after = patch_of(tmp_path, SCENE, changes)
+    shots = VerificationShots.of(after)
+    said = list(unsaid(found.scene, does(source_of(tmp_path, SCENE)), after, shots))
+    begins = ("spin_decay.c 0.02 1/m", "lift_saturation.kappa 1", "table_height.h 0.002 m (move")
+    assert len(said) == 4
+    for sentence in said[:3]:
+        start = next(one for one in begins if f"says {one}" in sentence)
+        assert "without it the ball is up to" in sentence, start
+    assert said[3].startswith("Viscosity, which says linear_drag.k1, also slows spin, by 0.1 of")
+
+
+def test_a_ball_whose_inertia_is_written_stays_solid_and_that_is_said(tmp_path):
+    inertia = '<inertial pos="0 0 0" mass=".0027" diaginertia="4.3e-7 4.3e-7 4.3e-7"/>'
+    text = SCENE.replace('shellinertia="true"', "").replace(
+        "<freejoint/>", f"<freejoint/>{inertia}"
+    )
+    found, after = patch_of(tmp_path, text, {})
+    said = list(unsaid(found.scene, after, after, VerificationShots.of(after)))
+    assert said[0].startswith("The ball is no shell")
+
+
+def test_code_agrees_in_a_turned_scene_with_euler(tmp_path):
+    source = source_of(tmp_path, SCENE.replace('integrator="RK4"', "").replace(".001", ".002"))
+    after = amended(source, {"spin_decay": {"c": 0.02}, "table_bounce": {"friction": 0.3}})
+    ball = CodedBall("ball", ball_effects(after, "list", [], "mujoco"), source.scene())
+    shots = VerificationShots.of(after)
+    some = VerificationShots(shots.flights[::25], shots.bounces[::25])
+    found = agreement(ball, after, some, 0.002, True)
+    assert found.flight.largest < 0.01 and found.bounce.largest < 0.01
+
+
+def test_a_scene_that_cannot_be_patched_leaves_verified_code(tmp_path):
+    (tmp_path / "ball.xml").write_text(
+        '<mujoco><worldbody><body name="ball"><freejoint/><geom type="sphere" size=".02" '
+        'mass=".0027" shellinertia="true"/></body></worldbody></mujoco>'
+    )
+    source = source_of(tmp_path, '<mujoco><include file="ball.xml"/></mujoco>')
+    before = does(source)
+    after = before.amended("drag", cd=0.47)
+    code = ball_effects(after, "list", [], "mujoco")
+    with pytest.raises(InputError) as problem:
+        handed_over(str(source.path), before, after, code, [])
+    found = without_scene(str(source.path), after, code, problem.value)
+    assert found.scene is None
+    assert found.sentences[0].startswith("There is no amended scene.xml: ")
+    assert found.sentences[1].startswith("ball_effects.py: 40 shots agree")
+
+
+def test_a_scene_with_paths_says_where_it_belongs(tmp_path):
+    (tmp_path / "rest.xml").write_text('<mujoco><option density="1.2"/></mujoco>')
+    text = SCENE.replace("<worldbody>", '<include file="rest.xml"/><worldbody>')
+    source = source_of(tmp_path, text)
+    after = amended(source, {"gravity": {"g": 9.8}})
+    found = handed_over(
+        str(source.path), does(source), after, ball_effects(after, "list", [], "mujoco"), []
+    )
+    assert "scene.xml belongs into the folder of lab.xml: its paths are relative to it." in (
+        found.sentences
+    )
+    assert "All bodies" not in " ".join(found.sentences)

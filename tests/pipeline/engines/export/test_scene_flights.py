@@ -1,0 +1,112 @@
+"""Patched scenes fly and bounce as the list of effects."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.ball.simulator import Simulator
+from models.engines.engine import EffectsEngine
+from pipeline.engines.audited import audited
+from pipeline.engines.export.scene.patch import patched
+from pipeline.engines.export.scene.shots import (
+    AFTER,
+    BEFORE,
+    FLIGHT,
+    VerificationShots,
+    distances,
+)
+from tests.pipeline.engines.export.scenes import SCENE, does, patch_of, plain, source_of
+
+# Contacts that are short: a bounce of 3 m/s comes late by 2.8 mm per millisecond of contact.
+STIFF = SCENE.replace('solref="-1000000 -30"', 'solref="-16000000 -120"').replace(
+    'timestep = "0.001"', 'timestep = "0.0001"'
+)
+STIFFEST = STIFF.replace("-16000000 -120", "-36000000 -180").replace('"0.0001"', '"0.00002"')
+SMOOTH = '<option integrator="RK4" timestep=".001"/>'
+
+
+def flight_error(scene, simulator):
+    """Largest distance in mm after 0.6 s, over 40 shots."""
+    shots = VerificationShots.of(simulator).some()
+    return distances(scene, EffectsEngine("list", simulator), shots.flights, FLIGHT).largest
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"drag": {"cd": 0.55}},
+        {"magnus": {"cm": -0.2}},
+        {"wind": {"x": 0.5, "y": -1.0, "z": 0.3}},
+        {"gravity": {"g": 9.7}, "frame_tilt": {"x": 0.03, "y": -0.02}},
+        {"buoyancy": {"b": 1.0}, "added_mass": {"c": 1.0}},
+        {"wind": {"x": 1.0}, "drag": {"cd": 0.4}, "magnus": {"cm": 0.3}, "frame_tilt": {"y": 0.1}},
+    ],
+)
+@pytest.mark.parametrize("text", [SCENE, plain(head=SMOOTH)], ids=["turned", "plain"])
+def test_flights_are_those_of_the_list(tmp_path, text, changes):
+    found, after = patch_of(tmp_path, text, changes)
+    assert flight_error(found.scene, after) < 0.02
+
+
+def test_linear_drag_is_exact_without_spin(tmp_path):
+    changes = {"linear_drag": {"k1": 0.1}, "magnus": {"cm": 0.0}}
+    found, after = patch_of(tmp_path, SCENE, changes)
+    assert flight_error(found.scene, after) < 0.02
+
+
+def test_what_is_not_changed_keeps_what_the_time_step_makes_of_it(tmp_path):
+    """A list that an audit finds may have errors of integration; they stay out of attributes."""
+    source = source_of(tmp_path, plain(head='<option timestep=".004" density="1.2"/>'))
+    before = does(source).amended("gravity", g=9.85)
+    found = patched(source, before, before.amended("drag", cd=0.47), [])
+    assert "gravity" not in found.changes
+
+
+@pytest.mark.parametrize("restitution", [0.8, 0.93])
+def test_bounces_are_those_of_the_list(tmp_path, restitution):
+    found, after = patch_of(tmp_path, STIFFEST, {"table_bounce": {"restitution": restitution}})
+    shots, known = VerificationShots.of(after).some(), EffectsEngine("list", after)
+    bounces = distances(found.scene, known, shots.bounces, BEFORE + AFTER)
+    assert found.changes == ("solref",)
+    assert len(shots.bounces) > 30
+    assert bounces.most < 3.0 and bounces.largest < 4.0  # restitutions scatter by .002
+
+
+@pytest.mark.parametrize(("step", "tolerance"), [(5e-4, 0.01), (2e-3, 0.02)])
+@pytest.mark.parametrize("solimp", ["", 'solimp=".5 .95 .002"'])
+def test_the_restitution_is_solved_for_the_scene(tmp_path, step, tolerance, solimp):
+    """The default contact becomes stiffer; at 2 ms, its impedance and the steps matter."""
+    ball = f'mass=".0027" shellinertia="true" friction="0 0 0" {solimp}'
+    text = plain(ball, f'<option timestep="{step}" integrator="RK4"/>')
+    found, _ = patch_of(tmp_path, text, {"table_bounce": {"restitution": 0.9}})
+    speeds = np.linspace(1.5, 4.5, 60)
+    launches = np.zeros((60, 9))
+    launches[:, 1], launches[:, 2], launches[:, 5] = 0.7, 0.021, -speeds
+    left = found.scene.fly(launches, np.array([0.05]))[:, 0, 5] + 9.81 * 0.05
+    assert (left / speeds).mean() == pytest.approx(0.9, abs=tolerance)
+
+
+EFFECTS = st.fixed_dictionaries(
+    {
+        "gravity": st.fixed_dictionaries({"g": st.floats(9.7, 9.9)}),
+        "drag": st.fixed_dictionaries({"cd": st.floats(0.3, 0.7)}),
+        "magnus": st.fixed_dictionaries({"cm": st.floats(0.05, 0.4)}),
+        "wind": st.fixed_dictionaries({"x": st.floats(0.2, 1.0), "y": st.floats(-1.0, -0.2)}),
+        "frame_tilt": st.fixed_dictionaries({"x": st.floats(0.01, 0.05)}),
+        "table_bounce": st.fixed_dictionaries(
+            {"restitution": st.floats(0.8, 0.95), "friction": st.just(0.0)}
+        ),
+    }
+)
+
+
+@settings(max_examples=3, deadline=None)
+@given(EFFECTS)
+def test_an_audit_of_the_patched_scene_finds_the_list_again(tmp_path_factory, effects):
+    source = source_of(tmp_path_factory.mktemp("scene"), STIFF)
+    after = Simulator.from_dict(effects)
+    found = audited(patched(source, does(source), after, []).scene).simulator
+    for effect, values in effects.items():
+        for name, value in values.items():
+            assert found.effects[effect][name] == pytest.approx(value, rel=0.01, abs=1e-3)
