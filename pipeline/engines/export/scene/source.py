@@ -57,7 +57,7 @@ class SceneSource:
     @cached_property
     def _scene(self) -> MujocoScene:
         # MuJoCo looks for files of a scene that is given as text in the working directory.
-        with contextlib.chdir(self.path.resolve().parent), collected_warnings():
+        with contextlib.chdir(self.path.absolute().parent), collected_warnings():
             try:
                 model = mujoco.MjModel.from_xml_string(self.text)
                 return MujocoScene.of(self.path.stem, model, self.ball)

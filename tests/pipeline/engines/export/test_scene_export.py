@@ -157,3 +157,20 @@ def test_a_scene_with_paths_says_where_it_belongs(tmp_path):
         found.sentences
     )
     assert "All bodies" not in " ".join(found.sentences)
+
+
+def test_without_a_table_flights_alone_are_compared(tmp_path):
+    found, after = patch_of(
+        tmp_path,
+        '<mujoco><option integrator="RK4"/><worldbody><body><freejoint/>'
+        '<geom type="sphere" size=".02" mass=".0027"/></body></worldbody></mujoco>',
+        {"drag": {"cd": 0.47}},
+    )
+    shots = VerificationShots.of(after)
+    assert found.changes == ("density", "fluidshape", "fluidcoef")
+    assert len(shots.bounces) == 0
+    (said,) = scene_sentences(found.scene, after, shots.some(), "scene.xml")
+    assert said.startswith("scene.xml, RK4 at 2 ms: 40 shots agree with the list within 0.0")
+    bouncing = after.amended("table_bounce", restitution=0.9, friction=0.2)
+    *_, last = scene_sentences(found.scene, bouncing, shots.some(), "scene.xml")
+    assert last == "scene.xml has no contact of ball and table, so bounces are not compared."
