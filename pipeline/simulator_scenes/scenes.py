@@ -110,7 +110,6 @@ MUJOCO: tuple[_Row, ...] = (
     ("wind", "a draught of .5 m/s the other way", ("wind.x",), {"wind": "-0.4 -0.15 0"}),
     ("tilt", "gravity a degree off", ("frame_tilt.x",), {"gravity": "0.171 0 -9.8085"}),
     ("restitution", "restitution .80", _RESTITUTION, {"solref": "-1000000 -141"}),
-    ("soft", "the default contact, restitution .135", _RESTITUTION, {"solref": "0.02 1"}),
     ("friction", "friction .05", _FRICTION, {"friction": "0.05"}),
     ("solid", "a solid sphere", _FRICTION, {"shell": ""}),
     ("viscosity", "drag in proportion to speed", ("linear_drag.k1",), {"viscosity": "0.0022"}),
