@@ -6,6 +6,7 @@ ball, fly other shots in their own engine. They start from their true launches, 
 simulator errs by nothing.
 """
 
+import shutil
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -23,9 +24,10 @@ from models.gap.amend.simulator import amended
 from models.gap.diagnose import diagnose
 from pipeline.engines.audit_text import audit_content
 from pipeline.engines.audited import audited
-from pipeline.io.artifacts import write_json
+from pipeline.io.artifacts import read_json, write_json
 from pipeline.runtime.parallel import parallel
 from pipeline.runtime.paths import repository_root
+from pipeline.runtime.provenance import combined_hash, short
 from pipeline.simulator_scenes.amended_flights import amended_flights
 from pipeline.simulator_scenes.published import PUBLISHED
 from pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
@@ -33,20 +35,31 @@ from pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
 SHOTS, TESTED = 100, 40  # to diagnose on, and to fly
 TIMES: Floats = np.array([0.1, 0.2, 0.3, 0.4])  # s
 MM = 1e3
+SCRATCH = Path("scratch") / "simulator_scenes"
+DEPENDENCIES = ("models", "pipeline/engines", "pipeline/simulator_scenes")  # of results
 NO_TABLE = "no_table"  # a trap, but not of a scene that leaves it out
 REPORTS = Path("reports") / "simulators"
 SCENES, PUBLISHED_MODELS = "scenes.json", "published.json"
 
 
 def simulator_scenes(root: Path) -> dict[str, dict[str, Any]]:
-    """Write what becomes of every scene; return it by engine and scene."""
-    found = list(scenes())
-    rows = list(parallel([partial(scene_result, one) for one in found], "scenes"))
+    """Write what becomes of every scene; return it by engine and scene. A killed run resumes."""
+    scratch = root / SCRATCH / short(combined_hash(root, DEPENDENCIES))
+    found = {scratch / f"{one.engine}-{one.name}.json": one for one in scenes()}
+    left = {path: one for path, one in found.items() if not path.exists()}
+    pending = [partial(_write_result, one, path) for path, one in left.items()]
+    for _ in parallel(pending, "scenes", done=len(found) - len(pending)):
+        pass
     content: dict[str, dict[str, Any]] = {}
-    for one, row in zip(found, rows, strict=True):
-        content.setdefault(one.engine, {})[one.name] = row
+    for path, one in found.items():
+        content.setdefault(one.engine, {})[one.name] = read_json(path)
     write_json(root / REPORTS / SCENES, content)
+    shutil.rmtree(root / SCRATCH)
     return content
+
+
+def _write_result(scene: HiddenScene, path: Path) -> None:
+    write_json(path, scene_result(scene))
 
 
 def published_models(root: Path) -> None:

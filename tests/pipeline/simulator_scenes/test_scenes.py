@@ -47,7 +47,10 @@ def test_what_becomes_of_a_scene_is_written(tmp_path, monkeypatch):
     monkeypatch.setattr(experiment, "scenes", lambda: iter([SCENES["mujoco.vacuum"]]))
     monkeypatch.setattr(experiment, "SHOTS", 40)
     monkeypatch.setattr(experiment, "TESTED", 6)
+    for name in experiment.DEPENDENCIES:
+        (tmp_path / name).mkdir(parents=True)
     found = experiment.simulator_scenes(tmp_path)["mujoco"]["vacuum"]
+    assert not (tmp_path / experiment.SCRATCH).exists()
     assert (
         json.loads((tmp_path / experiment.REPORTS / experiment.SCENES).read_text())["mujoco"][
             "vacuum"
