@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import pandas as pd
 
 from models.ball.simulator import Simulator
-from pipeline.evaluation.predictors import NamedPredictor, read_learned
+from pipeline.evaluation.predictors import read_learned
 from pipeline.io.amended_simulators import amended_by
 from pipeline.io.artifacts import read_as, read_table, write_table
 from pipeline.params import Sim2RealSettings
@@ -19,11 +19,11 @@ from pipeline.policies.training import (
 )
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.stage_run import StageRun, run_stage
-from pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
+from pipeline.transfer.replay_sets import read_replay_sets
 from pipeline.transfer.replay_trials import (
     EveryStep,
     Policies,
-    informed_predictors,
+    informed_forecasters,
     load_players,
     replay_trials,
     source_of,
@@ -107,26 +107,13 @@ def _replay(
             trial
             for one in own
             for trial in replay_trials(
-                one,
-                [
-                    EveryStep(*named)
-                    for named in informed_predictors(one, learned, simulator).items()
-                ],
-                retrained,
-                run.seed,
+                one, informed_forecasters(one, learned, simulator), retrained, run.seed
             )
         ]
         before = known[known["set"].isin([one.name for one in own])]
         after = joined(run_trials(trials)).assign(policy=RETRAINED)
         replayed[source] = pd.concat([before, after], ignore_index=True)
     return replayed
-
-
-def _forecasters(
-    shots: ReplaySet, learned: Sequence[NamedPredictor], simulator: Simulator
-) -> list[EveryStep]:
-    informed = informed_predictors(shots, learned, simulator)
-    return [EveryStep(*named) for named in informed.items()]
 
 
 if __name__ == "__main__":

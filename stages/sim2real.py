@@ -15,7 +15,7 @@ from pipeline.transfer.replay_trials import (
     Forecaster,
     Policies,
     ReplayTrial,
-    informed_predictors,
+    informed_forecasters,
     load_players,
     replay_trials,
     source_of,
@@ -64,7 +64,7 @@ def _trials(
     forecasters: list[Forecaster] = [
         FirstWindow(PHYSICS, physics),
         EveryStep(PHYSICS, PhysicsPredictor(physics)),
-        *(EveryStep(*named) for named in informed_predictors(one, learned, amended).items()),
+        *informed_forecasters(one, learned, amended),
     ]
     recorded = [PHYSICS, *(predictor.name for predictor in learned)]
     return replay_trials(one, forecasters, policies, run.seed, recorded)

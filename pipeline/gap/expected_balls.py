@@ -5,7 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-from pydantic import BaseModel, FiniteFloat, PositiveFloat, ValidationError
+from pydantic import BaseModel, FiniteFloat, PositiveFloat
 
 from models.ball.simulator import Simulator
 from models.ball.state import SPIN
@@ -15,8 +15,7 @@ from models.gap.fit.shots import Shots
 from models.gap.locate.covariates import course_frames
 from models.gap.settings import DEFAULTS
 from models.predictors.ball_filter import Expected
-from pipeline.io.artifacts import read_json
-from pipeline.runtime.errors import InputError
+from pipeline.io.artifacts import read_valid
 
 LEAST_SPREAD = 5.0  # rad/s
 
@@ -53,13 +52,8 @@ def read_expected(path: Path) -> Expected:
     Raises:
         InputError: it is missing, or something in it cannot be.
     """
-    try:
-        return Expected(**_Content.model_validate(read_json(path)).model_dump())
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        problem = f"{first['msg']}; give the balls.json of a verdict"
-        raise InputError(path, problem, field=place) from None
+    content = read_valid(path, _Content, "give the balls.json of a verdict")
+    return Expected(**content.model_dump())
 
 
 def _rounded(value: float | tuple[float, ...]) -> float | list[float]:

@@ -109,13 +109,21 @@ def read_as(path: Path, schema: type[Content], stage: str) -> Content:
     Raises:
         InputError: the file is missing, or breaks the schema; naming the field and the stage.
     """
+    return read_valid(path, schema, f"run `dvc repro -f {stage}` to write it again")
+
+
+def read_valid(path: Path, schema: type[Content], advice: str) -> Content:
+    """Read a JSON file as a pydantic model or a list of them.
+
+    Raises:
+        InputError: the file is missing, or breaks the schema; naming the field, with advice.
+    """
     try:
         return TypeAdapter(schema).validate_python(read_json(path))
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"])
-        problem = f"{first['msg']}; run `dvc repro -f {stage}` to write it again"
-        raise InputError(path, problem, field=place) from None
+        raise InputError(path, f"{first['msg']}; {advice}", field=place) from None
 
 
 def write_table(path: Path, table: pd.DataFrame) -> None:

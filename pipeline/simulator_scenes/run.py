@@ -25,7 +25,7 @@ from models.gap.diagnose import diagnose
 from pipeline.engines.audit_text import audit_content
 from pipeline.engines.audited import audited
 from pipeline.io.artifacts import read_json, write_json
-from pipeline.runtime.parallel import parallel
+from pipeline.runtime.parallel import make_missing
 from pipeline.runtime.paths import repository_root
 from pipeline.runtime.provenance import combined_hash, short
 from pipeline.simulator_scenes.amended_flights import amended_flights
@@ -46,10 +46,8 @@ def simulator_scenes(root: Path) -> dict[str, dict[str, Any]]:
     """Write what becomes of every scene; return it by engine and scene. A killed run resumes."""
     scratch = root / SCRATCH / short(combined_hash(root, DEPENDENCIES))
     found = {scratch / f"{one.engine}-{one.name}.json": one for one in scenes()}
-    left = {path: one for path, one in found.items() if not path.exists()}
-    pending = [partial(_write_result, one, path) for path, one in left.items()]
-    for _ in parallel(pending, "scenes", done=len(found) - len(pending)):
-        pass
+    tasks = {path: partial(_write_result, one, path) for path, one in found.items()}
+    make_missing(tasks, "scenes")
     content: dict[str, dict[str, Any]] = {}
     for path, one in found.items():
         content.setdefault(one.engine, {})[one.name] = read_json(path)

@@ -208,6 +208,14 @@ def informed_predictors(
     return found
 
 
+def informed_forecasters(
+    shots: ReplaySet, learned: Iterable[NamedPredictor], amended: Simulator | None
+) -> list[EveryStep]:
+    """Return these predictors as forecasters at every control step."""
+    informed = informed_predictors(shots, learned, amended)
+    return [EveryStep(*named) for named in informed.items()]
+
+
 def source_of(shots: ReplaySet) -> str:
     """Return the source of a set: the arena has several sets."""
     return ARENA if shots.name in ARENA_SETS else shots.name
