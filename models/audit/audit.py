@@ -72,7 +72,7 @@ class Audit:
         unexplained: what they do not explain, by phase.
         bounces: contact by contact; None where the engine has no table.
         spin_limit: rad/s, at which the engine cuts spins; infinite where it does not.
-        probes: how many were flown, by phase; fewer where the engine is slow.
+        flown: what the engine makes of the probes, by phase; fewer probes where it is slow.
     """
 
     simulator: Simulator
@@ -80,7 +80,12 @@ class Audit:
     unexplained: dict[Phase, Unexplained]
     bounces: Bounces | None
     spin_limit: float
-    probes: dict[Phase, int]
+    flown: dict[Phase, Flown]
+
+    @property
+    def probes(self) -> dict[Phase, int]:
+        """How many were flown, by phase."""
+        return {phase: len(one.probes) for phase, one in self.flown.items()}
 
 
 def audit(engine: Engine, progress: Callable[[float], None] = lambda share: None) -> Audit:
@@ -94,17 +99,17 @@ def audit(engine: Engine, progress: Callable[[float], None] = lambda share: None
         EngineError: the engine cannot fly the probes.
     """
     flight = _flown(engine, flight_probes(), lambda share: progress(0.5 * share))
-    limit, counts = _spin_limit(flight), {flight.probes.phase: len(flight.probes)}
+    limit = _spin_limit(flight)
     simulator, effects = _found(flight, BASE)
     unexplained: dict[Phase, Unexplained] = {"flight": _unexplained(flight, simulator)}
     table = _flown(engine, bounce_probes(), lambda share: progress(0.5 + 0.5 * share))
-    counts[table.probes.phase] = len(table.probes)
+    flown: dict[Phase, Flown] = {"flight": flight, "table": table}
     bounces = Bounces.of(table, simulator)
     if bounces.bounced.mean() < FEWEST_BOUNCES:
-        return Audit(simulator.without_surfaces(), effects, unexplained, None, limit, counts)
+        return Audit(simulator.without_surfaces(), effects, unexplained, None, limit, flown)
     simulator, more = _found(table, simulator)
     unexplained["table"] = _unexplained(table, simulator)
-    return Audit(simulator, (*effects, *more), unexplained, bounces, limit, counts)
+    return Audit(simulator, (*effects, *more), unexplained, bounces, limit, flown)
 
 
 def _flown(engine: Engine, probes: Probes, progress: Callable[[float], None]) -> Flown:

@@ -48,19 +48,19 @@ def audit_folder(name: str, out: Path, against: str | None = None) -> list[str]:
         with bar.phase("flying probes"):
             found = audited(engine, bar.reached)
         with bar.phase("comparing"):
-            scene = _scene(engine) if names_scene(name) else None
-            comparison = Comparison.of(engine, other) if other else None
+            scene = _scene(engine, found) if names_scene(name) else None
+            comparison = Comparison.of(found, other) if other else None
             findings = AuditFindings(name, found, traps(found), scene, comparison)
         with bar.phase("writing"):
             _write(findings, out)
     return findings.lines
 
 
-def _scene(engine: Engine) -> SceneAudit:
+def _scene(engine: Engine, found: Audit) -> SceneAudit:
     from models.engines.mujoco.scene import MujocoScene
 
     assert isinstance(engine, MujocoScene)  # by its name
-    return SceneAudit.of(engine)
+    return SceneAudit.of(engine, found)
 
 
 def _write(findings: AuditFindings, out: Path) -> None:

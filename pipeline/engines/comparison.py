@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from models.audit.audit import Audit
-from models.audit.probes import Probes, bounce_probes, flight_probes
+from models.audit.selection import Flown
 from models.ball.state import POSITION
 from models.engines.engine import Engine
 from models.gap.hypotheses import Hypothesis
@@ -18,32 +18,45 @@ SAME = 1e-3  # relative difference of values that are alike
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Apart:
+    """How far the balls of two engines are apart, medians over the probes.
+
+    Attributes:
+        flight_mm: after 0.4 s of flight.
+        bounce_mm: 0.15 s after a bounce begins.
+    """
+
+    flight_mm: float
+    bounce_mm: float
+
+    @property
+    def distances(self) -> dict[str, float]:
+        """Both, with four significant digits."""
+        shown = {"flight_mm": self.flight_mm, "bounce_mm": self.bounce_mm}
+        return {name: float(number(value)) for name, value in shown.items()}
+
+
+@dataclass(frozen=True)
+class Comparison(Apart):
     """An engine compared with another one.
 
     Attributes:
         name: of the other.
         audit: of the other.
-        flight_mm: distance after 0.4 s of flight, median over the probes.
-        bounce_mm: distance 0.15 s after a bounce begins, median over the probes.
     """
 
     name: str
     audit: Audit
-    flight_mm: float
-    bounce_mm: float
 
     @classmethod
-    def of(cls, engine: Engine, other: Engine) -> "Comparison":
-        """Audit the other engine, and fly the probes in both.
+    def of(cls, audit: Audit, other: Engine) -> "Comparison":
+        """Audit the other engine, and fly the probes of an audit in it.
 
         Raises:
             InputError: the other engine fails.
         """
-        flight, bounce = (
-            distance(engine, other, one) for one in (flight_probes(), bounce_probes())
-        )
-        return cls(other.name, audited(other), flight, bounce)
+        found = audited(other)
+        return cls(*distances(audit, other), other.name, found)
 
     def sentences(self, audit: Audit) -> list[str]:
         """Return what differs from the audit of the first engine."""
@@ -76,15 +89,21 @@ class Comparison:
             "effects": {
                 one.hypothesis.identity: float(number(one.value)) for one in self.audit.effects
             },
-            "flight_mm": float(number(self.flight_mm)),
-            "bounce_mm": float(number(self.bounce_mm)),
+            **self.distances,
         }
 
 
-def distance(engine: Engine, other: Engine, probes: Probes) -> float:
-    """Return the distance of two engines' balls at the last time, mm, median over probes."""
-    flown, others = (one.fly(probes.states, probes.times) for one in (engine, other))
-    away = np.linalg.norm((flown - others)[:, -1, POSITION], axis=-1)
+def distances(audit: Audit, other: Engine) -> tuple[float, float]:
+    """Return how far balls of another engine are from those of an audit, in the order of ``Apart``.
+
+    Only the other one flies: the audit has the flights of its engine.
+    """
+    return _distance(audit.flown["flight"], other), _distance(audit.flown["table"], other)
+
+
+def _distance(flown: Flown, other: Engine) -> float:
+    others = other.fly(flown.probes.states, flown.probes.times)
+    away = np.linalg.norm((flown.states - others)[:, -1, POSITION], axis=-1)
     return float(MM * np.median(away))
 
 

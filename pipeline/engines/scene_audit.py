@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from models.audit.audit import Audit
-from models.audit.probes import bounce_probes, flight_probes
 from models.gap.hypotheses import Hypothesis
-from pipeline.engines.comparison import distance
+from pipeline.engines.comparison import Apart, distances
 from pipeline.io.numbers import number, with_unit
 
 if TYPE_CHECKING:
@@ -18,18 +17,14 @@ EXACT = "RK4"
 
 
 @dataclass(frozen=True)
-class Variant:
+class Variant(Apart):
     """A scene with another integrator or time step, compared with the scene as it is.
 
     Attributes:
         name: what is changed.
-        flight_mm: distance after 0.4 s of flight, median over the probes.
-        bounce_mm: distance 0.15 s after a bounce begins, median over the probes.
     """
 
     name: str
-    flight_mm: float
-    bounce_mm: float
 
 
 @dataclass(frozen=True)
@@ -47,13 +42,13 @@ class SceneAudit:
     variants: tuple[Variant, ...]
 
     @classmethod
-    def of(cls, scene: "MujocoScene") -> "SceneAudit":
-        """Read and fly a scene."""
+    def of(cls, scene: "MujocoScene", audit: Audit) -> "SceneAudit":
+        """Read a scene that was audited, and fly its variants."""
         from models.engines.mujoco.says import says
 
         said = says(scene)
         notes = tuple(f"{one.sentence[0].upper()}{one.sentence[1:]}." for one in said.notes)
-        return cls(said.effects, notes, tuple(_variants(scene)))
+        return cls(said.effects, notes, tuple(_variants(scene, audit)))
 
     def says_and_does(self, audit: Audit) -> dict[str, list[str]]:
         """Return the columns of the table of what the scene says and does."""
@@ -88,24 +83,13 @@ class SceneAudit:
         return {
             "says": self.effects,
             "notes": list(self.notes),
-            "variants": [
-                {
-                    "name": one.name,
-                    "flight_mm": float(number(one.flight_mm)),
-                    "bounce_mm": float(number(one.bounce_mm)),
-                }
-                for one in self.variants
-            ],
+            "variants": [{"name": one.name, **one.distances} for one in self.variants],
         }
 
 
-def _variants(scene: "MujocoScene") -> Iterator[Variant]:
+def _variants(scene: "MujocoScene", audit: Audit) -> Iterator[Variant]:
     step = float(scene.model.opt.timestep)
     for shorter in (step / 2, step / 4):
-        yield _compared(scene, scene.with_step(shorter), f"time step {1e3 * shorter:g} ms")
-    yield _compared(scene, scene.with_integrator(EXACT), f"integrator {EXACT}")
-
-
-def _compared(scene: "MujocoScene", other: "MujocoScene", name: str) -> Variant:
-    flight, bounce = (distance(scene, other, one) for one in (flight_probes(), bounce_probes()))
-    return Variant(name, flight, bounce)
+        changed = scene.with_step(shorter)
+        yield Variant(*distances(audit, changed), f"time step {1e3 * shorter:g} ms")
+    yield Variant(*distances(audit, scene.with_integrator(EXACT)), f"integrator {EXACT}")

@@ -29,7 +29,8 @@ NATURAL = TABLE + ball(f"{BALL} {SHELL} {CONTACT} {COEFFICIENTS}")
 
 def test_a_scene_does_what_it_says():
     scene = MujocoScene.of("scene", compiled(WORLD, OPTION))
-    table = SceneAudit.of(scene).says_and_does(audited(scene))
+    audit = audited(scene)
+    table = SceneAudit.of(scene, audit).says_and_does(audit)
     rows = {name: cells for name, *cells in zip(*table.values(), strict=True)}
     assert rows["drag.cd"] == ["0.47", "0.47"]
     assert rows["magnus.cm"] == ["0.12", "0.12"]
@@ -38,7 +39,8 @@ def test_a_scene_does_what_it_says():
 
 
 def test_flights_do_not_change_with_a_shorter_step_and_contacts_may():
-    variants = SceneAudit.of(MujocoScene.of("scene", compiled(WORLD, OPTION))).variants
+    scene = MujocoScene.of("scene", compiled(WORLD, OPTION))
+    variants = SceneAudit.of(scene, audited(scene)).variants
     assert [one.name for one in variants] == [
         "time step 0.25 ms", "time step 0.125 ms", "integrator RK4",
     ]  # fmt: skip
