@@ -28,6 +28,7 @@ LEAN = {
 }
 
 # Which `rallygap known-answers` asks about.
+ANY_SIMULATOR = "a shipped one's name, a YAML file, scene.xml, or file.py:function"
 MEASURED_SETS = ["tt3d", "spindoe", "isr_ball_prediction"]
 
 app = typer.Typer(
@@ -86,9 +87,7 @@ def options(
 @app.command(rich_help_panel=GAP)
 def diagnose(
     data: Annotated[Path, typer.Argument(help="the folder of the recordings")],
-    simulator: Annotated[
-        str, typer.Option(help="a shipped one's name, a list in YAML, scene.xml, file.py:function")
-    ],
+    simulator: Annotated[str, typer.Option(help=ANY_SIMULATOR)],
     out: Annotated[Path, typer.Option(help="the folder to write to")],
     source: Annotated[str, typer.Option(help="the adapter that reads the recordings")] = "csv",
     level: Annotated[
@@ -115,10 +114,7 @@ def findings_lines(findings: "Findings", out: Path) -> list[str]:
 
 @app.command(rich_help_panel=GAP)
 def audit(
-    simulator: Annotated[
-        str,
-        typer.Argument(help="a shipped one's name, a YAML file, scene.xml, or file.py:function"),
-    ],
+    simulator: Annotated[str, typer.Argument(help=ANY_SIMULATOR)],
     out: Annotated[Path, typer.Option(help="the folder to write to")],
     against: Annotated[
         str | None, typer.Option(help="another simulator to compare it with")
@@ -144,7 +140,8 @@ def export(
     ] = None,
 ) -> None:
     """Write a simulator's flight and bounce for another engine: as code, or as a scene as well."""
-    from pipeline.engines.export.command import CODE, export, export_scene
+    from pipeline.engines.export.code import CODE
+    from pipeline.engines.export.command import export, export_scene
 
     if scene is not None:
         folder = out or Path("amended")

@@ -75,7 +75,6 @@ BLOCKS: dict[str, Writer] = {
     "errors-arena-paper": partial(predictor_tables.position_errors, run="paper/", arena=True),
     "errors-real": partial(predictor_tables.position_errors, run="real/", arena=False),
     "forecasts-real": predictor_tables.measured_forecasts,
-    "scenes": simulator_tables.scenes_table,
     "published-models": simulator_tables.published_table,
     "latency": live_tables.latency,
     "drift": live_tables.drift,

@@ -1,26 +1,12 @@
-"""Tables of published models, and of scenes that were diagnosed and amended."""
+"""Table of published models."""
 
 from pathlib import Path
 
-from pipeline.documentation.cells import number
+from pipeline.engines.audit_text import with_cost
 from pipeline.io.artifacts import read_json
 from pipeline.io.markdown import markdown_table
 
 SIMULATORS = Path("reports") / "simulators"
-
-
-def scenes_table(root: Path) -> str:
-    """What is wrong with each scene, what is named, and errors in its own engine, by engine."""
-    rows = []
-    for engine, scenes in read_json(root / SIMULATORS / "scenes.json").items():
-        for one in scenes.values():
-            leading = ", ".join(f"`{name}`" for name in one["leading"]) or "–"
-            errors = (number(one[f"{when}_mm"]) for when in ("before", "after"))
-            right = "yes" if one["named_right"] else "no"
-            closed = f"{100 * one['removable_closed']:.1f} %"
-            rows.append([engine, one["hidden"], leading, right, *errors, closed])
-    heads = ["leading causes", "right", "before (mm)", "after (mm)", "gap closed"]
-    return markdown_table(["engine", "what is wrong", *heads], rows)
 
 
 def published_table(root: Path) -> str:
@@ -28,11 +14,7 @@ def published_table(root: Path) -> str:
     rows = []
     for name, one in read_json(root / SIMULATORS / "published.json").items():
         values = ", ".join(f"`{each['identity']}` {each['value']:g}" for each in one["effects"])
-        sentences = [
-            each["sentence"]
-            + (f" {each['cost_mm']:.0f} mm after 0.4 s." if each["cost_mm"] is not None else "")
-            for each in one["traps"]
-        ]
+        sentences = [with_cost(each["sentence"], each["cost_mm"]) for each in one["traps"]]
         place = f"[{name}](https://github.com/{name}), {one['file']}"
         rows.append([place, one["says"], " ".join(sentences), values])
     return markdown_table(["model", "says", "traps", "does"], rows)

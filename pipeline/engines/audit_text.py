@@ -33,9 +33,12 @@ def outcome(name: str, audit: Audit, traps: tuple[Trap, ...]) -> list[str]:
 
 def sentence(trap: Trap) -> str:
     """Return a trap with its cost."""
-    if trap.cost_mm is None:
-        return trap.sentence
-    return f"{trap.sentence} After 0.4 s the ball is {trap.cost_mm:.0f} mm off."
+    return with_cost(trap.sentence, trap.cost_mm)
+
+
+def with_cost(text: str, cost_mm: float | None) -> str:
+    """Return the sentence of a trap with its cost, if it has one."""
+    return text if cost_mm is None else f"{text} After 0.4 s the ball is {cost_mm:.0f} mm off."
 
 
 def effects_table(audit: Audit) -> dict[str, list[str]]:

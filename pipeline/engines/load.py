@@ -34,13 +34,6 @@ def load_engine(name: str) -> Engine:
     return EffectsEngine(name, load_simulator(name))
 
 
-def code_for(name: str) -> str | None:
-    """Return the engine that code for a simulator of this name is written for, if it is no list."""
-    if names_scene(name):
-        return "mujoco"
-    return "python" if names_function(name) else None
-
-
 def names_scene(name: str) -> bool:
     """Whether a name is that of a scene of MuJoCo."""
     return name.partition("#")[0].endswith(".xml")

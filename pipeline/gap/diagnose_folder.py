@@ -10,9 +10,10 @@ from models.gap.diagnose import diagnose
 from models.gap.settings import DEFAULTS, GapSettings
 from models.gap.verdict import DetectionLimits
 from pipeline.engines.audited import effects_of
-from pipeline.engines.export.command import CODE, code_of
+from pipeline.engines.export.code import CODE
+from pipeline.engines.export.command import code_of
 from pipeline.engines.export.scene_file import SCENE, check_place, former_scene
-from pipeline.engines.load import code_for, names_scene
+from pipeline.engines.load import names_function, names_scene
 from pipeline.gap.expected_balls import expected_balls, expected_json
 from pipeline.gap.figures.camera import camera_figure
 from pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
@@ -161,9 +162,11 @@ def _write_all(findings: Findings, folder: Path, minor: bool) -> None:
 
 def _write_for_engine(findings: Findings, folder: Path) -> None:
     """Write the amended simulator for its own engine, where it is no list of effects."""
-    engine, handed = code_for(findings.simulator_name), findings.handed
-    if engine is not None:
-        write_text(folder / CODE, code_of(str(folder / "amended.yaml"), engine))
+    handed = findings.handed
+    if names_function(findings.simulator_name):
+        write_text(folder / CODE, code_of(str(folder / "amended.yaml"), "python"))
+    if handed is not None:
+        write_text(folder / CODE, handed.code)
     if handed is not None and handed.scene is not None:
         write_text(folder / SCENE, handed.scene)
 

@@ -10,7 +10,7 @@ from models.engines.mujoco.air import Air, air_of, has_air, is_sphere, shaped_ge
 from models.engines.mujoco.ball import Ball
 from models.engines.mujoco.flight_says import gravity
 from models.engines.mujoco.frame import TableFrame
-from models.engines.mujoco.notes import Note, Trap
+from models.engines.mujoco.notes import Note, NoteKind
 
 PLAUSIBLE_DRAG = 0.7  # no ball has a larger coefficient
 SHELL, SOLID = 2.0 / 3.0, 2.0 / 5.0  # moments of inertia over m r^2
@@ -40,36 +40,36 @@ def flight_notes(model: mujoco.MjModel, ball: Ball, frame: TableFrame) -> Iterat
 
 def _vacuum_notes(model: mujoco.MjModel) -> Iterator[Note]:
     yield Note(
-        Trap.NO_AIR,
+        NoteKind.NO_AIR,
         "density and viscosity are 0, or passive forces are off: the ball flies in a vacuum, "
         "whatever fluidcoef says",
     )
     if model.opt.wind.any():
-        yield Note(Trap.WIND_WITHOUT_AIR, "wind has no effect, because there is no air")
+        yield Note(NoteKind.WIND_WITHOUT_AIR, "wind has no effect, because there is no air")
 
 
 def _force_notes(model: mujoco.MjModel, ball: Ball, air: Air) -> Iterator[Note]:
     drag, lift = air.drag / ball.mass / DRAG_FACTOR, air.lift / ball.mass / MAGNUS_FACTOR
     if abs(model.opt.density / AIR_DENSITY - 1.0) > SAME_DENSITY:
         yield Note(
-            Trap.AIR_DENSITY,
+            NoteKind.AIR_DENSITY,
             f"the density of the air is {model.opt.density:g} kg/m^3; coefficients of drag and "
             f"lift are given here for {AIR_DENSITY:g}",
         )
     if not air.shaped:
         yield Note(
-            Trap.NO_FLUIDSHAPE,
+            NoteKind.NO_FLUIDSHAPE,
             'the ball has no fluidshape="ellipsoid", so MuJoCo takes it for a cube: C_D about '
             f"{drag:.2f}, changing with the ball's orientation, no lift, and fluidcoef is ignored",
         )
     elif drag > PLAUSIBLE_DRAG:
         yield Note(
-            Trap.DRAG_TWICE,
+            NoteKind.DRAG_TWICE,
             f"C_D is {drag:.2f}: the first number of fluidcoef is half of the drag coefficient",
         )
     if lift < 0.0:
         yield Note(
-            Trap.INVERSE_LIFT,
+            NoteKind.INVERSE_LIFT,
             f"lift is inverse, C_M {lift:.3f}: the fifth number of fluidcoef is C_M + 0.5, because "
             "MuJoCo's added mass takes 0.5 away",
         )
@@ -80,13 +80,13 @@ def _spin_notes(model: mujoco.MjModel, ball: Ball, air: Air) -> Iterator[Note]:
     quadratic, viscous = air.spin_drag * TYPICAL_SPIN / inertia, air.viscous_spin_drag / inertia
     if quadratic > VISIBLE_LOSS:
         yield Note(
-            Trap.SPIN_BRAKE,
+            NoteKind.SPIN_BRAKE,
             f"the air slows a spin of {TYPICAL_SPIN:g} rad/s by {quadratic:.2g} of it per second, "
             "in proportion to spin and not to speed: the third number of fluidcoef, or the cube",
         )
     if viscous > VISIBLE_LOSS:
         yield Note(
-            Trap.VISCOUS_SPIN,
+            NoteKind.VISCOUS_SPIN,
             f"viscosity slows spin by {viscous:.2g} of it per second; no effect here does that",
         )
 
@@ -95,7 +95,7 @@ def _shape_notes(model: mujoco.MjModel, ball: Ball) -> Iterator[Note]:
     odd = [geom for geom in shaped_geoms(model, ball) if not is_sphere(model, geom)]
     if odd:
         yield Note(
-            Trap.OTHER_GEOMS,
+            NoteKind.OTHER_GEOMS,
             "the air also acts on geoms of the ball that are no spheres; they are left out here",
         )
 
@@ -103,13 +103,13 @@ def _shape_notes(model: mujoco.MjModel, ball: Ball) -> Iterator[Note]:
 def _body_notes(ball: Ball) -> Iterator[Note]:
     if abs(ball.mass / BALL_MASS - 1.0) > SAME:
         yield Note(
-            Trap.BALL_MASS,
+            NoteKind.BALL_MASS,
             f"the ball weighs {1000 * ball.mass:.3g} g, not {1000 * BALL_MASS:g}; coefficients of "
             "drag and lift are given here for the latter",
         )
     if abs(ball.radius - BALL_RADIUS) > SAME_RADIUS:
         yield Note(
-            Trap.BALL_SIZE,
+            NoteKind.BALL_SIZE,
             f"the ball has a radius of {1000 * ball.radius:g} mm, not {1000 * BALL_RADIUS:g}; "
             "coefficients of drag and lift are given here for the latter, and slip at the table "
             "differs with the same spin",
@@ -122,14 +122,14 @@ def _inertia_notes(model: mujoco.MjModel, ball: Ball) -> Iterator[Note]:
         return
     if np.allclose(share, SOLID, rtol=SAME):
         yield Note(
-            Trap.SOLID_INERTIA,
+            NoteKind.SOLID_INERTIA,
             "the ball is solid, as spheres are without shellinertia: at the table it takes at most "
             "2/7 of the slip instead of 2/5, and its spin changes by 5/3 of a shell's",
         )
     else:
         values = ", ".join(f"{value:.3g}" for value in share)
         yield Note(
-            Trap.OTHER_INERTIA,
+            NoteKind.OTHER_INERTIA,
             f"the ball's moments of inertia are {values} m r^2; a shell has 2/3, a solid ball 2/5",
         )
 
@@ -140,14 +140,14 @@ def _joint_notes(model: mujoco.MjModel, ball: Ball) -> Iterator[Note]:
     if damping > 0.0:
         inertia = float(model.body_inertia[ball.body].mean())
         yield Note(
-            Trap.JOINT_DAMPING,
+            NoteKind.JOINT_DAMPING,
             f"the damping of the free joint slows the ball by {damping / ball.mass:.2g} of its "
             f"velocity and by {damping / inertia:.2g} of its spin per second, also in a vacuum",
         )
     others = (model.dof_armature[dof], model.dof_frictionloss[dof], model.jnt_stiffness[joint])
     if np.any(others):
         yield Note(
-            Trap.JOINT_FORCES,
+            NoteKind.JOINT_FORCES,
             "the free joint has armature, frictionloss or stiffness; no effect here expresses them",
         )
 
@@ -155,12 +155,12 @@ def _joint_notes(model: mujoco.MjModel, ball: Ball) -> Iterator[Note]:
 def _step_notes(model: mujoco.MjModel, frame: TableFrame) -> Iterator[Note]:
     size = float(np.linalg.norm(gravity(model, frame)))
     if size == 0.0:
-        yield Note(Trap.NO_GRAVITY, "there is no gravity")
+        yield Note(NoteKind.NO_GRAVITY, "there is no gravity")
     error = 0.5 * size * model.opt.timestep * TYPICAL_FLIGHT
     if model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4 and error > VISIBLE:
         name = mujoco.mjtIntegrator(model.opt.integrator).name.removeprefix("mjINT_").lower()
         yield Note(
-            Trap.INTEGRATOR,
+            NoteKind.INTEGRATOR,
             f"the integrator ({name}) errs by about {1000 * error:.1f} mm after "
             f'{TYPICAL_FLIGHT:g} s at this time step; integrator="RK4" does not',
         )

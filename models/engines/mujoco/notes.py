@@ -7,7 +7,7 @@ Effects = dict[str, dict[str, float]]
 """Effect name -> parameter name -> value, as a simulator lists them."""
 
 
-class Trap(StrEnum):
+class NoteKind(StrEnum):
     """Kinds of notes."""
 
     # Air and gravity.
@@ -52,5 +52,5 @@ class Trap(StrEnum):
 class Note:
     """One note: its kind, and a sentence that explains it with this scene's numbers."""
 
-    trap: Trap
+    kind: NoteKind
     sentence: str

@@ -7,7 +7,7 @@ from models.ball.catalogue import catalogue
 from models.engines.mujoco.contact import table_contact
 from models.engines.mujoco.flight_notes import flight_notes
 from models.engines.mujoco.flight_says import flight_effects
-from models.engines.mujoco.notes import Effects, Note, Trap
+from models.engines.mujoco.notes import Effects, Note, NoteKind
 from models.engines.mujoco.scene import MujocoScene
 from models.engines.mujoco.table_says import table_effects, table_notes
 
@@ -45,4 +45,4 @@ def _range_notes(effects: Effects) -> Iterator[Note]:
             value, (low, high) = values[parameter.name], parameter.bounds
             if not low <= value <= high:
                 problem = f"is {value:.4g}; a simulator takes {low:g} to {high:g}"
-                yield Note(Trap.OUT_OF_RANGE, f"{effect}.{parameter.name} {problem}")
+                yield Note(NoteKind.OUT_OF_RANGE, f"{effect}.{parameter.name} {problem}")

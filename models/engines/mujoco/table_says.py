@@ -9,7 +9,7 @@ from models.engines.mujoco.ball import Ball
 from models.engines.mujoco.contact import Contact
 from models.engines.mujoco.flight_says import TINY
 from models.engines.mujoco.frame import TableFrame
-from models.engines.mujoco.notes import Effects, Note, Trap
+from models.engines.mujoco.notes import Effects, Note, NoteKind
 
 SAME_SIZE = 0.005  # m, of the table's sides
 TYPICAL_SPEED = 3.0  # m/s, normal to the table
@@ -40,13 +40,13 @@ def table_notes(
         yield from _grip_notes(contact)
         yield from _cone_notes(contact)
     elif frame.found:
-        yield Note(Trap.NO_CONTACT, "nothing pushes the ball off the table")
+        yield Note(NoteKind.NO_CONTACT, "nothing pushes the ball off the table")
 
 
 def _place_notes(frame: TableFrame) -> Iterator[Note]:
     if not frame.found:
         yield Note(
-            Trap.NO_TABLE,
+            NoteKind.NO_TABLE,
             "there is no table: no box of about 2.74 x 1.525 m, whole or in parts, that the ball "
             "can collide with; the world's frame is taken for the table frame",
         )
@@ -54,7 +54,7 @@ def _place_notes(frame: TableFrame) -> Iterator[Note]:
     off = (frame.length - 2 * TABLE_HALF_LENGTH, frame.width - 2 * TABLE_HALF_WIDTH)
     if max(map(abs, off)) > SAME_SIZE:
         yield Note(
-            Trap.TABLE_SIZE,
+            NoteKind.TABLE_SIZE,
             f"the table is {frame.length:.3f} x {frame.width:.3f} m, not 2.74 x 1.525",
         )
 
@@ -62,19 +62,19 @@ def _place_notes(frame: TableFrame) -> Iterator[Note]:
 def _solref_notes(model: mujoco.MjModel, contact: Contact) -> Iterator[Note]:
     if contact.mixed:
         yield Note(
-            Trap.MIXED_SOLREF,
+            NoteKind.MIXED_SOLREF,
             "the numbers of solref differ in sign, so MuJoCo takes its default: restitution "
             f"{contact.restitution:.3f}",
         )
     if contact.default:
         yield Note(
-            Trap.DEFAULT_CONTACT,
+            NoteKind.DEFAULT_CONTACT,
             f"solref is MuJoCo's default, so the restitution is {contact.restitution:.3f}, "
             "whatever friction and solimp say",
         )
     if contact.raised:
         yield Note(
-            Trap.RAISED_TIME_CONSTANT,
+            NoteKind.RAISED_TIME_CONSTANT,
             "the time constant in solref is shorter than two time steps, so MuJoCo raises it to "
             f"{2 * model.opt.timestep:g} s",
         )
@@ -84,14 +84,14 @@ def _stiffness_notes(model: mujoco.MjModel, contact: Contact) -> Iterator[Note]:
     steps, depth = contact.duration / model.opt.timestep, contact.depth(TYPICAL_SPEED)
     if steps < FEWEST_STEPS:
         yield Note(
-            Trap.COARSE_CONTACT,
+            NoteKind.COARSE_CONTACT,
             f"a bounce takes {steps:.1f} time steps, so its restitution scatters about "
             f"{contact.restitution:.3f} and may exceed 1; take a step of at most "
             f"{contact.duration / FEWEST_STEPS:.2g} s or a softer contact",
         )
     if depth > DEEPEST:
         yield Note(
-            Trap.DEEP_CONTACT,
+            NoteKind.DEEP_CONTACT,
             f"a ball at {TYPICAL_SPEED:g} m/s sinks {1000 * depth:.1f} mm into the table, is there "
             f"for {1000 * contact.duration:.1f} ms, and friction acts halfway into the overlap",
         )
@@ -102,14 +102,14 @@ def _grip_notes(contact: Contact) -> Iterator[Note]:
         return
     if contact.grip < FULL_GRIP:
         yield Note(
-            Trap.WEAK_GRIP,
+            NoteKind.WEAK_GRIP,
             f"a bounce ends {100 * contact.grip:.0f} % of the slip at most, whatever the friction: "
             "slip is damped as solref says, or as the solreffriction of a pair with an elliptic "
             "cone",
         )
     if contact.elliptic and contact.slip_damping * contact.duration > HASTE:
         yield Note(
-            Trap.STRONG_GRIP,
+            NoteKind.STRONG_GRIP,
             "friction that ends slip this fast also takes restitution while the ball slides",
         )
 
@@ -118,18 +118,18 @@ def _cone_notes(contact: Contact) -> Iterator[Note]:
     if contact.friction[0] != contact.friction[1]:
         one, other = contact.friction
         yield Note(
-            Trap.UNEQUAL_FRICTION,
+            NoteKind.UNEQUAL_FRICTION,
             f"friction differs with direction, {one:g} and {other:g}; here it is the first",
         )
     if contact.torsional:
         yield Note(
-            Trap.TORSIONAL_FRICTION,
+            NoteKind.TORSIONAL_FRICTION,
             "condim above 3: friction also acts against spin about the normal, and with 6 against "
             "rolling, which no effect here expresses",
         )
     if contact.friction[0] > 0.0 and not contact.elliptic:
         yield Note(
-            Trap.PYRAMIDAL_CONE,
+            NoteKind.PYRAMIDAL_CONE,
             'the friction cone is a pyramid, so friction depends on direction; cone="elliptic" is '
             "round",
         )

@@ -22,6 +22,7 @@ from pipeline.engines.export.hooks import (
     quantity_functions,
 )
 
+CODE = "ball_effects.py"  # name of the file
 ENGINES = ("python", "pybullet", "mujoco")  # that have a template
 TEMPLATES = Path(__file__).parent / "templates"
 PLAIN = ("DRAG_FACTOR", "MAGNUS_FACTOR")  # constants that every file has

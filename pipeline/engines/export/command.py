@@ -3,15 +3,13 @@
 from pathlib import Path
 
 from pipeline.engines.audited import audited
-from pipeline.engines.export.code import ENGINES, ball_effects
+from pipeline.engines.export.code import CODE, ENGINES, ball_effects
 from pipeline.engines.export.scene_file import SCENE, check_place
 from pipeline.engines.load import load_engine, names_scene
 from pipeline.io.artifacts import replacing_files, write_text
 from pipeline.io.simulators import load_simulator
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import check_folder
-
-CODE = "ball_effects.py"
 
 
 def export(simulator: str, engine: str, out: Path) -> None:

@@ -1,4 +1,4 @@
-"""The place of an amended scene: beside other files of a user, which must stay."""
+"""The place of an amended scene: with other files of a user, which must stay."""
 
 from pathlib import Path
 

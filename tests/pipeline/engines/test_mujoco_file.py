@@ -17,7 +17,7 @@ LOADS = "import sys, pipeline.engines.mujoco_file; sys.exit('mujoco' in sys.modu
 
 @pytest.fixture
 def written(tmp_path, monkeypatch):
-    """Write a scene; what MuJoCo logs would land beside it."""
+    """Write a scene; what MuJoCo logs would land next to it."""
     monkeypatch.chdir(tmp_path)
 
     def write(world):

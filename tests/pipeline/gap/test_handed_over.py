@@ -1,4 +1,4 @@
-"""What a verdict on a scene of MuJoCo gives back, beside the verdict."""
+"""What a verdict on a scene of MuJoCo gives back with the verdict."""
 
 from dataclasses import replace
 

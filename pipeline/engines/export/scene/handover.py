@@ -7,6 +7,7 @@ from pathlib import Path
 from models.ball.simulator import Simulator
 from models.engines.engine import EngineError
 from models.engines.mujoco.scene import MujocoScene
+from pipeline.engines.export.code import CODE
 from pipeline.engines.export.scene.coded_ball import CodedBall
 from pipeline.engines.export.scene.patch import Patch, patched
 from pipeline.engines.export.scene.shots import VerificationShots
@@ -17,7 +18,6 @@ from pipeline.engines.export.scene.verification import agreement, scene_sentence
 from pipeline.engines.export.scene_file import SCENE
 from pipeline.runtime.errors import InputError
 
-CODE = "ball_effects.py"
 SHARED = ("gravity", "wind", "density", "viscosity")  # attributes that act on all bodies
 CONTACT = ("solref", "friction")
 BALL_ALONE = 6  # degrees of freedom of a scene whose only moving body is the ball

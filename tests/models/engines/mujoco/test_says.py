@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from models.ball.simulator import Simulator
-from models.engines.mujoco.notes import Trap
+from models.engines.mujoco.notes import NoteKind
 from models.engines.mujoco.says import says
 from tests.models.engines.mujoco.scenes import SHELL, TABLE, air, pair, scene
 from tests.models.engines.mujoco.test_scene import BALLS, FLIGHT, STILL
@@ -27,7 +27,7 @@ def effects_of(geom=CLEAN, option=PLAIN, table=LEVEL, **more):
 
 
 def traps_of(geom=CLEAN, option=PLAIN, table=LEVEL, **more):
-    return {note.trap for note in says(scene(geom, option, table, **more)).notes}
+    return {note.kind for note in says(scene(geom, option, table, **more)).notes}
 
 
 def test_a_scene_without_surprises_has_no_notes():
@@ -85,7 +85,7 @@ def test_damping_of_the_joint_is_linear_drag_and_also_slows_spin():
     one = scene(CLEAN, 'density="1.2"', LEVEL, joint='damping=".0001"')
     said = says(one)
     assert said.effects["linear_drag"]["k1"] == pytest.approx(0.0001 / 0.0027)
-    assert Trap.JOINT_DAMPING in {note.trap for note in said.notes}
+    assert NoteKind.JOINT_DAMPING in {note.kind for note in said.notes}
     expected = Simulator.from_dict(said.effects).fly(STILL, FLIGHT).states
     assert np.abs(one.fly(STILL, FLIGHT) - expected)[..., :3].max() < 5e-6
 
@@ -115,7 +115,7 @@ def test_the_mean_of_the_cube_is_over_all_orientations():
 
 def test_the_air_slows_spin_as_noted():
     one = scene(f"{SHELL} {air(0.0, 0.0, spin=1.5)}", 'density="1.2"')
-    note = next(note for note in says(one).notes if note.trap is Trap.SPIN_BRAKE)
+    note = next(note for note in says(one).notes if note.kind is NoteKind.SPIN_BRAKE)
     assert "300 rad/s by 4 of it per second" in note.sentence
     launch = np.array([[0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 300.0, 0.0, 0.0]])
     spin = one.fly(launch, np.array([0.5]))[0, 0, 6]
@@ -125,41 +125,44 @@ def test_the_air_slows_spin_as_noted():
 @pytest.mark.parametrize(
     ("trap", "changed"),
     [
-        (Trap.NO_AIR, {"option": 'timestep=".00005"'}),
+        (NoteKind.NO_AIR, {"option": 'timestep=".00005"'}),
         (
-            Trap.NO_AIR,
+            NoteKind.NO_AIR,
             {"rest": '<option><flag spring="disable" damper="disable"/></option>'},
         ),
-        (Trap.WIND_WITHOUT_AIR, {"option": 'wind="1 0 0" timestep=".00005"'}),
-        (Trap.AIR_DENSITY, {"option": 'density="1.225" timestep=".00005"'}),
-        (Trap.NO_FLUIDSHAPE, {"geom": f'{SHELL} {FRICTIONLESS} fluidcoef=".235 0 0 0 .57"'}),
-        (Trap.DRAG_TWICE, {"geom": f"{SHELL} {FRICTIONLESS} {air(0.94)}"}),
-        (Trap.INVERSE_LIFT, {"geom": f"{SHELL} {FRICTIONLESS} {air(0.47, -0.431)}"}),
-        (Trap.SPIN_BRAKE, {"geom": f"{SHELL} {FRICTIONLESS} {air(0.47, 0.1, 1.5)}"}),
-        (Trap.VISCOUS_SPIN, {"option": f'{PLAIN} viscosity=".001"'}),
-        (Trap.NO_GRAVITY, {"option": f'{PLAIN} gravity="0 0 0"'}),
-        (Trap.NO_GRAVITY, {"rest": '<option><flag gravity="disable"/></option>'}),
-        (Trap.SOLID_INERTIA, {"geom": f"{air(0.47)} {FRICTIONLESS}"}),
-        (Trap.INTEGRATOR, {"option": 'density="1.2" timestep=".0005" integrator="implicitfast"'}),
-        (Trap.COARSE_CONTACT, {"option": 'density="1.2" timestep=".0005"'}),
-        (Trap.RAISED_TIME_CONSTANT, {"geom": FAST}),
-        (Trap.MIXED_SOLREF, {"geom": f'{CLEAN.replace("-150", "150")} priority="1"'}),
-        (Trap.DEFAULT_CONTACT, {"geom": f'{SHELL} {air(0.47)} condim="1"'}),
-        (Trap.DEEP_CONTACT, {"geom": CLEAN.replace("-16000000", "-1000000")}),
-        (Trap.WEAK_GRIP, {"geom": GRIPPING}),
-        (Trap.PYRAMIDAL_CONE, {"geom": GRIPPING}),
-        (Trap.TORSIONAL_FRICTION, {"geom": f"{GRIPPING}".replace('condim="3"', 'condim="4"')}),
-        (Trap.STRONG_GRIP, {"rest": pair('friction=".2 .2 0 0 0" solreffriction="0 -5000"')}),
-        (Trap.UNEQUAL_FRICTION, {"rest": pair('friction=".2 .3 0 0 0"')}),
-        (Trap.BALL_MASS, {"geom": CLEAN, "size": 'size=".02" density="1000"'}),
-        (Trap.BALL_SIZE, {"geom": CLEAN, "size": 'size=".019" mass=".0027"'}),
-        (Trap.JOINT_DAMPING, {"joint": 'damping=".0001"'}),
-        (Trap.JOINT_FORCES, {"joint": 'armature=".0001"'}),
-        (Trap.NO_TABLE, {"table": ""}),
-        (Trap.TABLE_SIZE, {"table": LEVEL.replace("1.37", "1.35")}),
-        (Trap.NO_CONTACT, {"rest": '<option><flag contact="disable"/></option>'}),
-        (Trap.OUT_OF_RANGE, {"geom": f"{SHELL} {FRICTIONLESS} {air(2.0)}"}),
-        (Trap.OUT_OF_RANGE, {"option": f'{PLAIN} gravity="0 0 9.81"', "table": ""}),
+        (NoteKind.WIND_WITHOUT_AIR, {"option": 'wind="1 0 0" timestep=".00005"'}),
+        (NoteKind.AIR_DENSITY, {"option": 'density="1.225" timestep=".00005"'}),
+        (NoteKind.NO_FLUIDSHAPE, {"geom": f'{SHELL} {FRICTIONLESS} fluidcoef=".235 0 0 0 .57"'}),
+        (NoteKind.DRAG_TWICE, {"geom": f"{SHELL} {FRICTIONLESS} {air(0.94)}"}),
+        (NoteKind.INVERSE_LIFT, {"geom": f"{SHELL} {FRICTIONLESS} {air(0.47, -0.431)}"}),
+        (NoteKind.SPIN_BRAKE, {"geom": f"{SHELL} {FRICTIONLESS} {air(0.47, 0.1, 1.5)}"}),
+        (NoteKind.VISCOUS_SPIN, {"option": f'{PLAIN} viscosity=".001"'}),
+        (NoteKind.NO_GRAVITY, {"option": f'{PLAIN} gravity="0 0 0"'}),
+        (NoteKind.NO_GRAVITY, {"rest": '<option><flag gravity="disable"/></option>'}),
+        (NoteKind.SOLID_INERTIA, {"geom": f"{air(0.47)} {FRICTIONLESS}"}),
+        (
+            NoteKind.INTEGRATOR,
+            {"option": 'density="1.2" timestep=".0005" integrator="implicitfast"'},
+        ),
+        (NoteKind.COARSE_CONTACT, {"option": 'density="1.2" timestep=".0005"'}),
+        (NoteKind.RAISED_TIME_CONSTANT, {"geom": FAST}),
+        (NoteKind.MIXED_SOLREF, {"geom": f'{CLEAN.replace("-150", "150")} priority="1"'}),
+        (NoteKind.DEFAULT_CONTACT, {"geom": f'{SHELL} {air(0.47)} condim="1"'}),
+        (NoteKind.DEEP_CONTACT, {"geom": CLEAN.replace("-16000000", "-1000000")}),
+        (NoteKind.WEAK_GRIP, {"geom": GRIPPING}),
+        (NoteKind.PYRAMIDAL_CONE, {"geom": GRIPPING}),
+        (NoteKind.TORSIONAL_FRICTION, {"geom": f"{GRIPPING}".replace('condim="3"', 'condim="4"')}),
+        (NoteKind.STRONG_GRIP, {"rest": pair('friction=".2 .2 0 0 0" solreffriction="0 -5000"')}),
+        (NoteKind.UNEQUAL_FRICTION, {"rest": pair('friction=".2 .3 0 0 0"')}),
+        (NoteKind.BALL_MASS, {"geom": CLEAN, "size": 'size=".02" density="1000"'}),
+        (NoteKind.BALL_SIZE, {"geom": CLEAN, "size": 'size=".019" mass=".0027"'}),
+        (NoteKind.JOINT_DAMPING, {"joint": 'damping=".0001"'}),
+        (NoteKind.JOINT_FORCES, {"joint": 'armature=".0001"'}),
+        (NoteKind.NO_TABLE, {"table": ""}),
+        (NoteKind.TABLE_SIZE, {"table": LEVEL.replace("1.37", "1.35")}),
+        (NoteKind.NO_CONTACT, {"rest": '<option><flag contact="disable"/></option>'}),
+        (NoteKind.OUT_OF_RANGE, {"geom": f"{SHELL} {FRICTIONLESS} {air(2.0)}"}),
+        (NoteKind.OUT_OF_RANGE, {"option": f'{PLAIN} gravity="0 0 9.81"', "table": ""}),
     ],
 )
 def test_each_trap_is_noted(trap, changed):
@@ -169,6 +172,6 @@ def test_each_trap_is_noted(trap, changed):
 def test_a_mixed_solref_is_noted_and_nothing_is_logged(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     one = scene(f'{SHELL} solref="-1000 5" priority="1"')
-    assert Trap.MIXED_SOLREF in {note.trap for note in says(one).notes}
+    assert NoteKind.MIXED_SOLREF in {note.kind for note in says(one).notes}
     one.fly(np.array([[0.0, 0.5, 0.1, 0.0, 0.0, -3.0, 0.0, 0.0, 0.0]]), np.array([0.1]))
     assert list(tmp_path.iterdir()) == []
