@@ -1,6 +1,6 @@
 """The workflow of ``rallygap diagnose``: a folder of recordings in, a folder with a verdict out."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from models.ball.simulator import Simulator
 from models.gap.amend.simulator import amended, amended_yaml
 from models.gap.diagnose import diagnose
 from models.gap.settings import DEFAULTS, GapSettings
-from models.gap.verdict import DetectionLimits
+from models.gap.verdict import DetectionLimits, Verdict
 from pipeline.engines.audited import effects_of
 from pipeline.engines.export.code import CODE
 from pipeline.engines.export.command import code_of
@@ -29,7 +29,7 @@ from pipeline.io.figure_style import apply_style
 from pipeline.io.report_items import ReportFigure
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import check_folder
-from pipeline.runtime.progress import phase_bar
+from pipeline.runtime.progress import PhaseBar, phase_bar
 
 TABLE = "table_bounce"
 FIGURES = "figures"
@@ -74,31 +74,15 @@ def diagnose_folder(
     if is_scene:
         check_place(simulator, out)
     nominal = effects_of(simulator, say)
+    settings = GapSettings(level=level)
     with phase_bar(SCENE_PHASES if is_scene else PHASES) as bar:
         with bar.phase("reading and segmenting"):
             measured = read_shots(data, source)
             _check_enough(measured, data)
             _check_table(measured, nominal, simulator)
-        with bar.aside():
-            for line in usage_lines(measured):
-                say(line)
-
-        def show(limits: DetectionLimits) -> None:
-            with bar.aside():
-                for line in detection_lines(measured, limits):
-                    say(line)
-
+        _say(bar, say, usage_lines(measured))
         with bar.phase("comparing"):
-            settings = GapSettings(level=level)
-            verdict = diagnose(
-                measured.shots,
-                nominal,
-                settings,
-                nets=measured.nets,
-                progress=bar.reached,
-                on_limits=show,
-            )
-            verdict = with_doubts(verdict, measured)
+            verdict = _verdict(measured, nominal, settings, bar, say)
         counts = measured.recordings, len(measured.shots)
         folder = data.resolve().name
         origin = made_from(measured.name, folder, counts, nominal, simulator, settings)
@@ -110,6 +94,35 @@ def diagnose_folder(
                 findings = replace(findings, handed=handed_over(findings, minor))
             write_findings(findings, out, minor)
     return findings
+
+
+def _verdict(
+    measured: MeasuredShots,
+    nominal: Simulator,
+    settings: GapSettings,
+    bar: PhaseBar,
+    say: Callable[[str], None],
+) -> Verdict:
+    """Return the verdict on measured shots, with doubts about the data."""
+
+    def show(limits: DetectionLimits) -> None:
+        _say(bar, say, detection_lines(measured, limits))
+
+    verdict = diagnose(
+        measured.shots,
+        nominal,
+        settings,
+        nets=measured.nets,
+        progress=bar.reached,
+        on_limits=show,
+    )
+    return with_doubts(verdict, measured)
+
+
+def _say(bar: PhaseBar, say: Callable[[str], None], lines: Iterable[str]) -> None:
+    with bar.aside():
+        for line in lines:
+            say(line)
 
 
 def write_findings(findings: Findings, out: Path, minor: bool = False) -> None:
