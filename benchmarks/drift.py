@@ -55,7 +55,7 @@ class Session:
 
 def first_alarm(session: Session) -> tuple[int, str] | None:
     """Return the number of shots until the first alarm and what it names; None without any."""
-    plain = Trial("drift", SIMULATOR, shots=REFERENCE, seed=seed_of(session.number, "reference"))
+    plain = Trial("drift", SIMULATOR, shots=REFERENCE, seed=seed_of(session.number, "drift reference"))
     monitor = DriftMonitor(shots_of(simulate_trial(plain)[0]), SIMULATOR)
     causes: dict[str, dict[str, float]] = {}
     if session.cause is not None:
@@ -63,7 +63,7 @@ def first_alarm(session: Session) -> tuple[int, str] | None:
         sign = 1 if session.number % 2 else -1
         value = session.cause.value(SIMULATOR) + sign * session.size * limit
         causes = {session.cause.effect: {session.cause.parameter: value}}
-    seed = seed_of(session.number, "changed")
+    seed = seed_of(session.number, "drift")
     changed = Trial("drift", SIMULATOR, causes=causes, shots=session.shots, seed=seed)
     shots = shots_of(simulate_trial(changed)[0])
     parts = (shots[k : k + AT_ONCE] for k in range(0, len(shots), AT_ONCE))

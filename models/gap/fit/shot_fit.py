@@ -27,7 +27,8 @@ from models.gap.types import Bools, Indices
 
 FALL = np.array([0.0, 0.0, -9.81])
 NORMAL_MOST = 1.645  # the size that nine in ten of a standard normal's values are below
-# Bounds of nuisance parameters, so that no flight diverges: m, m/s, rad/s, and kicks.
+# Bounds of nuisance parameters, so that no flight diverges or takes forever, as one along the table
+# at many km/s does: m, m/s, rad/s, and kicks.
 WORLD, LARGEST_KICK = np.repeat([1e4, 150.0, 5000.0], 3), 3.0
 
 
@@ -60,7 +61,7 @@ class ShotFit:
 def fit_shots(shots: Shots, simulator: Simulator, settings: FitSettings) -> ShotFit:
     """Fit the nuisance parameters of shots from scratch, and guess the noise from the residuals."""
     schedule = Schedule.of(shots)
-    nuisance, noise = _start(shots, settings.first_horizon), Noise()
+    nuisance, noise = _within_bounds(_start(shots, settings.first_horizon)), Noise()
     for size, horizon, iterations in settings.stages:
         noise_here = replace(noise, white=size, slow=0.0)
         stage = _Problem.of(shots, simulator, noise_here, settings, horizon)
@@ -95,6 +96,7 @@ def refit_shots(
         spin: rad/s, prior of a component of a spin without a label, if not that of the settings.
     """
     problem = _Problem.of(shots, simulator, noise, settings, spin=spin)
+    nuisance = _within_bounds(nuisance)
     iterations = settings.max_iterations if iterations is None else iterations
     far = problem.residual_scale(nuisance) / noise.position
     if far > settings.far_residuals:
@@ -149,15 +151,13 @@ class _Problem:
         )
 
     def solved(self, nuisance: Floats, iterations: int) -> Floats:
-        reach = np.concatenate([WORLD, np.full(nuisance.shape[1] - len(WORLD), LARGEST_KICK)])
-        nuisance = np.clip(nuisance, -reach, reach)
         damping = np.full(len(nuisance), self.settings.first_damping)
         left = np.arange(len(nuisance))  # shots that have not converged
         for _ in range(iterations):
             some = self[left]
             point = some.at(nuisance[left])
             step = some._step(point, damping[left])
-            trial = some.at(np.clip(point.nuisance + step, -reach, reach))
+            trial = some.at(_within_bounds(point.nuisance + step))
             gain = some._cost(point, point.weights) - some._cost(trial, point.weights)
             better = gain >= 0.0
             nuisance[left[better]] = trial.nuisance[better]
@@ -227,6 +227,11 @@ class _Problem:
         diagonal += 1e-12 * diagonal.max(axis=1, keepdims=True)
         pull = (gradient - prior * point.nuisance)[..., None]
         return np.linalg.solve(normal, pull)[..., 0]
+
+
+def _within_bounds(nuisance: Floats) -> Floats:
+    most = np.concatenate([WORLD, np.full(nuisance.shape[1] - len(WORLD), LARGEST_KICK)])
+    return np.clip(nuisance, -most, most)
 
 
 def _start(shots: Shots, horizon: float) -> Floats:

@@ -52,3 +52,11 @@ def test_implausible_starts_have_a_fit(times):
     start[:, 3:9] *= times
     fit = refit_shots(shots, late, start, Noise(), SETTINGS.fit)
     assert np.isfinite(fit.cost).all() and np.isfinite(fit.nuisance).all()
+
+
+def test_starts_at_thousands_of_metres_a_second_along_the_table_have_a_fit():
+    shots = measured(count=4)
+    start = fit_shots(shots, NOMINAL, SETTINGS.fit).nuisance
+    start[:, :6] = -0.003, 0.02, -0.005, 2.8e4, -2.7e4, -4.1e3
+    fit = refit_shots(shots, NOMINAL, start, Noise(), SETTINGS.fit)
+    assert np.isfinite(fit.cost).all() and np.isfinite(fit.nuisance).all()
