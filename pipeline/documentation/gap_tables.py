@@ -17,11 +17,9 @@ from pipeline.documentation.cells import (
 from pipeline.io.artifacts import read_json
 from pipeline.io.markdown import markdown_table
 
-NOT_TESTED = ("racket_bounce", "net")  # the gap workflow's shots touch neither
+NOT_TESTED = ("racket_bounce",)  # the gap workflow's shots touch no racket
 BASES = {"imperfect_c": "C", "without_magnus": "C without lift", "from_literature": "literature"}
 SETS = ("spindoe", "tt3d", "isr_ball_prediction")
-# Columns of runs before version 2 of the verdict, by their present names.
-FORMER = {"closer_low_mm": "reduction_low_mm", "closer_high_mm": "reduction_high_mm"}
 RATES = {  # what the exam counts: the number of right answers, and of questions
     "clean sets with a false alarm": ("false_alarms", "clean_sets"),
     "one distinguishable cause at 3 detection limits: named": (
@@ -159,8 +157,36 @@ def real_causes(root: Path) -> str:
     return markdown_table(["set", "base simulator", "cause", "splits", "estimates"], rows)
 
 
+def real_stability(root: Path) -> str:
+    """Verdicts on the measured sets, and how many of their leading causes all splits have."""
+    verdicts, causes = _real(root, "verdicts"), _real(root, "causes")
+    splits = verdicts["split"].nunique()
+    stable = _stable_causes(causes[causes["role"] == "leading"])
+    rows = []
+    for source, some in verdicts.groupby("source", sort=False):
+        leading = stable[stable["source"] == source]
+        everywhere = leading[leading["found"] == splits]
+        better, worse = some["reduction_low_mm"] > 0, some["reduction_high_mm"] < 0
+        counts = [
+            ", ".join(f"{count} {name}" for name, count in some["verdict"].value_counts().items()),
+            f"{better.sum()}, {worse.sum()}",
+            f"{len(everywhere)} of {len(leading)}",
+            f"{everywhere['agree'].sum()} of {len(everywhere)}",
+        ]
+        rows.append([source, *counts])
+    head = ["set", "verdicts", "predictions better, worse", "leading causes that all splits have"]
+    return markdown_table([*head, "of these, with a value in all intervals"], rows)
+
+
+def _stable_causes(leading: Any) -> Any:
+    """Return leading causes with the number of splits that have them, and whether these agree."""
+    groups = leading.groupby(["source", "simulator", "cause"])
+    agree = groups["low"].transform("max") <= groups["high"].transform("min")
+    return leading.assign(found=groups["split"].transform("size"), agree=agree)
+
+
 def _real(root: Path, name: str) -> Any:
-    table = read_report(root, f"real/close_gap/{name}.csv").rename(columns=FORMER)
+    table = read_report(root, f"real/close_gap/{name}.csv")
     return table[table["source"].isin(SETS)]
 
 

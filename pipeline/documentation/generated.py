@@ -63,6 +63,7 @@ BLOCKS: dict[str, Writer] = {
     "gap-exam-robustness": gap_tables.robustness_rates,
     "gap-real": gap_tables.real_summary,
     "gap-real-errors": gap_tables.real_errors,
+    "gap-real-stability": gap_tables.real_stability,
     "gap-real-causes": gap_tables.real_causes,
     "known-answers": known_answers,
     "gap-returns": gap_tables.retrained_returns,

@@ -6,10 +6,10 @@ import pandas as pd
 import pytest
 
 from pipeline.documentation.gap_tables import (
-    FORMER,
     ROBUSTNESS_RATES,
     exam_rates,
     real_errors,
+    real_stability,
     real_summary,
     robustness_rates,
 )
@@ -18,15 +18,14 @@ CASE = {"source": ["tt3d"], "simulator": ["imperfect_c"], "split": [0]}
 SIZES = {"before_mm": [9.0] * 3, "after_mm": [5.0] * 3, "floor_mm": [4.0] * 3}
 
 
-def write_real(root, former, cause):
-    """Write the tables of one verdict on a measured set, as a former version or the present."""
+def write_real(root, cause):
+    """Write the tables of one verdict on a measured set."""
     folder = root / "reports/real/close_gap"
     folder.mkdir(parents=True)
     interval = {"reduction_low_mm": [1.0], "reduction_high_mm": [3.0]}
     landing = {f"landing_{name}": sizes[:1] for name, sizes in SIZES.items()}
     verdicts = pd.DataFrame({**CASE, "verdict": ["named"], **interval, **landing})
-    names = {new: old for old, new in FORMER.items()} if former else {}
-    verdicts.rename(columns=names).to_csv(folder / "verdicts.csv", index=False)
+    verdicts.to_csv(folder / "verdicts.csv", index=False)
     rows = pd.DataFrame({name: value * 3 for name, value in CASE.items()})
     rows.assign(horizon_ms=[100, 200, 300], **SIZES).to_csv(folder / "errors.csv", index=False)
     found = [1] if cause else [None]
@@ -68,13 +67,35 @@ def test_results_of_an_exam_without_these_groups_are_dashes(tmp_path):
     assert all(row.endswith("| – | – |") for row in rows)
 
 
-@pytest.mark.parametrize(
-    ("former", "cause", "gravities"),
-    [(True, "gravity", 1), (False, "gravity.g", 1), (False, "drag.cd", 0), (False, None, 0)],
-)
-def test_measured_sets_of_former_and_present_runs_have_a_row(tmp_path, former, cause, gravities):
-    write_real(tmp_path, former, cause)
+@pytest.mark.parametrize(("cause", "gravities"), [("gravity.g", 1), ("drag.cd", 0), (None, 0)])
+def test_measured_sets_have_a_row(tmp_path, cause, gravities):
+    write_real(tmp_path, cause)
     sizes = " | ".join(["9 → 5 (4)"] * 3)
     row = f"| tt3d | C | {sizes} | 1 of 1 | 1 of 1 | {gravities} of 1 |"
     assert real_summary(tmp_path).splitlines()[-1] == row
     assert "| 1 to 3 | 9 → 5 (4) |" in real_errors(tmp_path)
+
+
+def test_leading_causes_that_all_splits_have_are_counted(tmp_path):
+    write_real(tmp_path, None)
+    folder, case = (
+        tmp_path / "reports/real/close_gap",
+        {"source": "tt3d", "simulator": "imperfect_c"},
+    )
+    verdicts = [
+        {**case, "split": k, "verdict": one, "reduction_low_mm": low, "reduction_high_mm": high}
+        for k, one, low, high in ((0, "named", 1, 2), (1, "named", -3, -2), (2, "unknown", -1, 1))
+    ]
+    pd.DataFrame(verdicts).to_csv(folder / "verdicts.csv", index=False)
+    intervals = {"drag.cd": [(1, 3), (2, 4), (3, 5)], "magnus.cm": [(1, 2), (2, 3), (4, 5)]}
+    causes = [
+        {**case, "split": k, "cause": name, "role": "leading", "low": low, "high": high}
+        for name, some in intervals.items()
+        for k, (low, high) in enumerate(some)
+    ]
+    once = {**causes[0], "cause": "wind.x"}
+    minor = [{**one, "cause": "wind.y", "role": "minor"} for one in causes[:3]]
+    pd.DataFrame([*causes, once, *minor]).to_csv(folder / "causes.csv", index=False)
+
+    row = "| tt3d | 2 named, 1 unknown | 1, 1 | 6 of 7 | 3 of 6 |"
+    assert real_stability(tmp_path).splitlines()[-1] == row
