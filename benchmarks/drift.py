@@ -55,7 +55,9 @@ class Session:
 
 def first_alarm(session: Session) -> tuple[int, str] | None:
     """Return the number of shots until the first alarm and what it names; None without any."""
-    plain = Trial("drift", SIMULATOR, shots=REFERENCE, seed=seed_of(session.number, "drift reference"))
+    plain = Trial(
+        "drift", SIMULATOR, shots=REFERENCE, seed=seed_of(session.number, "drift reference")
+    )
     monitor = DriftMonitor(shots_of(simulate_trial(plain)[0]), SIMULATOR)
     causes: dict[str, dict[str, float]] = {}
     if session.cause is not None:
