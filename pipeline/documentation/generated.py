@@ -77,6 +77,8 @@ BLOCKS: dict[str, Writer] = {
     "errors-real": partial(predictor_tables.position_errors, run="real/", arena=False),
     "forecasts-real": predictor_tables.measured_forecasts,
     "published-models": simulator_tables.published_table,
+    "simulator-scenes": simulator_tables.scenes_table,
+    "real-scenes": simulator_tables.real_scenes_table,
     "latency": live_tables.latency,
     "drift": live_tables.drift,
     "costs": predictor_tables.predictor_costs,

@@ -1,12 +1,17 @@
-"""Table of published models."""
+"""Tables of users' own simulators: published models, scenes with something wrong, measured sets."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+from pipeline.documentation.cells import HORIZON_HEADS, NONE
 from pipeline.engines.audit_text import with_cost
 from pipeline.io.artifacts import read_json
 from pipeline.io.markdown import markdown_table
 
 SIMULATORS = Path("reports") / "simulators"
+ENGINES = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
+ERRORS = ("before_mm", "after_mm", "floor_mm")
 
 
 def published_table(root: Path) -> str:
@@ -18,3 +23,46 @@ def published_table(root: Path) -> str:
         place = f"[{name}](https://github.com/{name}), {one['file']}"
         rows.append([place, one["says"], " ".join(sentences), values])
     return markdown_table(["model", "says", "traps", "does"], rows)
+
+
+def scenes_table(root: Path) -> str:
+    """What becomes of scenes with something wrong, a row a scene."""
+    rows = []
+    for engine, scenes in read_json(root / SIMULATORS / "scenes.json").items():
+        for one in scenes.values():
+            found = [_code(one["traps"]), one["verdict"], _code(one["leading"])]
+            right = "yes" if one["named_right"] else "no"
+            errors = _errors([one[name] for name in ERRORS], digits=1)
+            closed = f"{100 * one['removable_closed']:.0f} %"
+            rows.append([ENGINES[engine], one["hidden"], *found, right, errors, closed])
+    head = ["engine", "what is wrong", "traps", "verdict", "leading causes", "right"]
+    return markdown_table([*head, "error (mm)", "gap closed"], rows)
+
+
+def real_scenes_table(root: Path) -> str:
+    """Errors of published scenes on measured sets before and after amending."""
+    rows = []
+    for name, scenes in read_json(root / SIMULATORS / "real.json").items():
+        for scene, one in scenes.items():
+            errors = [_errors(sizes) for sizes in zip(*(one[key] for key in ERRORS), strict=True)]
+            fall = "{:.0f} to {:.0f}".format(*one["fall_mm"])
+            shots = ", ".join(map(str, one["shots"]))
+            verdicts = ", ".join(one["verdicts"])
+            rows.append([name, scene, shots, *errors, fall, verdicts, _code(_always(one))])
+    head = ["set", "scene", "shots", *HORIZON_HEADS, "error falls by (mm)", "verdicts"]
+    return markdown_table([*head, "leading in all"], rows)
+
+
+def _always(one: Any) -> list[str]:
+    """Return the causes that lead in all verdicts on a scene."""
+    first, *others = one["leading"]
+    return [name for name in first if all(name in some for some in others)]
+
+
+def _code(names: list[str]) -> str:
+    return ", ".join(f"`{one}`" for one in names) or NONE
+
+
+def _errors(sizes: Sequence[float], digits: int = 0) -> str:
+    before, after, floor = sizes
+    return f"{before:.{digits}f} → {after:.{digits}f} ({floor:.{digits}f})"

@@ -1,0 +1,65 @@
+"""The commands and the code of docs/tutorial-simulator.md work, and print what the page shows."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.clone import ROOT, environment
+
+pytest.importorskip("mujoco")
+pytestmark = pytest.mark.slow
+
+PAGE = ROOT / "docs" / "tutorial-simulator.md"
+BLOCK = re.compile(
+    r"(?:Save this as `(?P<file>[\w.]+)`[^\n]*\n\n)?```(?P<kind>\w*)\n(?P<text>.*?)```", re.S
+)
+INSTALL = "pip install"
+LEFT_OUT = "…\n"
+RALLYGAP = """rallygap() { python -c "from pipeline.cli import main; main()" "$@"; }\n"""
+
+
+def blocks():
+    """The page's blocks but those that install: their kinds, texts, and files to save them as."""
+    found = BLOCK.finditer(PAGE.read_text(encoding="utf-8"))
+    return [(one["kind"], one["text"], one["file"]) for one in found if INSTALL not in one["text"]]
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder in what looks like a clone."""
+    (tmp_path / "docs").symlink_to(ROOT / "docs")
+    (tmp_path / "tutorial").mkdir()
+    return tmp_path / "tutorial"
+
+
+def test_a_newcomer_sees_what_the_page_shows(folder):
+    printed, shown = "", 0
+    for kind, text, file in blocks():
+        if kind == "bash":
+            printed = run(folder, text)
+        elif file:
+            (folder / file).write_text(text)
+        else:
+            assert shows(text, printed), printed
+            shown += 1
+    assert shown == 6
+
+
+def run(folder: Path, command: str) -> str:
+    ended = subprocess.run(
+        ["bash", "-ec", RALLYGAP + command],
+        cwd=folder,
+        env={**environment(folder), "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
+    assert ended.returncode == 0, ended.stderr
+    return ended.stdout
+
+
+def shows(text: str, printed: str) -> bool:
+    """Whether a text is what was printed, but for the lines that it leaves out."""
+    parts = (re.escape(part) for part in text.split(LEFT_OUT))
+    return re.fullmatch("(.*\n)?".join(parts), printed, re.S) is not None
