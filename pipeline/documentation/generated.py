@@ -76,6 +76,8 @@ BLOCKS: dict[str, Writer] = {
     "errors-real": partial(predictor_tables.position_errors, run="real/", arena=False),
     "forecasts-real": predictor_tables.measured_forecasts,
     "published-models": simulator_tables.published_table,
+    "round-trip": simulator_tables.round_trip_table,
+    "round-trip-named": simulator_tables.without_attribute,
     "latency": live_tables.latency,
     "drift": live_tables.drift,
     "costs": predictor_tables.predictor_costs,
