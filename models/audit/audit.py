@@ -88,21 +88,26 @@ class Audit:
         return {phase: len(one.probes) for phase, one in self.flown.items()}
 
 
-def audit(engine: Engine, progress: Callable[[float], None] = lambda share: None) -> Audit:
+def audit(
+    engine: Engine,
+    progress: Callable[[float], None] = lambda share: None,
+    patience: float = PATIENCE,
+) -> Audit:
     """Fly probe shots and find the engine's effects.
 
     Args:
         engine: to be audited.
         progress: called with the share of the work that is done.
+        patience: s for the probes of a phase; infinite for all of them, however slow the machine.
 
     Raises:
         EngineError: the engine cannot fly the probes.
     """
-    flight = _flown(engine, flight_probes(), lambda share: progress(0.5 * share))
+    flight = _flown(engine, flight_probes(), lambda share: progress(0.5 * share), patience)
     limit = _spin_limit(flight)
     simulator, effects = _found(flight, BASE)
     unexplained: dict[Phase, Unexplained] = {"flight": _unexplained(flight, simulator)}
-    table = _flown(engine, bounce_probes(), lambda share: progress(0.5 + 0.5 * share))
+    table = _flown(engine, bounce_probes(), lambda share: progress(0.5 + 0.5 * share), patience)
     flown: dict[Phase, Flown] = {"flight": flight, "table": table}
     bounces = Bounces.of(table, simulator)
     if bounces.bounced.mean() < FEWEST_BOUNCES:
@@ -112,12 +117,14 @@ def audit(engine: Engine, progress: Callable[[float], None] = lambda share: None
     return Audit(simulator, (*effects, *more), unexplained, bounces, limit, flown)
 
 
-def _flown(engine: Engine, probes: Probes, progress: Callable[[float], None]) -> Flown:
+def _flown(
+    engine: Engine, probes: Probes, progress: Callable[[float], None], patience: float
+) -> Flown:
     """Fly probes a few at a time; leave some out if the first ones show that all take too long."""
     started = monotonic()
     engine.fly(probes[:FEW].states, probes.times)
     needed = (monotonic() - started) / FEW * len(probes)
-    kept = probes[:: max(1, min(ceil(needed / PATIENCE), len(probes) // FEWEST))]
+    kept = probes[:: max(1, min(ceil(needed / patience), len(probes) // FEWEST))]
     parts = []
     for first in range(0, len(kept), FEW):
         parts.append(engine.fly(kept[first : first + FEW].states, kept.times))

@@ -79,6 +79,8 @@ BLOCKS: dict[str, Writer] = {
     "published-models": simulator_tables.published_table,
     "simulator-scenes": simulator_tables.scenes_table,
     "real-scenes": simulator_tables.real_scenes_table,
+    "round-trip": simulator_tables.round_trip_table,
+    "round-trip-named": simulator_tables.without_attribute,
     "latency": live_tables.latency,
     "drift": live_tables.drift,
     "costs": predictor_tables.predictor_costs,

@@ -1,4 +1,4 @@
-"""Tables of users' own simulators: published models, scenes with something wrong, measured sets."""
+"""Tables of users' own simulators: published models, scenes, measured sets, round trips."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -66,3 +66,38 @@ def _code(names: list[str]) -> str:
 def _errors(sizes: Sequence[float], digits: int = 0) -> str:
     before, after, floor = sizes
     return f"{before:.{digits}f} → {after:.{digits}f} ({floor:.{digits}f})"
+
+
+def round_trip_table(root: Path) -> str:
+    """Largest differences of lists that go into scenes and come back: parameters by kinds."""
+    report = read_json(root / SIMULATORS / "round_trip.json")
+    kinds = report["kinds"]
+    first = next(iter(kinds.values()))["parameters"]
+    names = [
+        *first,
+        *sorted({name for one in kinds.values() for name in one["parameters"]} - {*first}),
+    ]
+    heads = [f"{name} ({one['lists']} lists)" for name, one in kinds.items()]
+    rows = [
+        [f"`{name}`", *(_difference(one["parameters"].get(name)) for one in kinds.values())]
+        for name in names
+    ]
+    return markdown_table(["parameter", *heads], rows)
+
+
+def without_attribute(root: Path) -> str:
+    """Parameters without attribute, and in how many lists the export names them."""
+    report = read_json(root / SIMULATORS / "round_trip.json")
+    return ", ".join(
+        f"`{name}` {one['named']} of {one['lists']}"
+        for name, one in report["without_attribute"].items()
+    )
+
+
+def _difference(found: dict[str, Any] | None) -> str:
+    """Return a largest difference in percent, in bold where it misses the target."""
+    if found is None:
+        return NONE
+    share = found["largest_difference"]
+    shown = f"{100 * share:.3g} %" if share else "< 0.001 %"
+    return shown if found["within_target"] else f"**{shown}**"

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from models.audit.audit import Audit, audit
+from models.audit.audit import PATIENCE, Audit, audit
 from models.audit.probes import bounce_probes
 from models.audit.traps import traps
 from models.ball.simulator import Simulator
@@ -15,12 +15,17 @@ from pipeline.runtime.errors import InputError
 FEW = 6  # probes that are flown twice
 
 
-def audited(engine: Engine, progress: Callable[[float], None] = lambda share: None) -> Audit:
+def audited(
+    engine: Engine,
+    progress: Callable[[float], None] = lambda share: None,
+    patience: float = PATIENCE,
+) -> Audit:
     """Return the audit of an engine; its values have six significant digits.
 
     Args:
         engine: to be audited.
         progress: called with the share of the work that is done.
+        patience: s for the probes of a phase, as ``audit`` takes it.
 
     Raises:
         InputError: the engine fails.
@@ -28,7 +33,7 @@ def audited(engine: Engine, progress: Callable[[float], None] = lambda share: No
     probes = bounce_probes()
     try:
         check_deterministic(engine, probes.states[:FEW], probes.times)
-        found = audit(engine, progress)
+        found = audit(engine, progress, patience)
     except EngineError as error:
         raise InputError(engine.name, str(error).removeprefix(f"{engine.name} ")) from None
     return replace(found, simulator=_rounded(found.simulator))

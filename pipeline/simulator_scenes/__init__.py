@@ -1,1 +1,1 @@
-"""Scenes of MuJoCo and PyBullet with something wrong, diagnosed and amended."""
+"""Scenes of MuJoCo and PyBullet: wrong ones are amended, and lists go into one and come back."""

@@ -1,12 +1,12 @@
 """The experiment ``make simulators``: minutes; writes ``reports/simulators``.
 
-Published models are audited. And recordings are simulated under the hidden physics; every scene is
-audited and diagnosed on them, and its ball amended. Then the scene as it is, and with the amended
-ball, fly other shots in their own engine. They start from their true launches, so a correct
-simulator errs by nothing.
+Published models are audited. Random lists of effects are written into scenes, where audits are to
+find them again. And recordings are simulated under the hidden physics; every scene is audited and
+diagnosed on them, and its ball amended. Then the scene as it is, and with the amended ball, fly
+other shots in their own engine. They start from their true launches, so a correct simulator errs by
+nothing.
 """
 
-import shutil
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -24,40 +24,39 @@ from models.gap.amend.simulator import amended
 from models.gap.diagnose import diagnose
 from pipeline.engines.audit_text import audit_content
 from pipeline.engines.audited import audited
-from pipeline.io.artifacts import read_json, write_json
-from pipeline.runtime.parallel import make_missing
+from pipeline.io.artifacts import write_json
 from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import combined_hash, short
 from pipeline.simulator_scenes.amended_flights import amended_flights
 from pipeline.simulator_scenes.published import PUBLISHED
+from pipeline.simulator_scenes.results import REPORTS, forget, results
+from pipeline.simulator_scenes.round_trip_report import round_trips
 from pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
 
 SHOTS, TESTED = 100, 40  # to diagnose on, and to fly
 TIMES: Floats = np.array([0.1, 0.2, 0.3, 0.4])  # s
 MM = 1e3
-SCRATCH = Path("scratch") / "simulator_scenes"
-DEPENDENCIES = ("models", "pipeline/engines", "pipeline/simulator_scenes")  # of results
 NO_TABLE = "no_table"  # a trap, but not of a scene that leaves it out
-REPORTS = Path("reports") / "simulators"
 SCENES, PUBLISHED_MODELS = "scenes.json", "published.json"
 
 
+def simulators(root: Path) -> None:
+    """Write all reports. A killed run resumes."""
+    published_models(root)
+    round_trips(root)
+    simulator_scenes(root)
+    forget(root)
+
+
 def simulator_scenes(root: Path) -> dict[str, dict[str, Any]]:
-    """Write what becomes of every scene; return it by engine and scene. A killed run resumes."""
-    scratch = root / SCRATCH / short(combined_hash(root, DEPENDENCIES))
-    found = {scratch / f"{one.engine}-{one.name}.json": one for one in scenes()}
-    tasks = {path: partial(_write_result, one, path) for path, one in found.items()}
-    make_missing(tasks, "scenes")
+    """Write what becomes of every scene; return it by engine and scene."""
+    found = {f"{one.engine}-{one.name}": one for one in scenes()}
+    makers = {name: partial(scene_result, one) for name, one in found.items()}
+    made = results(root, makers, "scenes")
     content: dict[str, dict[str, Any]] = {}
-    for path, one in found.items():
-        content.setdefault(one.engine, {})[one.name] = read_json(path)
+    for name, one in found.items():
+        content.setdefault(one.engine, {})[one.name] = made[name]
     write_json(root / REPORTS / SCENES, content)
-    shutil.rmtree(root / SCRATCH)
     return content
-
-
-def _write_result(scene: HiddenScene, path: Path) -> None:
-    write_json(path, scene_result(scene))
 
 
 def published_models(root: Path) -> None:
@@ -103,5 +102,4 @@ def _error(flown: Floats, launched: Floats) -> float:
 
 
 if __name__ == "__main__":
-    published_models(repository_root())
-    simulator_scenes(repository_root())
+    simulators(repository_root())

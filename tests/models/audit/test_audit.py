@@ -71,10 +71,9 @@ def test_the_grip_is_that_of_a_shell():
     assert bounces.restitution == pytest.approx(0.92)
 
 
-def test_a_slow_engine_gets_fewer_probes(monkeypatch):
-    monkeypatch.setattr("models.audit.audit.PATIENCE", 1e-9)
+def test_an_engine_that_takes_longer_than_patience_gets_fewer_probes():
     shares = []
-    found = audit(EffectsEngine("mine", Simulator.from_dict(PLAIN)), shares.append)
+    found = audit(EffectsEngine("mine", Simulator.from_dict(PLAIN)), shares.append, 1e-9)
     assert found.probes == {"flight": 24, "table": 30}
     assert {one.hypothesis.effect for one in found.effects} == set(PLAIN)
     assert shares == sorted(shares) and shares[-1] == 1.0

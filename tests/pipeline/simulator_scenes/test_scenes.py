@@ -8,6 +8,7 @@ import pytest
 import pipeline.simulator_scenes.run as experiment
 from models.exam.simulate.launches import launches
 from pipeline.simulator_scenes.amended_flights import amended_flights
+from pipeline.simulator_scenes.results import DEPENDENCIES, SCRATCH
 from pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
 
 pytest.importorskip("mujoco")
@@ -47,10 +48,11 @@ def test_what_becomes_of_a_scene_is_written(tmp_path, monkeypatch):
     monkeypatch.setattr(experiment, "scenes", lambda: iter([SCENES["mujoco.vacuum"]]))
     monkeypatch.setattr(experiment, "SHOTS", 40)
     monkeypatch.setattr(experiment, "TESTED", 6)
-    for name in experiment.DEPENDENCIES:
+    for name in DEPENDENCIES:
         (tmp_path / name).mkdir(parents=True)
     found = experiment.simulator_scenes(tmp_path)["mujoco"]["vacuum"]
-    assert not (tmp_path / experiment.SCRATCH).exists()
+    experiment.forget(tmp_path)
+    assert not (tmp_path / SCRATCH).exists()
     assert (
         json.loads((tmp_path / experiment.REPORTS / experiment.SCENES).read_text())["mujoco"][
             "vacuum"

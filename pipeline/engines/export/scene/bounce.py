@@ -78,9 +78,11 @@ class ContactChange:
         found = table_contact(scene.model, scene.ball, scene.frame)
         if found is None:
             return False
-        solref = self.attribute == "solref"
-        known = (-found.stiffness, -found.damping) if solref else found.friction[:1]
-        return bool(np.allclose(known, self.values, rtol=ROUNDING))
+        if self.attribute == "solref":
+            known, wanted = [-found.stiffness, -found.damping], self.values
+        else:  # MuJoCo's friction is never 0
+            known, wanted = [found.friction[0]], (max(self.values[0], mujoco.mjMINMU),)
+        return bool(np.allclose(known, wanted, rtol=ROUNDING))
 
     def _slots(self, party: Party) -> tuple[float, ...]:
         """Return the first numbers; a pair has friction along two directions of the table."""

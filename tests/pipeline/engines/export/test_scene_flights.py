@@ -2,12 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from models.ball.simulator import Simulator
 from models.engines.engine import EffectsEngine
-from pipeline.engines.audited import audited
 from pipeline.engines.export.scene.patch import patched
 from pipeline.engines.export.scene.shots import (
     AFTER,
@@ -85,28 +81,3 @@ def test_the_restitution_is_solved_for_the_scene(tmp_path, step, tolerance, soli
     launches[:, 1], launches[:, 2], launches[:, 5] = 0.7, 0.021, -speeds
     left = found.scene.fly(launches, np.array([0.05]))[:, 0, 5] + 9.81 * 0.05
     assert (left / speeds).mean() == pytest.approx(0.9, abs=tolerance)
-
-
-EFFECTS = st.fixed_dictionaries(
-    {
-        "gravity": st.fixed_dictionaries({"g": st.floats(9.7, 9.9)}),
-        "drag": st.fixed_dictionaries({"cd": st.floats(0.3, 0.7)}),
-        "magnus": st.fixed_dictionaries({"cm": st.floats(0.05, 0.4)}),
-        "wind": st.fixed_dictionaries({"x": st.floats(0.2, 1.0), "y": st.floats(-1.0, -0.2)}),
-        "frame_tilt": st.fixed_dictionaries({"x": st.floats(0.01, 0.05)}),
-        "table_bounce": st.fixed_dictionaries(
-            {"restitution": st.floats(0.8, 0.95), "friction": st.just(0.0)}
-        ),
-    }
-)
-
-
-@settings(max_examples=3, deadline=None)
-@given(EFFECTS)
-def test_an_audit_of_the_patched_scene_finds_the_list_again(tmp_path_factory, effects):
-    source = source_of(tmp_path_factory.mktemp("scene"), STIFF)
-    after = Simulator.from_dict(effects)
-    found = audited(patched(source, does(source), after, []).scene).simulator
-    for effect, values in effects.items():
-        for name, value in values.items():
-            assert found.effects[effect][name] == pytest.approx(value, rel=0.01, abs=1e-3)

@@ -139,6 +139,14 @@ def test_a_contact_pair_is_patched_where_there_is_one(tmp_path):
     assert 'friction="0.1 0.1 0 0 0"' in found.source.text
 
 
+def test_a_contact_loses_its_friction(tmp_path):
+    """MuJoCo keeps a friction of 1e-5, with which the change holds."""
+    text = SCENE.replace('friction="0 0 0"', 'friction=".2 .005 .0001"')
+    found, _ = patch_of(tmp_path, text, {"table_bounce": {"friction": 0.0}})
+    assert found.changes == ("friction",)
+    assert contact_of(found.scene).friction[0] < 1e-4
+
+
 def test_the_table_is_patched_where_the_ball_alone_does_not_decide(tmp_path):
     text = SCENE.replace('pos="1 2 .7475"', 'pos="1 2 .7475" solref="-1000000 -500"')
     found, _ = patch_of(tmp_path, text, {"table_bounce": {"restitution": 0.9}})
