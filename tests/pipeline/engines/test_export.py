@@ -116,6 +116,22 @@ def test_a_ball_of_mujoco_flies_as_the_simulator(tmp_path, step, integrator):
     assert np.array(flying.state()) == pytest.approx(expected.states[0, 0], abs=1e-4)
 
 
+@pytest.mark.parametrize("height", [-0.03, 0.03])
+def test_the_scene_s_table_is_not_met_where_the_table_has_another_height(tmp_path, height):
+    mujoco = pytest.importorskip("mujoco")
+    simulator = ALL.amended("table_height", h=height)
+    module = imported(tmp_path / "ball_effects.py", ball_effects(simulator, "all", [], "mujoco"))
+    model = mujoco.MjModel.from_xml_string(TURNED.format(step=0.002, integrator="RK4"))
+    flying = module.Ball(model, mujoco.MjData(model), "ball", (1.0, 2.0, 0.76), AXES)
+    first = np.array([0.1, 1.0, 0.3, 0.5, -5.0, -1.0, 120.0, 20.0, -60.0])
+    flying.set(tuple(first))
+    for _ in range(250):
+        flying.step()
+    expected = simulator.fly(first, [0.5])
+    assert expected.contacts.count[0] == 1
+    assert np.array(flying.state()) == pytest.approx(expected.states[0, 0], abs=1e-4)
+
+
 def test_what_is_not_the_table_meets_the_ball_as_before(tmp_path):
     mujoco = pytest.importorskip("mujoco")
     module = imported(tmp_path / "ball_effects.py", ball_effects(ALL, "all", [], "mujoco"))
