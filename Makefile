@@ -15,7 +15,7 @@ export DO_NOT_TRACK := true
 PIP := .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real exam learning-curves spread-policies simulators test test-naming test-all faults lint audit pictures bench docs ui
+.PHONY: help reproduce real exam learning-curves spread-policies simulators real-scenes test test-naming test-all faults lint audit pictures bench docs ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
@@ -49,6 +49,9 @@ spread-policies: .venv/ready ## half an hour: policies that observe how sure for
 
 simulators: .venv/ready ## minutes: scenes of MuJoCo and PyBullet with something wrong, diagnosed and amended
 	@python -m pipeline.simulator_scenes.run
+
+real-scenes: .venv/ready ## half an hour: published scenes of MuJoCo on the measured sets in DATA, before and after
+	@python -m pipeline.simulator_scenes.real
 
 test: .venv/ready ## the quick tests, in parallel on all cores
 	@pytest --numprocesses logical --dist loadfile

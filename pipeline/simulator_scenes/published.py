@@ -5,9 +5,13 @@ does not say, such as a table of another shape, is ours.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from models.ball.simulator import Simulator
 from models.engines.engine import EffectsEngine, Engine
+
+if TYPE_CHECKING:
+    from models.engines.mujoco.scene import MujocoScene
 
 SCENE = """<mujoco>
   <option timestep="0.002" integrator="RK4" cone="elliptic" {option}/>
@@ -51,10 +55,15 @@ class PublishedModel:
         if self.scene is None:
             assert self.effects is not None  # of another engine
             return EffectsEngine(self.name, self.effects)
+        return self.scene_of_mujoco()
+
+    def scene_of_mujoco(self) -> "MujocoScene":
+        """Return the scene of a model of MuJoCo."""
         import mujoco
 
         from models.engines.mujoco.scene import MujocoScene
 
+        assert self.scene is not None  # of MuJoCo
         return MujocoScene.of(self.name, mujoco.MjModel.from_xml_string(self.scene))
 
 
