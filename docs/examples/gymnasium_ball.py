@@ -22,7 +22,7 @@ class AmendedBall(gymnasium.Wrapper):
 
     It replaces ``do_simulation`` of the environment itself, so that observations and rewards are
     of the amended ball. For the scene as it is, make another environment. The ball has no state but
-    that of the scene, so a reset is the environment's alone; it may load its scene anew.
+    that of the scene, so a reset is the environment's alone; it may load its scene again.
 
     Args:
         env: its unwrapped environment has ``model`` and ``data`` of MuJoCo and simulates in

@@ -8,6 +8,7 @@ import pandas as pd
 from pipeline.runtime.errors import InputError
 
 NONE = "–"
+ERRORS = ("before_mm", "after_mm", "floor_mm")
 HORIZONS_MS = (100, 200, 300)
 HORIZON_HEADS = [f"{horizon} ms" for horizon in HORIZONS_MS]
 PREDICTORS = {
@@ -46,6 +47,20 @@ def read_report(root: Path, name: str, query: str = "") -> Any:
         raise InputError(path, "is missing; run the stage that writes it")
     table = pd.read_csv(path)
     return table.query(query) if query else table
+
+
+def before_after(row: Any, prefix: str = "", digits: int = 0) -> str:
+    """Return errors before and after amending, and the floor, in mm; a dash for none.
+
+    Args:
+        row: with ``before_mm``, ``after_mm`` and ``floor_mm``.
+        prefix: of these names.
+        digits: after the point.
+    """
+    before, after, floor = (row[f"{prefix}{name}"] for name in ERRORS)
+    if pd.isna(before):
+        return NONE
+    return f"{before:.{digits}f} → {after:.{digits}f} ({floor:.{digits}f})"
 
 
 def number(value: float) -> str:

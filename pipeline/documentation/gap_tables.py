@@ -9,6 +9,7 @@ from pipeline.documentation.cells import (
     HORIZON_HEADS,
     HORIZONS_MS,
     NONE,
+    before_after,
     in_points,
     number,
     read_report,
@@ -123,7 +124,7 @@ def real_summary(root: Path) -> str:
         means = errors.query(chosen).groupby("horizon_ms").mean(numeric_only=True)
         gravity = int(gravities.query(chosen)["found"].sum())
         falls, named = (some["reduction_low_mm"] > 0).sum(), (some["verdict"] == "named").sum()
-        cells = [_errors(means.loc[horizon]) for horizon in HORIZONS_MS]
+        cells = [before_after(means.loc[horizon]) for horizon in HORIZONS_MS]
         counts = [f"{count} of {len(some)}" for count in (falls, named, gravity)]
         rows.append([source, BASES[base], *cells, *counts])
     head = ["set", "base simulator", *HORIZON_HEADS]
@@ -137,11 +138,10 @@ def real_errors(root: Path) -> str:
     rows = []
     for _, row in _real(root, "verdicts").iterrows():
         at = [(*row[keys[:3]], horizon) for horizon in HORIZONS_MS]
-        cells = [_errors(errors.loc[one]) if one in errors.index else NONE for one in at]
+        cells = [before_after(errors.loc[one]) if one in errors.index else NONE for one in at]
         fall = f"{row['reduction_low_mm']:.0f} to {row['reduction_high_mm']:.0f}"
-        landing = row.filter(like="landing_").rename(lambda name: name.removeprefix("landing_"))
         case = [row["source"], BASES[row["simulator"]], row["split"], row["verdict"]]
-        rows.append([*case, *cells, fall, _errors(landing)])
+        rows.append([*case, *cells, fall, before_after(row, "landing_")])
     head = ["set", "base simulator", "split", "verdict", *HORIZON_HEADS]
     return markdown_table([*head, "error falls by (mm)", "landing"], rows)
 
@@ -188,10 +188,3 @@ def _stable_causes(leading: Any) -> Any:
 def _real(root: Path, name: str) -> Any:
     table = read_report(root, f"real/close_gap/{name}.csv")
     return table[table["source"].isin(SETS)]
-
-
-def _errors(row: Any) -> str:
-    """Return errors before and after amending, and the floor."""
-    if pd.isna(row["before_mm"]):
-        return NONE
-    return f"{row['before_mm']:.0f} → {row['after_mm']:.0f} ({row['floor_mm']:.0f})"

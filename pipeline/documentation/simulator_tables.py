@@ -1,17 +1,15 @@
 """Tables of users' own simulators: published models, scenes, measured sets, round trips."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.documentation.cells import HORIZON_HEADS, NONE
+from pipeline.documentation.cells import ERRORS, HORIZON_HEADS, NONE, before_after
 from pipeline.engines.audit_text import with_cost
 from pipeline.io.artifacts import read_json
 from pipeline.io.markdown import markdown_table
 
 SIMULATORS = Path("reports") / "simulators"
 ENGINES = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
-ERRORS = ("before_mm", "after_mm", "floor_mm")
 
 
 def published_table(root: Path) -> str:
@@ -32,7 +30,7 @@ def scenes_table(root: Path) -> str:
         for one in scenes.values():
             found = [_code(one["traps"]), one["verdict"], _code(one["leading"])]
             right = "yes" if one["named_right"] else "no"
-            errors = _errors([one[name] for name in ERRORS], digits=1)
+            errors = before_after(one, digits=1)
             closed = f"{100 * one['removable_closed']:.0f} %"
             rows.append([ENGINES[engine], one["hidden"], *found, right, errors, closed])
     head = ["engine", "what is wrong", "traps", "verdict", "leading causes", "right"]
@@ -44,7 +42,10 @@ def real_scenes_table(root: Path) -> str:
     rows = []
     for name, scenes in read_json(root / SIMULATORS / "real.json").items():
         for scene, one in scenes.items():
-            errors = [_errors(sizes) for sizes in zip(*(one[key] for key in ERRORS), strict=True)]
+            errors = [
+                before_after(dict(zip(ERRORS, sizes, strict=True)))
+                for sizes in zip(*(one[key] for key in ERRORS), strict=True)
+            ]
             fall = "{:.0f} to {:.0f}".format(*one["fall_mm"])
             shots = ", ".join(map(str, one["shots"]))
             verdicts = ", ".join(one["verdicts"])
@@ -61,11 +62,6 @@ def _always(one: Any) -> list[str]:
 
 def _code(names: list[str]) -> str:
     return ", ".join(f"`{one}`" for one in names) or NONE
-
-
-def _errors(sizes: Sequence[float], digits: int = 0) -> str:
-    before, after, floor = sizes
-    return f"{before:.{digits}f} → {after:.{digits}f} ({floor:.{digits}f})"
 
 
 def round_trip_table(root: Path) -> str:
