@@ -35,5 +35,5 @@ def drift(root: Path) -> str:
             cells.append(f"{shots}, {100 * one['named_right']:.0f} %")
         rows.append([f"`{cause}`", *cells])
     heads = [f"{size}: shots, named right" for size in next(iter(found["causes"].values()))]
-    alarms = f"{found['false_alarms']} false alarms in {found['shots']:,} shots without a change."
+    alarms = f"False alarms: {found['false_alarms']} in {found['shots']:,} shots without a change."
     return f"{alarms}\n\n{markdown_table(['changed', *heads], rows)}"
