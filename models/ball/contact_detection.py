@@ -14,6 +14,7 @@ from models.ball.state import BALL_RADIUS, NET_HEIGHT, TABLE_HALF_LENGTH, TABLE_
 from models.ball.types import Environment, Parameters, Scene, State, Vector
 
 SCAN_DISTANCE = 0.002  # m, shortest distance between two samples of the scan
+SCAN_SAMPLES = 1000  # most samples within a step of flight; enough below 400 m/s
 MARGIN = 0.006  # m by which a step's path may leave its chord
 TIME_TOLERANCE = 1e-14  # s
 TIE = 1e-12  # s; contacts closer than this are simultaneous
@@ -95,10 +96,11 @@ def first_touch(
 ) -> tuple[float, float]:
     """Return a bracket (before, after) in seconds of the first touch, or (h, h) without one."""
     speed = max(math.sqrt(max(squared_speed(a), squared_speed(b))), 1e-3)
+    shortest = max(SCAN_DISTANCE / speed, h / SCAN_SAMPLES)
     clear = now = 0.0
     gap = _clearance(a[0], a[1], a[2], scene)
     while now < h:
-        now = min(now + max(gap, SCAN_DISTANCE) / speed, h)
+        now = min(now + max(gap / speed, shortest), h)
         x, y, z = _cubic(a, b, h, now / h)
         gap = _clearance(x, y, z, scene)
         if gap < 0.0:

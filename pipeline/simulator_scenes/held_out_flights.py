@@ -12,13 +12,12 @@ from scipy.interpolate import make_interp_spline
 
 from models.ball.sensor import delays, measured_positions, true_times
 from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN, VELOCITY
+from models.ball.state import POSITION, VELOCITY
 from models.ball.types import Floats
 from models.engines.engine import Engine
 from models.gap.fit.horizons import at_horizons, first_samples, last_observed_time
 from models.gap.fit.linearize import ballistic_nuisance
 from models.gap.fit.noise import Noise
-from models.gap.fit.refit import RefitResult
 from models.gap.fit.shot_fit import fit_shots, refit_shots
 from models.gap.fit.shots import Shots
 from models.gap.settings import DEFAULTS
@@ -83,13 +82,6 @@ class FlownPredictions:
         speeds = np.linalg.norm(_between(marks, paths, moments)[..., VELOCITY], axis=-1)
         seen = _between(marks, paths, moments - delays(self.simulator, speeds))
         return measured_positions(self.simulator, seen[..., POSITION])
-
-
-def typical_spin(fit: RefitResult) -> float:
-    """Return the size of a component of the spins of fitted shots, rad/s."""
-    squares = (fit.linear.nuisance[:, SPIN] ** 2).mean(axis=1)
-    typical = np.sqrt(np.average(squares, weights=fit.noise_estimate.shot_weights))
-    return max(float(typical), DEFAULTS.name.min_spin)
 
 
 def _between(marks: Floats, paths: Floats, moments: Floats) -> Floats:

@@ -21,7 +21,7 @@ from models.gap.verify.prediction_error import HeldOut
 from models.gap.verify.replicates import simulate_replicate
 from pipeline.engines.export.code import ball_effects
 from pipeline.known_answers.answers import Diagnosis
-from pipeline.simulator_scenes.held_out_flights import FlownPredictions, typical_spin
+from pipeline.simulator_scenes.held_out_flights import FlownPredictions
 from pipeline.simulator_scenes.published import PublishedModel
 
 
@@ -69,7 +69,8 @@ class MeasuredScene:
         after, scene = amended(self.nominal, verdict), self.model.scene_of_mujoco()
         fit = _read(self.shots[self.part != number], lambda shots: _refit(shots, after))
         noise = fit.noise_estimate.noise
-        spins = [typical_spin(one) for one in (_refit(fit.linear.shots, self.nominal), fit)]
+        fits = (_refit(fit.linear.shots, self.nominal), fit)
+        spins = [one.typical_spin(DEFAULTS.name.min_spin) for one in fits]
         step = float(scene.model.opt.timestep)
         code = CodedBall(scene.name, ball_effects(after, scene.name, [], "mujoco"), scene)
         as_it_is = FlownPredictions(scene, step, self.nominal, noise, spins[0])

@@ -33,9 +33,9 @@ from pipeline.simulator_scenes.held_out_flights import HORIZONS
 from pipeline.simulator_scenes.measured_scene import MeasuredScene
 from pipeline.simulator_scenes.published import PUBLISHED
 
-GOOGLE, MYOSUITE = "google-deepmind/competitive_robot_table_tennis", "MyoHub/myosuite"
-# Scenes whose balls bounce, by set. From the vacuum of myosuite's, naming fails on tt3d.
-SCENES = {"tt3d": (GOOGLE,), "spindoe": (GOOGLE, MYOSUITE)}
+SETS = ("tt3d", "spindoe")
+# Scenes whose balls bounce.
+SCENES = ("google-deepmind/competitive_robot_table_tennis", "MyoHub/myosuite")
 PARTS = 3
 REPORT = Path("reports") / "simulators" / "real.json"
 SCRATCH = Path("scratch") / "real_scenes"
@@ -54,7 +54,7 @@ def real_scenes(root: Path, folder: Path) -> dict[str, dict[str, Any]]:
     Raises:
         InputError: a set cannot be read.
     """
-    pairs = [one for name in SCENES for one in _scenes(root, folder, name)]
+    pairs = [one for name in SETS for one in _scenes(root, folder, name)]
     each = [(one, number) for one in pairs for number in range(PARTS)]
     found = verdicts([one.diagnosis(number) for one, number in each], "verdicts")
     tasks = [
@@ -79,7 +79,7 @@ def _scenes(root: Path, folder: Path, name: str) -> Iterator[MeasuredScene]:
     code = short(combined_hash(root, DEPENDENCIES))
     scratch = root / SCRATCH / code / short(fingerprint(root, shots, PARTS))
     for model in PUBLISHED:
-        if model.name in SCENES[name]:
+        if model.name in SCENES:
             nominal = audited(model.build(), patience=inf).simulator
             yield MeasuredScene(name, model, nominal, shots, part, scratch)
 

@@ -28,7 +28,7 @@ TRUTH = Simulator.from_dict(
 EXAMPLE = "docs/examples/pybullet_ball.py"
 
 MJCF = """<mujoco model="table tennis">
-  <option timestep="{step}" integrator="{integrator}" density="{density}"
+  <option timestep="{step}" integrator="{integrator}" density="{density}" viscosity="{viscosity}"
     wind="{wind}" gravity="{gravity}"/>
   <worldbody>
     <geom name="table" type="box" size=".7625 1.37 .0125" pos="0 0 -.0125"/>
@@ -45,6 +45,7 @@ RIGHT = {
     "step": "0.0005",
     "integrator": "RK4",
     "density": "1.2",
+    "viscosity": "0",
     "wind": "0.1 -0.15 0",
     "gravity": "0 0 -9.81",
     "shell": 'shellinertia="true"',
@@ -112,6 +113,7 @@ MUJOCO: tuple[_Row, ...] = (
     ("soft", "the default contact, restitution .135", _RESTITUTION, {"solref": "0.02 1"}),
     ("friction", "friction .05", _FRICTION, {"friction": "0.05"}),
     ("solid", "a solid sphere", _FRICTION, {"shell": ""}),
+    ("viscosity", "drag in proportion to speed", ("linear_drag.k1",), {"viscosity": "0.0022"}),
     ("euler", "Euler's integrator with steps of 4 ms", ("gravity.g",),
      {"integrator": "Euler", "step": "0.004"}),
 )  # fmt: skip

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from models.ball.simulator import Simulator
+from models.ball.state import SPIN
 from models.ball.types import Floats
 from models.gap.fit.linearize import Linearised, linearise
 from models.gap.fit.noise import GramMatrices, Noise, gram_matrices
@@ -58,6 +59,12 @@ class RefitResult:
     def corrected_shots(self) -> Shots:
         """The shots less their shared errors."""
         return self.linear.shots.corrected(self.camera_errors)
+
+    def typical_spin(self, least: float) -> float:
+        """Return the size of a component of the shots' spins, rad/s, but no less than ``least``."""
+        squares = (self.linear.nuisance[:, SPIN] ** 2).mean(axis=1)
+        typical = np.sqrt(np.average(squares, weights=self.noise_estimate.shot_weights))
+        return max(float(typical), least)
 
     def __getitem__(self, rows: Indices) -> "RefitResult":
         """Return some of the shots, about the same simulator in the same noise."""
@@ -179,7 +186,9 @@ def _values(simulator: Simulator, free: tuple[Hypothesis, ...]) -> Floats:
 
 def _with_values(simulator: Simulator, free: tuple[Hypothesis, ...], values: Floats) -> Simulator:
     for hypothesis, value in zip(free, values, strict=True):
-        simulator = hypothesis.at(simulator, float(value))
+        # A step to a bound may end beyond it by the last digit.
+        within = np.clip(value, *hypothesis.declaration.bounds)
+        simulator = hypothesis.at(simulator, float(within))
     return simulator
 
 

@@ -16,7 +16,6 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from models.ball.simulator import Simulator
-from models.ball.state import SPIN
 from models.gap.fit.refit import RefitResult, likelihood_gain, refit
 from models.gap.fit.shots import Shots, spread_evenly
 from models.gap.hypotheses import LABEL_SIGNS, Hypothesis, hypotheses
@@ -75,7 +74,7 @@ class Named:
     def spins(self) -> tuple[float, float]:
         """Sizes of a component of a spin, rad/s, by the nominal simulator and with the causes."""
         least = self.readings.settings.name.min_spin
-        return _typical_spin(self.before, least), _typical_spin(self.fit, least)
+        return self.before.typical_spin(least), self.fit.typical_spin(least)
 
 
 def name(
@@ -261,12 +260,6 @@ def with_estimates(explainer: Explainer, causes: Places) -> Simulator:
         hypothesis = explainer.evidence.columns[k]
         simulator = hypothesis.at(simulator, float(np.clip(value, *hypothesis.declaration.bounds)))
     return simulator
-
-
-def _typical_spin(fit: RefitResult, min_spin: float) -> float:
-    squares = (fit.linear.nuisance[:, SPIN] ** 2).mean(axis=1)
-    typical = np.sqrt(np.average(squares, weights=fit.noise_estimate.shot_weights))
-    return max(float(typical), min_spin)
 
 
 def _with_lift(shots: Shots, question: Question) -> RefitResult | None:

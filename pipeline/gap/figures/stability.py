@@ -54,7 +54,8 @@ def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
     panels = figure.subplots(1, len(simulators), sharex=True, sharey=True, squeeze=False)[0]
     for axes, simulator in zip(panels, simulators, strict=True):
         _draw_causes(axes, [d for d in diagnosed if d.case.simulator_name == simulator], names)
-        axes.set(title=_title(simulator), xlabel="estimate − simulator (min. detectable effects)")
+        axes.set_title(_title(simulator))
+    figure.supxlabel("estimate − simulator (min. detectable effects)", fontsize="medium")
     panels[0].set_yticks(range(len(names)), names)
     panels[0].set_ylim(len(names) - 0.5, -0.5)
     add_legend(figure)

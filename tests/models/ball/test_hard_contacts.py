@@ -130,6 +130,12 @@ def test_tiny_steps_add_up():
     assert end[1] - 1 == pytest.approx(-30 * 2e-9, rel=1e-4)
 
 
+def test_a_flight_at_absurd_speed_comes_to_its_end():
+    """A fit that is far off may ask for it."""
+    states = DEAD.fly([0, 1, 0.1, 0, -1e12, 0, 0, 0, 0], TIMES).states
+    assert states[0, -1, 1] == pytest.approx(1 - 1e12 * TIMES[-1])
+
+
 def test_a_simulator_is_described_without_numba():
     program = "import sys, models.ball.simulator; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

@@ -65,7 +65,8 @@ def test_errors_before_and_after_amending_are_written(tmp_path, monkeypatch):
     names = {"drag.cd": 0.54, "magnus.cm": 0.069, "table_bounce.friction": 0.25}
     right = found(*(cause(name, value, nominal=1.0) for name, value in names.items()))
     monkeypatch.setattr(answers, "diagnose", lambda shots, simulator: right)
-    monkeypatch.setattr(real, "SCENES", {"csv": ("lab/scene",)})
+    monkeypatch.setattr(real, "SETS", ("csv",))
+    monkeypatch.setattr(real, "SCENES", ("lab/scene",))
     monkeypatch.setattr(real, "PUBLISHED", (LITTLE_AIR,))
     with joblib.parallel_config(backend="sequential"):
         content = real.real_scenes(tmp_path, tmp_path / "sets")
