@@ -77,6 +77,7 @@ BLOCKS: dict[str, Writer] = {
     "errors-real": partial(predictor_tables.position_errors, run="real/", arena=False),
     "forecasts-real": predictor_tables.measured_forecasts,
     "published-models": simulator_tables.published_table,
+    "larger-spins": simulator_tables.larger_spins_table,
     "simulator-scenes": simulator_tables.scenes_table,
     "real-scenes": simulator_tables.real_scenes_table,
     "round-trip": simulator_tables.round_trip_table,

@@ -9,6 +9,7 @@ from pipeline.io.artifacts import read_json
 from pipeline.io.markdown import markdown_table
 
 SIMULATORS = Path("reports") / "simulators"
+ENDS = ("net", "out", "missed")  # of points
 ENGINES = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
 
 
@@ -21,6 +22,19 @@ def published_table(root: Path) -> str:
         place = f"[{name}](https://github.com/{name}), {one['file']}"
         rows.append([place, one["says"], " ".join(sentences), values])
     return markdown_table(["model", "says", "traps", "does"], rows)
+
+
+def larger_spins_table(root: Path) -> str:
+    """What games of the arena are like with larger spins, a row a level and factor."""
+    rows = []
+    for level, records in read_json(root / SIMULATORS / "larger_spins.json").items():
+        for one in records:
+            spins = f"{one['spin_median']:.0f}, {one['spin_p95']:.0f}"
+            ends = ", ".join(f"{100 * one['ended_by'][kind]:.0f}" for kind in ENDS)
+            bend, strokes = f"{one['bend_mm']:.0f}", f"{one['strokes_a_point']:.1f}"
+            rows.append([level, f"{one['factor']:g}", spins, bend, strokes, ends])
+    head = ["level", "spins times", "median, 95 % (rad/s)", "lift moves the ball by (mm)"]
+    return markdown_table([*head, "strokes a point", f"{', '.join(ENDS)} (% of points)"], rows)
 
 
 def scenes_table(root: Path) -> str:

@@ -1,10 +1,10 @@
 """The experiment ``make simulators``: minutes; writes ``reports/simulators``.
 
-Published models are audited. Random lists of effects are written into scenes, where audits are to
-find them again. And recordings are simulated under the hidden physics; every scene is audited and
-diagnosed on them, and its ball amended. Then the scene as it is, and with the amended ball, fly
-other shots in their own engine. They start from their true launches, so a correct simulator errs by
-nothing.
+Published models are audited. Games are played with larger spins than published ones. Random lists
+of effects are written into scenes, where audits are to find them again. And recordings are
+simulated under the hidden physics; every scene is audited and diagnosed on them, and its ball
+amended. Then the scene as it is, and with the amended ball, fly other shots in their own engine.
+They start from their true launches, so a correct simulator errs by nothing.
 """
 
 from functools import partial
@@ -28,6 +28,7 @@ from pipeline.engines.audited import audited
 from pipeline.io.artifacts import write_json
 from pipeline.runtime.paths import repository_root
 from pipeline.simulator_scenes.amended_flights import amended_flights
+from pipeline.simulator_scenes.larger_spins import larger_spins
 from pipeline.simulator_scenes.published import PUBLISHED
 from pipeline.simulator_scenes.results import REPORTS, forget, results
 from pipeline.simulator_scenes.round_trip_report import round_trips
@@ -43,6 +44,7 @@ SCENES, PUBLISHED_MODELS = "scenes.json", "published.json"
 def simulators(root: Path) -> None:
     """Write all reports. A killed run resumes."""
     published_models(root)
+    larger_spins(root)
     round_trips(root)
     simulator_scenes(root)
     forget(root)

@@ -4,7 +4,11 @@ import json
 
 import pytest
 
-from pipeline.documentation.simulator_tables import real_scenes_table, scenes_table
+from pipeline.documentation.simulator_tables import (
+    larger_spins_table,
+    real_scenes_table,
+    scenes_table,
+)
 
 
 @pytest.fixture
@@ -54,4 +58,19 @@ def test_a_scene_on_a_measured_set_has_the_causes_that_all_its_verdicts_have(wri
     assert real_scenes_table(root).splitlines()[-1] == (
         "| tt3d | lab/scene | 30, 29, 21 | 20 → 15 (14) | 61 → 40 (39) | 100 → 72 (70) "
         "| 9 to 32 | ambiguous, named | `magnus.cm` |"
+    )
+
+
+def test_games_with_larger_spins_have_a_row_for_each_factor(write):
+    one = {
+        "factor": 1.7,
+        "spin_median": 76.4,
+        "spin_p95": 156.5,
+        "bend_mm": 60.7,
+        "strokes_a_point": 5.29,
+        "ended_by": {"missed": 0.115, "net": 0.275, "out": 0.576, "double_bounce": 0.034},
+    }
+    root = write("larger_spins.json", {"amateur": [one]})
+    assert larger_spins_table(root).splitlines()[-1] == (
+        "| amateur | 1.7 | 76, 156 | 61 | 5.3 | 28, 58, 12 |"
     )
