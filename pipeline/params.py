@@ -72,9 +72,6 @@ class FineTuningSettings(Settings):
     """Data sets; an empty list leaves fine-tuning out."""
     epochs: Annotated[int, Field(ge=1, le=10_000)]
     windows_per_episode: Annotated[int, Field(ge=1, le=100)]
-    learning_rate: Annotated[float, Field(gt=0, le=1)]
-    matrix_learning_rate: Annotated[float, Field(gt=0, le=1)] | None
-    """As in training: without one (null) Adam trains all."""
 
 
 class TrainPredictorSettings(Settings):

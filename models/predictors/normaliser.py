@@ -66,6 +66,10 @@ class Normaliser(nn.Module):
             motion: (B, 60, 9) the baseline, which the network corrects.
         """
         self.history_mean, self.history_spread = _moments(_network_view(history, motion), mask)
+        self.fit_outputs(future, measured, motion)
+
+    def fit_outputs(self, future: Tensor, measured: Tensor, motion: Tensor) -> None:
+        """Compute mean and spread of what the baseline leaves; arguments are those of ``fit``."""
         self.future_mean, spread = _moments(_rotated(future - motion, motion), measured)
         by_quantity = spread.view(3, 3).square().mean(dim=1, keepdim=True).sqrt()
         self.future_spread = (

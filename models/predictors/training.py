@@ -143,10 +143,19 @@ class WindowData(lightning.LightningDataModule):
 
     def fit_normaliser(self, network: ForecastNetwork) -> None:
         """Fit the network's normaliser to training windows."""
+        window = self._fitting_windows()
+        network.normaliser.fit(*window, network.baseline(*window[:2]))
+
+    def fit_outputs(self, network: ForecastNetwork) -> None:
+        """Fit the scale of a network's outputs alone, whose baseline is another one now."""
+        history, mask, future, measured = self._fitting_windows()
+        motion = network.baseline(history, mask)
+        network.normaliser.fit_outputs(future, measured, motion)
+
+    def _fitting_windows(self) -> Batch:
         random = np.random.default_rng([self.seed, _FITTING])
         episodes = random.integers(0, self.train.episodes, LARGEST_FIT)
-        window = self.train.windows(self.train.draw_anchors(episodes, random))
-        network.normaliser.fit(*window, network.baseline(*window[:2]))
+        return self.train.windows(self.train.draw_anchors(episodes, random))
 
     def setup(self, stage: str) -> None:
         """Move the tracks to the training device, once for all epochs."""

@@ -18,8 +18,7 @@ from pipeline.gap.shots import shots_of, source_shots
 from pipeline.io.episodes import MeasuredEpisode
 from pipeline.predictors.parallel_training import TrainingJob
 
-HYBRID, TRANSFORMER = "hybrid", "transformer"
-ON_AMENDED = "hybrid_on_amended"
+HYBRID, TRANSFORMER, OTHER = "hybrid", "transformer", "transformer_2"
 
 
 def amended_by(episodes: Sequence[MeasuredEpisode], nominal: Simulator) -> Simulator:
@@ -33,12 +32,14 @@ class FineTuning:
     """Networks that are fine-tuned to some recordings.
 
     Attributes:
-        networks: trained on the arena: a transformer and a hybrid.
+        transformer: trained on the arena.
+        hybrid: trained on the arena.
         settings: of the fine-tuning.
         seed: of every draw.
     """
 
-    networks: dict[str, ForecastNetwork]
+    transformer: ForecastNetwork
+    hybrid: ForecastNetwork
     settings: TrainingSettings
     seed: int
 
@@ -49,7 +50,10 @@ class FineTuning:
         name: str,
         folder: Path,
     ) -> Iterator[TrainingJob]:
-        """Yield the trainings: of both networks, and of a hybrid that corrects this predictor.
+        """Yield the trainings: of a hybrid that corrects this predictor, and two transformers.
+
+        The second transformer sees other draws of windows. It is what an ensemble of a transformer
+        and the hybrid is compared with.
 
         Args:
             episodes: to learn from.
@@ -59,17 +63,25 @@ class FineTuning:
         """
         tracks = build_tracks([one.episode for one in episodes if one.unbroken])
         # Nothing is chosen by validation, so there is none of its own.
-        data = WindowData(tracks, tracks, self.settings, self.seed)
-        start = {key: copy.deepcopy(one) for key, one in self.networks.items()}
-        start[ON_AMENDED] = _correcting(start[HYBRID], physics)
-        for key, network in start.items():
-            yield TrainingJob(f"{key}-{name}", network, data, folder / f"{key}-{name}")
+        data, other = (
+            WindowData(tracks, tracks, self.settings, seed) for seed in (self.seed, self.seed + 1)
+        )
+        jobs = {
+            HYBRID: (_correcting(self.hybrid, physics, data), data),
+            TRANSFORMER: (copy.deepcopy(self.transformer), data),
+            OTHER: (copy.deepcopy(self.transformer), other),
+        }
+        for key, (network, own) in jobs.items():
+            yield TrainingJob(f"{key}-{name}", network, own, folder / f"{key}-{name}")
 
 
-def _correcting(hybrid: ForecastNetwork, physics: PhysicsPredictor) -> ForecastNetwork:
+def _correcting(
+    hybrid: ForecastNetwork, physics: PhysicsPredictor, data: WindowData
+) -> ForecastNetwork:
     """Return a hybrid that says that another predictor is right, until it learns otherwise."""
     network = copy.deepcopy(hybrid)
     network.physics = physics
     assert isinstance(network.network, Transformer)
     network.network.start_at_baseline()
+    data.fit_outputs(network)  # what this predictor leaves may be larger
     return network

@@ -1,8 +1,8 @@
 """Forecasts of measured sets, by cross-validation over recordings (``make real``; a quarter hour).
 
 Every recording is tested once, by predictors that the other folds adapted: the literature's
-simulator amended, and networks of the arena fine-tuned. Needs the trained networks of
-`dvc repro train_predictor`. A killed run resumes.
+simulator amended, a hybrid that corrects this one, and transformers, both trained on the arena and
+fine-tuned. Needs the trained networks of `dvc repro train_predictor`. A killed run resumes.
 """
 
 import hashlib
@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
+from models.predictors.ensemble import EnsemblePredictor
 from models.predictors.evaluation import SHOWN_HORIZONS_MS, concat_tables
 from models.predictors.learned import LearnedPredictor
 from models.predictors.physics import PhysicsPredictor
@@ -33,7 +34,7 @@ from pipeline.io.simulators import load_simulator
 from pipeline.params import EvaluatePredictorSettings, Params, load_params
 from pipeline.predictors.parallel_training import TrainingResult, train_networks
 from pipeline.predictors.storage import load_network
-from pipeline.real_forecasts.adapted import HYBRID, ON_AMENDED, TRANSFORMER, FineTuning, amended_by
+from pipeline.real_forecasts.adapted import HYBRID, OTHER, TRANSFORMER, FineTuning, amended_by
 from pipeline.real_forecasts.tested import Fold, Tested
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
@@ -44,9 +45,14 @@ SETS, FOLDS = ("spindoe", "tt3d", "isr_ball_prediction"), 5
 NOMINAL, AMENDED = "literature", "amended"
 REPORT = Path("reports") / "real"
 SCRATCH = Path("scratch") / "real_forecasts"
+Predictors = Mapping[str, ProbabilisticPredictor]  # by name
 # What results depend on, besides the recordings.
 DEPENDENCIES = ("models", "pipeline/real_forecasts", "params.yaml", "artifacts/train_predictor")
-COMPARED = (AMENDED, HYBRID, ON_AMENDED)  # with all others, window by window
+ENSEMBLES = {
+    "transformer_ensemble": (TRANSFORMER, OTHER),
+    "hybrid_ensemble": (HYBRID, TRANSFORMER),
+}
+COMPARED = (HYBRID, "hybrid_ensemble")  # with all others, window by window
 
 
 def real_forecasts(root: Path, folder: Path) -> None:
@@ -102,24 +108,32 @@ def _folds(folder: Path, name: str) -> list[Fold]:
     ]
 
 
-def _adapted(
-    folds: list[Fold], root: Path, params: Params, scratch: Path
-) -> dict[str, dict[str, ProbabilisticPredictor]]:
+def _adapted(folds: list[Fold], root: Path, params: Params, scratch: Path) -> dict[str, Predictors]:
     """Return all predictors for the test of each fold, by its name."""
     nominal = load_simulator(NOMINAL)
     amend = {fold.name: partial(amended_by, fold.others, nominal) for fold in folds}
     simulators = amended_simulators(amend, scratch)
     physics = {fold.name: _physics(fold, simulators[fold.name]) for fold in folds}
     trained = _fine_tuned(folds, physics, root, params, scratch)
-    keys = (TRANSFORMER, HYBRID, ON_AMENDED)
     return {
         fold.name: {
             f"physics_{NOMINAL}": PhysicsPredictor(nominal),
             AMENDED: physics[fold.name],
-            **{key: trained[f"{key}-{fold.name}"] for key in keys},
+            **_learned(
+                {key: trained[f"{key}-{fold.name}"] for key in (HYBRID, TRANSFORMER, OTHER)}
+            ),
         }
         for fold in folds
     }
+
+
+def _learned(trained: Predictors) -> Predictors:
+    """Return the learned predictors that are tested, and ensembles of them."""
+    ensembles = {
+        name: EnsemblePredictor([trained[one] for one in members])
+        for name, members in ENSEMBLES.items()
+    }
+    return {HYBRID: trained[HYBRID], TRANSFORMER: trained[TRANSFORMER], **ensembles}
 
 
 def _physics(fold: Fold, simulator: Simulator) -> PhysicsPredictor:
@@ -134,11 +148,12 @@ def _fine_tuned(
     root: Path,
     params: Params,
     scratch: Path,
-) -> dict[str, ProbabilisticPredictor]:
+) -> Predictors:
     settings = params.train_predictor
     folder = root / "artifacts" / "train_predictor"
     tuning = FineTuning(
-        {name: load_network(folder / name) for name in (TRANSFORMER, HYBRID)},
+        load_network(folder / TRANSFORMER),
+        load_network(folder / HYBRID),
         settings.training.model_copy(update=settings.fine_tuning.model_dump(exclude={"sources"})),
         params.seed,
     )

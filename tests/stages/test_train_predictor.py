@@ -39,13 +39,7 @@ def shots(*places, splits=SPLITS):
 def prepared(root, fine_tuning=(), networks=("small",), splits=SPLITS):
     """A run of the stage on constructed shots."""
     write_inputs(root, shots=shots("arena/club", "labelled/more", splits=splits))
-    tuning = FineTuningSettings(
-        sources=list(fine_tuning),
-        epochs=1,
-        windows_per_episode=2,
-        learning_rate=0.001,
-        matrix_learning_rate=None,
-    )
+    tuning = FineTuningSettings(sources=list(fine_tuning), epochs=1, windows_per_episode=2)
     changes = {
         "sources": ["arena"],
         "networks": {name: NETWORKS[name] for name in networks},
@@ -91,19 +85,15 @@ def test_every_network_is_saved_as_a_predictor(whole):
 def test_fine_tuning_starts_from_the_trained_weights(whole):
     described = read_description(whole.artifact("small_fine_tuned"))
     assert (described.sources, described.starts_from) == (["labelled"], "small")
-    assert described.learning.settings == changed(
-        BRIEF,
-        epochs=1,
-        windows_per_episode=2,
-        learning_rate=0.001,
-        matrix_learning_rate=None,
-    )
+    assert described.learning.settings == changed(BRIEF, epochs=1, windows_per_episode=2)
     before, after = (
         load_network(whole.artifact(name)).state_dict() for name in ("small", "small_fine_tuned")
     )
     moved = {name: (after[name] - before[name]).abs().max().item() for name in before}
     steps = 4 * 2 // BRIEF.batch
-    assert 0 < max(moved.values()) <= 1.01 * steps * 0.001  # Adam's first step is the rate
+    assert (
+        0 < max(moved.values()) <= 1.01 * steps * BRIEF.learning_rate
+    )  # Adam's first step is the rate
     assert not any(moved[name] for name in moved if name.startswith("normaliser."))
 
 

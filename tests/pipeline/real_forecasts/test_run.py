@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+import torch
 
 import pipeline.real_forecasts.run
 from models.ball.simulators import shipped
@@ -22,7 +23,8 @@ TINY_HYBRID = HybridSettings(
     **{**TINY.model_dump(), "kind": "hybrid", "simulator": "imperfect_c_with_net"}
 )
 TIMES = 0.005 * np.arange(90)
-PREDICTORS = {"physics_literature", "amended", "hybrid", "hybrid_on_amended", "transformer"}
+LEARNED = {"hybrid", "hybrid_ensemble", "transformer", "transformer_ensemble"}
+PREDICTORS = {"physics_literature", "amended", *LEARNED}
 
 
 @pytest.fixture
@@ -73,7 +75,7 @@ def test_every_recording_is_tested_once_by_every_predictor(root):
     errors = rows.query("horizon_ms == 200").set_index("predictor")["mean"]
     assert errors["physics_literature"] < 40.0  # the truth; the set errs by 2 mm
     pairs = pd.read_csv(report / "forecast_differences.csv")
-    assert set(pairs["predictor"]) == {"amended", "hybrid", "hybrid_on_amended"}
+    assert set(pairs["predictor"]) == {"hybrid", "hybrid_ensemble"}
     covered = pd.read_csv(report / "forecast_coverage.csv")
     assert set(covered["predictor"]) == PREDICTORS
     assert covered["coverage"].between(0.0, 1.0).all() and covered["size_mm"].gt(0.0).all()
@@ -82,12 +84,14 @@ def test_every_recording_is_tested_once_by_every_predictor(root):
 
 
 def test_a_hybrid_on_another_simulator_starts_from_its_forecasts(root, tmp_path):
-    networks = {"transformer": network(TINY), "hybrid": build_network(TINY_HYBRID, SIMULATOR)}
+    hybrid = build_network(TINY_HYBRID, SIMULATOR)
     other = PhysicsPredictor(SIMULATOR.amended("drag", cd=0.3))
     (fold, _) = pipeline.real_forecasts.run._folds(root / "data" / "csv", "csv")
-    jobs = list(FineTuning(networks, BRIEF, 0).jobs(fold.others, other, "one", tmp_path))
-    assert [one.name for one in jobs] == ["transformer-one", "hybrid-one", "hybrid_on_amended-one"]
-    started = jobs[2].network
-    assert (started.physics, jobs[1].network.simulator) == (other, SIMULATOR)
+    tuning = FineTuning(network(TINY), hybrid, BRIEF, 0)
+    jobs = {one.name: one for one in tuning.jobs(fold.others, other, "one", tmp_path)}
+    assert set(jobs) == {"transformer-one", "transformer_2-one", "hybrid-one"}
+    started = jobs["hybrid-one"].network
+    assert (started.physics, hybrid.simulator) == (other, SIMULATOR)
     assert not started.network.projection.weight.any()
-    assert networks["hybrid"].simulator == SIMULATOR
+    scales = (one.normaliser.future_spread for one in (started, hybrid))
+    assert not torch.equal(*scales)

@@ -1,0 +1,39 @@
+"""Ensembles: the mean of several predictors (Dietterich 2000)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from models.predictors.protocol import Floats, Forecast, History, ProbabilisticPredictor
+
+
+class EnsemblePredictor:
+    """Forecasts the mean of what its members forecast.
+
+    Args:
+        members: one or more.
+    """
+
+    def __init__(self, members: Sequence[ProbabilisticPredictor]) -> None:
+        self.members = tuple(members)
+
+    def predict(self, history: History) -> Forecast:
+        """Forecast each ball."""
+        return _mean([one.predict(history) for one in self.members])
+
+    def predict_with_covariances(self, history: History) -> tuple[Forecast, Floats]:
+        """Forecast each ball; the (B, 60, 3, 3) covariances, m^2, are those of the mixture.
+
+        The mean of the members' covariances, and the covariance between the members.
+        """
+        found = [one.predict_with_covariances(history) for one in self.members]
+        mean = _mean([forecast for forecast, _ in found])
+        within = np.mean([covariances for _, covariances in found], axis=0)
+        apart = [(forecast.states - mean.states)[..., :3] for forecast, _ in found]
+        between = np.mean([away[..., :, None] * away[..., None, :] for away in apart], axis=0)
+        return mean, within + between
+
+
+def _mean(forecasts: Sequence[Forecast]) -> Forecast:
+    states = np.mean([one.states for one in forecasts], axis=0)
+    return Forecast(states, forecasts[0].spin_measured)
