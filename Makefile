@@ -15,7 +15,7 @@ export DO_NOT_TRACK := true
 PIP := .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real exam learning-curves spread-policies simulators real-scenes test test-naming test-all faults lint audit pictures bench docs ui
+.PHONY: help reproduce real exam learning-curves arenas spread-policies simulators real-scenes test test-naming test-all faults lint audit pictures bench docs ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
@@ -43,6 +43,9 @@ exam: .venv/ready ## hours: run the whole blind exam and write its records; stop
 
 learning-curves: .venv/ready ## an hour: predictors by the number of training recordings; after `make reproduce`
 	@python -m pipeline.learning_curves.run
+
+arenas: .venv/ready ## an hour: the gap workflow on twenty fresh arenas; it resumes
+	@python -m pipeline.arenas.run
 
 spread-policies: .venv/ready ## half an hour: policies that observe how sure forecasts are; after `make reproduce`
 	@python -m pipeline.spread_policies.run

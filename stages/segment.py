@@ -1,13 +1,11 @@
 """Cut recordings into episodes: contacts, gaps, ends of rallies, velocities; split them."""
 
-from models.segmentation.split import split
-from pipeline.io.artifacts import write_table
-from pipeline.io.schemas import CONTACTS, EPISODES, checked
 from pipeline.io.source_manifest import read_manifest
 from pipeline.runtime.console import warn
 from pipeline.runtime.stage_run import StageRun, run_stage
-from pipeline.segmentation.cut_recordings import count_samples, cut_recordings, draw_recordings
+from pipeline.segmentation.cut_recordings import count_samples, draw_recordings
 from pipeline.segmentation.cut_report import segmentation_metrics, splits_table
+from pipeline.segmentation.episode_tables import write_episodes
 from pipeline.segmentation.figures.cuts import cuts_figure
 
 
@@ -21,23 +19,19 @@ def segment(run: StageRun) -> None:
     drawn = draw_recordings(counts, run.seed)
 
     ids = [recording_id for chosen in drawn.values() for recording_id in chosen]
-    cut = cut_recordings(recordings, run.artifact("samples.parquet"), manifest, settings, ids)
-    contacts, episodes = cut.segmented.contacts, cut.segmented.episodes
-    splits = split(episodes, contacts, settings.split, run.seed)
-    for shortage in splits.shortages:
+    cut, episodes, shortages = write_episodes(run.root / "artifacts", settings, run.seed, ids)
+    for shortage in shortages:
         warn(shortage)
-    episodes = episodes.assign(split=splits.split, replay_set=splits.replay_set)
 
-    write_table(run.artifact("contacts.parquet"), checked(contacts, CONTACTS))
-    write_table(run.artifact("episodes.parquet"), checked(episodes, EPISODES))
     run.write_metrics(
         {
             source: segmentation_metrics(manifest, source, cut, episodes, settings)
             for source in drawn
         }
     )
+    samples, contacts = cut.segmented.samples, cut.segmented.contacts
     for source, chosen in drawn.items():
-        run.add(cuts_figure(source, cut.measured, cut.segmented.samples, contacts, chosen))
+        run.add(cuts_figure(source, cut.measured, samples, contacts, chosen))
     run.add(splits_table(episodes))
 
 

@@ -1,0 +1,1 @@
+"""Fresh arenas: the gap workflow on worlds that its development has not looked at."""

@@ -1,0 +1,62 @@
+"""Figure of the arenas: errors next to the oracle's, and causes found by their size."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pipeline.arenas.scores import found_by_size, ratios
+from pipeline.io.figure_style import FIGURE_WIDTH, INK
+
+HORIZON_MS = 300
+LABELS = {
+    "imperfect_c": "simulator C",
+    "imperfect_c_with_net": "simulator C with a net",
+    "amended": "simulator C, amended",
+}
+COLOURS = ("#0f7fc4", "#d55e00", "#009988")
+
+
+def arenas_figure(causes: pd.DataFrame, errors: pd.DataFrame) -> Figure:
+    """Draw each arena's errors over the oracle's, and the share of causes found by size.
+
+    Args:
+        causes: of all arenas.
+        errors: of all arenas.
+    """
+    figure = Figure(figsize=(FIGURE_WIDTH, 3.4))
+    left, right = figure.subplots(1, 2, width_ratios=(3, 2))
+    _draw_ratios(left, errors)
+    _draw_found(right, causes)
+    return figure
+
+
+def _draw_ratios(axes: Axes, errors: pd.DataFrame) -> None:
+    """Draw the arenas in the order of their ratios, a line a simulator."""
+    for (name, label), colour in zip(LABELS.items(), COLOURS, strict=True):
+        ordered = np.sort(ratios(errors, name, HORIZON_MS).to_numpy())
+        ranks = np.arange(1, len(ordered) + 1)
+        axes.plot(ranks, ordered, color=colour, marker="o", markersize=3, label=label)
+    axes.axhline(1.0, color=INK, linewidth=0.8)
+    axes.set_yscale("log")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter("{x:g}")
+    axes.set_xlabel("arena, in the order of each line")
+    axes.set_ylabel(f"error {HORIZON_MS} ms ahead / oracle's")
+    axes.legend(loc="best")
+
+
+def _draw_found(axes: Axes, causes: pd.DataFrame) -> None:
+    names = []
+    for place, (name, share) in enumerate(found_by_size(causes)):
+        names.append(f"{name}\nn = {share.of}")
+        if not share.of:
+            continue
+        low, high = share.interval
+        axes.plot([place, place], [100 * low, 100 * high], color=COLOURS[0])
+        axes.plot(place, 100 * share.count / share.of, color=COLOURS[0], marker="o", markersize=5)
+    axes.set_xticks(range(len(names)), names)
+    axes.set_ylim(-3, 103)
+    axes.set_xlabel("size (minimum detectable effects)")
+    axes.set_ylabel("hidden differences named (%)")
+    axes.grid(visible=False, axis="x")

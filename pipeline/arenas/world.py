@@ -1,0 +1,83 @@
+"""One fresh arena: what the gap workflow says of it, and how well simulators predict it."""
+
+import shutil
+from pathlib import Path
+
+import pandas as pd
+
+from models.arena.truth import Truth
+from models.ball.simulator import Simulator
+from models.gap.amend.simulator import amended
+from models.predictors.physics import PhysicsPredictor
+from pipeline.evaluation.forecasts import evaluate, forecast_windows
+from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
+from pipeline.evaluation.test_windows import read_test_sets
+from pipeline.gap.cases import Diagnosed, cases
+from pipeline.gap.shots import read_training_shots
+from pipeline.io.artifacts import write_json
+from pipeline.io.simulators import load_simulator
+from pipeline.params import Params
+from pipeline.segmentation.episode_tables import write_episodes
+from pipeline.sources.gather import gather
+from pipeline.transfer.truth_comparison import NamedCause, number_table
+
+NOMINAL, WITH_NET = "imperfect_c", "imperfect_c_with_net"
+AMENDED = "amended"
+
+
+def arena_result(params: Params, seed: int, folder: Path) -> dict[str, pd.DataFrame]:
+    """Return the causes and the prediction errors on the arena of a seed.
+
+    Args:
+        params: of the pipeline; all that matters but the seed.
+        seed: of physics, cameras, players and all else.
+        folder: for recordings; it is removed.
+
+    Returns:
+        ``causes``, as ``number_table`` has them, with the size that can be detected; and
+        ``errors``, the position errors of simulators on test recordings.
+    """
+    truth = _recorded(params, seed, folder)
+    shots = {ARENA: read_training_shots(folder)[ARENA]}
+    found = cases(shots, params.close_gap, seed)
+    diagnosed = next(one for one in found if one.simulator_name == NOMINAL).diagnose()
+    known = amended(diagnosed.case.simulator, diagnosed.verdict)
+    errors = _errors(params, seed, folder, {AMENDED: known, ORACLE: truth.simulator})
+    shutil.rmtree(folder)
+    return {"causes": _causes(diagnosed, known, truth.simulator), "errors": errors}
+
+
+def _recorded(params: Params, seed: int, folder: Path) -> Truth:
+    """Simulate recordings of an arena, cut them, and return the truth behind them."""
+    settings = params.ingest.model_copy(update={"sources": [ARENA]})
+    gathered = gather(settings, seed, folder / "ingest")
+    write_json(folder / "ingest" / "manifest.json", gathered.manifest.model_dump(mode="json"))
+    write_episodes(folder, params.segment, seed)
+    assert gathered.truth is not None  # the arena has one
+    return Truth.from_dict(gathered.truth)
+
+
+def _causes(diagnosed: Diagnosed, known: Simulator, truth: Simulator) -> pd.DataFrame:
+    verdict = diagnosed.verdict
+    causes = [
+        NamedCause(identity=one.identity, interval=one.interval) for one in verdict.main_causes
+    ]
+    table = number_table(diagnosed.case.simulator, known, causes, truth)
+    identities = table["effect"] + "." + table["parameter"]
+    return table.assign(detectable=identities.map(verdict.minimum_detectable))
+
+
+def _errors(
+    params: Params, seed: int, folder: Path, simulators: dict[str, Simulator]
+) -> pd.DataFrame:
+    settings = params.evaluate_predictor
+    nominal = {name: load_simulator(name) for name in (NOMINAL, WITH_NET)}
+    predictors = [
+        NamedPredictor(name, PhysicsPredictor(one), name)
+        for name, one in {**nominal, **simulators}.items()
+    ]
+    (test,) = read_test_sets(folder, settings.window_every_ms / 1000)
+    errors = evaluate(forecast_windows(test, predictors), test.windows, test, settings, seed)
+    rows = errors.over_horizon().query("quantity == 'position' and bounce == 'all'")
+    kept: pd.DataFrame = rows[["predictor", "horizon_ms", "mean", "n"]]
+    return kept

@@ -1,0 +1,57 @@
+"""Tables of fresh arenas, from ``make arenas``."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from pipeline.arenas.scores import (
+    Share,
+    coverage,
+    found_by_size,
+    gap_closed,
+    made_up,
+    ratios,
+)
+from pipeline.documentation.cells import HORIZON_HEADS, HORIZONS_MS, read_report
+from pipeline.io.markdown import markdown_table
+
+RATIOS = {
+    "imperfect_c": "simulator C",
+    "imperfect_c_with_net": "simulator C with a net",
+    "amended": "simulator C, amended",
+}
+
+
+def arena_causes_found(root: Path) -> str:
+    """How many hidden differences are named, by their size, and what else is named."""
+    causes = read_report(root, "arenas/causes.csv")
+    rows = [[f"hidden, {name}", *_shown(share)] for name, share in found_by_size(causes)]
+    rows.append(["named, but not hidden", *_shown(made_up(causes))])
+    rows.append(["95 % intervals that contain the true value", *_shown(coverage(causes))])
+    return markdown_table(["difference", "named", "share (%)"], rows)
+
+
+def arena_errors(root: Path) -> str:
+    """Errors divided by the oracle's over all arenas: medians and ranges."""
+    errors = read_report(root, "arenas/errors.csv")
+    rows = []
+    for name, label in RATIOS.items():
+        found = (ratios(errors, name, horizon) for horizon in HORIZONS_MS)
+        rows.append([label, *(_spread(one, ".2f") for one in found)])
+    closed = (100 * gap_closed(errors, horizon) for horizon in HORIZONS_MS)
+    rows.append(["removable error taken away (%)", *(_spread(one, ".0f") for one in closed)])
+    return markdown_table(["error / oracle's", *HORIZON_HEADS], rows)
+
+
+def _shown(share: Share) -> list[str]:
+    if not share.of:
+        return ["0 of 0", "–"]
+    low, high = share.interval
+    percent = f"{100 * share.count / share.of:.0f} ({100 * low:.0f} to {100 * high:.0f})"
+    return [f"{share.count} of {share.of}", percent]
+
+
+def _spread(values: "pd.Series[float]", form: str) -> str:
+    """Return the median of values, and the least and the largest."""
+    low, middle, high = (values.quantile(q) for q in (0.0, 0.5, 1.0))
+    return f"{middle:{form}} ({low:{form}} to {high:{form}})"

@@ -1,0 +1,30 @@
+"""Tables of fresh arenas count over all of them."""
+
+import pandas as pd
+
+from pipeline.documentation.arena_tables import arena_causes_found, arena_errors
+from tests.pipeline.arenas.made_up import CAUSES, ERRORS
+
+
+def test_causes_have_a_row_a_size(tmp_path):
+    folder = tmp_path / "reports" / "arenas"
+    folder.mkdir(parents=True)
+    CAUSES.assign(seed=5).to_csv(folder / "causes.csv", index=False)
+    lines = arena_causes_found(tmp_path).splitlines()
+    assert "| hidden, above 4 | 2 of 2 | 100 (34 to 100) |" in lines
+    assert "| hidden, 1 to 2 | 0 of 0 | – |" in lines
+    assert "| named, but not hidden | 1 of 4 | 25 (5 to 70) |" in lines
+
+
+def test_errors_are_medians_over_arenas(tmp_path):
+    folder = tmp_path / "reports" / "arenas"
+    folder.mkdir(parents=True)
+    each = [
+        ERRORS.assign(seed=seed, mean=ERRORS["mean"] + 10.0 * seed * (ERRORS["mean"] == 24.0),
+                      horizon_ms=horizon)
+        for seed in (0, 1, 2) for horizon in (100, 200, 300)
+    ]  # fmt: skip
+    pd.concat(each).to_csv(folder / "errors.csv", index=False)
+    lines = arena_errors(tmp_path).splitlines()
+    assert lines[4] == f"| simulator C, amended |{' 1.70 (1.20 to 2.20) |' * 3}"
+    assert lines[5] == f"| removable error taken away (%) |{' 77 (60 to 93) |' * 3}"
