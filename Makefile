@@ -88,10 +88,11 @@ bench: .venv/ready ## most of an hour: compare speed with other programs; write 
 	@python -m benchmarks.drift
 	@python -m benchmarks.learning
 
-docs: .venv/ready ## build the documentation site into docs/_build/html; a warning is an error
+docs: .venv/ready ## build the documentation site and results.pdf in docs/_build; a warning is an error
 	@rallygap docs
+	@python -m pipeline.print.results_pdf
 	@sphinx-build --fail-on-warning --keep-going --quiet --builder html docs docs/_build/html
-	@echo "docs/_build/html/index.html"
+	@echo "docs/_build/html/index.html docs/_build/results.pdf"
 
 ui: .venv/ready ## serve the MLflow pages of this repository's runs on 127.0.0.1
 	@rallygap ui

@@ -1,20 +1,19 @@
-"""Write the report as a page and as a PDF, from the reports of all other stages."""
+"""Write the report page from the reports of all other stages."""
 
 from pipeline.evaluation.example_shots import read_shots
-from pipeline.io.artifacts import replacing, write_text
+from pipeline.io.artifacts import write_text
 from pipeline.io.report_manifest import read_contents
 from pipeline.paper.run_reports import Reports
 from pipeline.params import Params
 from pipeline.runtime.stage_run import StageRun, run_stage
 from pipeline.transfer.example_returns import read_returns
-from pipeline.web.pdf import write_pdf
 from pipeline.web.report_page import render_page
 
 STAGES = [name for name in Params.model_fields if name not in ("seed", "report")]
 
 
 def report(run: StageRun) -> None:
-    """Write ``reports/index.html`` and ``reports/report/report.pdf``.
+    """Write ``reports/index.html``.
 
     Raises:
         InputError: if a stage's report is missing or broken, naming the stage to run.
@@ -24,8 +23,6 @@ def report(run: StageRun) -> None:
     contents = [read_contents(reports.folder, stage) for stage in STAGES]
     shots = read_shots(run.input("evaluate_predictor", "shots.json"))[: settings.shots]
     returns = read_returns(run.input("sim2real", "returns.json"))[: settings.returns]
-    with replacing(run.report("report.pdf")) as temporary:
-        write_pdf(temporary, reports, contents)
     write_text(reports.folder / "index.html", render_page(reports, contents, shots, returns))
 
 
