@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from models.ball.catalogue import catalogue
 from models.ball.quantities import QUANTITIES, View
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN, VELOCITY
@@ -111,14 +110,8 @@ def sensor_quantity(simulator: Simulator, name: str, view: View | None = None) -
     """
     quantity = _SENSOR[name]
     value: Any = quantity.start if quantity.size == 1 else np.full(quantity.size, quantity.start)
-    changes = [
-        (change, simulator.effects[effect.name])
-        for effect in catalogue().values()
-        for change in effect.changes
-        if change.quantity == name and effect.name in simulator.effects
-    ]
     context = View(np.zeros(())) if view is None else view
-    for change, parameters in sorted(changes, key=lambda item: item[0].how):
-        term = change.function(context, *parameters.values())
+    for change, parameters in simulator.sensor_changes.get(name, ()):
+        term = change.function(context, *parameters)
         value = value + term if change.how == "adds" else value * term
     return value

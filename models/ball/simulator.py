@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from models.ball.catalogue import catalogue, parameter_columns
-from models.ball.effect import Effect, Parameter
+from models.ball.effect import Change, Effect, Parameter
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats, Integers
 from models.support.suggestion import suggestion
@@ -118,6 +118,20 @@ class Simulator:
             neutral = _parameter(catalogue()[effect], parameter).neutral
             vector[column] = self.effects.get(effect, {}).get(parameter, neutral)
         return vector
+
+    @cached_property
+    def sensor_changes(self) -> dict[str, list[tuple[Change, list[Any]]]]:
+        """What the listed effects change of the sensor, by quantity, with their parameters.
+
+        Terms that are added come first.
+        """
+        found: dict[str, list[tuple[Change, list[Any]]]] = {}
+        for name, effect in catalogue().items():
+            if effect.acts == "sensor" and name in self.effects:
+                values = [np.asarray(value) for value in self.effects[name].values()]
+                for change in effect.changes:
+                    found.setdefault(change.quantity, []).append((change, values))
+        return {name: sorted(some, key=lambda one: one[0].how) for name, some in found.items()}
 
     def fly(self, states: ArrayLike, times: ArrayLike) -> Flight:
         """Roll out balls, through every contact with table and net.

@@ -47,12 +47,16 @@ class Sensor:
             true = true + measured - measured_positions(self.simulator, true)
         return true
 
+    @cached_property
+    def _labels(self) -> Floats:
+        """(3, 3) labels of the three unit spins: errors of labels are linear."""
+        return measured_spins(self.simulator, np.eye(3))
+
     def true_spins(self, labels: Floats) -> Floats:
-        """Return (..., 3) true spins, rad/s, of labels: errors of these are linear."""
+        """Return (..., 3) true spins, rad/s, of labels."""
         if self.exact:
             return labels
-        columns = measured_spins(self.simulator, np.eye(3))
-        spins: Floats = labels @ np.linalg.inv(columns)
+        spins: Floats = labels @ np.linalg.inv(self._labels)
         return spins
 
     def true_history(self, history: History) -> History:
@@ -68,9 +72,10 @@ class Sensor:
         if self.exact:
             return states
         places = states[..., POSITION]
-        measured = states.copy()
-        measured[..., POSITION] = measured_positions(self.simulator, places)
-        ahead = measured_positions(self.simulator, places + MOMENT * states[..., VELOCITY])
-        measured[..., VELOCITY] = (ahead - measured[..., POSITION]) / (MOMENT * self.clock)
-        measured[..., SPIN] = measured_spins(self.simulator, states[..., SPIN])
+        both = np.stack([places, places + MOMENT * states[..., VELOCITY]])
+        now, ahead = measured_positions(self.simulator, both)
+        velocities = (ahead - now) / (MOMENT * self.clock)
+        measured: Floats = np.concatenate(
+            [now, velocities, states[..., SPIN] @ self._labels], axis=-1
+        )
         return measured

@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from pipeline.documentation import (
+    arena_tables,
     code_pages,
     cost_tables,
     deviations,
@@ -59,6 +60,8 @@ BLOCKS: dict[str, Writer] = {
     "scale-extrapolation": cost_tables.extrapolation_table,
     "reproduction-time": cost_tables.reproduction_time,
     "gap-arena": gap_tables.arena_causes,
+    "arenas-causes": arena_tables.arena_causes_found,
+    "arenas-errors": arena_tables.arena_errors,
     "gap-exam": gap_tables.exam_rates,
     "gap-exam-robustness": gap_tables.robustness_rates,
     "gap-real": gap_tables.real_summary,
@@ -75,7 +78,11 @@ BLOCKS: dict[str, Writer] = {
     "errors-arena": partial(predictor_tables.position_errors, arena=True),
     "errors-arena-paper": partial(predictor_tables.position_errors, run="paper/", arena=True),
     "errors-real": partial(predictor_tables.position_errors, run="real/", arena=False),
+    "learning-curves-short": predictor_tables.learning_curves_short,
+    "learning-curves": predictor_tables.learning_curves,
     "forecasts-real": predictor_tables.measured_forecasts,
+    "forecast-differences-real": predictor_tables.measured_differences,
+    "coverage-real": predictor_tables.measured_coverage,
     "published-models": simulator_tables.published_table,
     "larger-spins": simulator_tables.larger_spins_table,
     "simulator-scenes": simulator_tables.scenes_table,
@@ -90,6 +97,7 @@ BLOCKS: dict[str, Writer] = {
     "sim2real": transfer_tables.sim2real_counts,
     "sim2real-paper": partial(transfer_tables.sim2real_counts, run="paper/"),
     "sim2real-real": transfer_tables.real_swap,
+    "spread-policies": transfer_tables.spread_policies,
     "longer-trainings": transfer_tables.longer_trainings,
     "kept-runs": kept_runs,
     "age-paper": partial(age_of, run="paper"),

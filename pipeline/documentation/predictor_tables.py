@@ -13,14 +13,22 @@ from pipeline.documentation.cells import (
 )
 from pipeline.io.markdown import markdown_table
 
-# Predictors that recordings of a measured set have adapted.
+# Predictors that recordings of a measured set have amended or fine-tuned.
 ADAPTED = {
     "physics_literature": "physics, literature",
     "amended": "physics, literature amended",
-    "hybrid": "hybrid, fine-tuned",
-    "hybrid_on_amended": "hybrid on the amended simulator, fine-tuned",
-    "transformer": "transformer, fine-tuned",
+    "hybrid": "hybrid on the amended simulator",
+    "transformer": "transformer",
+    "transformer_ensemble": "ensemble of two transformers",
+    "hybrid_ensemble": "ensemble of hybrid and transformer",
 }
+SHORT = 100  # recordings
+# As many networks each.
+HYBRID_PAIRS = {("hybrid", "transformer"), ("hybrid_ensemble", "transformer_ensemble")}
+COVERAGE_HEADS = (
+    *(f"{level} % sets: coverage (%), radius (mm)" for level in (50, 90)),
+    "CRPS (mm)",
+)
 
 
 def position_errors(root: Path, run: str = "", *, arena: bool) -> str:
@@ -65,21 +73,65 @@ def _with_medians(rows: Any) -> list[str]:
     ]
 
 
+def learning_curves(root: Path) -> str:
+    """Mean position errors in mm at 300 ms by number of recordings, from ``make learning-curves``.
+
+    The last column is the error with all recordings, divided by that of the oracle.
+    """
+    curves = read_report(root, "learning_curves.csv", "horizon_ms == 300")
+    rows = []
+    for predictor, some in curves.groupby("predictor", sort=False):
+        some = some.sort_values("recordings")
+        cells = [with_interval(row.mean, row.ci_low, row.ci_high) for row in some.itertuples()]
+        rows.append([PREDICTORS[predictor], *cells, f"{some['of_oracle'].iloc[-1]:.2f}"])
+    sizes = [f"{size:,} recordings" for size in sorted(curves["recordings"].unique())]
+    return markdown_table(["predictor", *sizes, "all, of the oracle's"], rows)
+
+
+def learning_curves_short(root: Path) -> str:
+    """What the learning curves say 300 ms ahead, in a sentence."""
+    curves = read_report(root, "learning_curves.csv", "horizon_ms == 300")
+    errors = curves.set_index(["predictor", "recordings"])["mean"]
+    few, all_of_them = SHORT, curves["recordings"].max()
+    amended, most = (errors["amended_imperfect_c", size] for size in (few, all_of_them))
+    network, oracle = (errors[name, all_of_them] for name in ("transformer", "oracle"))
+    return (
+        f"On the arena, a simulated environment with hidden physics, simulator C amended by {few} "
+        f"recordings errs {amended:.0f} mm 300 ms ahead, and {most:.0f} mm with {all_of_them:,}; a "
+        f"transformer trained on all of these {network:.0f} mm, and a simulator with the arena's "
+        f"own physics {oracle:.0f} mm ([method and all numbers]"
+        "(docs/results.md#how-many-recordings-predictors-need))."
+    )
+
+
 def coverage(root: Path) -> str:
     """Coverage and size of the sets of positions at 300 ms on the arena, and the score."""
     query = "set == 'arena' and horizon_ms == 300"
     table = read_report(root, "evaluate_predictor/coverage.csv", query)
-    levels = sorted(table["level"].unique())
-    heads = [f"{100 * level:.0f} % sets: coverage (%), radius (mm)" for level in levels]
-    rows = []
-    for predictor, some in table.groupby("predictor", sort=False):
-        cells = [
-            f"{100 * row.coverage:.1f} ({100 * row.ci_low:.1f} to {100 * row.ci_high:.1f}), "
-            f"{row.size_mm:.0f}"
-            for row in some.sort_values("level").itertuples()
-        ]
-        rows.append([PREDICTORS[predictor], *cells, f"{some['crps_mm'].iloc[0]:.1f}"])
-    return markdown_table(["predictor", *heads, "CRPS (mm)"], rows)
+    rows = [
+        [PREDICTORS[predictor], *_covered(some)]
+        for predictor, some in table.groupby("predictor", sort=False)
+    ]
+    return markdown_table(["predictor", *COVERAGE_HEADS], rows)
+
+
+def measured_coverage(root: Path) -> str:
+    """Coverage and size of the sets of positions at 200 ms on measured sets, from ``make real``."""
+    table = read_report(root, "real/forecast_coverage.csv", "horizon_ms == 200")
+    rows = [
+        [name, ADAPTED[predictor], *_covered(some)]
+        for (name, predictor), some in table.groupby(["set", "predictor"], sort=False)
+    ]
+    return markdown_table(["set", "predictor", *COVERAGE_HEADS], rows)
+
+
+def _covered(rows: Any) -> list[str]:
+    """Return coverage and size of sets by their level, and the score."""
+    cells = []
+    for row in rows.sort_values("level").to_dict("records"):
+        share, low, high = (100 * row[name] for name in ("coverage", "ci_low", "ci_high"))
+        cells.append(f"{with_interval(share, low, high, '.1f')}, {row['size_mm']:.0f}")
+    return [*cells, f"{rows['crps_mm'].iloc[0]:.1f}"]
 
 
 def measured_forecasts(root: Path) -> str:
@@ -91,6 +143,22 @@ def measured_forecasts(root: Path) -> str:
         cells = _with_medians(some)
         rows.append([name, ADAPTED[predictor], *cells])
     return markdown_table(["set", "predictor", *HORIZON_HEADS], rows)
+
+
+def measured_differences(root: Path) -> str:
+    """By how much hybrids err more than other learned predictors, mm, window by window.
+
+    On measured sets by cross-validation, from ``make real``.
+    """
+    pairs = read_report(root, "real/forecast_differences.csv", "quantity == 'position'")
+    rows = []
+    for keys, some in pairs.groupby(["set", "predictor", "other"], sort=False):
+        if keys[1:] not in HYBRID_PAIRS:
+            continue
+        found = some.sort_values("horizon_ms").itertuples()
+        cells = [with_interval(row.mean, row.ci_low, row.ci_high, ".1f") for row in found]
+        rows.append([keys[0], *(ADAPTED[one] for one in keys[1:]), *cells])
+    return markdown_table(["set", "predictor", "less that of", *HORIZON_HEADS], rows)
 
 
 def predictor_costs(root: Path) -> str:

@@ -6,6 +6,11 @@ from pipeline.documentation.cells import NONE, PREDICTORS, in_points, read_repor
 from pipeline.io.markdown import markdown_table
 
 HORIZONS = ("115-125", "170-180")
+KINDS = {  # of policies
+    "exact": "exact forecasts",
+    "filtered": "a filter's forecasts",
+    "filtered_with_spread": "and their spread",
+}
 TRAININGS = (  # what policies observe, the kept run that trained them, their group in it
     ("landing", "policies", "sim2sim"),
     ("landing, the paper's inputs only", "policies", "strict"),
@@ -57,6 +62,20 @@ def real_swap(root: Path) -> str:
         rows.append([shots, gain.horizons_ms, *counts, in_points(gain)])
     names = [PREDICTORS["physics_c"], PREDICTORS["transformer_fine_tuned"]]
     return markdown_table(["shots", "horizons (ms)", *names, "difference (points)"], rows)
+
+
+def spread_policies(root: Path) -> str:
+    """Return rates by what policies learn from and observe, from ``make spread-policies``."""
+    rates = read_report(root, "spread_policies.csv")
+    query = "outcome == 'returns' and policy == 'filtered_with_spread'"
+    gains = read_report(root, "spread_policies_differences.csv", query)
+    gains = gains.set_index(["set", "predictor"])
+    rows = []
+    for (name, predictor), some in rates.groupby(["set", "predictor"], sort=False):
+        of_kind = some.set_index("policy")
+        shares = [f"{100 * of_kind.loc[kind, 'return_rate']:.0f}" for kind in KINDS]
+        rows.append([name, predictor, *shares, in_points(gains.loc[(name, predictor)])])
+    return markdown_table(["shots", "predictor", *KINDS.values(), "difference (points)"], rows)
 
 
 def longer_trainings(root: Path) -> str:
