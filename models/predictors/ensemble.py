@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from models.ball.state import POSITION
 from models.predictors.protocol import Floats, Forecast, History, ProbabilisticPredictor
 
 
@@ -29,7 +30,7 @@ class EnsemblePredictor:
         found = [one.predict_with_covariances(history) for one in self.members]
         mean = _mean([forecast for forecast, _ in found])
         within = np.mean([covariances for _, covariances in found], axis=0)
-        apart = [(forecast.states - mean.states)[..., :3] for forecast, _ in found]
+        apart = [(forecast.states - mean.states)[..., POSITION] for forecast, _ in found]
         between = np.mean([away[..., :, None] * away[..., None, :] for away in apart], axis=0)
         return mean, within + between
 

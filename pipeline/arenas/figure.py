@@ -5,15 +5,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.arenas.scores import found_by_size, ratios
+from pipeline.arenas.scores import SIMULATORS, found_by_size, ratios
 from pipeline.io.figure_style import FIGURE_WIDTH, INK
+from pipeline.paper.verdicts import rate
 
 HORIZON_MS = 300
-LABELS = {
-    "imperfect_c": "simulator C",
-    "imperfect_c_with_net": "simulator C with a net",
-    "amended": "simulator C, amended",
-}
 COLOURS = ("#0f7fc4", "#d55e00", "#009988")
 
 
@@ -33,7 +29,7 @@ def arenas_figure(causes: pd.DataFrame, errors: pd.DataFrame) -> Figure:
 
 def _draw_ratios(axes: Axes, errors: pd.DataFrame) -> None:
     """Draw the arenas in the order of their ratios, a line a simulator."""
-    for (name, label), colour in zip(LABELS.items(), COLOURS, strict=True):
+    for (name, label), colour in zip(SIMULATORS.items(), COLOURS, strict=True):
         ordered = np.sort(ratios(errors, name, HORIZON_MS).to_numpy())
         ranks = np.arange(1, len(ordered) + 1)
         axes.plot(ranks, ordered, color=colour, marker="o", markersize=3, label=label)
@@ -52,9 +48,9 @@ def _draw_found(axes: Axes, causes: pd.DataFrame) -> None:
         names.append(f"{name}\nn = {share.of}")
         if not share.of:
             continue
-        low, high = share.interval
-        axes.plot([place, place], [100 * low, 100 * high], color=COLOURS[0])
-        axes.plot(place, 100 * share.count / share.of, color=COLOURS[0], marker="o", markersize=5)
+        found = rate(share.count, share.of).times(100)
+        axes.plot([place, place], [found.low, found.high], color=COLOURS[0])
+        axes.plot(place, found.value, color=COLOURS[0], marker="o", markersize=5)
     axes.set_xticks(range(len(names)), names)
     axes.set_ylim(-3, 103)
     axes.set_xlabel("size (minimum detectable effects)")

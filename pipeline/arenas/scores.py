@@ -5,29 +5,26 @@ from dataclasses import dataclass
 from math import inf
 
 import pandas as pd
-from scipy.stats import binomtest
 
 # The workflow's shots touch no racket; the cameras' error over space is no single parameter.
 NOT_SCORED = ("racket_bounce", "camera_distortion")
 # Sizes of what is hidden, in minimum detectable effects.
 CLASSES = {"below 1": (0.0, 1.0), "1 to 2": (1.0, 2.0), "2 to 4": (2.0, 4.0), "above 4": (4.0, inf)}
 NET = "net"  # a class of its own: it has no such unit
+# Whose errors are compared with the oracle's.
+SIMULATORS = {
+    "imperfect_c": "simulator C",
+    "imperfect_c_with_net": "simulator C with a net",
+    "amended": "simulator C, amended",
+}
 
 
 @dataclass(frozen=True)
 class Share:
-    """A count with its 95 % interval (Wilson 1927)."""
+    """A count, and what it is of."""
 
     count: int
     of: int
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """Of the share; from 0 to 1 without any."""
-        if not self.of:
-            return 0.0, 1.0
-        ends = binomtest(self.count, self.of).proportion_ci(method="wilson")
-        return ends.low, ends.high
 
 
 def scored(causes: pd.DataFrame) -> pd.DataFrame:

@@ -3,17 +3,20 @@
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from models.arena.truth import Truth
 from models.ball.simulator import Simulator
 from models.gap.amend.simulator import amended
+from models.predictors.errors import HORIZONS_MS, error_norms
 from models.predictors.physics import PhysicsPredictor
-from pipeline.evaluation.forecasts import evaluate, forecast_windows
+from pipeline.evaluation.forecasts import forecast_windows
 from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
 from pipeline.evaluation.test_windows import read_test_sets
 from pipeline.gap.cases import Diagnosed, cases
 from pipeline.gap.shots import read_training_shots
+from pipeline.io.amended_simulators import AMENDED
 from pipeline.io.artifacts import write_json
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Params
@@ -22,7 +25,6 @@ from pipeline.sources.gather import gather
 from pipeline.transfer.truth_comparison import NamedCause, number_table
 
 NOMINAL, WITH_NET = "imperfect_c", "imperfect_c_with_net"
-AMENDED = "amended"
 
 
 def arena_result(params: Params, seed: int, folder: Path) -> dict[str, pd.DataFrame]:
@@ -42,7 +44,7 @@ def arena_result(params: Params, seed: int, folder: Path) -> dict[str, pd.DataFr
     found = cases(shots, params.close_gap, seed)
     diagnosed = next(one for one in found if one.simulator_name == NOMINAL).diagnose()
     known = amended(diagnosed.case.simulator, diagnosed.verdict)
-    errors = _errors(params, seed, folder, {AMENDED: known, ORACLE: truth.simulator})
+    errors = _errors(params, folder, {AMENDED: known, ORACLE: truth.simulator})
     shutil.rmtree(folder)
     return {"causes": _causes(diagnosed, known, truth.simulator), "errors": errors}
 
@@ -67,17 +69,17 @@ def _causes(diagnosed: Diagnosed, known: Simulator, truth: Simulator) -> pd.Data
     return table.assign(detectable=identities.map(verdict.minimum_detectable))
 
 
-def _errors(
-    params: Params, seed: int, folder: Path, simulators: dict[str, Simulator]
-) -> pd.DataFrame:
-    settings = params.evaluate_predictor
+def _errors(params: Params, folder: Path, simulators: dict[str, Simulator]) -> pd.DataFrame:
     nominal = {name: load_simulator(name) for name in (NOMINAL, WITH_NET)}
     predictors = [
         NamedPredictor(name, PhysicsPredictor(one), name)
         for name, one in {**nominal, **simulators}.items()
     ]
-    (test,) = read_test_sets(folder, settings.window_every_ms / 1000)
-    errors = evaluate(forecast_windows(test, predictors), test.windows, test, settings, seed)
-    rows = errors.over_horizon().query("quantity == 'position' and bounce == 'all'")
-    kept: pd.DataFrame = rows[["predictor", "horizon_ms", "mean", "n"]]
-    return kept
+    (test,) = read_test_sets(folder, params.evaluate_predictor.window_every_ms / 1000)
+    forecasts = forecast_windows(test, predictors)
+    means = {
+        name: np.nanmean(error_norms(one, test.windows, "position"), axis=0)
+        for name, one in forecasts.items()
+    }
+    wide = pd.DataFrame(means, index=pd.Index(HORIZONS_MS, name="horizon_ms"))
+    return wide.melt(var_name="predictor", value_name="mean", ignore_index=False).reset_index()

@@ -5,6 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from pipeline.arenas.scores import (
+    SIMULATORS,
     Share,
     coverage,
     found_by_size,
@@ -12,14 +13,15 @@ from pipeline.arenas.scores import (
     made_up,
     ratios,
 )
-from pipeline.documentation.cells import HORIZON_HEADS, HORIZONS_MS, read_report
+from pipeline.documentation.cells import (
+    HORIZON_HEADS,
+    HORIZONS_MS,
+    NONE,
+    read_report,
+    with_interval,
+)
 from pipeline.io.markdown import markdown_table
-
-RATIOS = {
-    "imperfect_c": "simulator C",
-    "imperfect_c_with_net": "simulator C with a net",
-    "amended": "simulator C, amended",
-}
+from pipeline.paper.verdicts import rate
 
 
 def arena_causes_found(root: Path) -> str:
@@ -35,7 +37,7 @@ def arena_errors(root: Path) -> str:
     """Errors divided by the oracle's over all arenas: medians and ranges."""
     errors = read_report(root, "arenas/errors.csv")
     rows = []
-    for name, label in RATIOS.items():
+    for name, label in SIMULATORS.items():
         found = (ratios(errors, name, horizon) for horizon in HORIZONS_MS)
         rows.append([label, *(_spread(one, ".2f") for one in found)])
     closed = (100 * gap_closed(errors, horizon) for horizon in HORIZONS_MS)
@@ -44,11 +46,11 @@ def arena_errors(root: Path) -> str:
 
 
 def _shown(share: Share) -> list[str]:
+    counted = f"{share.count} of {share.of}"
     if not share.of:
-        return ["0 of 0", "–"]
-    low, high = share.interval
-    percent = f"{100 * share.count / share.of:.0f} ({100 * low:.0f} to {100 * high:.0f})"
-    return [f"{share.count} of {share.of}", percent]
+        return [counted, NONE]
+    found = rate(share.count, share.of).times(100)
+    return [counted, with_interval(found.value, found.low, found.high)]
 
 
 def _spread(values: "pd.Series[float]", form: str) -> str:

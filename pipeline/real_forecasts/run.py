@@ -1,4 +1,4 @@
-"""Forecasts of measured sets, by cross-validation over recordings (``make real``; a quarter hour).
+"""Forecasts of measured sets, by cross-validation over recordings (``make real``; half an hour).
 
 Every recording is tested once, by predictors that the other folds adapted: the literature's
 simulator amended, a hybrid that corrects this one, and transformers, both trained on the arena and
