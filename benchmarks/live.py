@@ -76,7 +76,8 @@ def measure(one: NamedPredictor, rows: Sequence[Measurement]) -> Latency:
         forecaster = Forecaster(predictor.simulator)
     else:
         assert isinstance(predictor, LearnedPredictor)
-        forecaster = Forecaster(load_simulator("literature"), CompiledPredictor(predictor))
+        compiled = CompiledPredictor(predictor, (AHEAD[0], AHEAD[-1]))
+        forecaster = Forecaster(load_simulator("literature"), compiled)
     for row in rows[:WARM_UP]:
         _answer(forecaster, row)
     taken = []

@@ -16,6 +16,7 @@ import tempfile
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +25,17 @@ import torch
 from torch import Tensor, nn
 
 from models.predictors.learned import ForecastNetwork, LearnedPredictor
-from models.predictors.protocol import FUTURE, HISTORY, Floats, Forecast, History
+from models.predictors.protocol import (
+    FUTURE,
+    FUTURE_TIMES,
+    HISTORY,
+    TICK,
+    Floats,
+    Forecast,
+    History,
+)
 from models.predictors.spread import Spread
+from models.predictors.transformer import Transformer
 
 OPSET = 23  # the first with an operator for attention
 SLOWER = ["MatMulAddFusion", "SkipLayerNormFusion"]  # for the few rows of one window
@@ -39,16 +49,23 @@ class CompiledPredictor:
 
     Args:
         predictor: with the spread of its errors.
+        horizons: the shortest and the longest that are read, s. A transformer then calculates the
+            states between them alone, and others are NaN.
 
     Raises:
         ValueError: the predictor has no spread.
     """
 
-    def __init__(self, predictor: LearnedPredictor) -> None:
+    def __init__(
+        self, predictor: LearnedPredictor, horizons: tuple[float, float] = (0.0, FUTURE_TIMES[-1])
+    ) -> None:
         if predictor.spread is None:
             raise ValueError("this predictor has no spread, so it does not know its errors")
-        self._baseline = predictor.network.physics
-        self._session = _session(_Graph(predictor.network, predictor.spread).eval())
+        network = deepcopy(predictor.network)
+        if isinstance(network.network, Transformer):
+            network.network.read_only(_states(horizons))
+        self._baseline = network.physics
+        self._session = _session(_Graph(network, predictor.spread).eval())
 
     def predict(self, history: History) -> Forecast:
         """Forecast one ball."""
@@ -61,6 +78,15 @@ class CompiledPredictor:
             feeds["motion"] = self._baseline.predict(history).states.astype(np.float32)
         states, covariances = (one.astype(np.float64) for one in self._session.run(None, feeds))
         return Forecast(states, history.spin_measured), covariances
+
+
+def _states(horizons: tuple[float, float]) -> slice:
+    """Return the future states between two horizons, and those on either side.
+
+    Times are interpolated between two states, and differ from a state's by rounding.
+    """
+    first, last = (round(one / TICK) for one in horizons)
+    return slice(max(first - 2, 0), min(last + 1, FUTURE))
 
 
 class _Graph(nn.Module):

@@ -147,7 +147,8 @@ class Forecaster:
 
         Raises:
             NoBallError: there is no ball yet.
-            ValueError: a time is farther ahead than the predictor forecasts.
+            ValueError: a time is farther ahead than the predictor forecasts, or is not one of those
+                for which it was compiled.
         """
         if not self.ready:
             raise NoBallError("no ball has been measured three times yet")
@@ -157,17 +158,25 @@ class Forecaster:
         states, covariances = (one[0] for one in found)
         if self.predictor is None:
             return self._sensor.measured_states(states), covariances
-        rows = _at(ahead, self._by(self.predictor))
+        rows = _known(_at(ahead, self._by(self.predictor)))
         covariances[:, POSITION, 3:] = covariances[:, 3:, POSITION] = 0.0
         covariances[:, POSITION, POSITION] = rows[:, STATE_SIZE:].reshape(-1, 3, 3)
         return rows[:, :STATE_SIZE], covariances
 
     def bounce(self) -> Event | None:
-        """Return the ball's next contact with the table; None if there is none in a second."""
+        """Return the ball's next contact with the table; None if there is none in a second.
+
+        Raises:
+            ValueError: the predictor was compiled for some horizons alone.
+        """
         return self._event(crossings.bounce(self._coming(), self._sensor))
 
     def apex(self) -> Event | None:
-        """Return where the ball next stops rising; None if it does not within a second."""
+        """Return where the ball next stops rising; None if it does not within a second.
+
+        Raises:
+            ValueError: the predictor was compiled for some horizons alone.
+        """
         return self._event(crossings.apex(self._coming(), TICK))
 
     def crossing(self, point: ArrayLike, normal: ArrayLike) -> Event | None:
@@ -176,6 +185,9 @@ class Forecaster:
         Args:
             point: (3,) m, of the plane, such as the middle of a robot's strike plane.
             normal: (3,) of the plane.
+
+        Raises:
+            ValueError: the predictor was compiled for some horizons alone.
         """
         plane = np.asarray(point, dtype=np.float64), np.asarray(normal, dtype=np.float64)
         return self._event(crossings.plane(self._coming(), TICK, *plane))
@@ -185,7 +197,7 @@ class Forecaster:
         if not self.ready:
             return np.empty((0, STATE_SIZE))
         if self.predictor is not None:
-            return self._by(self.predictor)[1:, :STATE_SIZE]
+            return _known(self._by(self.predictor)[1:, :STATE_SIZE])
         states = self.simulator.fly(self._ball.state, COMING / self._sensor.clock).states[0]
         return self._sensor.measured_states(states)
 
@@ -226,3 +238,10 @@ def _at(ahead: Floats, values: Floats) -> Floats:
     share = (places - after + 1)[:, None]
     between: Floats = (1 - share) * values[after - 1] + share * values[after]
     return between
+
+
+def _known(rows: Floats) -> Floats:
+    """Return rows of forecasts, or refuse those that the predictor was not compiled for."""
+    if np.isnan(rows).any():
+        raise ValueError("the predictor was not compiled for these horizons; compile it for more")
+    return rows

@@ -91,10 +91,11 @@ class DecoderLayer(nn.Module):
             nn.LayerNorm(width) for _ in range(3)
         )
 
-    def forward(self, rows: Rows, encoded: Tensor, first: int = 0) -> Tensor:
-        """Return (B, T - first, width) of the last of (B, T, width) ``rows``."""
-        last = (torch.cat(rows, dim=1) if isinstance(rows, tuple) else rows)[:, first:]
-        attended = self.after_attention(self.attention(last if first else rows, rows) + last)
+    def forward(self, rows: Rows, encoded: Tensor, read: slice | None = None) -> Tensor:
+        """Return (B, T, width) of the same shape, or of those ``rows`` alone that are read."""
+        own = torch.cat(rows, dim=1) if isinstance(rows, tuple) else rows
+        own = own[:, read] if read else own
+        attended = self.after_attention(self.attention(own if read else rows, rows) + own)
         crossed = self.after_crossing(self.crossing(attended, encoded) + attended)
         decoded: Tensor = self.after_block(self.block(crossed) + crossed)
         return decoded
@@ -139,7 +140,7 @@ class Transformer(nn.Module):
         super().__init__()
         self.uniform_motion = uniform_motion
         inputs = INPUTS + RESIDUALS * uniform_motion
-        self.rows = FUTURE // states_per_row
+        self.rows, self.read = FUTURE // states_per_row, slice(0, FUTURE // states_per_row)
         self.encoder_embedding = Embedding(inputs, HISTORY, width)
         self.decoder_embedding = Embedding(inputs, HISTORY + self.rows, width)
         self.encoder = nn.ModuleList(
@@ -155,6 +156,15 @@ class Transformer(nn.Module):
         nn.init.zeros_(self.projection.weight)
         nn.init.zeros_(self.projection.bias)
 
+    def read_only(self, states: slice) -> None:
+        """Forecast some of the future states alone, which takes less time; others are NaN.
+
+        Args:
+            states: that are read, of the 60.
+        """
+        size = FUTURE // self.rows
+        self.read = slice(states.start // size, -(-states.stop // size))
+
     def forward(self, history: Tensor, mask: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
         """Return (B, 60, 9) normalised future states; ``ForecastNetwork`` describes the inputs.
 
@@ -169,7 +179,9 @@ class Transformer(nn.Module):
         for layer in self.decoder[:-1]:
             decoded = layer(decoded, encoded)
         # Nothing reads what the last layer makes of the history.
-        future: Tensor = self.projection(self.decoder[-1](decoded, encoded, HISTORY))
+        first, end = self.read.start, self.read.stop
+        last = self.decoder[-1](decoded, encoded, slice(HISTORY + first, HISTORY + end))
+        future = pad(self.projection(last), (0, 0, first, self.rows - end), value=math.nan)
         return future.reshape(len(history), FUTURE, OUTPUTS)
 
     def _embedded(self, history: Tensor, expected: Tensor) -> Rows:

@@ -16,6 +16,9 @@ SIZES = {"width": 16, "expanded": 16, "heads": 2, "encoder_layers": 1, "decoder_
 ROWS = {"states_per_row": 10, "uniform_motion": True}
 NETWORKS = {
     "transformer": TransformerSettings(kind="transformer", **SIZES, **ROWS),
+    "transformer of single rows": TransformerSettings(
+        kind="transformer", **SIZES, states_per_row=1, uniform_motion=False
+    ),
     "hybrid": HybridSettings(kind="hybrid", simulator="imperfect_c_with_net", **SIZES, **ROWS),
     "tae": TaeSettings(
         kind="tae", hidden=16, features=8, latent=8, decoded=16, uniform_motion=False
@@ -32,6 +35,12 @@ def learned(request):
     return LearnedPredictor(untrained, Spread())
 
 
+def thrown(forecaster):
+    for k in range(12):
+        forecaster.observe(0.005 * k, [0.0, 1.0 - 0.03 * k, 0.3])
+    return forecaster
+
+
 def test_forecasts_and_covariances_are_those_of_torch(learned):
     compiled = CompiledPredictor(learned)
     history, _ = observed(noise=0.003)
@@ -44,11 +53,28 @@ def test_forecasts_and_covariances_are_those_of_torch(learned):
 
 
 def test_a_forecaster_takes_it(learned):
-    forecaster = Forecaster(TRUTH, CompiledPredictor(learned))
-    for k in range(12):
-        forecaster.observe(0.005 * k, [0.0, 1.0 - 0.03 * k, 0.3])
+    forecaster = thrown(Forecaster(TRUTH, CompiledPredictor(learned)))
     states, covariances = forecaster.predict(forecaster.last + np.array([0.1, 0.2]))
     assert np.isfinite(states).all() and np.isfinite(covariances).all()
+
+
+def test_between_two_horizons_forecasts_are_those_of_all(learned):
+    asked = np.array([0.1149, 0.12, 0.1251])
+    found = []
+    for compiled in (CompiledPredictor(learned), CompiledPredictor(learned, (0.115, 0.125))):
+        forecaster = thrown(Forecaster(TRUTH, compiled))
+        found.append(forecaster.predict(forecaster.last + asked))
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_allclose(one, other, atol=2e-4 * np.abs(one).max())
+
+
+def test_other_horizons_are_refused():
+    torch.manual_seed(0)
+    learned = LearnedPredictor(build_network(NETWORKS["transformer"]), Spread())
+    forecaster = thrown(Forecaster(TRUTH, CompiledPredictor(learned, (0.115, 0.125))))
+    for ask in (lambda: forecaster.predict([forecaster.last + 0.2]), forecaster.bounce):
+        with pytest.raises(ValueError, match="compiled"):
+            ask()
 
 
 def test_without_a_spread_nothing_is_compiled(learned):
