@@ -352,6 +352,18 @@ def keep(name: Annotated[str, typer.Argument(help="as `dvc exp list` shows it")]
 
 
 @app.command(rich_help_panel=MAINTENANCE)
+def page(name: Annotated[str, typer.Argument(help="of the folder in reports")]) -> None:
+    """Write the page of a kept run, reports/NAME/index.html, from its figures and tables."""
+    from pipeline.io.artifacts import write_text
+    from pipeline.web.kept_page import kept_page
+
+    root = clone()
+    file = root / "reports" / name / "index.html"
+    write_text(file, kept_page(root, name))
+    typer.echo(f"Page: {file}")
+
+
+@app.command(rich_help_panel=MAINTENANCE)
 def costs() -> None:
     """Measure what the predictors of the last run cost on this machine; write reports/costs."""
     from pipeline.evaluation.costs import costs_table, machine, measure_costs, write_costs

@@ -80,7 +80,7 @@ def _keep_files(former: Path, folder: Path) -> None:
 
 
 def _copy_outputs(root: Path, revision: str, name: str, folder: Path) -> list[str]:
-    """Copy the report of every stage, the page and the trained predictors; return the stages."""
+    """Copy the report of every stage and the trained predictors; return the stages."""
     from dvc.api import DVCFileSystem
 
     files = DVCFileSystem(str(root), rev=revision)
@@ -88,7 +88,6 @@ def _copy_outputs(root: Path, revision: str, name: str, folder: Path) -> list[st
     _check_name(root, name, stages)
     for stage in stages:
         files.get(f"reports/{stage}", str(folder / stage), recursive=True)
-    files.get_file("reports/index.html", str(folder / "index.html"))
     if files.exists(PREDICTORS):
         files.get(PREDICTORS, str(folder / "predictors"), recursive=True)
         _adapt_predictors(folder / "predictors", f"reports/{name}")

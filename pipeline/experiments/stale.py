@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from pipeline.experiments.keep import RECORD
 from pipeline.io.artifacts import read_json
 from pipeline.runtime.git import git_if_known
 
@@ -57,7 +58,7 @@ def kept_result(root: Path, folder: Path) -> KeptResult:
 
     Its commit is the one that its run.json names, or else the one that last changed the folder.
     """
-    record = folder / "run.json"
+    record = folder / RECORD
     if record.is_file():
         commit = str(read_json(record)["commit"])
     else:

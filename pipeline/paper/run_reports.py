@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 from pydantic import BaseModel, ConfigDict
 
+from pipeline.experiments.keep import RECORD
 from pipeline.experiments.profiles import merged
 from pipeline.io.artifacts import read_json
 from pipeline.paper.verdicts import Interval
@@ -109,19 +110,23 @@ def paper_reports(root: Path) -> Reports:
     Raises:
         InputError: parameters are missing or broken.
     """
-    folder = root / "reports" / "paper"
-    record, profile = folder / "run.json", root / "profiles" / "paper.yaml"
-    if record.is_file():
-        return Reports(folder, _kept_params(record), record)
+    folder, profile = root / "reports" / "paper", root / "profiles" / "paper.yaml"
+    if (folder / RECORD).is_file():
+        return kept_reports(folder)
     params = check_params(merged(read_yaml(root / "params.yaml"), read_yaml(profile)), profile)
     return Reports(folder, params.model_dump(mode="json"), profile)
 
 
-def _kept_params(path: Path) -> dict[str, Any]:
-    """Return the parameters in the record of a kept run."""
+def kept_reports(folder: Path) -> Reports:
+    """Return the reports of a kept run.
+
+    Raises:
+        InputError: its record is missing or broken.
+    """
+    path = folder / RECORD
     record = read_json(path)
     params = record.get("params") if isinstance(record, dict) else None
     if not isinstance(params, dict):
         problem = "is missing or holds no parameters; run `rallygap keep` again"
         raise InputError(path, problem, field="params")
-    return dict(with_current_keys(params))
+    return Reports(folder, dict(with_current_keys(params)), path)

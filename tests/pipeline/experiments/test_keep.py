@@ -41,10 +41,10 @@ def repository(tmp_path):
     return tmp_path
 
 
-def experiment(root, params, page="page", day=2, name="warm", contents=CONTENTS):
+def experiment(root, params, table="table", day=2, name="warm", contents=CONTENTS):
     """Leave an experiment the way DVC does, and return the commit it started from."""
     start = git(root, "rev-parse", "HEAD")
-    report = {"index.html": page, "segment/contents.json": contents}
+    report = {"segment/table.csv": table, "segment/contents.json": contents}
     report = {f"reports/{name}": text for name, text in report.items()}
     changed = commit(root, report | {"params.yaml": params}, day)
     git(root, "update-ref", f"refs/exps/{start[:2]}/{start[2:]}/{name}", changed)
@@ -56,7 +56,7 @@ def test_the_report_is_copied_with_the_run_that_made_it(repository):
     start = experiment(repository, "seed: 2\ningest: {folder: null, sources: [a]}")
     keep_experiment(repository, "warm")
     kept = repository / "reports" / "warm"
-    assert (kept / "index.html").read_text() == "page"
+    assert (kept / "segment" / "table.csv").read_text() == "table"
     assert json.loads((kept / "run.json").read_text()) == {
         "experiment": "warm",
         "commit": start,
@@ -72,7 +72,7 @@ def test_the_newest_experiment_of_a_name_is_kept_and_takes_the_old_one_s_place(r
     commit(repository, {"another": "start"}, day=3)
     experiment(repository, PARAMS, "newest", day=5)
     keep_experiment(repository, "warm")
-    assert (repository / "reports" / "warm" / "index.html").read_text() == "newest"
+    assert (repository / "reports" / "warm" / "segment" / "table.csv").read_text() == "newest"
 
 
 def test_files_of_other_commands_stay_and_folders_of_former_stages_go(repository):
@@ -84,7 +84,7 @@ def test_files_of_other_commands_stay_and_folders_of_former_stages_go(repository
     experiment(repository, PARAMS, "newer", day=4)
     keep_experiment(repository, "warm")
     assert (kept / "known_answers.csv").read_text() == "set,fold"
-    assert (kept / "index.html").read_text() == "newer"
+    assert (kept / "segment" / "table.csv").read_text() == "newer"
     assert not (kept / "former_stage").exists()
 
 

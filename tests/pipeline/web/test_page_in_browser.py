@@ -13,11 +13,13 @@ from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
 
 from pipeline.io.figure_style import predictor_colour
+from pipeline.web.kept_page import kept_page, kept_runs
 from tests.pipeline.web.example_reports import OFFSETS
 
 pytestmark = pytest.mark.browser
 
-PAGES = sorted((Path(__file__).parents[3] / "reports").rglob("index.html"))
+ROOT = Path(__file__).parents[3]
+PAGE = ROOT / "reports" / "index.html"  # of the last run, if there was one
 DESKTOP, PHONE = (1280, 900), (390, 844)
 PAPER = (718, 1047)  # A4 without its margins, CSS pixels
 COLOURS_DRAWN = """
@@ -106,8 +108,24 @@ def test_no_console_message_and_no_request_leaves_the_page(browser, page_file, s
     assert requests(browser) == [page_file.as_uri()]
 
 
-@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.parent.name)
-def test_the_pages_of_runs_are_quiet_offline_and_whole(browser, path):
+@pytest.fixture(params=kept_runs(ROOT))
+def kept_file(request, tmp_path):
+    """The page of a kept run."""
+    path = tmp_path / "index.html"
+    path.write_text(kept_page(ROOT, request.param), encoding="utf-8")
+    return path
+
+
+def test_pages_of_kept_runs_are_quiet_offline_and_whole(browser, kept_file):
+    assert_quiet_offline_and_whole(browser, kept_file)
+
+
+@pytest.mark.skipif(not PAGE.exists(), reason="needs a run: make reproduce")
+def test_the_page_of_the_last_run_is_quiet_offline_and_whole(browser):
+    assert_quiet_offline_and_whole(browser, PAGE)
+
+
+def assert_quiet_offline_and_whole(browser, path):
     open_page(browser, path, PHONE)
     for button in browser.find_elements("css selector", "button[id$='-play']"):
         button.click()
@@ -157,9 +175,21 @@ def test_paper_has_every_article_and_says_what_the_views_show(browser, page_file
         assert all(displayed(browser, shown)), shown
 
 
-@pytest.mark.parametrize("path", [None, *PAGES], ids=lambda path: path and path.parent.name)
-def test_paper_cuts_nothing_off(browser, page_file, path):
-    open_on_paper(browser, path or page_file)
+def test_paper_cuts_nothing_off(browser, page_file):
+    assert_paper_cuts_nothing_off(browser, page_file)
+
+
+def test_paper_cuts_nothing_off_kept_runs(browser, kept_file):
+    assert_paper_cuts_nothing_off(browser, kept_file)
+
+
+@pytest.mark.skipif(not PAGE.exists(), reason="needs a run: make reproduce")
+def test_paper_cuts_nothing_off_the_last_run(browser):
+    assert_paper_cuts_nothing_off(browser, PAGE)
+
+
+def assert_paper_cuts_nothing_off(browser, path):
+    open_on_paper(browser, path)
     cut_off = """
 return [...document.querySelectorAll(".box, main, body")].filter((box) =>
   box.scrollWidth > box.clientWidth || box.getBoundingClientRect().right > innerWidth
