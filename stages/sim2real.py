@@ -59,11 +59,11 @@ def _trials(
 ) -> list[ReplayTrial]:
     """Return the trials of a set: with physics, and with the predictors that know more."""
     simulator = run.params.sim2real.simulator
-    physics = load_simulator(simulator)
+    physics = PhysicsPredictor(load_simulator(simulator))
     amended = amended_by(run.input("close_gap", ""), source_of(one), simulator)
     forecasters: list[Forecaster] = [
         FirstWindow(PHYSICS, physics),
-        EveryStep(PHYSICS, PhysicsPredictor(physics)),
+        EveryStep(PHYSICS, physics),
         *informed_forecasters(one, learned, amended),
     ]
     recorded = [PHYSICS, *(predictor.name for predictor in learned)]

@@ -62,9 +62,20 @@ class BatchSimulation:
         finished: (B,) whether the episode has ended; the arm rests until the next reset.
     """
 
-    def __init__(self, simulator: Simulator, count: int, kind: ObservationKind) -> None:
-        """Set up ``count`` environments; ``simulator`` flies balls on from the rackets."""
+    def __init__(
+        self, simulator: Simulator, count: int, kind: ObservationKind, latency: float = 0.0
+    ) -> None:
+        """Set up environments.
+
+        Args:
+            simulator: flies balls on from the rackets.
+            count: of environments.
+            kind: what is observed.
+            latency: s from an action to the first command to the arm that follows it.
+        """
         self.arms = Arms(count)
+        self._delay = round(latency / COMMAND_STEP)
+        self._actions = np.zeros((1 - (-self._delay // COMMANDS), count, ACTIONS))  # newest last
         self.finished = np.ones(count, dtype=np.bool_)
         self._simulator, self._kind = with_net(simulator), kind
         self._nearest = np.full(count, np.inf)
@@ -85,6 +96,7 @@ class BatchSimulation:
             self._balls.replace(which, incoming)
             _replace(self._goals, which, goals)
         self.arms.reset(which)
+        self._actions[:, which] = 0.0
         self.finished[which], self._nearest[which] = False, np.inf
 
     def observe(self) -> Observations:
@@ -101,15 +113,17 @@ class BatchSimulation:
             actions: (B, 5) in [-1, 1]: velocity of the racket across, along and up, and its two
                 turning rates, as ``models.robot.control`` defines them.
         """
-        clipped = np.where(self.finished[:, None], 0.0, np.clip(actions, -1.0, 1.0))
-        rackets, on_table = self._move(clipped)
+        clipped = np.clip(actions, -1.0, 1.0)
+        self._actions = np.concatenate([self._actions[1:], clipped[None]])
+        self._actions[:, self.finished] = 0.0
+        rackets, on_table = self._move()
         moments, balls = self._balls.ahead()
         distance = distances(balls, rackets)
         self._update_nearest(moments, distance)
         live = (moments[1:] <= self._balls.gone) & ~self.finished & ~on_table[:-1]
         ended = self._ended(find_contacts(balls, rackets, distance, live), on_table[-1])
         self._balls.advance()
-        reward, done = effort_reward(clipped), np.zeros(len(clipped), dtype=np.bool_)
+        reward, done = effort_reward(self._actions[-1]), np.zeros(len(clipped), dtype=np.bool_)
         reward[ended.envs] += ended.reward
         done[ended.envs] = True
         self.finished |= done
@@ -119,7 +133,7 @@ class BatchSimulation:
         """Release the Bullet world."""
         self.arms.close()
 
-    def _move(self, actions: Floats) -> tuple[Floats, Bools]:
+    def _move(self) -> tuple[Floats, Bools]:
         """Move the arms for one control step.
 
         Returns:
@@ -128,9 +142,11 @@ class BatchSimulation:
         """
         arms = self.arms
         joints, speeds = [arms.joints.copy()], [arms.joint_speeds.copy()]
-        touched = [np.zeros(len(actions), dtype=np.bool_)]
-        velocity, turning = VELOCITY * actions[:, :3], TURNING * actions[:, 3:]
-        for _ in range(COMMANDS):
+        touched = [np.zeros(len(self.finished), dtype=np.bool_)]
+        for command in range(COMMANDS):
+            steps_ago = max(-((command - self._delay) // COMMANDS), 0)
+            actions = self._actions[-1 - steps_ago]
+            velocity, turning = VELOCITY * actions[:, :3], TURNING * actions[:, 3:]
             arms.command(joint_speeds(arms.joints, velocity, turning))
             for _ in range(BULLET_STEPS):
                 arms.step()

@@ -52,6 +52,7 @@ def play(
     goals: Goals,
     kind: ObservationKind,
     record: int = 0,
+    latency: float = 0.0,
 ) -> TrialResult:
     """Let a policy play B balls.
 
@@ -63,9 +64,11 @@ def play(
         kind: what the policy observes.
         record: how many of the first balls to record. An environment records until the ball is
             down, so a recorded ball takes about twice as long.
+        latency: s from an action to the arm.
     """
     recorder = MotionRecorder(simulator, incoming, record)
-    with closing(BatchSimulation(simulator, min(ENVIRONMENTS, len(incoming)), kind)) as simulation:
+    count = min(ENVIRONMENTS, len(incoming))
+    with closing(BatchSimulation(simulator, count, kind, latency)) as simulation:
         ended = list(_played(policy, simulation, incoming, goals, recorder))
     order = np.argsort(np.concatenate([balls for balls, _ in ended]))
     table = pd.concat([_table(episodes, balls) for balls, episodes in ended])

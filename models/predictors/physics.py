@@ -24,22 +24,22 @@ class PhysicsPredictor:
 
     def predict(self, history: History) -> Forecast:
         """Forecast each ball; one without any measurement is forecast at the table's centre."""
-        flown = self.simulator.fly(self._now(history).states, self._ahead).states
-        return Forecast(self._sensor.measured_states(flown), history.spin_measured)
+        return Forecast(self.states_at(history, FUTURE_TIMES), history.spin_measured)
+
+    def states_at(self, history: History, ahead: Floats) -> Floats:
+        """Return the (B, T, 9) states at (T,) or (B, T) s after the history, not falling."""
+        true = ahead / self._sensor.clock
+        flown = self.simulator.fly(self._now(history).states, true).states
+        return self._sensor.measured_states(flown)
 
     def predict_with_covariances(self, history: History) -> tuple[Forecast, Floats]:
         """Forecast each ball; the (B, 60, 3, 3) covariances of positions, m^2, are the filter's."""
         now = self._now(history)
-        flown, found = propagated(self.simulator, now.states, now.covariances, self._ahead)
+        ahead = FUTURE_TIMES / self._sensor.clock
+        flown, found = propagated(self.simulator, now.states, now.covariances, ahead)
         forecast = Forecast(self._sensor.measured_states(flown), history.spin_measured)
         return forecast, found[..., POSITION, POSITION]
 
     def _now(self, history: History) -> Filtered:
         true, tick = self._sensor.true_history(history), TICK / self._sensor.clock
         return filtered(true, self.simulator, self.expected, tick)
-
-    @property
-    def _ahead(self) -> Floats:
-        """(60,) true s from now to the future states."""
-        ahead: Floats = FUTURE_TIMES / self._sensor.clock
-        return ahead

@@ -11,7 +11,7 @@ the forecast is read that much farther ahead; beyond its end the last forecast s
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from models.policy.incoming_balls import (
 from models.policy.launches import WORKSPACE
 from models.policy.outcome import with_net
 from models.policy.settings import HorizonsMs
-from models.predictors.physics import PhysicsPredictor
+from models.predictors.long_forecast import forecast_at
 from models.predictors.protocol import (
     FUTURE,
     HISTORY_TIMES,
@@ -163,19 +163,49 @@ def every_step(forecasts: Floats, histories: Histories, horizons: HorizonsMs) ->
     return states
 
 
-def first_window(simulator: Simulator, histories: Histories, horizons: HorizonsMs) -> Floats:
-    """Return the ``forecasts`` of ``IncomingBalls`` from each ball's first history alone.
+def anchored(
+    predictor: Predictor, histories: Histories, horizons: HorizonsMs, every: int | None = None
+) -> Floats:
+    """Return the ``forecasts`` of ``IncomingBalls`` from some of the histories alone.
 
-    A filter estimates the state from the first window, and its simulator flies the whole flight.
+    Args:
+        predictor: forecasts.
+        histories: of B balls.
+        horizons: ms.
+        every: control steps from one forecast to the next; without it all is forecast from the
+            first window.
     """
-    first = histories.first
-    history = History(histories.history.states[first], histories.history.mask[first])
-    states = PhysicsPredictor(simulator).predict(history).states[:, 0]
-    wanted = control_times(FIRST_WINDOW)[:, None] + np.array(horizons) / 1000
-    times, places = np.unique(wanted.round(9), return_inverse=True)
-    known_at = FIRST_WINDOW - histories.age[:, :1] + TICK
-    flown = simulator.fly(states, np.maximum(times - known_at, 0.0)).states
-    return flown[:, places.reshape(wanted.shape)]
+    steps = control_times(FIRST_WINDOW)
+    states = np.empty((*histories.latest.shape, len(horizons), STATE_SIZE))
+    for first in range(0, len(steps), every or len(steps)):
+        served = slice(first, first + (every or len(steps)))
+        wanted = steps[served, None] - steps[first] + np.array(horizons) / 1000
+        times, places = np.unique(wanted.round(9), return_inverse=True)
+        rows = histories.latest[:, first]
+        history = History(histories.history.states[rows], histories.history.mask[rows])
+        found = forecast_at(predictor, history, histories.age[:, first, None] + times)
+        states[:, served] = found[:, places.reshape(wanted.shape)]
+    return states
+
+
+def with_label_error(histories: Histories, share: float, random: np.random.Generator) -> Histories:
+    """Return histories whose spin labels have an error, the same in all labels of a ball.
+
+    Args:
+        histories: of B balls.
+        share: standard deviation of a component, in shares of the ball's mean spin.
+        random: of the errors.
+    """
+    history, balls = histories.history, len(histories.latest)
+    ball = np.searchsorted(histories.first, np.arange(len(history)), side="right") - 1
+    labelled = history.mask[..., 3:].all(axis=2)
+    sizes = np.where(labelled, np.linalg.norm(history.states[..., 3:], axis=2), 0.0)
+    total = np.bincount(ball, sizes.sum(axis=1), balls)
+    mean = total / np.maximum(np.bincount(ball, labelled.sum(axis=1), balls), 1)
+    errors = share * mean[:, None] * random.standard_normal((balls, 3))
+    states = history.states.copy()
+    states[..., 3:] += np.where(history.mask[..., 3:], errors[ball, None], 0.0)
+    return replace(histories, history=History(states, history.mask))
 
 
 def _histories(measured: Episode) -> tuple[Floats, History]:

@@ -20,8 +20,8 @@ from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import Predictor, ProbabilisticPredictor
 from models.replay.replayed_balls import (
     Histories,
+    anchored,
     every_step,
-    first_window,
     measurement_histories,
     predict_all,
     predict_all_with_spreads,
@@ -88,22 +88,23 @@ class EveryStepWithSpreads:
 
 @dataclass(frozen=True)
 class FirstWindow:
-    """A Kalman filter over the first window, and a simulator for the whole flight from there."""
+    """A predictor that forecasts the whole flight from the first window."""
 
     name: str
-    simulator: Simulator
+    predictor: Predictor
     protocol: ClassVar[str] = "first_window"
 
     def forecasts(self, histories: Histories) -> Forecasts:
         """Forecast from the first histories."""
-        return lambda horizons: (first_window(self.simulator, histories, horizons), None)
+        return lambda horizons: (anchored(self.predictor, histories, horizons), None)
 
 
 @dataclass(frozen=True)
 class ReplayTrial:
     """All policies play the shots of a set with one forecaster.
 
-    ``record`` says whether the first policy's trials are recorded.
+    ``record`` says whether the first policy's trials are recorded; ``latency`` is what passes
+    between an action and the arm, s.
     """
 
     shots: ReplaySet
@@ -112,6 +113,7 @@ class ReplayTrial:
     policies: Policies
     goals: Goals
     record: bool = False
+    latency: float = 0.0
 
     def run(self) -> Played:
         """Return each shot's outcome and forecast error with each policy."""
@@ -140,7 +142,10 @@ class ReplayTrial:
         shots = self.shots
         incoming = IncomingBalls(shots.path, shots.playable, FIRST_WINDOW, forecasts, spreads)
         count = len(shots) if record else 0
-        return play_policy(policy, trained, shots.simulator, incoming, self.goals, count)
+        goals, latency = self.goals, self.latency
+        return play_policy(
+            policy, trained, shots.simulator, incoming, goals, count, latency=latency
+        )
 
 
 def load_players(folder: Path, settings: Sim2RealSettings) -> Policies:

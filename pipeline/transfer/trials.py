@@ -55,6 +55,7 @@ def play_policy(
     incoming: IncomingBalls,
     goals: Goals,
     record: int = 0,
+    latency: float = 0.0,
 ) -> TrialResult:
     """Let a policy play balls, and label the results.
 
@@ -65,12 +66,13 @@ def play_policy(
         incoming: (B,) balls with forecasts at the policy's horizons.
         goals: (B,) of their returns.
         record: how many of the first balls to record.
+        latency: s from an action to the arm.
 
     Returns:
         The trials; the table also has ``horizons_ms`` and ``repeat`` of the policy, the number of
         the ``ball``, and ``forecast_error_m``, the same in all rows.
     """
-    result = play(policy, simulator, incoming, goals, trained.observation, record)
+    result = play(policy, simulator, incoming, goals, trained.observation, record, latency)
     table = result.table.assign(
         horizons_ms=trained.horizons_label,
         repeat=trained.repeat,

@@ -41,8 +41,8 @@ def goals(count=1):
     return Goals(np.tile([0.1, 0.8], (count, 1)))
 
 
-def simulation_with(incoming, simulator=SIMULATOR):
-    simulation = BatchSimulation(simulator, len(incoming), "strict")
+def simulation_with(incoming, simulator=SIMULATOR, latency=0.0):
+    simulation = BatchSimulation(simulator, len(incoming), "strict", latency)
     simulation.reset(np.ones(len(incoming), dtype=bool), incoming, goals(len(incoming)))
     return simulation
 

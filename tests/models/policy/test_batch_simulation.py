@@ -5,8 +5,10 @@ import pytest
 from scipy.optimize import brentq
 
 from models.ball.state import BALL_RADIUS
+from models.policy import batch_simulation
 from models.policy.batch_simulation import BatchSimulation
 from models.policy.outcome import judge
+from models.robot.control import joint_speeds
 from tests.models.policy.simulations import (
     ARRIVAL,
     CENTRE,
@@ -129,6 +131,37 @@ def test_the_racket_goes_where_the_action_says():
 
     assert (moved.argmax(axis=1) == [0, 1, 2]).all()
     assert (np.diag(moved) > 0.1).all()
+
+
+@pytest.mark.parametrize(("latency", "commands"), [(0.02, 1), (0.04, 2), (0.1, 5), (0.2, 10)])
+def test_actions_reach_the_arm_after_the_latency(latency, commands, monkeypatch):
+    sent = []
+
+    def recorded(joints, velocity, turning):
+        sent.append(velocity[0].tolist())
+        return joint_speeds(joints, velocity, turning)
+
+    def velocities(latency):
+        sent.clear()
+        simulation = simulation_with(passing(ASIDE), latency=latency)
+        for action in np.random.default_rng(1).uniform(-0.1, 0.1, (9, 1, 5)):
+            simulation.step(action)
+        return list(sent)
+
+    monkeypatch.setattr(batch_simulation, "joint_speeds", recorded)
+    expected = [[0.0, 0.0, 0.0]] * commands + velocities(0.0)
+    assert velocities(latency) == expected[: len(sent)]
+
+
+def test_a_new_ball_does_not_get_the_actions_of_the_last_one():
+    simulation = simulation_with(passing(ASIDE), latency=0.2)
+    for _ in range(10):
+        simulation.step(AHEAD_AND_DOWN)
+    simulation.reset(np.ones(1, dtype=bool), passing(ASIDE), goals())
+    start = racket_state(simulation).position
+    for _ in range(5):
+        simulation.step(AHEAD_AND_DOWN)
+    np.testing.assert_allclose(racket_state(simulation).position, start, atol=1e-4)
 
 
 def test_what_is_played_again_is_the_same_to_the_byte():

@@ -19,13 +19,14 @@ from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import FUTURE, HISTORY_TIMES, Forecast
 from models.predictors.windows import MIN_OBSERVED, cut_windows, observed_at
 from models.replay.replayed_balls import (
+    anchored,
     every_step,
-    first_window,
     fly_on,
     measured_in_time,
     measurement_histories,
     predict_all,
     reachable,
+    with_label_error,
 )
 from tests.models.policy.incoming_balls import HORIZONS, VACUUM, parabola
 from tests.models.policy.replayed_shots import SERVE, STROKE, sampled, shot
@@ -166,7 +167,41 @@ def test_a_measured_parabola_is_forecast_at_its_ticks_and_horizons(rate):
     expected = parabola(STEPS[:20, None] + np.array(HORIZONS) / 1000)
     every = every_step(predict_all(PhysicsPredictor(VACUUM), found.history), found, HORIZONS)
     np.testing.assert_allclose(every[0, :20], expected, atol=1e-3)
-    np.testing.assert_allclose(first_window(VACUUM, found, HORIZONS)[0, :20], expected, atol=1e-3)
+    for steps in (1, 4, None):
+        states = anchored(PhysicsPredictor(VACUUM), found, HORIZONS, steps)
+        np.testing.assert_allclose(states[0, :20], expected, atol=1e-3)
+
+
+def test_between_forecasts_a_ball_is_forecast_from_the_last_one():
+    found = measurement_histories([shot(), shot(first=SERVE)])
+    predictor = PhysicsPredictor(TRUTH)
+    states = anchored(predictor, found, HORIZONS, every=2)
+    alone = anchored(predictor, found, HORIZONS, every=1)
+    np.testing.assert_allclose(states[:, ::2], alone[:, ::2], atol=1e-9)
+    flown = TRUTH.fly(alone[:, 2, 0], [CONTROL_STEP]).states[:, 0]
+    np.testing.assert_allclose(states[:, 3, 0], flown, atol=1e-5)
+
+
+def test_all_labels_of_a_ball_have_the_same_error():
+    found = measurement_histories([shot(), shot(sampled(SERVE), SERVE)])
+    wrong = with_label_error(found, 0.2, np.random.default_rng(0))
+    error = (wrong.history.states - found.history.states)[..., 3:]
+    second = found.first[1]
+    for part in (error[:second], error[second:]):
+        labelled = part[np.abs(part).max(axis=2) > 0]
+        np.testing.assert_allclose(labelled, labelled[:1].repeat(len(labelled), axis=0))
+    np.testing.assert_array_equal(wrong.history.states[..., :3], found.history.states[..., :3])
+
+
+def test_errors_of_labels_are_as_large_as_asked_and_unlabelled_balls_have_none():
+    unlabelled = replace(sampled(), spins=np.full((len(sampled().times), 3), np.nan))
+    found = measurement_histories([shot()] * 300 + [shot(unlabelled)])
+    wrong = with_label_error(found, 0.2, np.random.default_rng(0))
+    error = (wrong.history.states - found.history.states)[found.first, -1, 3:]
+    spins = found.history.states[: found.first[1], :, 3:]
+    size = 0.2 * np.linalg.norm(spins, axis=2).mean()
+    assert error[:-1].std() == pytest.approx(size, rel=0.1)
+    assert not error[-1].any()
 
 
 @pytest.mark.parametrize(("until", "enough"), [(0.3, True), (0.025, True), (0.02, False)])

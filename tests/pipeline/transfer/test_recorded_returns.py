@@ -17,7 +17,7 @@ from tests.pipeline.trained_policies import chaser, description
 
 SIMULATOR = shipped("imperfect_c")
 FORECASTERS = [
-    FirstWindow("physics", SIMULATOR),
+    FirstWindow("physics", PhysicsPredictor(SIMULATOR)),
     EveryStep("physics", PhysicsPredictor(SIMULATOR)),
     EveryStep("oracle", PhysicsPredictor(shipped("literature"))),
 ]

@@ -1,0 +1,43 @@
+"""Forecasts farther ahead than the 300 ms of a predictor.
+
+A simulator flies on. A learned predictor forecasts from what it has forecast: the last twelve
+states of a forecast are the history of the next one, so its errors accumulate.
+"""
+
+import math
+
+import numpy as np
+
+from models.predictors.physics import PhysicsPredictor
+from models.predictors.protocol import FUTURE, HISTORY, TICK, Floats, History, Predictor
+
+PLACED = [0, 1, 2, 6, 7, 8]  # columns of a state that a history has
+
+
+def forecast_at(predictor: Predictor, history: History, ahead: Floats) -> Floats:
+    """Return the (B, T, 9) states of balls at (B, T) s after their histories, not falling."""
+    if isinstance(predictor, PhysicsPredictor):
+        return predictor.states_at(history, ahead)
+    return _between(rolled_out(predictor, history, float(ahead.max())), ahead)
+
+
+def rolled_out(predictor: Predictor, history: History, until: float) -> Floats:
+    """Return (B, N, 9) states a tick apart, from 5 ms to at least ``until``, in s."""
+    spans = max(math.ceil(until / TICK / FUTURE - 1e-9), 1)
+    parts = [predictor.predict(history).states]
+    mask = np.ones((len(history), HISTORY, 6), dtype=np.bool_)
+    mask[..., 3:] = history.spin_measured[:, None, None]
+    while len(parts) < spans:
+        recent = np.where(mask, parts[-1][:, -HISTORY:, PLACED], 0.0)
+        parts.append(predictor.predict(History(recent, mask)).states)
+    return np.concatenate(parts, axis=1)
+
+
+def _between(states: Floats, ahead: Floats) -> Floats:
+    """Return (B, T, 9) states at (B, T) s, between those of (B, N, 9) from 5 ms on."""
+    place = np.clip((ahead / TICK - 1).round(6), 0, states.shape[1] - 1)
+    before = place.astype(np.int64)
+    after, share = np.minimum(before + 1, states.shape[1] - 1), (place - before)[..., None]
+    rows = np.arange(len(states))[:, None]
+    found: Floats = (1 - share) * states[rows, before] + share * states[rows, after]
+    return found
