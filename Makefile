@@ -15,7 +15,7 @@ export DO_NOT_TRACK := true
 PIP := .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real exam learning-curves arenas spread-policies simulators real-scenes test test-naming test-all faults lint audit pictures bench docs ui
+.PHONY: help reproduce real exam learning-curves arenas spread-policies swap-study simulators real-scenes test test-naming test-all faults lint audit pictures bench docs ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
@@ -49,6 +49,9 @@ arenas: .venv/ready ## an hour: the gap workflow on twenty fresh arenas; it resu
 
 spread-policies: .venv/ready ## half an hour: policies that observe how sure forecasts are; after `make reproduce`
 	@python -m pipeline.spread_policies.run
+
+swap-study: .venv/ready ## hours: when exchanging the predictor pays; after `make reproduce`; it resumes
+	@python -m pipeline.swap_study.run
 
 simulators: .venv/ready ## minutes: scenes of MuJoCo and PyBullet with something wrong, diagnosed and amended
 	@python -m pipeline.simulator_scenes.run

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from models.predictors.errors import resampled_means
+from models.predictors.errors import resampled_over_draws
 from models.predictors.protocol import Floats
 
 RESAMPLES = 1000
@@ -53,7 +53,9 @@ def curve_rows(
 def _rows(
     one: Errors, tested: np.ndarray, horizons_ms: list[int], oracle: Floats, seed: int
 ) -> Iterator[Mapping[str, float | str | int]]:
-    low, high = np.quantile(_resampled(one.by_draw, tested, seed), [0.025, 0.975], axis=0)
+    random = np.random.default_rng(seed)
+    drawn = resampled_over_draws(one.by_draw, tested, RESAMPLES, random)
+    low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
     means, medians = _means(one), np.nanmedian(one.by_draw, axis=(0, 1))
     for h, horizon in enumerate(horizons_ms):
         yield {
@@ -72,16 +74,4 @@ def _rows(
 
 def _means(one: Errors) -> Floats:
     means: Floats = np.nanmean(one.by_draw, axis=(0, 1))
-    return means
-
-
-def _resampled(by_draw: Floats, tested: np.ndarray, seed: int) -> Floats:
-    """Return (R, H) means of resampled draws and test recordings."""
-    draws, windows, horizons = by_draw.shape
-    random = np.random.default_rng(seed)
-    flat = by_draw.swapaxes(0, 1).reshape(windows, -1)
-    counted = np.isfinite(flat)
-    of_draws = resampled_means(np.nan_to_num(flat), counted, tested, RESAMPLES, random)
-    chosen = random.multinomial(draws, np.full(draws, 1 / draws), RESAMPLES) / draws
-    means: Floats = np.einsum("rdh,rd->rh", of_draws.reshape(-1, draws, horizons), chosen)
     return means

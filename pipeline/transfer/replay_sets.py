@@ -54,6 +54,7 @@ class ReplaySet:
     Attributes:
         name: of the set.
         shots: B.
+        recordings: (B,) ids of the recordings that they are from.
         path: (B, N, 9) as in ``IncomingBalls``.
         playable: (B, 2) as in ``IncomingBalls``.
         simulator: flies balls on from the ends of their known paths, and from the racket.
@@ -66,6 +67,7 @@ class ReplaySet:
 
     name: str
     shots: Sequence[Shot]
+    recordings: Sequence[str]
     path: Floats
     playable: Floats
     simulator: Simulator
@@ -86,6 +88,7 @@ class _Candidates:
     name: str
     source: str
     shots: list[Shot]
+    recordings: list[str]
     rotated: Bools
     simulator: Simulator
     oracle: Simulator | None
@@ -131,17 +134,17 @@ def _measured(artifacts: Path, manifest: Manifest) -> Iterator[_Candidates]:
     truth = read_truth(artifacts / "ingest" / "truth.json")
     contacts = artifacts / "ingest" / "true_contacts.parquet"
     for name, members in _episodes(artifacts / "segment", manifest.labelled_once).items():
-        source = members[0].source
+        source, recordings = members[0].source, [one.recording_id for one in members]
         if source == ARENA and truth is not None:
             shots, rotated = _arena_shots(members, truth, contacts), np.zeros(len(members), bool)
             simulator = _with_racket(truth.simulator)
-            yield _Candidates(name, source, shots, rotated, simulator, truth.simulator)
+            yield _Candidates(name, source, shots, recordings, rotated, simulator, truth.simulator)
         else:
             measured = [from_launch(one.episode) for one in members]
             away = np.array([flies_away(one) for one in measured])
             facing = [half_turn(one) if flies_away(one) else one for one in measured]
             shots = [Shot(one, *measured_path(one)) for one in facing]
-            yield _Candidates(name, source, shots, away, LITERATURE, None)
+            yield _Candidates(name, source, shots, recordings, away, LITERATURE, None)
 
 
 def _episodes(folder: Path, labelled_once: set[str]) -> dict[str, list[MeasuredEpisode]]:
@@ -172,10 +175,11 @@ def _launched(path: Path, settings: Sim2RealSettings, seed: int) -> Iterator[_Ca
         random = np.random.default_rng([seed, *str(source).encode()])
         drawn = random.permutation(len(rows))[: settings.launches]
         launches = rows[STATE_COLUMNS].to_numpy()[drawn]
+        ids = [str(one) for one in rows["launch_id"].to_numpy()[drawn]]
         away = launches[:, 4] > 0
         launches[away] *= np.tile(HALF_TURN, 3)
         shots = _launched_shots(launches, settings.noise, random)
-        yield _Candidates(str(source), str(source), shots, away, LITERATURE, LITERATURE)
+        yield _Candidates(str(source), str(source), shots, ids, away, LITERATURE, LITERATURE)
 
 
 def _launched_shots(
@@ -215,6 +219,7 @@ def _replay_set(
     return ReplaySet(
         candidates.name,
         extend_measurements(shots, path, playable[:, 1], noise, random),
+        [candidates.recordings[row] for row in kept],
         path,
         playable,
         candidates.simulator,

@@ -1,0 +1,116 @@
+"""Figures of the study."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+
+from pipeline.io.figure_style import FIGURE_WIDTH, INK, predictor_colour, predictor_order
+
+LABELS = {
+    "physics_c": "simulator C",
+    "physics_literature": "literature",
+    "amended": "C amended",
+    "oracle": "oracle",
+    "hybrid": "hybrid",
+    "transformer": "transformer",
+    "tae": "TAE",
+    "gru_tae": "GRU-TAE",
+}
+PROTOCOLS = {"first_window": "first window", "every_tick": "every control step"}
+MARKERS = {"first_window": "o", "every_tick": "s"}
+APART = 0.16  # of the two readings of a predictor
+ROW, HEADROOM = 0.28, 1.5  # inch a predictor, and for titles and axes
+LARGEST = 40  # points, of the colour scale
+POLICY = ["observation", "horizons_ms"]
+OBSERVED = {"intercept": "intercept features", "strict": "the paper's inputs"}
+
+
+def readings_figure(rates: pd.DataFrame) -> Figure:
+    """Draw return rates of predictors under both readings, a panel an observation and horizons.
+
+    Args:
+        rates: one row per ``observation``, ``horizons_ms``, ``predictor`` and ``protocol``, with
+            ``shots``, ``trainings``, ``returns``, ``returns_low`` and ``returns_high``.
+    """
+    predictors = sorted(rates["predictor"].unique(), key=predictor_order)
+    panels = [
+        ((str(observation), str(horizons)), rows)
+        for (observation, horizons), rows in rates.groupby(POLICY, sort=False)
+    ]
+    figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW * len(predictors)))
+    grid = figure.subplots(1, len(panels), sharex=True, sharey=True, squeeze=False)[0]
+    for axes, ((observation, horizons), rows) in zip(grid, panels, strict=True):
+        _draw_readings(axes, rows, predictors)
+        axes.set_title(f"{OBSERVED[observation]},\n{horizons.replace('-', '–')} ms")
+    grid[0].set_yticks(range(len(predictors)), [LABELS[one] for one in predictors])
+    grid[0].set_ylim(len(predictors) - 0.5, -0.5)
+    handles, labels = grid[0].get_legend_handles_labels()
+    count, trainings = rates["shots"].iloc[0], rates["trainings"].iloc[0]
+    title = f"{count} shots, {trainings} trainings, 95 % intervals"
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, title=title)
+    return figure
+
+
+def _draw_readings(axes: Axes, rows: pd.DataFrame, predictors: list[str]) -> None:
+    for protocol, label in PROTOCOLS.items():
+        some = rows[rows["protocol"] == protocol].set_index("predictor").loc[predictors]
+        rate = 100 * some["returns"]
+        ends = [rate - 100 * some["returns_low"], 100 * some["returns_high"] - rate]
+        apart = APART if protocol == "every_tick" else -APART
+        for place, name in enumerate(predictors):
+            axes.errorbar(
+                rate[name], place + apart, xerr=[[end[name]] for end in ends],
+                fmt=MARKERS[protocol], color=predictor_colour(name), markersize=4, capsize=2,
+            )  # fmt: skip
+        axes.plot([], [], MARKERS[protocol], color=INK, markersize=4, label=label)
+    axes.set_xlabel("returns (%)")
+    axes.grid(visible=False, axis="y")
+
+
+def mechanism_figure(gains: pd.DataFrame) -> Figure:
+    """Draw by how much predictors return more than simulator C: age of forecasts by latency.
+
+    A row of panels a predictor, a column an observation and error of labels, at the nearer
+    horizons. A dot marks what the interval, with all comparisons allowed for, tells from zero.
+
+    Args:
+        gains: one row per setting, ``predictor`` and ``outcome``, with ``difference`` and
+            ``p_holm``.
+    """
+    nearest = gains["horizons_ms"].iloc[0]
+    shown = gains[(gains["outcome"] == "returns") & (gains["horizons_ms"] == nearest)]
+    predictors = [one for one in LABELS if one in set(shown["predictor"])]
+    columns = list(shown.groupby(["observation", "label_error"], sort=False))
+    figure = Figure(figsize=(FIGURE_WIDTH, 1.0 + 1.7 * len(predictors)))
+    grid = figure.subplots(len(predictors), len(columns), sharex=True, sharey=True, squeeze=False)
+    for row, name in zip(grid, predictors, strict=True):
+        for axes, (_, cell) in zip(row, columns, strict=True):
+            image = _draw_surface(axes, cell[cell["predictor"] == name])
+        row[0].set_ylabel(f"{LABELS[name]}\nlatency (ms)")
+    for axes, ((observation, error), _) in zip(grid[0], columns, strict=True):
+        labels = f"label error {100 * error:.0f} %" if error else "correct labels"
+        axes.set_title(f"{OBSERVED[observation]},\n{labels}")
+    for axes in grid[-1]:
+        axes.set_xlabel("age of forecasts (ms)")
+    figure.colorbar(image, ax=grid, label=f"returns minus simulator C's (points), {nearest} ms")
+    return figure
+
+
+def _draw_surface(axes: Axes, cell: pd.DataFrame) -> AxesImage:
+    ages, latencies = list(cell["age_ms"].unique()), list(cell["latency_ms"].unique())
+    table = cell.pivot(index="latency_ms", columns="age_ms", values="difference")
+    gain = 100 * table.loc[latencies, ages].to_numpy()
+    known = cell.pivot(index="latency_ms", columns="age_ms", values="p_holm")
+    image = axes.imshow(
+        gain, origin="lower", aspect="auto", cmap="RdBu", vmin=-LARGEST, vmax=LARGEST
+    )
+    for (y, x), value in np.ndenumerate(gain):
+        sure = known.loc[latencies[y], ages[x]] < 0.05
+        weight = "bold" if sure else "normal"
+        axes.text(x, y, f"{value:+.0f}", ha="center", va="center", fontsize=7, weight=weight)
+    axes.set_xticks(range(len(ages)), [one.replace(" ", "\n") for one in ages], fontsize=7)
+    axes.set_yticks(range(len(latencies)), [str(one) for one in latencies], fontsize=7)
+    axes.grid(visible=False)
+    return image

@@ -1,0 +1,112 @@
+"""The trials of the study: who forecasts, how often, how late actions are, how wrong labels are."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import ClassVar
+
+import numpy as np
+import pandas as pd
+
+from models.policy.incoming_balls import CONTROL_STEP
+from models.predictors.protocol import Predictor
+from models.replay.replayed_balls import Histories, anchored, with_label_error
+from pipeline.transfer.replay_sets import ReplaySet
+from pipeline.transfer.replay_trials import (
+    EveryStep,
+    FirstWindow,
+    Forecasts,
+    Policies,
+    ReplayTrial,
+    replay_trials,
+)
+
+STEP_MS = round(1000 * CONTROL_STEP)
+AGES_MS = (40, 80, 160, 320, None)  # after which there is a new forecast; None: never
+# An arm takes a command every 20 ms.
+LATENCIES_MS = (0, 40, 100, 200)
+LABEL_ERRORS = (0.0, 0.2)  # shares of the spin that all labels of a ball are off by
+OF_MECHANISM = ("physics_c", "amended", "transformer", "oracle")
+
+Predictors = Mapping[str, Predictor]  # by name
+KEPT = ["set", "ball", "predictor", "protocol", "horizons_ms", "repeat", "hit", "returned"]
+
+
+@dataclass(frozen=True)
+class EverySteps:
+    """A predictor that forecasts again after some control steps; without a number, never.
+
+    Attributes:
+        name: of the predictor.
+        predictor: forecasts.
+        steps: from one forecast to the next.
+    """
+
+    name: str
+    predictor: Predictor
+    steps: int | None
+    protocol: ClassVar[str] = "every_steps"
+
+    def forecasts(self, histories: Histories) -> Forecasts:
+        """Forecast from the histories at these steps."""
+        return lambda horizons: (anchored(self.predictor, histories, horizons, self.steps), None)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A setting of the mechanism.
+
+    Attributes:
+        age_ms: after which there is a new forecast; None: all is forecast from the first window.
+        latency_ms: from an action to the arm.
+        label_error: share of the spin that all labels of a ball are off by.
+    """
+
+    age_ms: int | None
+    latency_ms: int
+    label_error: float
+
+    @property
+    def columns(self) -> dict[str, str | float]:
+        """The setting in tables."""
+        age = "first window" if self.age_ms is None else str(self.age_ms)
+        return {"age_ms": age, "latency_ms": self.latency_ms, "label_error": self.label_error}
+
+
+SETTINGS = [Setting(*one) for one in product(AGES_MS, LATENCIES_MS, LABEL_ERRORS)]
+
+
+def reading_trials(
+    shots: ReplaySet, predictors: Predictors, policies: Policies, seed: int
+) -> list[ReplayTrial]:
+    """Return the trials of a set with all predictors under both readings of Table I."""
+    forecasters = [
+        kind(*named) for kind in (FirstWindow, EveryStep) for named in predictors.items()
+    ]
+    return replay_trials(shots, forecasters, policies, seed)
+
+
+def mechanism_trials(
+    shots: ReplaySet, predictors: Predictors, policies: Policies, seed: int
+) -> Iterator[tuple[Setting, ReplayTrial]]:
+    """Yield the trials of a set in all settings of the mechanism.
+
+    Labels have the same errors in all trials of a set.
+    """
+    for setting in SETTINGS:
+        steps = None if setting.age_ms is None else setting.age_ms // STEP_MS
+        forecasters = [EverySteps(name, predictors[name], steps) for name in OF_MECHANISM]
+        for trial in replay_trials(shots, forecasters, policies, seed):
+            random = np.random.default_rng([seed, *b"labels", *shots.name.encode()])
+            histories = with_label_error(trial.histories, setting.label_error, random)
+            yield setting, replace(trial, histories=histories, latency=setting.latency_ms / 1000)
+
+
+def played(trial: ReplayTrial, columns: Mapping[str, str | float]) -> pd.DataFrame:
+    """Run a trial; return its outcomes, with the recording and what the policy observes."""
+    table = trial.run().table
+    observed = [trained.observation for _, trained in trial.policies]
+    shots = trial.shots
+    table["observation"] = np.repeat(observed, len(shots))
+    table["recording"] = np.tile(np.asarray(shots.recordings), len(observed))
+    return table[[*KEPT, "observation", "recording"]].assign(**columns)
