@@ -1,17 +1,31 @@
-"""Settings of the arena: size of a session and camera errors."""
+"""Settings of the arena: physics, size of a session and camera errors."""
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from models.ball.simulator import SimulatorError
+from models.ball.simulators import shipped
+
+
+def _shipped(name: str) -> str:
+    try:
+        shipped(name)
+    except SimulatorError as error:
+        raise ValueError(str(error)) from None
+    return name
+
 
 Share = Annotated[float, Field(ge=0, le=0.5)]
 
 
 class ArenaSettings(BaseModel):
-    """Size of a session and camera errors."""
+    """Physics, size of a session and camera errors."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
+    physics: Annotated[str, AfterValidator(_shipped)] | None
+    """A shipped simulator that flies the balls; null for physics that the seed draws."""
     game_episodes: Annotated[int, Field(ge=0)]
     """Smallest number of strokes in games; recordings are kept whole."""
     cannon_shots: Annotated[int, Field(ge=0)]

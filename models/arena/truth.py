@@ -11,6 +11,7 @@ from models.arena.camera_field import CameraField
 from models.arena.cameras import SlowError
 from models.ball.quantities import TYPICAL_IMPACT, TYPICAL_SPIN_RATIO
 from models.ball.simulator import Simulator
+from models.ball.simulators import shipped
 
 STREAM = 1_000_000  # random stream of the truth, apart from those of the recordings
 
@@ -47,8 +48,11 @@ class Truth:
         )
 
 
-def draw_truth(seed: int) -> Truth:
+def draw_truth(seed: int, physics: str | None = None) -> Truth:
     """Draw the hidden physics and measurement errors of the arena.
+
+    With ``physics``, the name of a shipped simulator, that one flies the balls; where it has no
+    net, it has the one that is drawn.
 
     All ranges of the physics are those of real set-ups (``observed`` in the catalogue of effects).
     Effects that no shipped simulator has are always present and never small, so that the truth
@@ -62,6 +66,8 @@ def draw_truth(seed: int) -> Truth:
     effects = _effects(random)
     _as_of_typical_balls(effects)
     simulator = Simulator.from_dict(effects)
+    if physics is not None:
+        simulator = Simulator.from_dict({"net": effects["net"], **shipped(physics).to_dict()})
     field = CameraField(
         standard_deviation=_between(random, 0.0012, 0.0018),
         length=_between(random, 0.7, 0.9),

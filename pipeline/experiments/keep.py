@@ -10,12 +10,12 @@ from models.support.yaml_file import parse_yaml
 from pipeline.experiments.profiles import flags
 from pipeline.io.artifacts import replacing_folder, write_json, write_text
 from pipeline.io.report_manifest import read_contents
+from pipeline.paper.run_reports import RECORD
 from pipeline.runtime.console import warn
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.git import git
 
 PREDICTORS = "artifacts/train_predictor"
-RECORD = "run.json"
 LARGEST_FILE = 30_000_000  # bytes; larger ones would stay in git's history
 
 

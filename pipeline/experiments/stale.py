@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.experiments.keep import RECORD
 from pipeline.io.artifacts import read_json
+from pipeline.paper.run_reports import RECORD
 from pipeline.runtime.git import git_if_known
 
 CODE = ("models", "pipeline", "stages")

@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 import pandas as pd
 from pydantic import BaseModel, ConfigDict
 
-from pipeline.experiments.keep import RECORD
 from pipeline.experiments.profiles import merged
 from pipeline.io.artifacts import read_json
 from pipeline.paper.verdicts import Interval
 from pipeline.params import check_params, load_params, read_yaml, with_current_keys
 from pipeline.runtime.errors import InputError
+
+RECORD = "run.json"  # of a kept run: commit, command, parameters and fingerprints
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-from pipeline.experiments.keep import RECORD
 from pipeline.io.artifacts import read_json
 from pipeline.io.report_manifest import read_contents
-from pipeline.paper.run_reports import kept_reports
+from pipeline.paper.run_reports import RECORD, kept_reports
 from pipeline.runtime.errors import InputError
 from pipeline.web.report_page import render_page
 

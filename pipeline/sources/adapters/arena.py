@@ -34,7 +34,7 @@ class Arena:
             InputError: the cluster does not answer, or its scheduler is lost.
         """
         settings, seed = context.settings.arena, context.seed
-        truth = draw_truth(seed)
+        truth = draw_truth(seed, settings.physics)
         tables = map(_table, recordings(settings, truth, seed, parallel))
         return SourceData(_describe(settings), tables, truth={"seed": seed, **truth.to_dict()})
 

@@ -20,6 +20,7 @@ LEVELS = ("amateur", "club", "semi_pro", "pro")
 def settings(game_episodes=0, cannon_shots=0, **changes):
     perfect = {"position_noise": 0.0, "spin_noise": 0.0, "dropouts": 0.0, "outliers": 0.0}
     return ArenaSettings(
+        physics=None,
         game_episodes=game_episodes,
         cannon_shots=cannon_shots,
         **{"rate_hz": 200.0, **perfect, **changes},

@@ -30,6 +30,13 @@ def test_it_differs_from_every_shipped_simulator_in_several_effects(name):
         assert len(wrong) >= 3
 
 
+def test_a_shipped_simulator_can_fly_the_balls():
+    drawn, given = draw_truth(3), draw_truth(3, "ground_truth")
+    net = drawn.simulator.to_dict()["net"]
+    assert given.simulator.to_dict() == {"net": net, **shipped("ground_truth").to_dict()}
+    assert (given.camera_field, given.scatter) == (drawn.camera_field, drawn.scatter)
+
+
 def test_no_effect_that_is_hidden_is_negligible():
     flat = np.array([[0.0, 1.3, 0.3, 0.5, -9.0, 1.0, 150.0, 50.0, 80.0]])
     for seed in SEEDS:

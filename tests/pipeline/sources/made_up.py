@@ -22,6 +22,7 @@ PATH = np.array([[0.1, 1.0, 0.3], [0.1, 0.965, 0.301], [0.1, 0.93, 0.302], [0.1,
 SPIN = [120.5, -358.75, 245.25]
 
 ARENA = ArenaSettings(
+    physics=None,
     game_episodes=0,  # games come in batches, which take seconds
     cannon_shots=6,
     rate_hz=200,
