@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from models.ball.simulator import Simulator
@@ -30,11 +31,13 @@ from pipeline.gap.measured_shots import read_measured_episodes
 from pipeline.gap.shots import shots_of, source_shots
 from pipeline.io.artifacts import write_csv, write_json
 from pipeline.io.episodes import MeasuredEpisode
+from pipeline.io.figure_style import apply_style, save_figure
 from pipeline.io.simulators import load_simulator
 from pipeline.params import EvaluatePredictorSettings, Params, load_params
 from pipeline.predictors.parallel_training import TrainingResult, train_networks
 from pipeline.predictors.storage import load_network
 from pipeline.real_forecasts.adapted import HYBRID, OTHER, TRANSFORMER, FineTuning, amended_by
+from pipeline.real_forecasts.figure import real_forecasts_figure
 from pipeline.real_forecasts.tested import Fold, Tested
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
@@ -89,10 +92,17 @@ def _write_tables(
             (name,): one.coverage(settings, seed) for name, one in tested.items()
         },
     }
-    for name, parts in tables.items():
-        rows = concat_tables(parts, ["set"])
-        shown = rows[rows["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
-        write_csv(folder / f"{name}.csv", shown, digits=4)
+    shown = {name: _shown(parts) for name, parts in tables.items()}
+    for name, rows in shown.items():
+        write_csv(folder / f"{name}.csv", rows, digits=4)
+    apply_style()
+    save_figure(folder / "forecasts.png", real_forecasts_figure(shown["forecasts"]))
+
+
+def _shown(parts: Mapping[tuple[str], pd.DataFrame]) -> pd.DataFrame:
+    """Return the tables of all sets as one, at the horizons that are shown."""
+    rows = concat_tables(parts, ["set"])
+    return rows[rows["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
 
 
 def _folds(folder: Path, name: str) -> list[Fold]:

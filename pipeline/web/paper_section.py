@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
@@ -122,6 +123,7 @@ def _group(group: Group, run: Reports, fingerprints: Mapping[str, str]) -> dict[
         "about": group.about,
         "scale": _scale(group),
         "rows": rows,
+        "counts": dict(Counter(row["verdict"] for row in rows)),
         "runs": [{"stage": one, "fingerprint": fingerprints.get(one, "")} for one in stages],
     }
 

@@ -16,8 +16,10 @@ from pipeline.paper.run_reports import Reports
 from pipeline.transfer.example_returns import Return
 from pipeline.web.environment import page_environment
 from pipeline.web.paper_section import paper_section
+from pipeline.web.results_section import results_section
 from pipeline.web.scenes import return_scenes, shot_scenes
 
+GAP_STAGES = ("close_gap", "hidden_effects", "retrain_policy")  # are shown first
 SHOTS_STAGE, RETURNS_STAGE = "evaluate_predictor", "sim2real"  # whose runs the 3-D views show
 
 
@@ -37,11 +39,14 @@ def render_page(
         InputError: if a figure or table that the contents name is missing or broken.
     """
     stages = {one.stage: one for one in contents}
+    shown = [_shown_stage(run.folder, stage) for stage in contents]
     return (
         page_environment()
         .get_template("page.html")
         .render(
-            stages=[_shown_stage(run.folder, stage) for stage in contents],
+            results=list(results_section(run, {one.stage: one.fingerprint for one in contents})),
+            gap=[one for one in shown if one["stage"] in GAP_STAGES],
+            stages=[one for one in shown if one["stage"] not in GAP_STAGES],
             paper=paper_section(run, contents),
             shot_stage=stages.get(SHOTS_STAGE),
             return_stage=stages.get(RETURNS_STAGE),

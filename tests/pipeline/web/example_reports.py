@@ -15,6 +15,7 @@ from pipeline.runtime.stage_run import StageRun
 from pipeline.transfer.example_returns import Return, TimedForecast, read_returns, write_returns
 from pipeline.web.report_page import render_page
 
+COMMIT = "0123456789abcdef0123456789abcdef01234567"  # of experiments
 HORIZONS = range(100, 301, 5)
 WINDOWS = {"all": (1.0, 412), "with": (1.5, 168), "without": (0.6, 244)}
 OFFSETS = {"physics_c": (0.03, 0.04, 0.0), "physics_literature": (0.0, 0.0, 0.08)}  # m
@@ -35,6 +36,17 @@ def forecast_errors(
                     rows.append((*key, mean, 0.6 * mean, count, 0.9 * mean, 1.1 * mean))
     columns = "set predictor quantity horizon_ms bounce mean std n ci_low ci_high"
     return pd.DataFrame(rows, columns=columns.split())
+
+
+def learning_curves() -> pd.DataFrame:
+    """Errors in mm of three predictors by the number of recordings."""
+    errors = {"amended_imperfect_c": 30.0, "transformer": 90.0, "oracle": 28.0}
+    rows = [
+        (name, recordings, 300, mean + 100 / recordings)
+        for name, mean in errors.items()
+        for recordings in (10, 30, 100, 2000)
+    ]
+    return pd.DataFrame(rows, columns=["predictor", "recordings", "horizon_ms", "mean"])
 
 
 def bouncing_ball(times: np.ndarray) -> np.ndarray:
@@ -120,6 +132,9 @@ def make_reports(root: Path, title: str = "Contacts", shot: str = "spindoe/000/0
     contacts.to_csv(reports / "segment" / "contacts.csv", index=False)
     figure = forecast_error_figure(forecast_errors(["position"], ["all"]))
     figure.savefig(reports / "evaluate_predictor" / "figures" / "spindoe.png")
+    figure.savefig(reports / "learning_curves.png")
+    write_json(reports / "learning_curves.json", {"commit": COMMIT})
+    learning_curves().to_csv(reports / "learning_curves.csv", index=False)
     run = StageRun("evaluate_predictor", root, params=None)
     run.add(ReportAnimation(moving_dot(), "ball", title="Ball", caption=""))
     _write_all_contents(root, title)

@@ -55,6 +55,14 @@ def luminance(colour):
     return sum(c * weight for c, weight in zip(linear, (0.2126, 0.7152, 0.0722), strict=True))
 
 
+def test_the_page_opens_with_the_results_that_the_reports_have(root):
+    main = made_up_page(root).split("<main>", maxsplit=1)[1]
+    first = main.split("</section>", maxsplit=1)[0]
+    assert "<code>make learning-curves</code>, commit <code>0123456</code>" in first
+    assert "amended by 100 recordings errs 31 mm, a transformer trained on 2,000 90 mm" in first
+    assert len(Tags(first).named("img")) == 1
+
+
 def test_every_item_names_the_run_that_made_it(root):
     page = made_up_page(root)
 
@@ -119,7 +127,7 @@ def test_contents_link_to_every_item(root):
 
     assert len(ids) == len(set(ids))
     assert all(link["href"][1:] in ids for link in tags.named("a"))
-    assert len(tags.named("a")) == 4 + 4 + 2 + 1 + len(groups())
+    assert len(tags.named("a")) == 1 + 4 + 4 + 2 + 1 + len(groups())
 
 
 @pytest.mark.parametrize("name", ["segment/contacts.csv", "evaluate_predictor/figures/spindoe.png"])

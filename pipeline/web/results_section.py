@@ -1,0 +1,143 @@
+"""The results that the report page opens with: a sentence with its numbers, and a figure, each."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pipeline.io.artifacts import read_json
+from pipeline.io.report_manifest import read_figure
+from pipeline.paper.run_reports import Reports
+
+LAST_MS = 300  # the farthest horizon
+COUNTED = {"distinguishable_right", "pairs_right", "false_alarms"}  # in the exam, among others
+
+
+@dataclass(frozen=True)
+class Result:
+    """A result.
+
+    Attributes:
+        key: of its place in the page.
+        heading: what it is about.
+        figure: in the folder of reports; where it is missing, the page leaves the result out.
+        sentence: what the reports say; None where they have no numbers for it.
+        command: that makes the figure, if no stage reports it.
+    """
+
+    key: str
+    heading: str
+    figure: str
+    sentence: Callable[[Reports], str | None]
+    command: str = ""
+
+    @property
+    def stage(self) -> str:
+        """The stage that reports the figure; empty if none does."""
+        return "" if self.command else self.figure.split("/", maxsplit=1)[0]
+
+
+def results_section(run: Reports, fingerprints: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+    """Yield what the template shows of each result that a run has.
+
+    Args:
+        run: the reports.
+        fingerprints: of the stages on the page.
+    """
+    for one in RESULTS:
+        path, sentence = run.folder / one.figure, one.sentence(run)
+        if not path.is_file() or sentence is None:
+            continue
+        yield {
+            "key": one.key,
+            "heading": one.heading,
+            "sentence": sentence,
+            "source": read_figure(path),
+            "command": one.command,
+            "commit": read_json(path.with_suffix(".json"))["commit"] if one.command else "",
+            "stage": one.stage,
+            "fingerprint": fingerprints.get(one.stage, ""),
+            "anchor": one.figure if one.stage in fingerprints else "",
+        }
+
+
+def _gap(run: Reports) -> str | None:
+    keys, numbers = ["source", "simulator", "horizon_ms"], ["before_mm", "after_mm", "floor_mm"]
+    table = run.table("close_gap/errors.csv", keys, numbers)
+    if table.empty:
+        return None
+    row = table[table["horizon_ms"] == LAST_MS].iloc[0]
+    return (
+        f"The prediction error of the simulator {row['simulator']} on held-out shots of "
+        f"{row['source']}, {LAST_MS} ms ahead, falls from {row['before_mm']:.0f} to "
+        f"{row['after_mm']:.0f} mm when it is amended by the effects that are named. The "
+        f"prediction floor is {row['floor_mm']:.0f} mm."
+    )
+
+
+def _exam(run: Reports) -> str | None:
+    path = run.folder / "hidden_effects" / "exam.json"
+    exam = read_json(path) if path.is_file() else {}
+    if not set(exam) >= COUNTED:
+        return None
+    return (
+        f"In blind tests, {exam['distinguishable_right']} of {exam['distinguishable']} hidden "
+        f"effects of three detection limits are named, {exam['pairs_right']} of {exam['pairs']} "
+        f"pairs, and {exam['false_alarms']} of {exam['clean_sets']} sets without one has a false "
+        f"alarm."
+    )
+
+
+def _real(run: Reports) -> str | None:
+    keys = ["set", "predictor", "quantity", "bounce", "horizon_ms"]
+    table = run.table("real/forecasts.csv", keys, ["mean"])
+    if table.empty:
+        return None
+    kept = (table["quantity"] == "position") & (table["bounce"] == "all")
+    rows = table[kept & (table["horizon_ms"] == LAST_MS)].set_index(["set", "predictor"])["mean"]
+    errors = "; ".join(
+        f"{name} {rows[name, 'physics_literature']:.0f} to {rows[name, 'hybrid_ensemble']:.0f} mm"
+        for name in rows.index.unique(0)
+    )
+    return (
+        f"Errors on measured sets, {LAST_MS} ms ahead, from the literature's simulator to a hybrid "
+        f"and a transformer together, by cross-validation: {errors}."
+    )
+
+
+def _predictor(run: Reports) -> str | None:
+    table = run.table("learning_curves.csv", ["predictor", "recordings", "horizon_ms"], ["mean"])
+    if table.empty:
+        return None
+    errors = table[table["horizon_ms"] == LAST_MS].set_index(["predictor", "recordings"])["mean"]
+    most = table["recordings"].max()
+    few = sorted(table["recordings"].unique())[2]
+    return (
+        f"{LAST_MS} ms ahead, simulator C amended by {few} recordings errs "
+        f"{errors['amended_imperfect_c', few]:.0f} mm, a transformer trained on {most:,} "
+        f"{errors['transformer', most]:.0f} mm, and the arena's own physics "
+        f"{errors['oracle', most]:.0f} mm."
+    )
+
+
+def _swap(run: Reports) -> str | None:
+    keys = ["set", "horizons_ms", "predictor", "protocol"]
+    table = run.table("sim2real/rates.csv", keys, ["balls", "returns"])
+    if table.empty:
+        return None
+    counts = table.groupby(["predictor", "protocol"])[["returns", "balls"]].sum()
+    shares = 100 * counts["returns"] / counts["balls"]
+    return (
+        f"Policies trained in a wrong simulator return {shares['physics', 'first_window']:.0f} % "
+        f"of replayed shots with its forecasts from the first window, "
+        f"{shares['physics', 'every_tick']:.0f} % with its forecasts at every control step, and "
+        f"{shares['transformer', 'every_tick']:.0f} % with a transformer's."
+    )
+
+
+RESULTS = (
+    Result("gap", "The gap", "close_gap/figures/errors_arena.png", _gap),
+    Result("exam", "The exam", "hidden_effects/figures/accuracy.png", _exam),
+    Result("real", "Measured recordings", "real/forecasts.png", _real, "make real"),
+    Result("predictor", "Predictors", "learning_curves.png", _predictor, "make learning-curves"),
+    Result("swap", "The predictor swap", "sim2real/figures/transfer.png", _swap),
+)
