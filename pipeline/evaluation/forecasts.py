@@ -18,6 +18,7 @@ from pipeline.params import EvaluatePredictorSettings
 from pipeline.runtime.parallel import parallel
 
 BATCH = 256  # windows
+SMALLEST = 1e-4  # m, that an error counts as at least
 
 
 def forecast_windows(
@@ -74,15 +75,44 @@ def concatenated(batches: Sequence[Forecast]) -> Forecast:
 def draw_shots(
     sets: Sequence[MeasuredSet], predictors: Sequence[NamedPredictor], seed: int
 ) -> list[Shot]:
-    """Draw test episodes, alternating between sets, and forecast each from its first window."""
+    """Draw test episodes, alternating between sets, and forecast each from its first window.
+
+    Of those of a set, the first one has the most typical errors.
+    """
     generator = np.random.default_rng(seed)
     drawn = []
     for one in sets:
         cuts = [(episode, cut_windows(episode.episode, every=1.0)) for episode in one.episodes]
         usable = [(episode, cut) for episode, cut in cuts if len(cut)]
-        drawn.append([usable[k] for k in generator.permutation(len(usable))])
+        some = [usable[k] for k in generator.permutation(len(usable))[:MOST_SHOTS]]
+        shown = [(_shot(episode, cut, predictors), cut) for episode, cut in some]
+        drawn.append(typical_first([shot for shot, _ in shown], [cut for _, cut in shown]))
     turns = [shot for turn in zip_longest(*drawn) for shot in turn if shot is not None]
-    return [_shot(episode, cut, predictors) for episode, cut in turns[:MOST_SHOTS]]
+    return turns[:MOST_SHOTS]
+
+
+def typical_first(shots: Sequence[Shot], cuts: Sequence[Windows]) -> list[Shot]:
+    """Return shots of a set with the one first whose errors are nearest to the median.
+
+    Distances are of the logarithms of errors, summed over predictors.
+
+    Args:
+        shots: with the forecasts of the same predictors.
+        cuts: the window that each is forecast from.
+    """
+    if not shots:
+        return []
+    errors = np.log([_last_errors(*one) for one in zip(shots, cuts, strict=True)])
+    away = np.abs(errors - np.median(errors, axis=0)).sum(axis=1)
+    first = int(away.argmin())
+    return [shots[first], *shots[:first], *shots[first + 1 :]]
+
+
+def _last_errors(shot: Shot, cut: Windows) -> list[float]:
+    """Return the error of each predictor at the last measured state of the first window."""
+    last = int(np.flatnonzero(cut.measured[0, :, 0])[-1])
+    found = [one.position[last] - cut.future[0, last, :3] for one in shot.forecasts.values()]
+    return [max(float(np.linalg.norm(one)), SMALLEST) for one in found]
 
 
 def _shot(measured: MeasuredEpisode, cut: Windows, predictors: Sequence[NamedPredictor]) -> Shot:

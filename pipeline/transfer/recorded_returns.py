@@ -41,7 +41,7 @@ class _Example:
 def example_returns(
     trials: Sequence[tuple[ReplayTrial, Played]], learned: Sequence[str]
 ) -> list[Return]:
-    """Return examples of a set, with physics and with its most accurate learned predictor.
+    """Return examples of a set, with its most accurate learned predictor and with physics.
 
     Args:
         trials: of the set, with their results; the first policy's trials with physics and with
@@ -60,7 +60,7 @@ def example_returns(
         if result.recorded is not None
     }
     errors = {name: played[name].table["forecast_error_m"].mean() for name in learned}
-    compared = [PHYSICS, min(learned, key=errors.__getitem__)]
+    compared = [min(learned, key=errors.__getitem__), PHYSICS]
     returned = pd.DataFrame({name: played[name].table["returned"] for name in compared})
     examples = []
     for ball in choose(returned, EXAMPLES):
@@ -77,15 +77,16 @@ def example_returns(
 def choose(returned: pd.DataFrame, count: int) -> list[int]:
     """Return the shots of a set to show.
 
-    First those with different outcomes, then those always returned, then the others; each in the
-    order of the set.
+    First those that the first predictor alone returns, then others with different outcomes, then
+    those always returned, then the others; each in the order of the set.
 
     Args:
         returned: whether each shot (row) is returned with each predictor (column).
         count: the largest number of shots.
     """
     differ, all_returned = returned.nunique(axis=1) > 1, returned.all(axis=1)
-    order = np.lexsort((returned.index, ~all_returned, ~differ))
+    first = returned.iloc[:, 0]
+    order = np.lexsort((returned.index, ~all_returned, ~first, ~differ))
     return [int(ball) for ball in returned.index[order][:count]]
 
 

@@ -101,7 +101,7 @@ def test_examples_are_read_as_they_were_written(tmp_path, examples):
     assert read_returns(tmp_path / "returns.json") == examples
 
 
-def test_shots_with_different_outcomes_come_first_then_those_always_returned():
-    returned = pd.DataFrame({"physics": [0, 1, 1, 0, 0], "transformer": [0, 1, 0, 0, 1]}) == 1
-    assert choose(returned, 4) == [2, 4, 1, 0]
+def test_shots_that_the_first_alone_returns_come_first_then_other_differences():
+    returned = pd.DataFrame({"transformer": [0, 1, 0, 0, 1], "physics": [0, 1, 1, 0, 0]}) == 1
+    assert choose(returned, 4) == [4, 2, 1, 0]
     assert choose(returned[["physics"]], 2) == [1, 2]
