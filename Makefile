@@ -15,7 +15,7 @@ export DO_NOT_TRACK := true
 PIP := .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real exam learning-curves arenas spread-policies swap-study simulators real-scenes test test-naming test-all faults lint audit pictures bench docs ui
+.PHONY: help reproduce real everything exam learning-curves arenas spread-policies swap-study simulators real-scenes test test-naming test-all faults lint audit pictures bench docs ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
@@ -36,6 +36,9 @@ reproduce: .venv/ready ## run the whole pipeline on the embedded data
 real: .venv/ready ## run the pipeline on the measured sets in DATA and keep the results in reports/real
 	@rallygap real
 	@test ! -d artifacts/train_predictor || python -m pipeline.real_forecasts.run
+
+everything: .venv/ready ## a day: all results that the repository keeps, by this commit; it resumes
+	@rallygap everything
 
 exam: .venv/ready ## hours: run the whole blind exam and write its records; stop it with Ctrl-C, it resumes
 	@python -m pipeline.exam.full_run

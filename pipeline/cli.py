@@ -377,13 +377,26 @@ def costs() -> None:
 
 
 @app.command(rich_help_panel=MAINTENANCE)
-def stale() -> None:
-    """List the kept results whose code has changed since, with the packages that differ."""
-    from pipeline.experiments.stale import kept_results
+def everything(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="of steps; without any, all that are stale")
+    ] = None,
+) -> None:
+    """Make all kept results that are older than the code; a day on two cores, resumes."""
+    from pipeline.experiments.everything import make_everything
 
-    for kept in filter(lambda kept: kept.is_stale, kept_results(clone())):
-        changed = "changed: " + ", ".join(kept.changed) if kept.date else "not in this clone"
-        typer.echo(f"{kept.folder}: commit {kept.commit[:7]} ({kept.date or 'unknown date'})")
+    require("dvc")
+    make_everything(clone(), names or [])
+
+
+@app.command(rich_help_panel=MAINTENANCE)
+def stale() -> None:
+    """List the steps of `everything` whose code has changed since, with what differs."""
+    from pipeline.experiments.everything import step_results
+
+    for step in filter(lambda step: step.is_stale, step_results(clone())):
+        changed = "changed: " + ", ".join(step.changed) if step.date else "not made yet"
+        typer.echo(f"{step.folder}: commit {step.commit[:7] or 'unknown'}")
         typer.echo(fill(changed, 100, initial_indent="    ", subsequent_indent="    "))
 
 

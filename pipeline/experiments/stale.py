@@ -1,6 +1,5 @@
 """Kept results that are older than the code: which commit they are of, and what changed since."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,19 +7,21 @@ from pipeline.io.artifacts import read_json
 from pipeline.paper.run_reports import RECORD
 from pipeline.runtime.git import git_if_known
 
-CODE = ("models", "pipeline", "stages")
-NEVER_KEPT = "contents.json"  # of a stage's own report, which `dvc repro` keeps up to date
+CODE = ("models", "pipeline", "stages", "params.yaml", "profiles")
+# What only presents results.
+PRESENTATION = ("documentation", "experiments", "paper", "print", "web", "cli.py")
 
 
 @dataclass(frozen=True)
 class KeptResult:
-    """A folder of results that `dvc repro` does not write.
+    """Results that the repository keeps.
 
     Attributes:
-        folder: below the repository.
-        commit: of the code that wrote it; empty where git has none.
+        folder: below the repository, or the name of a step of `make everything` in its place.
+        commit: of the code that wrote it; empty where nobody knows.
         date: of that commit; None where this clone does not have it, as a shallow one.
-        changed: packages of today that differ from that commit; the folder above for former ones.
+        changed: packages of today that differ from that commit, without those that only present
+            results; the folder above for former ones.
     """
 
     folder: Path
@@ -42,17 +43,6 @@ class KeptResult:
         return f"Results of commit {self.commit[:7]} ({self.date}), {age}."
 
 
-def kept_results(root: Path) -> Iterator[KeptResult]:
-    """Yield the kept and committed results of a repository, by name."""
-    for path in sorted((root / "reports").glob("*")):
-        if not path.is_dir() or (path / NEVER_KEPT).exists():
-            continue
-        # A sweep has a folder of its own below the others.
-        folders = [path] if list(path.glob("*.*")) else sorted(path.glob("*/"))
-        kept = (kept_result(root, folder) for folder in folders)
-        yield from (one for one in kept if one.commit)
-
-
 def kept_result(root: Path, folder: Path) -> KeptResult:
     """Compare the code that wrote a folder with the working directory.
 
@@ -68,12 +58,19 @@ def kept_result(root: Path, folder: Path) -> KeptResult:
 
 def result_of(root: Path, folder: Path, commit: str) -> KeptResult:
     """Compare the code of a commit, whose results a folder has, with the working directory."""
-    date = git_if_known(root, "show", "--no-patch", "--format=%cs", commit) or None
-    names = git_if_known(root, "diff", "--name-only", commit, "--", *CODE) if date else None
-    packages = {str(_package(root, Path(name))) for name in (names or "").split()}
-    return KeptResult(folder.relative_to(root), commit, date, tuple(sorted(packages)))
+    date = git_if_known(root, "show", "--no-patch", "--format=%cs", commit) if commit else None
+    packages = changed_code(root, commit) if date else ()
+    return KeptResult(folder.relative_to(root), commit, date or None, packages)
+
+
+def changed_code(root: Path, commit: str) -> tuple[str, ...]:
+    """Return the packages that results can depend on and that differ from a commit."""
+    left_out = [f":(exclude)pipeline/{name}" for name in PRESENTATION]
+    names = git_if_known(root, "diff", "--name-only", commit, "--", *CODE, *left_out) or ""
+    return tuple(sorted({str(_package(root, Path(name))) for name in names.split()}))
 
 
 def _package(root: Path, file: Path) -> Path:
     package = Path(*file.parts[:2])
-    return package if (root / package).is_dir() else package.parent
+    above = package.parent if package.parent.parts else package
+    return package if (root / package).is_dir() else above

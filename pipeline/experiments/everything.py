@@ -1,0 +1,173 @@
+"""``make everything``: all results that the repository keeps, made by one commit.
+
+A step is done if the code has not changed since the commit that ``reports/commits.json`` has for
+it; packages that only present results do not count. A killed run goes on where it was: steps that
+are done are passed over, and the long ones resume.
+"""
+
+import os
+import shlex
+import subprocess
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+
+from pipeline.experiments.profiles import profile_flags
+from pipeline.experiments.stale import KeptResult, changed_code, result_of
+from pipeline.io.artifacts import read_json, write_json
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.git import git_commit
+
+COMMITS = Path("reports") / "commits.json"  # of the code that made each step's results
+DURATIONS = Path("timings") / "everything.json"  # s, on this machine
+PYTHON = "python -m"
+
+
+@dataclass(frozen=True)
+class Step:
+    """Some of the results.
+
+    Attributes:
+        name: of the step.
+        commands: that make them, in this order.
+        minutes: that they took on two cores.
+        measured: whether they need the measured sets.
+        root: whether they need a user who may fill disks.
+    """
+
+    name: str
+    commands: tuple[str, ...]
+    minutes: int
+    measured: bool = False
+    root: bool = False
+
+
+def _kept(profile: str, name: str, minutes: int) -> Step:
+    """Return the step that runs and keeps an experiment."""
+    run = f"{PYTHON} dvc exp run --temp --name {name} PROFILE:{profile}"
+    return Step(name, (run, f"rallygap keep {name}"), minutes)
+
+
+STEPS = (
+    Step("reproduce", ("dvc repro",), 25),
+    Step("learning_curves", (f"{PYTHON} pipeline.learning_curves.run",), 75),
+    Step("spread_policies", (f"{PYTHON} pipeline.spread_policies.run",), 30),
+    Step("swap_study", (f"{PYTHON} pipeline.swap_study.run",), 150),
+    Step("arenas", (f"{PYTHON} pipeline.arenas.run",), 60),
+    Step("simulators", (f"{PYTHON} pipeline.simulator_scenes.run",), 30),
+    Step("real_scenes", (f"{PYTHON} pipeline.simulator_scenes.real",), 20, measured=True),
+    Step(
+        "real",
+        ("rallygap real", f"{PYTHON} pipeline.real_forecasts.run", "rallygap known-answers"),
+        150,
+        measured=True,
+    ),
+    _kept("two_cores", "paper", 200),
+    _kept("paper_physics", "paper_physics", 30),
+    _kept("shots", "shots", 90),
+    Step("exam", (f"{PYTHON} pipeline.exam.full_run", "dvc repro"), 240),
+    Step(
+        "sweeps",
+        tuple(
+            f"rallygap {verb} {name}{workers}"
+            for name in ("predictor", "policy")
+            for verb, workers in (("sweep", " --workers 2"), ("confirm", ""))
+        ),
+        120,
+    ),
+    Step("drift", (f"{PYTHON} benchmarks.drift",), 30),
+    Step("reliability", ("pytest -m faults -v --tables",), 90, root=True),
+    Step(
+        "costs",
+        (
+            f"{PYTHON} benchmarks.ball_simulator",
+            f"{PYTHON} benchmarks.policy_training",
+            "rallygap costs",
+            f"{PYTHON} benchmarks.live",
+            f"{PYTHON} benchmarks.learning",
+            f"{PYTHON} benchmarks.scale",
+            f"{PYTHON} benchmarks.precision",
+            f"{PYTHON} benchmarks.reproduce",
+        ),
+        120,
+    ),
+)
+
+
+def step_results(root: Path) -> list[KeptResult]:
+    """Return the age of the results of every step."""
+    commits = read_json(root / COMMITS) if (root / COMMITS).is_file() else {}
+    return [result_of(root, root / one.name, commits.get(one.name, "")) for one in STEPS]
+
+
+def make_everything(root: Path, names: Sequence[str] = ()) -> None:
+    """Make the results of all steps that are older than the code, or of some steps.
+
+    Raises:
+        InputError: there is no such step, code is not committed, or a command fails.
+    """
+    known = [one.name for one in STEPS]
+    for name in names:
+        if name not in known:
+            raise InputError("everything", f"there are {', '.join(known)}", field=name)
+    if changed_code(root, "HEAD"):
+        raise InputError(root, "has code that is not committed; results name a commit")
+    stale = {one.folder.name for one in step_results(root) if one.is_stale}
+    due = [one for one in STEPS if one.name in (names or stale)]
+    skipped = [one for one in due if (reason := _missing(one)) and _say(f"{one.name}: {reason}")]
+    due = [one for one in due if one not in skipped]
+    for number, step in enumerate(due, start=1):
+        left = sum(_seconds(root, one) for one in due[number - 1 :])
+        _say(f"{step.name}: step {number} of {len(due)}, {_duration(left)} left")
+        _make(root, step)
+    _say("Everything else is up to date." if skipped else "Everything is up to date.")
+
+
+def _make(root: Path, step: Step) -> None:
+    commit, start = git_commit(root), time.monotonic()
+    for command in step.commands:
+        _run(root, command)
+    for path, value in ((COMMITS, commit), (DURATIONS, round(time.monotonic() - start))):
+        known = read_json(root / path) if (root / path).is_file() else {}
+        write_json(root / path, {**known, step.name: value})
+
+
+def _run(root: Path, command: str) -> None:
+    """Run a command in the repository.
+
+    Raises:
+        InputError: it fails.
+    """
+    words = []
+    for word in shlex.split(command):
+        profile = word.removeprefix("PROFILE:")
+        words += [word] if profile == word else profile_flags(root, profile)
+    if subprocess.run(words, cwd=root, check=False).returncode:
+        raise InputError(command, "has failed; once that is mended, `make everything` goes on")
+
+
+def _missing(step: Step) -> str:
+    """Return what a step needs and this machine lacks."""
+    if step.measured and not os.environ.get("RALLYGAP_DATA"):
+        return "left out, because it needs the measured sets: make everything DATA=~/balls"
+    if step.root and os.geteuid() != 0:
+        return "left out, because only root can fill disks"
+    return ""
+
+
+def _seconds(root: Path, step: Step) -> float:
+    known = read_json(root / DURATIONS) if (root / DURATIONS).is_file() else {}
+    return float(known.get(step.name, 60 * step.minutes))
+
+
+def _duration(seconds: float) -> str:
+    minutes = round(seconds / 60)
+    return f"{minutes // 60} h {minutes % 60:02} min" if minutes >= 60 else f"{minutes} min"
+
+
+def _say(text: str) -> bool:
+    Console(highlight=False).print(text)
+    return True

@@ -1,0 +1,84 @@
+"""All results are made once by a commit, in their order, and a killed run goes on."""
+
+import pytest
+
+from pipeline.experiments import everything
+from pipeline.experiments.everything import STEPS, Step, make_everything, step_results
+from pipeline.io.artifacts import read_json
+from pipeline.runtime.errors import InputError
+from tests.clone import commit, run
+
+
+@pytest.fixture
+def repository(tmp_path, monkeypatch):
+    """A repository with three steps, each of which notes that it ran."""
+    run(tmp_path, "git", "init", "--quiet")
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models/code.py").write_text("1")
+    commit(tmp_path, "code")
+    steps = [Step(name, (f"bash -c 'echo {name} >> ran'",), 1) for name in ("a", "b", "c")]
+    monkeypatch.setattr(everything, "STEPS", steps)
+    return tmp_path
+
+
+def ran(root):
+    """The steps that ran, in their order."""
+    return (root / "ran").read_text().split() if (root / "ran").exists() else []
+
+
+def test_every_step_runs_once(repository, capsys):
+    make_everything(repository)
+    make_everything(repository)
+    assert ran(repository) == ["a", "b", "c"]
+    assert "b: step 2 of 3, 2 min left" in capsys.readouterr().out
+    assert not any(one.is_stale for one in step_results(repository))
+
+
+def test_after_a_change_of_the_code_all_run_again(repository):
+    make_everything(repository)
+    (repository / "models/code.py").write_text("2")
+    commit(repository, "change")
+    assert [one.changed for one in step_results(repository)] == [("models",)] * 3
+    make_everything(repository)
+    assert ran(repository) == ["a", "b", "c"] * 2
+
+
+def test_what_has_failed_goes_on_where_it_was(repository, monkeypatch):
+    whole = everything.STEPS
+    monkeypatch.setattr(everything, "STEPS", [whole[0], Step("b", ("false",), 1), whole[2]])
+    with pytest.raises(InputError, match="false: has failed"):
+        make_everything(repository)
+    assert set(read_json(repository / "reports/commits.json")) == {"a"}
+    monkeypatch.setattr(everything, "STEPS", whole)
+    make_everything(repository)
+    assert ran(repository) == ["a", "b", "c"]
+
+
+def test_a_step_can_be_asked_for(repository):
+    make_everything(repository, ["b"])
+    assert ran(repository) == ["b"]
+    with pytest.raises(InputError, match="there are a, b, c"):
+        make_everything(repository, ["d"])
+
+
+def test_code_that_is_not_committed_makes_no_results(repository):
+    (repository / "models/code.py").write_text("2")
+    with pytest.raises(InputError, match="not committed"):
+        make_everything(repository)
+    assert ran(repository) == []
+
+
+def test_steps_that_need_measured_sets_are_left_out_without_them(repository, monkeypatch, capsys):
+    measured = Step("d", ("bash -c 'echo d >> ran'",), 1, measured=True)
+    monkeypatch.setattr(everything, "STEPS", [*everything.STEPS, measured])
+    monkeypatch.delenv("RALLYGAP_DATA", raising=False)
+    make_everything(repository)
+    assert ran(repository) == ["a", "b", "c"]
+    assert "d: left out, because it needs the measured sets" in capsys.readouterr().out
+    monkeypatch.setenv("RALLYGAP_DATA", "balls")
+    make_everything(repository)
+    assert ran(repository)[-1] == "d"
+
+
+def test_steps_have_names_of_their_own():
+    assert len({one.name for one in STEPS}) == len(STEPS)
