@@ -2,11 +2,12 @@
 
 Policies of the profile ``policies`` (two kinds of observations, two triples of horizons, three
 trainings each) play the replayed shots of the arena: with all predictors under both readings of
-the paper's Table I; and with four of them in all settings of the mechanism. A killed run resumes.
+the paper's Table I; and with four of them in all settings of the mechanism. Those with intercept
+features are also trained in the amended simulator. A killed run resumes.
 """
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 
@@ -16,41 +17,43 @@ from models.predictors.physics import PhysicsPredictor
 from pipeline.evaluation.costs import machine
 from pipeline.evaluation.predictors import ARENA, read_trained
 from pipeline.experiments.profiles import merged
-from pipeline.io.amended_simulators import amended_by
 from pipeline.io.artifacts import read_table, write_csv, write_json, write_table
 from pipeline.io.figure_style import apply_style, save_figure
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Params, check_params, read_yaml
-from pipeline.policies.descriptions import described_policies
-from pipeline.policies.training import (
-    TrainingJob,
-    TrainingResult,
-    play_test_shots,
-    train_policies,
-)
+from pipeline.policies.training import TrainingResult
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.parallel import make_missing
 from pipeline.runtime.paths import repository_root
 from pipeline.runtime.provenance import combined_hash, short
-from pipeline.swap_study.comparisons import differences, rates
 from pipeline.swap_study.figures import mechanism_figure, readings_figure
-from pipeline.swap_study.trials import (
-    Predictors,
-    mechanism_trials,
-    played,
-    reading_trials,
-)
+from pipeline.swap_study.policies import amended_simulator, in_own_simulator, trained_policies
+from pipeline.swap_study.tables import EXPERIMENTS, PHYSICS, study_tables
+from pipeline.swap_study.trials import Predictors, mechanism_trials, played, reading_trials
 from pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
-from pipeline.transfer.replay_trials import ReplayTrial, informed_predictors, source_of
+from pipeline.transfer.replay_trials import (
+    EveryStep,
+    ReplayTrial,
+    informed_predictors,
+    replay_trials,
+    source_of,
+)
 
 REPORT = Path("reports") / "swap_study"
 SCRATCH = Path("scratch") / "swap_study"
 PROFILE = Path("profiles") / "policies.yaml"
-PHYSICS = "physics_c"  # what others are compared with
-POLICY, MECHANISM = ["observation", "horizons_ms"], ["age_ms", "latency_ms", "label_error"]
 # What trainings and trials depend on.
-DEPENDENCIES = ("models", "pipeline/transfer", "params.yaml", "profiles", "artifacts/segment")
+DEPENDENCIES = (
+    "models",
+    "pipeline/swap_study",
+    "pipeline/transfer",
+    "params.yaml",
+    "profiles/policies.yaml",
+    "artifacts/segment",
+    "artifacts/train_predictor",
+    "artifacts/close_gap",
+)
 
 
 def swap_study(root: Path) -> None:
@@ -61,27 +64,10 @@ def swap_study(root: Path) -> None:
     """
     params = check_params(merged(read_yaml(root / "params.yaml"), read_yaml(root / PROFILE)), root)
     scratch = root / SCRATCH / short(combined_hash(root, DEPENDENCIES))
-    described = described_policies(params.train_policy.groups, params.seed)
-    jobs = [TrainingJob(one, scratch / "policies" / one.name) for one in described]
-    trained = train_policies(jobs)
+    trained = trained_policies(root, params, scratch / "policies")
     folder = root / REPORT
-    write_csv(folder / "policies.csv", _own_simulator(params, trained), digits=4)
-    readings, mechanism = _played(root, params, trained, scratch)
-    tables = {
-        "readings": rates(readings, ["set", *POLICY, "predictor", "protocol"], params.seed),
-        "readings_all": rates(readings, [*POLICY, "predictor", "protocol"], params.seed),
-        "mechanism": rates(mechanism, [*POLICY, "predictor", *MECHANISM], params.seed),
-        "gains": differences(readings, [*POLICY, "protocol"], "predictor", PHYSICS, params.seed),
-        "gains_by_set": differences(
-            readings, ["set", *POLICY, "protocol"], "predictor", PHYSICS, params.seed
-        ),
-        "gains_every_tick": differences(
-            readings, [*POLICY, "predictor"], "protocol", "first_window", params.seed
-        ),
-        "gains_mechanism": differences(
-            mechanism, [*POLICY, *MECHANISM], "predictor", PHYSICS, params.seed
-        ),
-    }
+    write_csv(folder / "policies.csv", in_own_simulator(params, trained), digits=4)
+    tables = study_tables(_played(root, params, trained, scratch), params.seed)
     for name, table in tables.items():
         write_csv(folder / f"{name}.csv", table, digits=4)
     apply_style()
@@ -91,54 +77,64 @@ def swap_study(root: Path) -> None:
     shutil.rmtree(root / SCRATCH)
 
 
-def _own_simulator(params: Params, trained: list[TrainingResult]) -> pd.DataFrame:
-    """Return how policies play test shots of their own simulator, one row each."""
-    tests = play_test_shots(trained, params.train_policy.trials)
-    rows = pd.concat([one.table for one in tests]).groupby(
-        ["group", "horizons_ms", "repeat"], sort=False
-    )
-    means = rows[["hit", "returned"]].mean()
-    seconds = [round(one.seconds) for one in trained]
-    return means.reset_index().assign(training_cpu_s=seconds)
-
-
 def _played(
     root: Path, params: Params, trained: list[TrainingResult], scratch: Path
-) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the trials of both readings, and those of the mechanism."""
-    policies = [(one.policy, one.description) for one in trained]
+) -> dict[str, pd.DataFrame]:
+    """Return the trials of all experiments on all sets of the arena."""
     sets = read_replay_sets(root / "artifacts", params.sim2real, params.seed)
     arena = [one for one in sets if source_of(one) == ARENA]
     if not arena:
         raise InputError("params.yaml", "names no arena to replay", field="ingest.sources")
-    tasks: dict[str, dict[Path, Callable[[], None]]] = {"readings": {}, "mechanism": {}}
+    tasks: dict[str, dict[Path, Callable[[], None]]] = {name: {} for name in EXPERIMENTS}
     for shots in arena:
-        predictors = _predictors(root, params, shots)
-        for one in reading_trials(shots, predictors, policies, params.seed):
-            name = f"{shots.name}-{one.forecaster.name}-{one.forecaster.protocol}"
-            path = scratch / "readings" / f"{name}.parquet"
-            tasks["readings"][path] = partial(_write, path, one, {})
-        for number, (setting, one) in enumerate(
-            mechanism_trials(shots, predictors, policies, params.seed)
-        ):
-            path = scratch / "mechanism" / f"{shots.name}-{number}.parquet"
-            tasks["mechanism"][path] = partial(_write, path, one, setting.columns)
-    for name, some in tasks.items():
-        make_missing(some, name)
-    readings, mechanism = (
-        pd.concat([read_table(path) for path in some], ignore_index=True) for some in tasks.values()
+        trials = _trials(shots, _predictors(root, params, shots), trained, params)
+        for experiment, found in trials.items():
+            for number, (columns, trial) in enumerate(found):
+                path = scratch / experiment / f"{shots.name}-{number}.parquet"
+                tasks[experiment][path] = partial(_write, path, trial, columns)
+    for experiment, some in tasks.items():
+        make_missing(some, experiment)
+    return {
+        experiment: pd.concat([read_table(path) for path in some], ignore_index=True)
+        for experiment, some in tasks.items()
+    }
+
+
+Trials = Iterable[tuple[dict[str, str | float], ReplayTrial]]
+
+
+def _trials(
+    shots: ReplaySet, predictors: Predictors, trained: list[TrainingResult], params: Params
+) -> dict[str, Trials]:
+    """Return the trials of a set with their columns in tables, by experiment."""
+    own = params.sim2real.simulator
+    original, again = (
+        [
+            (one.policy, one.description)
+            for one in trained
+            if (one.description.simulator == own) is it
+        ]
+        for it in (True, False)
     )
-    return readings, mechanism
+    seed = params.seed
+    every_step = [EveryStep(*named) for named in predictors.items()]
+    plain: dict[str, str | float] = {}
+    return {
+        "readings": [(plain, one) for one in reading_trials(shots, predictors, original, seed)],
+        "mechanism": [
+            (setting.columns, one)
+            for setting, one in mechanism_trials(shots, predictors, original, seed)
+        ],
+        "retrained": [(plain, one) for one in replay_trials(shots, every_step, again, seed)],
+    }
 
 
 def _predictors(root: Path, params: Params, shots: ReplaySet) -> Predictors:
     """Return all predictors of a set of the arena."""
-    simulator = params.sim2real.simulator
-    amended = amended_by(root / "artifacts" / "close_gap", ARENA, simulator)
     learned = list(read_trained(root / "artifacts" / "train_predictor"))
-    plain = {PHYSICS: simulator, "physics_literature": "literature"}
+    plain = {PHYSICS: params.sim2real.simulator, "physics_literature": "literature"}
     physics = {name: PhysicsPredictor(load_simulator(one)) for name, one in plain.items()}
-    return {**physics, **informed_predictors(shots, learned, amended)}
+    return {**physics, **informed_predictors(shots, learned, amended_simulator(root, params))}
 
 
 def _write(path: Path, trial: ReplayTrial, columns: dict[str, str | float]) -> None:

@@ -1,0 +1,56 @@
+"""The policies of the study: those of a profile, and the same trained in the amended simulator."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from models.ball.simulator import Simulator
+from pipeline.evaluation.predictors import ARENA
+from pipeline.io.amended_simulators import amended_by
+from pipeline.params import Params
+from pipeline.policies.descriptions import described_policies
+from pipeline.policies.training import (
+    TrainingJob,
+    TrainingResult,
+    play_test_shots,
+    train_policies,
+)
+from pipeline.runtime.errors import InputError
+from pipeline.transfer.retraining import in_simulator
+
+RETRAINED_KIND = "intercept"  # what the policies observe that are trained again
+
+
+def trained_policies(root: Path, params: Params, folder: Path) -> list[TrainingResult]:
+    """Train the policies of the profile, and the same in the amended simulator."""
+    described = list(described_policies(params.train_policy.groups, params.seed))
+    amended = amended_simulator(root, params)
+    again = [
+        in_simulator(one, ARENA, amended) for one in described if one.observation == RETRAINED_KIND
+    ]
+    return train_policies([TrainingJob(one, folder / one.name) for one in (*described, *again)])
+
+
+def amended_simulator(root: Path, params: Params) -> Simulator:
+    """Return the simulator of the policies as close_gap has amended it from shots of the arena.
+
+    Raises:
+        InputError: it has not.
+    """
+    nominal = params.sim2real.simulator
+    found = amended_by(root / "artifacts" / "close_gap", ARENA, nominal)
+    if found is None:
+        problem = f"close_gap has not amended {nominal} from shots of the arena"
+        raise InputError("params.yaml", problem, field="close_gap.name")
+    return found
+
+
+def in_own_simulator(params: Params, trained: list[TrainingResult]) -> pd.DataFrame:
+    """Return how policies play test shots of their own simulator, one row each."""
+    tests = play_test_shots(trained, params.train_policy.trials)
+    rows = pd.concat([one.table for one in tests]).groupby(
+        ["group", "simulator", "horizons_ms", "repeat"], sort=False
+    )
+    means = rows[["hit", "returned"]].mean()
+    seconds = [round(one.seconds) for one in trained]
+    return means.reset_index().assign(training_cpu_s=seconds)
