@@ -1,11 +1,13 @@
 """Tables of policies: in another simulator, on replayed shots, and trained for longer."""
 
 from pathlib import Path
+from typing import Any
 
 from pipeline.documentation.cells import NONE, PREDICTORS, in_points, read_report
 from pipeline.io.markdown import markdown_table
 
 HORIZONS = ("115-125", "170-180")
+OF_STUDY, SIGNIFICANT = ["observation", "horizons_ms", "predictor"], 0.05
 KINDS = {  # of policies
     "exact": "exact forecasts",
     "filtered": "a filter's forecasts",
@@ -91,3 +93,59 @@ def longer_trainings(root: Path) -> str:
             rows.append([observed, horizons, *numbers, *slopes.replace("nan", NONE)])
     head = ["goal", "horizons (ms)", "environment steps", "returns (%), three seeds"]
     return markdown_table([*head, "landing error (m)", "slope, speed", "slope, topspin"], rows)
+
+
+def swap_readings(root: Path, protocol: str) -> str:
+    """Returns of predictors under a reading of Table I, and their gains, from the swap study."""
+    query = f"protocol == '{protocol}'"
+    shares = read_report(root, "swap_study/readings_all.csv", query)
+    gains = read_report(root, "swap_study/gains.csv", f"{query} and outcome == 'returns'")
+    return _by_policy(shares.set_index(OF_STUDY)["returns"], gains.set_index(OF_STUDY))
+
+
+def swap_every_tick(root: Path) -> str:
+    """What forecasts at every control step gain over those from the first window."""
+    query = "outcome == 'returns' and protocol == 'every_tick'"
+    gains = read_report(root, "swap_study/gains_every_tick.csv", query).set_index(OF_STUDY)
+    shares = read_report(root, "swap_study/readings_all.csv", "protocol == 'every_tick'")
+    return _by_policy(shares.set_index(OF_STUDY)["returns"], gains)
+
+
+def swap_retrained(root: Path) -> str:
+    """Returns of original and retrained policies by predictor, from the swap study."""
+    keys = ["horizons_ms", "predictor"]
+    shares = read_report(root, "swap_study/retrained.csv").set_index(["policy", *keys])["returns"]
+    rows = []
+    for row in read_report(
+        root, "swap_study/gains_retrained.csv", "outcome == 'returns'"
+    ).itertuples():
+        both = [shares[one, row.horizons_ms, row.predictor] for one in ("original", "retrained")]
+        rows.append(
+            [
+                row.horizons_ms,
+                PREDICTORS.get(row.predictor, row.predictor),
+                *(f"{100 * one:.0f}" for one in both),
+                _gain(row),
+            ]
+        )
+    head = ["horizons (ms)", "predictor", "original", "retrained", "difference (points)"]
+    return markdown_table(head, rows)
+
+
+def _by_policy(shares: Any, gains: Any) -> str:
+    """Return a row a predictor, a column an observation and horizons."""
+    policies = list(dict.fromkeys(key[:2] for key in shares.index))
+    rows = []
+    for predictor in dict.fromkeys(key[2] for key in shares.index):
+        cells = []
+        for policy in policies:
+            key = (*policy, predictor)
+            share = f"{100 * shares[key]:.0f}"
+            cells.append(f"{share}, {_gain(gains.loc[key])}" if key in gains.index else share)
+        rows.append([PREDICTORS.get(predictor, predictor), *cells])
+    return markdown_table(["predictor", *(f"{one}, {ms} ms" for one, ms in policies)], rows)
+
+
+def _gain(row: Any) -> str:
+    """Return a difference in points with its interval, marked where all comparisons allow it."""
+    return in_points(row) + (" *" if row.p_holm < SIGNIFICANT else "")

@@ -21,15 +21,7 @@ def report_training(
     run: StageRun, results: Sequence[TrainingResult], tests: Sequence[TrialResult]
 ) -> None:
     """Write metrics, learning curves, an animation, figures of goals and the table of policies."""
-    rows = [
-        {
-            **one.description.labels,
-            "control_steps": one.curve["control_steps"].iloc[-1],
-            **scores(test.table),
-        }
-        for one, test in zip(results, tests, strict=True)
-    ]
-    table = pd.DataFrame(rows)
+    table = policies_table(results, tests)
     run.write_metrics(_metrics(table))
     curves = [one.curve.assign(**one.description.labels) for one in results]
     learning = ReportFigure(
@@ -51,6 +43,19 @@ def report_training(
     )
     animation = _animation(results[0], tests[0])
     run.add(learning, animation, *_goal_figures(run, results, tests), policies)
+
+
+def policies_table(results: Sequence[TrainingResult], tests: Sequence[TrialResult]) -> pd.DataFrame:
+    """Return one row a policy: its labels, how long it was trained, and its scores in a test."""
+    rows = [
+        {
+            **one.description.labels,
+            "control_steps": one.curve["control_steps"].iloc[-1],
+            **scores(test.table),
+        }
+        for one, test in zip(results, tests, strict=True)
+    ]
+    return pd.DataFrame(rows)
 
 
 def _metrics(table: pd.DataFrame) -> dict[str, Any]:

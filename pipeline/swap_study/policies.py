@@ -2,19 +2,12 @@
 
 from pathlib import Path
 
-import pandas as pd
-
 from models.ball.simulator import Simulator
 from pipeline.evaluation.predictors import ARENA
 from pipeline.io.amended_simulators import amended_by
 from pipeline.params import Params
 from pipeline.policies.descriptions import described_policies
-from pipeline.policies.training import (
-    TrainingJob,
-    TrainingResult,
-    play_test_shots,
-    train_policies,
-)
+from pipeline.policies.training import TrainingJob, TrainingResult, train_policies
 from pipeline.runtime.errors import InputError
 from pipeline.transfer.retraining import in_simulator
 
@@ -43,14 +36,3 @@ def amended_simulator(root: Path, params: Params) -> Simulator:
         problem = f"close_gap has not amended {nominal} from shots of the arena"
         raise InputError("params.yaml", problem, field="close_gap.name")
     return found
-
-
-def in_own_simulator(params: Params, trained: list[TrainingResult]) -> pd.DataFrame:
-    """Return how policies play test shots of their own simulator, one row each."""
-    tests = play_test_shots(trained, params.train_policy.trials)
-    rows = pd.concat([one.table for one in tests]).groupby(
-        ["group", "simulator", "horizons_ms", "repeat"], sort=False
-    )
-    means = rows[["hit", "returned"]].mean()
-    seconds = [round(one.seconds) for one in trained]
-    return means.reset_index().assign(training_cpu_s=seconds)

@@ -21,14 +21,15 @@ from pipeline.io.artifacts import read_table, write_csv, write_json, write_table
 from pipeline.io.figure_style import apply_style, save_figure
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Params, check_params, read_yaml
-from pipeline.policies.training import TrainingResult
+from pipeline.policies.report import policies_table
+from pipeline.policies.training import TrainingResult, play_test_shots
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.parallel import make_missing
 from pipeline.runtime.paths import repository_root
 from pipeline.runtime.provenance import combined_hash, short
 from pipeline.swap_study.figures import mechanism_figure, readings_figure
-from pipeline.swap_study.policies import amended_simulator, in_own_simulator, trained_policies
+from pipeline.swap_study.policies import amended_simulator, trained_policies
 from pipeline.swap_study.tables import EXPERIMENTS, PHYSICS, study_tables
 from pipeline.swap_study.trials import Predictors, mechanism_trials, played, reading_trials
 from pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
@@ -66,7 +67,8 @@ def swap_study(root: Path) -> None:
     scratch = root / SCRATCH / short(combined_hash(root, DEPENDENCIES))
     trained = trained_policies(root, params, scratch / "policies")
     folder = root / REPORT
-    write_csv(folder / "policies.csv", in_own_simulator(params, trained), digits=4)
+    tests = play_test_shots(trained, params.train_policy.trials)
+    write_csv(folder / "policies.csv", policies_table(trained, tests), digits=4)
     tables = study_tables(_played(root, params, trained, scratch), params.seed)
     for name, table in tables.items():
         write_csv(folder / f"{name}.csv", table, digits=4)
