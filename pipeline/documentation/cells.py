@@ -11,27 +11,6 @@ NONE = "–"
 ERRORS = ("before_mm", "after_mm", "floor_mm")
 HORIZONS_MS = (100, 200, 300)
 HORIZON_HEADS = [f"{horizon} ms" for horizon in HORIZONS_MS]
-PREDICTORS = {
-    "physics_c": "physics, simulator C",
-    "physics_c_with_net": "physics, simulator C with a net",
-    "physics_literature": "physics, literature",
-    "amended_imperfect_c": "physics, C amended",
-    "amended_imperfect_c_without_net": "physics, C amended, its net left out",
-    "amended_without_magnus": "physics, C without lift amended",
-    "amended_without_magnus_without_net": "physics, C without lift amended, its net left out",
-    "amended_from_literature": "physics, literature amended",
-    "amended_from_literature_without_net": "physics, literature amended, its net left out",
-    "oracle": "oracle",
-    "hybrid": "hybrid",
-    "hybrid_fine_tuned": "hybrid, fine-tuned",
-    "transformer": "transformer",
-    "transformer_paper_size": "transformer of the paper's size, random weights",
-    "transformer_fine_tuned": "transformer, fine-tuned",
-    "tae": "TAE",
-    "tae_fine_tuned": "TAE, fine-tuned",
-    "gru_tae": "GRU-TAE",
-    "gru_tae_fine_tuned": "GRU-TAE, fine-tuned",
-}
 
 
 def read_report(root: Path, name: str, query: str = "") -> Any:

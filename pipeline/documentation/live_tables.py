@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-from pipeline.documentation.cells import NONE, PREDICTORS
+from pipeline.documentation.cells import NONE
 from pipeline.io.artifacts import read_json
+from pipeline.io.labels import PREDICTORS
 from pipeline.io.markdown import markdown_table
 
 LIVE = Path("reports") / "live"

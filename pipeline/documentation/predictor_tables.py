@@ -7,10 +7,10 @@ from pipeline.documentation.cells import (
     HORIZON_HEADS,
     HORIZONS_MS,
     NONE,
-    PREDICTORS,
     read_report,
     with_interval,
 )
+from pipeline.io.labels import PREDICTORS
 from pipeline.io.markdown import markdown_table
 
 # Predictors that recordings of a measured set have amended or fine-tuned.

@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from pipeline.documentation.cells import NONE, PREDICTORS, in_points, read_report
+from pipeline.documentation.cells import NONE, in_points, read_report
+from pipeline.io.labels import PREDICTORS
 from pipeline.io.markdown import markdown_table
 
 HORIZONS = ("115-125", "170-180")
@@ -123,7 +124,7 @@ def swap_retrained(root: Path) -> str:
         rows.append(
             [
                 row.horizons_ms,
-                PREDICTORS.get(row.predictor, row.predictor),
+                PREDICTORS[row.predictor],
                 *(f"{100 * one:.0f}" for one in both),
                 _gain(row),
             ]
@@ -142,7 +143,7 @@ def _by_policy(shares: Any, gains: Any) -> str:
             key = (*policy, predictor)
             share = f"{100 * shares[key]:.0f}"
             cells.append(f"{share}, {_gain(gains.loc[key])}" if key in gains.index else share)
-        rows.append([PREDICTORS.get(predictor, predictor), *cells])
+        rows.append([PREDICTORS[predictor], *cells])
     return markdown_table(["predictor", *(f"{one}, {ms} ms" for one, ms in policies)], rows)
 
 

@@ -4,6 +4,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline.io.figure_style import FIGURE_WIDTH, MUTED
+from pipeline.io.labels import predictor_label
 
 LABELS = {
     "exact": "learned from exact forecasts",
@@ -47,7 +48,7 @@ def spread_policies_figure(table: pd.DataFrame) -> Figure:
         axes.set_xlabel("return rate (%)")
         axes.set_ylim(len(predictors) - 0.5, -0.5)
         axes.grid(visible=False, axis="y")
-    grid[0].set_yticks(range(len(predictors)), [one.replace("_", " ") for one in predictors])
+    grid[0].set_yticks(range(len(predictors)), [predictor_label(one) for one in predictors])
     handles, labels = grid[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure

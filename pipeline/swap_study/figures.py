@@ -7,17 +7,8 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, predictor_colour, predictor_order
+from pipeline.io.labels import predictor_label
 
-LABELS = {
-    "physics_c": "simulator C",
-    "physics_literature": "literature",
-    "amended": "C amended",
-    "oracle": "oracle",
-    "hybrid": "hybrid",
-    "transformer": "transformer",
-    "tae": "TAE",
-    "gru_tae": "GRU-TAE",
-}
 PROTOCOLS = {"first_window": "first window", "every_tick": "every control step"}
 MARKERS = {"first_window": "o", "every_tick": "s"}
 APART = 0.16  # of the two readings of a predictor
@@ -44,7 +35,7 @@ def readings_figure(rates: pd.DataFrame) -> Figure:
     for axes, ((observation, horizons), rows) in zip(grid, panels, strict=True):
         _draw_readings(axes, rows, predictors)
         axes.set_title(f"{OBSERVED[observation]},\n{horizons.replace('-', '–')} ms")
-    grid[0].set_yticks(range(len(predictors)), [LABELS[one] for one in predictors])
+    grid[0].set_yticks(range(len(predictors)), [predictor_label(one) for one in predictors])
     grid[0].set_ylim(len(predictors) - 0.5, -0.5)
     handles, labels = grid[0].get_legend_handles_labels()
     count, trainings = rates["shots"].iloc[0], rates["trainings"].iloc[0]
@@ -81,14 +72,14 @@ def mechanism_figure(gains: pd.DataFrame) -> Figure:
     """
     nearest = gains["horizons_ms"].iloc[0]
     shown = gains[(gains["outcome"] == "returns") & (gains["horizons_ms"] == nearest)]
-    predictors = [one for one in LABELS if one in set(shown["predictor"])]
+    predictors = sorted(shown["predictor"].unique(), key=predictor_order)
     columns = list(shown.groupby(["observation", "label_error"], sort=False))
     figure = Figure(figsize=(FIGURE_WIDTH, 1.0 + 1.7 * len(predictors)))
     grid = figure.subplots(len(predictors), len(columns), sharex=True, sharey=True, squeeze=False)
     for row, name in zip(grid, predictors, strict=True):
         for axes, (_, cell) in zip(row, columns, strict=True):
             image = _draw_surface(axes, cell[cell["predictor"] == name])
-        row[0].set_ylabel(f"{LABELS[name]}\nlatency (ms)")
+        row[0].set_ylabel(f"{predictor_label(name)}\nlatency (ms)")
     for axes, ((observation, error), _) in zip(grid[0], columns, strict=True):
         labels = f"label error {100 * error:.0f} %" if error else "correct labels"
         axes.set_title(f"{OBSERVED[observation]},\n{labels}")

@@ -6,16 +6,19 @@ from matplotlib.lines import Line2D
 
 from pipeline.evaluation.figures.forecast_error import LEGEND_COLUMNS, line_style
 from pipeline.io.figure_style import FIGURE_WIDTH, MUTED, predictor_order
+from pipeline.io.labels import predictor_label
 
 HEIGHT = 5.5  # inches
+EVERY_MS = 25
 
 
 def coverage_figure(rows: pd.DataFrame) -> Figure:
-    """Draw a column of panels for each level: coverage above, size below.
+    """Draw a column of panels for each level: coverage above, size below, every 25 ms.
 
     Args:
         rows: of one set, with columns predictor, level, horizon_ms, coverage, size_mm.
     """
+    rows = rows[rows["horizon_ms"] % EVERY_MS == 0]
     levels = sorted(rows["level"].unique())
     predictors = sorted(rows["predictor"].unique(), key=predictor_order)
     figure = Figure(figsize=(FIGURE_WIDTH, HEIGHT))
@@ -34,7 +37,13 @@ def coverage_figure(rows: pd.DataFrame) -> Figure:
     grid[0, 0].set_ylabel("coverage (%)")
     grid[1, 0].set_ylabel("radius (mm)")
     lines = [
-        Line2D([], [], color=line_style(name)[0], linestyle=line_style(name)[1], label=name)
+        Line2D(
+            [],
+            [],
+            color=line_style(name)[0],
+            linestyle=line_style(name)[1],
+            label=predictor_label(name),
+        )
         for name in predictors
     ]
     figure.legend(handles=lines, loc="outside upper left", ncols=min(len(lines), LEGEND_COLUMNS))

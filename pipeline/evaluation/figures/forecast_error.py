@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from pipeline.io.figure_style import FIGURE_WIDTH, MUTED, predictor_colour, predictor_order
+from pipeline.io.labels import predictor_label
 
 Dashes = Literal["solid", "dashed", "dotted"]
 
@@ -28,6 +29,8 @@ ROWS = {
 HEADROOM = 0.15  # share of the panel above the lines, for the number of windows
 LEGEND_COLUMNS = 3
 FINE_TUNED, AMENDED = "_fine_tuned", "amended_"  # in predictors' names
+# More bands than these would hide one another.
+WITH_BANDS = ("physics_c", "hybrid", "transformer", "amended_imperfect_c")
 
 
 def forecast_error_figure(frame: pd.DataFrame) -> Figure:
@@ -63,7 +66,7 @@ def _draw_panel(axes: Axes, rows: pd.DataFrame, statistic: str, predictors: list
     for predictor in predictors:
         line = rows[rows["predictor"] == predictor].sort_values("horizon_ms")
         colour, dashes = line_style(predictor)
-        if statistic == "mean":
+        if statistic == "mean" and predictor in WITH_BANDS:
             low, high = line["ci_low"], line["ci_high"]
             axes.fill_between(line["horizon_ms"], low, high, color=colour, alpha=0.22, lw=0)
         axes.plot(line["horizon_ms"], line[statistic], color=colour, linestyle=dashes)
@@ -97,7 +100,7 @@ def _label_axes(grid: np.ndarray, quantities: list[str]) -> None:
 def _add_legends(figure: Figure, title: str, predictors: list[str]) -> None:
     styles = {name: line_style(name) for name in predictors}
     lines = [
-        Line2D([], [], color=colour, linestyle=dashes, label=name)
+        Line2D([], [], color=colour, linestyle=dashes, label=predictor_label(name))
         for name, (colour, dashes) in styles.items()
     ]
     figure.legend(
@@ -108,5 +111,6 @@ def _add_legends(figure: Figure, title: str, predictors: list[str]) -> None:
         title_fontproperties={"size": 12, "weight": "bold"},
         alignment="left",
     )
-    interval = Patch(color=MUTED, alpha=0.35, lw=0, label="95 % bootstrap interval of the mean")
+    label = "95 % bootstrap interval of the mean; all intervals are in the tables"
+    interval = Patch(color=MUTED, alpha=0.35, lw=0, label=label)
     figure.legend(handles=[interval], loc="outside lower center")

@@ -11,7 +11,8 @@ from models.exam.design.questions import BASE, SWEEPS
 from models.exam.records import ExamRecord
 from models.exam.scoring.rates import answered, interval, rates, solved
 from pipeline.exam.tables import SOLVED
-from pipeline.io.figure_style import FIGURE_WIDTH, INK
+from pipeline.io.figure_style import FIGURE_WIDTH
+from pipeline.io.labels import method_label
 from pipeline.io.report_items import ReportFigure
 
 COLOURS = {
@@ -21,7 +22,6 @@ COLOURS = {
     "evidence_greedy": "#b8860b",
     "identification": "#009988",
 }
-OTHER_COLOUR = "#7d8791"
 # Axis label: keys of the number of trials and of the counted ones.
 RATES = {
     "false alarms\non clean sets": ("clean_sets", "false_alarms"),
@@ -31,9 +31,8 @@ RATES = {
     "unknown for\nwithheld effects": ("withheld", "withheld_right"),
     "coverage of\nintervals": ("intervals", "intervals_right"),
 }
-WIDTH = 0.8  # of all bars of a rate
-LOW = 8  # %, a bar too short for its number
-TEXT: dict[str, Any] = {"ha": "center", "va": "bottom", "fontsize": 6.5}
+WIDTH = 0.6  # of all marks of a rate
+APART = 1.03  # factor between the places of two methods on a logarithmic axis
 CELLS = (BASE, *SWEEPS)
 Setting = Callable[[Any], float]  # of a cell
 PANELS: dict[str, Setting] = {
@@ -62,7 +61,8 @@ def accuracy_figure(records: Sequence[ExamRecord], methods: Sequence[str]) -> Re
         figure,
         "accuracy",
         title="Solved questions by size, number of shots and noise",
-        caption=f"One setting is varied at a time. {SOLVED} Bands: 95 % intervals.",
+        caption=f"One setting is varied at a time. {SOLVED} Whiskers: 95 % intervals. Marks of "
+        "the methods are shifted a little, so that these can be distinguished.",
     )
 
 
@@ -77,22 +77,25 @@ def _draw_line(
             shares[setting] = (right / len(given), *interval(right, len(given)))
     if shares:
         middle, low, high = 100 * np.array(list(shares.values())).T
-        colour = COLOURS.get(method, OTHER_COLOUR)
-        axes.fill_between(list(shares), low, high, color=colour, alpha=0.15, lw=0)
-        axes.plot(list(shares), middle, "o-", ms=3.5, color=colour, label=_title(method))
+        colour, apart = COLOURS[method], APART ** list(COLOURS).index(method)
+        places = np.array(list(shares)) * apart
+        ends = [middle - low, high - middle]
+        axes.errorbar(
+            places, middle, ends, fmt="o-", ms=3.5, lw=1.4, elinewidth=0.8, color=colour,
+            label=method_label(method),
+        )  # fmt: skip
 
 
 def methods_figure(records: Sequence[ExamRecord], methods: Sequence[str]) -> ReportFigure:
-    """Return all rates and the closed share of the removable gap, one bar a method."""
+    """Return all rates and the closed share of the removable gap, one mark a method."""
     figure = Figure(figsize=(FIGURE_WIDTH, 3.4))
     axes = figure.subplots()
-    width = WIDTH / max(len(methods), 1)
     for number, method in enumerate(methods):
-        shift = number * width - (WIDTH - width) / 2
-        _draw_bars(axes, rates(records, method), shift, width, method)
+        shift = WIDTH * ((number + 0.5) / len(methods) - 0.5)
+        _draw_rates(axes, rates(records, method), shift, method)
     names = [*RATES, "removable\ngap closed"]
     axes.set_xticks(range(len(names)), names, fontsize=7.5)
-    axes.set(ylabel="share (%)", ylim=(0, 108))
+    axes.set(ylabel="share (%)", ylim=(-2, 103))
     axes.grid(visible=False, axis="x")
     _add_legend(figure, axes)
     return ReportFigure(
@@ -100,35 +103,22 @@ def methods_figure(records: Sequence[ExamRecord], methods: Sequence[str]) -> Rep
         "methods",
         title="All rates by method",
         caption="The methods answer the same questions from the same recordings, the others a "
-        "sample of them. Whiskers: 95 % intervals. A dash: no such answers.",
+        "sample of them. Whiskers: 95 % intervals. Where there is no mark, there are no answers.",
     )
 
 
-def _draw_bars(axes: Axes, found: dict[str, Any], shift: float, width: float, method: str) -> None:
-    colour = COLOURS.get(method, OTHER_COLOUR)
-    closed = found["removable_closed"]
-    axes.bar(len(RATES) + shift, 100 * max(closed or 0.0, 0.0), width, color=colour)
-    _write(axes, len(RATES) + shift, None if closed is None else 100 * closed)
+def _draw_rates(axes: Axes, found: dict[str, Any], shift: float, method: str) -> None:
+    style: dict[str, Any] = {"color": COLOURS[method], "ms": 4}
+    if found["removable_closed"] is not None:
+        axes.plot(len(RATES) + shift, 100 * max(found["removable_closed"], 0.0), "o", **style)
+    axes.plot([], [], "o", label=method_label(method), **style)
     for place, (trials, counted) in enumerate(RATES.values()):
-        share = 100 * found[counted] / found[trials] if found[trials] else None
-        label = _title(method) if place == 0 else None
-        axes.bar(place + shift, share or 0.0, width, color=colour, label=label)
-        if share is not None:
-            low, high = (100 * end for end in interval(found[counted], found[trials]))
-            axes.plot([place + shift] * 2, [low, high], color=INK, lw=0.9)
-        _write(axes, place + shift, share)
-
-
-def _write(axes: Axes, place: float, share: float | None) -> None:
-    """Write a share into its bar, or above a low one."""
-    if share is not None and share > LOW:
-        axes.text(place, 1.5, f"{share:.0f}", color="white", **TEXT)
-    else:
-        axes.text(place, (share or 0.0) + 1.5, "–" if share is None else f"{share:.1f}", **TEXT)
-
-
-def _title(method: str) -> str:
-    return method.replace("_", " ")
+        if not found[trials]:
+            continue
+        share = 100 * found[counted] / found[trials]
+        low, high = (100 * end for end in interval(found[counted], found[trials]))
+        ends = [[share - low], [high - share]]
+        axes.errorbar(place + shift, share, ends, fmt="o", elinewidth=0.9, **style)
 
 
 def _add_legend(figure: Figure, axes: Axes) -> None:

@@ -15,6 +15,7 @@ from pipeline.gap.figures.verdict import (
     shade_undetectable,
 )
 from pipeline.io.figure_style import FIGURE_WIDTH
+from pipeline.io.labels import simulator_label
 from pipeline.io.report_items import ReportFigure
 
 HEADROOM = 1.3  # inch, for titles, the axis and the legend
@@ -30,7 +31,7 @@ def closing_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
         for diagnosis in diagnosed:
             if diagnosis.case.simulator_name == simulator and diagnosis.verdict.gap:
                 draw_errors(axes, diagnosis.verdict.gap)
-        axes.set(title=_title(simulator), xlabel="prediction horizon (ms)")
+        axes.set(title=simulator_label(simulator), xlabel="prediction horizon (ms)")
     panels[0].set_ylim(bottom=0)
     panels[0].set_ylabel("position error (mm)")
     add_legend(figure)
@@ -54,7 +55,7 @@ def stability_figure(diagnosed: Sequence[Diagnosed]) -> ReportFigure:
     panels = figure.subplots(1, len(simulators), sharex=True, sharey=True, squeeze=False)[0]
     for axes, simulator in zip(panels, simulators, strict=True):
         _draw_causes(axes, [d for d in diagnosed if d.case.simulator_name == simulator], names)
-        axes.set_title(_title(simulator))
+        axes.set_title(simulator_label(simulator))
     figure.supxlabel("estimate − simulator (min. detectable effects)", fontsize="medium")
     panels[0].set_yticks(range(len(names)), names)
     panels[0].set_ylim(len(names) - 0.5, -0.5)
@@ -89,7 +90,3 @@ def _draw_causes(axes: Axes, diagnosed: Sequence[Diagnosed], names: Sequence[str
 
 def _simulators(diagnosed: Sequence[Diagnosed]) -> list[str]:
     return list(dict.fromkeys(diagnosis.case.simulator_name for diagnosis in diagnosed))
-
-
-def _title(name: str) -> str:
-    return name.replace("_", " ")

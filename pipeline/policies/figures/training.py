@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 
 from models.policy.scores import fitted_line
 from pipeline.io.figure_style import FIGURE_WIDTH, MUTED
+from pipeline.io.labels import simulator_label
 
 RATES = {"return_rate": "returned (%)", "hit_rate": "hit (%)"}
 GOALS = {
@@ -86,7 +87,7 @@ def _draw_achieved(axes: Axes, goals: np.ndarray, achieved: np.ndarray) -> None:
 
 def _add_legend(figure: Figure, colours: dict[str, str], dashes: dict[str, str]) -> None:
     simulators = [
-        Line2D([], [], color=colour, label=name.replace("_", " "))
+        Line2D([], [], color=colour, label=simulator_label(name))
         for name, colour in colours.items()
     ]
     horizons = [

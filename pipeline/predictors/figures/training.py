@@ -4,6 +4,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline.io.figure_style import FIGURE_WIDTH, predictor_colour
+from pipeline.io.labels import predictor_label
 
 COLUMNS = 3
 
@@ -26,7 +27,7 @@ def training_figure(curves: pd.DataFrame) -> Figure:
         colour = predictor_colour(name)
         panel.plot(curve["epoch"], curve["training"], color=colour, label="training")
         panel.plot(curve["epoch"], curve["validation"], color=colour, ls="--", label="validation")
-        panel.set(title=name.replace("_", " "), xlabel="epoch", yscale="log")
+        panel.set(title=predictor_label(name), xlabel="epoch", yscale="log")
         panel.legend()
     for panel in axes[:, 0]:
         panel.set_ylabel("mean squared error (normalised)")

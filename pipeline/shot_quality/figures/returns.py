@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour, predictor_order
+from pipeline.io.labels import predictor_label
 
 BARS = 0.84  # width of all bars of a set; sets are 1 apart
 LABEL = 12  # letters of a set's name in a line
@@ -31,7 +32,7 @@ def medians_figure(table: pd.DataFrame, metrics: dict[str, str]) -> Figure:
         _draw_panel(axes, table, column, predictors)
         axes.set_title(title)
     grid[-1].set_xticks(range(len(sets)), [fill(one.replace("_", " "), LABEL) for one in sets])
-    handles = [Patch(color=_colour(one), label=one.replace("_", " ")) for one in predictors]
+    handles = [Patch(color=_colour(one), label=predictor_label(one)) for one in predictors]
     handles += [
         Patch(facecolor="none", edgecolor=MUTED, hatch=_hatch(one, horizons), label=f"{one} ms")
         for one in horizons

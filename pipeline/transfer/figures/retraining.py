@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour
+from pipeline.io.labels import predictor_label
 
 ROW = 0.3  # inch per bar
 HEADROOM = 1.0  # inch, for the title and the axis
@@ -37,7 +38,7 @@ def _draw_panel(axes: Axes, rows: pd.DataFrame) -> None:
     rate = 100 * rows["return_rate"]
     ends = [rate - 100 * rows["return_rate_low"], 100 * rows["return_rate_high"] - rate]
     pairs = rows[["policy", "predictor"]].to_numpy(dtype=str)
-    names = [f"{policy} policy, {predictor.replace('_', ' ')}" for policy, predictor in pairs]
+    names = [f"{policy} policy, {predictor_label(str(predictor))}" for policy, predictor in pairs]
     colours = [_colour(str(predictor)) for _, predictor in pairs]
     whiskers = {"ecolor": INK, "elinewidth": 0.9, "capsize": 2}
     axes.barh(range(len(rows)), rate, 0.7, color=colours, xerr=ends, error_kw=whiskers)

@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour, predictor_order
+from pipeline.io.labels import predictor_label
 
 Forecaster = tuple[str, str]  # predictor and protocol
 
@@ -103,7 +104,9 @@ def _draw_line(axes: Axes, rows: pd.DataFrame, colour: str, ahead: str) -> None:
 
 def _add_legends(figure: Figure, forecasters: list[Forecaster]) -> None:
     bars = [
-        Patch(color=_colour((name, protocol)), label=f"{_words(name)}, {PROTOCOLS[protocol]}")
+        Patch(
+            color=_colour((name, protocol)), label=f"{predictor_label(name)}, {PROTOCOLS[protocol]}"
+        )
         for name, protocol in forecasters
     ]
     parts = [

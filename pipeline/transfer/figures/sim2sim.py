@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK
+from pipeline.io.labels import simulator_label
 
 GROUND_TRUTH, IMPERFECT = "ground_truth", "imperfect"
 COLOURS = {GROUND_TRUTH: "#0f7fc4", IMPERFECT: "#d55e00"}
@@ -81,7 +82,7 @@ def _draw_bars(axes: Axes, rows: pd.DataFrame, across: list[float], colour: str)
 
 
 def _label_places(axes: Axes, places: dict[tuple[str, str], float]) -> None:
-    axes.set_xticks(list(places.values()), [name.replace("_", " ") for _, name in places])
+    axes.set_xticks(list(places.values()), [simulator_label(name) for _, name in places])
     blocks: dict[str, list[float]] = {}
     for (horizon, _), place in places.items():
         blocks.setdefault(horizon, []).append(place)

@@ -4,19 +4,20 @@ from itertools import product
 
 import pandas as pd
 
-from pipeline.swap_study.figures import LABELS, mechanism_figure, readings_figure
+from pipeline.swap_study.figures import mechanism_figure, readings_figure
 
+PREDICTORS = ("physics_c", "amended", "oracle", "hybrid", "tae")
 OBSERVATIONS, HORIZONS = ("intercept", "strict"), ("115-125", "170-180")
 
 
 def test_every_rate_is_drawn_under_both_readings():
-    keys = product(OBSERVATIONS, HORIZONS, LABELS, ("first_window", "every_tick"))
+    keys = product(OBSERVATIONS, HORIZONS, PREDICTORS, ("first_window", "every_tick"))
     names = ["observation", "horizons_ms", "predictor", "protocol"]
     rows = pd.DataFrame(keys, columns=names).assign(
         returns=0.8, returns_low=0.7, returns_high=0.9, shots=150, trainings=3
     )
     figure = readings_figure(rows)
-    assert [len(axes.containers) for axes in figure.axes] == [2 * len(LABELS)] * 4
+    assert [len(axes.containers) for axes in figure.axes] == [2 * len(PREDICTORS)] * 4
 
 
 def test_the_gain_of_every_setting_is_written():

@@ -54,9 +54,9 @@ def test_accuracy_has_a_panel_a_setting_and_a_line_a_method(records):
     assert np.mean(good.get_ydata()) > np.mean(bad.get_ydata())
 
 
-def test_bars_of_methods_have_the_heights_of_their_rates(records):
+def test_marks_of_methods_are_at_the_heights_of_their_rates(records):
     axes = methods_figure(records, METHODS).figure.axes[0]
-    heights = {round(bar.get_height(), 3) for bar in axes.patches}
+    heights = {round(float(one), 3) for line in axes.lines for one in line.get_ydata()}
 
     for method in METHODS:
         found = rates(records, method)

@@ -17,12 +17,15 @@ CURVES = pd.DataFrame(
 )
 
 
-@pytest.mark.parametrize(("panel", "name"), enumerate(["transformer", "transformer_fine_tuned"]))
+TITLES = {"transformer": "transformer", "transformer_fine_tuned": "transformer, fine-tuned"}
+
+
+@pytest.mark.parametrize(("panel", "name"), enumerate(TITLES))
 def test_every_predictor_has_a_panel_with_both_its_curves(panel, name):
     apply_style()
     axes = training_figure(CURVES).axes
     assert len(axes) == 2
-    assert axes[panel].get_title(loc="left") == name.replace("_", " ")
+    assert axes[panel].get_title(loc="left") == TITLES[name]
     drawn = {line.get_label(): line.get_xydata() for line in axes[panel].lines}
     rows = CURVES[CURVES["predictor"] == name]
     assert set(drawn) == {"training", "validation"}

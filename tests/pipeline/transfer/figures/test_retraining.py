@@ -24,8 +24,8 @@ def test_every_policy_and_predictor_has_a_bar_in_the_panel_of_its_horizons():
     np.testing.assert_allclose(widths, [[50, 55, 60], [65, 70, 75]])
     names = [text.get_text() for text in figure.axes[0].get_yticklabels()]
     assert names == [
-        "original policy, physics",
+        "original policy, own simulator",
         "original policy, oracle",
-        "retrained policy, amended",
+        "retrained policy, own simulator amended",
     ]
     assert figure.axes[1].get_title(loc="left") == "arena, horizons 170–180 ms, n = 20"
