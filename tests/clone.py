@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-RECORDS = "reports/exam/"  # of which the stage hidden_effects makes its report
+# Of which the stages hidden_effects and report make theirs.
+KEPT = ("reports/exam/", "reports/learning_curves.", "reports/real/forecasts.")
 IDENTITY = {
     f"GIT_{who}_{what}": text
     for who in ("AUTHOR", "COMMITTER")
@@ -22,7 +23,7 @@ def cloned(folder: Path) -> Path:
         cwd=ROOT, capture_output=True, text=True, check=True,
     ).stdout  # fmt: skip
     for name in listed.split("\0"):
-        result = name.startswith(("reports/", "dvc.lock")) and not name.startswith(RECORDS)
+        result = name.startswith(("reports/", "dvc.lock")) and not name.startswith(KEPT)
         if (ROOT / name).is_file() and not result:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, folder / name)

@@ -22,7 +22,7 @@ ADAPTED = {
     "transformer_ensemble": "ensemble of two transformers",
     "hybrid_ensemble": "ensemble of hybrid and transformer",
 }
-SHORT = 100  # recordings
+SHORT = 300  # recordings
 # As many networks each.
 HYBRID_PAIRS = {("hybrid", "transformer"), ("hybrid_ensemble", "transformer_ensemble")}
 COVERAGE_HEADS = (
@@ -92,15 +92,14 @@ def learning_curves_short(root: Path) -> str:
     """What the learning curves say 300 ms ahead, in a sentence."""
     curves = read_report(root, "learning_curves.csv", "horizon_ms == 300")
     errors = curves.set_index(["predictor", "recordings"])["mean"]
-    few, all_of_them = SHORT, curves["recordings"].max()
-    amended, most = (errors["amended_imperfect_c", size] for size in (few, all_of_them))
-    network, oracle = (errors[name, all_of_them] for name in ("transformer", "oracle"))
+    most = curves["recordings"].max()
+    few = errors["amended_imperfect_c", SHORT]
+    network, oracle = (errors[name, most] for name in ("transformer", "oracle"))
     return (
-        f"On the arena, a simulated environment with hidden physics, simulator C amended by {few} "
-        f"recordings errs {amended:.0f} mm 300 ms ahead, and {most:.0f} mm with {all_of_them:,}; a "
-        f"transformer trained on all of these {network:.0f} mm, and a simulator with the arena's "
-        f"own physics {oracle:.0f} mm ([method and all numbers]"
-        "(docs/results.md#how-many-recordings-predictors-need))."
+        f"On the arena, a simulated environment with hidden physics, simulator C amended by {SHORT} "
+        f"recordings errs {few:.0f} mm 300 ms ahead, a transformer trained on {most:,} "
+        f"{network:.0f} mm, and a simulator with the arena's own physics {oracle:.0f} mm "
+        "([method and all numbers](docs/results.md#how-many-recordings-predictors-need))."
     )
 
 

@@ -2,10 +2,11 @@
 
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, NullLocator
 
 from pipeline.io.figure_style import FIGURE_WIDTH, predictor_colour
 
+TICKS_MM = (10, 20, 30, 50, 100, 200)
 LABELS = {
     "oracle": "oracle: the true physics",
     "amended_imperfect_c": "simulator C, amended",
@@ -40,7 +41,9 @@ def learning_curves_figure(rows: pd.DataFrame) -> Figure:
         axes.xaxis.set_major_locator(FixedLocator(sizes))
         axes.xaxis.set_minor_locator(NullLocator())
         axes.set_xticks(sizes, [f"{size:,}" for size in sizes])
-        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.yaxis.set_major_locator(FixedLocator(TICKS_MM))
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_locator(NullLocator())
         axes.set_title(f"{horizon} ms ahead")
         axes.set_xlabel("training recordings")
     grid[0].set_ylabel("position error (mm)")

@@ -59,7 +59,7 @@ def test_the_page_opens_with_the_results_that_the_reports_have(root):
     main = made_up_page(root).split("<main>", maxsplit=1)[1]
     first = main.split("</section>", maxsplit=1)[0]
     assert "<code>make learning-curves</code>, commit <code>0123456</code>" in first
-    assert "amended by 100 recordings errs 31 mm, a transformer trained on 2,000 90 mm" in first
+    assert "amended by 300 recordings errs 31 mm, a transformer trained on 2,000 90 mm" in first
     assert len(Tags(first).named("img")) == 1
 
 
