@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from models.ball.compose import compiled
+from models.ball.types import Bools, Floats
 from models.live.track import Track
-from models.predictors.protocol import HISTORY, HISTORY_TIMES, TICK, History
+from models.predictors.protocol import HISTORY, TICK, History
 
 LONGEST_GAP = 3 * TICK  # s between measurements, across which positions are interpolated
 SAME = TICK / 100  # s, by which two times may differ by rounding
@@ -18,21 +20,26 @@ def history_of(track: Track) -> History:
     Args:
         track: with one measurement or more.
     """
-    grid = track.last + HISTORY_TIMES
-    times, labelled = track.times, np.isfinite(track.spins[:, 0])
-    states, mask = np.zeros((HISTORY, 6)), np.zeros((HISTORY, 6), dtype=bool)
-    if len(times) == 1:
-        states[-1, :3], mask[-1, :3] = track.positions[0], True
-    else:
-        after = np.clip(np.searchsorted(times, grid - SAME), 1, len(times) - 1)
-        gap = times[after] - times[after - 1]
-        near = (gap <= LONGEST_GAP) | (np.abs(times[after] - grid) < SAME)
-        known = near & (grid > times[0] - SAME)
-        share = ((grid - times[after - 1]) / gap)[:, None]
-        between = (1 - share) * track.positions[after - 1] + share * track.positions[after]
-        states[known, :3], mask[known, :3] = between[known], True
-    places = np.rint((times[labelled] - track.last) / TICK).astype(int) + HISTORY - 1
-    recent = places >= 0
-    states[places[recent], 3:] = track.spins[labelled][recent]
-    mask[places[recent], 3:] = True
-    return History(states[None], mask[None])
+    states, mask = _on_grid(track.times, track.positions, track.spins)
+    return History(states, mask)
+
+
+@compiled
+def _on_grid(times: Floats, positions: Floats, spins: Floats) -> tuple[Floats, Bools]:
+    """Return (1, 12, 6) states, and where there are any, on the grid that ends at the last time."""
+    states, mask = np.zeros((1, HISTORY, 6)), np.zeros((1, HISTORY, 6), dtype=np.bool_)
+    last = times[-1]
+    for k in range(HISTORY):
+        t = last - (HISTORY - 1 - k) * TICK
+        after = np.searchsorted(times, t - SAME)
+        if abs(times[after] - t) < SAME:
+            states[0, k, :3], mask[0, k, :3] = positions[after], True
+        elif after > 0 and times[after] - times[after - 1] <= LONGEST_GAP:
+            share = (t - times[after - 1]) / (times[after] - times[after - 1])
+            states[0, k, :3] = (1 - share) * positions[after - 1] + share * positions[after]
+            mask[0, k, :3] = True
+    for n in range(len(times)):
+        place = HISTORY - 1 + round((times[n] - last) / TICK)
+        if place >= 0 and np.isfinite(spins[n, 0]):
+            states[0, place, 3:], mask[0, place, 3:] = spins[n], True
+    return states, mask

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from models.ball.compose import compiled
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
@@ -31,22 +32,51 @@ def propagated(
     probes = (states[:, None] + PROBES).reshape(-1, STATE_SIZE)
     flown = simulator.fly(probes, ahead).states
     flown = flown.reshape(count, len(PROBES), len(ahead), STATE_SIZE)
-    above, below = flown[:, 1 : STATE_SIZE + 1], flown[:, STATE_SIZE + 1 :]
-    slopes = np.moveaxis((above - below) / (2 * STEPS[:, None, None]), 1, 3)
-    spread = slopes @ covariances[:, None] @ np.swapaxes(slopes, 2, 3)
-    powers = np.maximum(ahead, 0.0)[:, None, None, None] ** (1, 2, 3)
-    return flown[:, 0], spread + (powers * GROWTH).sum(axis=3)
+    return flown[:, 0], _covariances(flown, covariances, ahead, STEPS, GROWTH)
+
+
+@compiled
+def _covariances(
+    flown: Floats, now: Floats, ahead: Floats, steps: Floats, growth: Floats
+) -> Floats:
+    """Return (B, T, 9, 9) covariances of (B, 19, T, 9) probes, from (B, 9, 9) now."""
+    balls, _, times, size = flown.shape
+    found = np.empty((balls, times, size, size))
+    slopes, half = np.empty((size, size)), np.empty((size, size))
+    for b in range(balls):
+        for t in range(times):
+            for j in range(size):
+                for i in range(size):
+                    change = flown[b, 1 + j, t, i] - flown[b, 1 + size + j, t, i]
+                    slopes[i, j] = change / (2 * steps[j])
+            span = max(ahead[t], 0.0)
+            _multiply(slopes, now[b], half)
+            _multiply(half, slopes.T, found[b, t])
+            for k in range(3):
+                found[b, t] += growth[k] * span ** (k + 1)
+    return found
+
+
+@compiled
+def _multiply(left: Floats, right: Floats, product: Floats) -> None:
+    """Write the product of two small matrices; a library would take longer to be called."""
+    for i in range(left.shape[0]):
+        for j in range(right.shape[1]):
+            total = 0.0
+            for k in range(left.shape[1]):
+                total += left[i, k] * right[k, j]
+            product[i, j] = total
 
 
 def _growth() -> Floats:
-    """Return (9, 9, 3) what process noise adds in free flight by time, its square and its cube."""
+    """Return (3, 9, 9) what process noise adds in free flight by time, its square and its cube."""
     density = ACCELERATION_NOISE**2 * NOISE_TICK
-    growth = np.zeros((STATE_SIZE, STATE_SIZE, 3))
+    growth = np.zeros((3, STATE_SIZE, STATE_SIZE))
     for i in range(3):
-        growth[i, i, 2] = density / 3
-        growth[i, i + 3, 1] = growth[i + 3, i, 1] = density / 2
-        growth[i + 3, i + 3, 0] = density
-        growth[i + 6, i + 6, 0] = SPIN_DRIFT**2 / NOISE_TICK
+        growth[2, i, i] = density / 3
+        growth[1, i, i + 3] = growth[1, i + 3, i] = density / 2
+        growth[0, i + 3, i + 3] = density
+        growth[0, i + 6, i + 6] = SPIN_DRIFT**2 / NOISE_TICK
     return growth
 
 

@@ -96,8 +96,8 @@ def learning_curves_short(root: Path) -> str:
     few = errors["amended_imperfect_c", SHORT]
     network, oracle = (errors[name, most] for name in ("transformer", "oracle"))
     return (
-        f"On the arena, a simulated environment with hidden physics, simulator C amended by {SHORT} "
-        f"recordings errs {few:.0f} mm 300 ms ahead, a transformer trained on {most:,} "
+        "On the arena, a simulated environment with hidden physics, simulator C amended by "
+        f"{SHORT} recordings errs {few:.0f} mm 300 ms ahead, a transformer trained on {most:,} "
         f"{network:.0f} mm, and a simulator with the arena's own physics {oracle:.0f} mm "
         "([method and all numbers](docs/results.md#how-many-recordings-predictors-need))."
     )
