@@ -12,16 +12,8 @@ from pipeline.documentation.cells import (
 )
 from pipeline.io.labels import PREDICTORS
 from pipeline.io.markdown import markdown_table
+from pipeline.real_forecasts.figure import ADAPTED
 
-# Predictors that recordings of a measured set have amended or fine-tuned.
-ADAPTED = {
-    "physics_literature": "physics, literature",
-    "amended": "physics, literature amended",
-    "hybrid": "hybrid on the amended simulator",
-    "transformer": "transformer",
-    "transformer_ensemble": "ensemble of two transformers",
-    "hybrid_ensemble": "ensemble of hybrid and transformer",
-}
 SHORT = 300  # recordings
 # As many networks each.
 HYBRID_PAIRS = {("hybrid", "transformer"), ("hybrid_ensemble", "transformer_ensemble")}

@@ -12,6 +12,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
@@ -47,7 +48,7 @@ class Step:
 
 def _kept(profile: str, name: str, minutes: int) -> Step:
     """Return the step that runs and keeps an experiment."""
-    run = f"{PYTHON} dvc exp run --temp --name {name} PROFILE:{profile}"
+    run = f"dvc exp run --temp --name {name} PROFILE:{profile}"
     return Step(name, (run, f"rallygap keep {name}"), minutes)
 
 
@@ -99,7 +100,7 @@ STEPS = (
 
 def step_results(root: Path) -> list[KeptResult]:
     """Return the age of the results of every step."""
-    commits = read_json(root / COMMITS) if (root / COMMITS).is_file() else {}
+    commits = _noted(root / COMMITS)
     return [result_of(root, root / one.name, commits.get(one.name, "")) for one in STEPS]
 
 
@@ -117,13 +118,14 @@ def make_everything(root: Path, names: Sequence[str] = ()) -> None:
         raise InputError(root, "has code that is not committed; results name a commit")
     stale = {one.folder.name for one in step_results(root) if one.is_stale}
     due = [one for one in STEPS if one.name in (names or stale)]
-    skipped = [one for one in due if (reason := _missing(one)) and _say(f"{one.name}: {reason}")]
-    due = [one for one in due if one not in skipped]
-    for number, step in enumerate(due, start=1):
-        left = sum(_seconds(root, one) for one in due[number - 1 :])
-        _say(f"{step.name}: step {number} of {len(due)}, {_duration(left)} left")
+    possible = [one for one in due if not _missing(one)]
+    for number, step in enumerate(possible, start=1):
+        left = sum(_seconds(root, one) for one in possible[number - 1 :])
+        _say(f"{step.name}: step {number} of {len(possible)}, {_duration(left)} left")
         _make(root, step)
-    _say("Everything else is up to date." if skipped else "Everything is up to date.")
+    for one in due:
+        if reason := _missing(one):
+            _say(f"{one.name}: {reason}")
 
 
 def _make(root: Path, step: Step) -> None:
@@ -131,8 +133,7 @@ def _make(root: Path, step: Step) -> None:
     for command in step.commands:
         _run(root, command)
     for path, value in ((COMMITS, commit), (DURATIONS, round(time.monotonic() - start))):
-        known = read_json(root / path) if (root / path).is_file() else {}
-        write_json(root / path, {**known, step.name: value})
+        write_json(root / path, {**_noted(root / path), step.name: value})
 
 
 def _run(root: Path, command: str) -> None:
@@ -146,7 +147,7 @@ def _run(root: Path, command: str) -> None:
         profile = word.removeprefix("PROFILE:")
         words += [word] if profile == word else profile_flags(root, profile)
     if subprocess.run(words, cwd=root, check=False).returncode:
-        raise InputError(command, "has failed; once that is mended, `make everything` goes on")
+        raise InputError(command, "has failed; once that is fixed, `make everything` goes on")
 
 
 def _missing(step: Step) -> str:
@@ -159,8 +160,12 @@ def _missing(step: Step) -> str:
 
 
 def _seconds(root: Path, step: Step) -> float:
-    known = read_json(root / DURATIONS) if (root / DURATIONS).is_file() else {}
-    return float(known.get(step.name, 60 * step.minutes))
+    return float(_noted(root / DURATIONS).get(step.name, 60 * step.minutes))
+
+
+def _noted(path: Path) -> dict[str, Any]:
+    """Return what earlier runs have noted, by step."""
+    return dict(read_json(path)) if path.is_file() else {}
 
 
 def _duration(seconds: float) -> str:
@@ -168,6 +173,5 @@ def _duration(seconds: float) -> str:
     return f"{minutes // 60} h {minutes % 60:02} min" if minutes >= 60 else f"{minutes} min"
 
 
-def _say(text: str) -> bool:
+def _say(text: str) -> None:
     Console(highlight=False).print(text)
-    return True

@@ -5,13 +5,14 @@ from matplotlib.figure import Figure
 
 from pipeline.io.figure_style import FIGURE_WIDTH
 
-LABELS = {
-    "physics_literature": "literature",
-    "amended": "literature, amended",
+# Predictors that recordings of a measured set have amended or fine-tuned.
+ADAPTED = {
+    "physics_literature": "physics, literature",
+    "amended": "physics, literature amended",
+    "hybrid": "hybrid on the amended simulator",
     "transformer": "transformer",
-    "hybrid": "hybrid on the amended one",
-    "transformer_ensemble": "two transformers",
-    "hybrid_ensemble": "hybrid and transformer",
+    "transformer_ensemble": "ensemble of two transformers",
+    "hybrid_ensemble": "ensemble of hybrid and transformer",
 }
 HORIZONS = {100: ("o", "#8fc4e8"), 200: ("s", "#0f7fc4"), 300: ("D", "#0a3f66")}
 
@@ -24,7 +25,7 @@ def real_forecasts_figure(rows: pd.DataFrame) -> Figure:
             and ``ci_high`` in mm, and ``n``.
     """
     shown = rows[(rows["quantity"] == "position") & (rows["bounce"] == "all")]
-    sets, names = list(shown["set"].unique()), list(LABELS)
+    sets, names = list(shown["set"].unique()), list(ADAPTED)
     figure = Figure(figsize=(FIGURE_WIDTH, 3.0))
     grid = figure.subplots(1, len(sets), sharey=True, squeeze=False)[0]
     for axes, name in zip(grid, sets, strict=True):
@@ -40,7 +41,7 @@ def real_forecasts_figure(rows: pd.DataFrame) -> Figure:
         axes.set_xlim(left=0)
         axes.set_xlabel("position error (mm)")
         axes.grid(visible=False, axis="y")
-    grid[0].set_yticks(range(len(names)), list(LABELS.values()))
+    grid[0].set_yticks(range(len(names)), [ADAPTED[one].removeprefix("physics, ") for one in names])
     grid[0].set_ylim(len(names) - 0.5, -0.5)
     handles, labels = grid[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)

@@ -108,31 +108,24 @@ def test_no_console_message_and_no_request_leaves_the_page(browser, page_file, s
     assert requests(browser) == [page_file.as_uri()]
 
 
-@pytest.fixture(params=kept_runs(ROOT))
-def kept_file(request, tmp_path):
-    """The page of a kept run."""
+@pytest.fixture(params=[*kept_runs(ROOT), "last"])
+def run_file(request, tmp_path):
+    """The page of a kept run, or of the last run."""
+    if request.param == "last":
+        return PAGE if PAGE.exists() else pytest.skip("needs a run: make reproduce")
     path = tmp_path / "index.html"
     path.write_text(kept_page(ROOT, request.param), encoding="utf-8")
     return path
 
 
-def test_pages_of_kept_runs_are_quiet_offline_and_whole(browser, kept_file):
-    assert_quiet_offline_and_whole(browser, kept_file)
-
-
-@pytest.mark.skipif(not PAGE.exists(), reason="needs a run: make reproduce")
-def test_the_page_of_the_last_run_is_quiet_offline_and_whole(browser):
-    assert_quiet_offline_and_whole(browser, PAGE)
-
-
-def assert_quiet_offline_and_whole(browser, path):
-    open_page(browser, path, PHONE)
+def test_the_pages_of_runs_are_quiet_offline_and_whole(browser, run_file):
+    open_page(browser, run_file, PHONE)
     for button in browser.find_elements("css selector", "button[id$='-play']"):
         button.click()
     time.sleep(0.3)
 
     assert browser.get_log("browser") == []
-    assert requests(browser) == [path.as_uri()]
+    assert requests(browser) == [run_file.as_uri()]
     assert min(image_widths(browser)) > 0
 
 
@@ -179,13 +172,8 @@ def test_paper_cuts_nothing_off(browser, page_file):
     assert_paper_cuts_nothing_off(browser, page_file)
 
 
-def test_paper_cuts_nothing_off_kept_runs(browser, kept_file):
-    assert_paper_cuts_nothing_off(browser, kept_file)
-
-
-@pytest.mark.skipif(not PAGE.exists(), reason="needs a run: make reproduce")
-def test_paper_cuts_nothing_off_the_last_run(browser):
-    assert_paper_cuts_nothing_off(browser, PAGE)
+def test_paper_cuts_nothing_off_the_pages_of_runs(browser, run_file):
+    assert_paper_cuts_nothing_off(browser, run_file)
 
 
 def assert_paper_cuts_nothing_off(browser, path):
