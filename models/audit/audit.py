@@ -30,7 +30,8 @@ FEW = 8  # probes that are flown together
 PATIENCE = 60.0  # s for the probes of a phase, as far as that leaves enough of them
 FEWEST = 24  # probes of a phase
 SAME_SPIN = 0.01  # relative, of spins that an engine has cut alike
-FEWEST_BOUNCES = 0.5  # of the bounce probes; with fewer there is no table
+FEWEST_MET = 0.5  # of the bounce probes; with fewer there is no table
+FEWEST_BOUNCES = 0.5  # of the bounce probes; with fewer its contact is dead
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class Audit:
         simulator: the list of effects that comes closest to it.
         effects: of flight, then of the table.
         unexplained: what they do not explain, by phase.
-        bounces: contact by contact; None where the engine has no table.
+        bounces: contact by contact; None where the engine has no table or a dead contact.
         spin_limit: rad/s, at which the engine cuts spins; infinite where it does not.
         flown: what the engine makes of the probes, by phase; fewer probes where it is slow.
     """
@@ -81,6 +82,11 @@ class Audit:
     bounces: Bounces | None
     spin_limit: float
     flown: dict[Phase, Flown]
+
+    @property
+    def has_table(self) -> bool:
+        """Whether it takes the fall of most balls away."""
+        return "table" in self.unexplained
 
     @property
     def probes(self) -> dict[Phase, int]:
@@ -110,11 +116,12 @@ def audit(
     table = _flown(engine, bounce_probes(), lambda share: progress(0.5 + 0.5 * share), patience)
     flown: dict[Phase, Flown] = {"flight": flight, "table": table}
     bounces = Bounces.of(table, simulator)
-    if bounces.bounced.mean() < FEWEST_BOUNCES:
+    if bounces.met.mean() < FEWEST_MET:
         return Audit(simulator.without_surfaces(), effects, unexplained, None, limit, flown)
     simulator, more = _found(table, simulator)
     unexplained["table"] = _unexplained(table, simulator)
-    return Audit(simulator, (*effects, *more), unexplained, bounces, limit, flown)
+    known = bounces if bounces.bounced.mean() >= FEWEST_BOUNCES else None
+    return Audit(simulator, (*effects, *more), unexplained, known, limit, flown)
 
 
 def _flown(

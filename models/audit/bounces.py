@@ -17,6 +17,7 @@ from models.ball.types import Bools, Floats
 # Share of the slip that the velocity changes by where the contact point comes to rest, by the
 # moment of inertia: 1 / (1 + m r^2 / I).
 SHELL, SOLID = 2 / 5, 2 / 7
+MET = 0.5  # of the speed of a ball that falls on
 LEAST_SLIP = 1.0  # m/s, below which the share says little
 
 
@@ -25,6 +26,7 @@ class Bounces:
     """The contacts of B bounce probes.
 
     Attributes:
+        met: (B,) whether the table takes the ball's fall away.
         bounced: (B,) whether the ball rises above the table afterwards.
         restitution: (B,) normal speed after over before; NaN without a bounce.
         grip: (B,) change of the velocity along the table over the slip; NaN without a bounce, or
@@ -33,6 +35,7 @@ class Bounces:
         slip: (B,) m/s, of the lowest point before.
     """
 
+    met: Bools
     bounced: Bools
     restitution: Floats
     grip: Floats
@@ -60,9 +63,11 @@ class Bounces:
         since = flown.probes.times[0] - moments
         risen = flight.fly(after, -since).states[:, 0]
         bounced = (after[:, 2] > BALL_RADIUS) & (risen[:, 5] > 0.0)
+        falling = flight.fly(flown.probes.states, flown.probes.times[:1]).states[:, 0]
         slip = np.linalg.norm(_slip(before), axis=1)
         change = np.linalg.norm((risen - before)[:, VELOCITY][:, :2], axis=1)
         return cls(
+            after[:, 5] > MET * falling[:, 5],
             bounced,
             np.where(bounced, -risen[:, 5] / before[:, 5], np.nan),
             np.where(bounced & (slip > LEAST_SLIP), change / np.maximum(slip, LEAST_SLIP), np.nan),

@@ -65,6 +65,10 @@ def _of_flight(simulator: Simulator) -> Iterator[Trap]:
 
 def _of_table(audit: Audit) -> Iterator[Trap]:
     bounces = audit.bounces
+    if bounces is None and audit.has_table:
+        sentence = "The contact is dead: balls sink into the table, or stay on it."
+        yield Trap("dead_contact", sentence)
+        return
     if bounces is None:
         yield Trap("no_table", "Balls do not bounce: there is no table where z is zero.")
         return

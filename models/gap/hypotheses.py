@@ -74,6 +74,10 @@ class Hypothesis:
         values = simulator.effects.get(self.effect, {})
         return float(values.get(self.parameter, self.declaration.neutral))
 
+    def is_neutral(self, value: float) -> bool:
+        """Whether a value is that of an effect that is absent."""
+        return value == self.declaration.neutral
+
     def listed(self, simulator: Simulator) -> bool:
         """Whether ``simulator`` lists the effect: then a wrong value, else a missing effect."""
         return self.effect in simulator.effects

@@ -152,6 +152,8 @@ class NameSettings:
     min_spin: float = 1.0  # rad/s, least typical spin
     extrapolation_error: float = 0.01  # of a gain, where causes are far off
     lift_start: float = 0.1  # C_M; without labels only its product with the spin shows
+    dead_restitution: float = 0.3  # up to which balls bounce again and again within a shot
+    bounce_start: tuple[float, float] = (0.9, 0.25)  # restitution, friction, in place of a dead one
     min_flipped_labels: int = 3  # shots: no cause rests on one or two
     sign_flips: int = 20_000  # random signs of shots; p-values are at least 6 / sign_flips
     # Share of information left given the catalogue, of a direction of terms and of one term.

@@ -4,8 +4,8 @@ The best explanation about a fit (selection.py) is refitted exactly, and evidenc
 about the refitted simulator, until the explanation no longer changes. A refit must confirm the gain
 that the linear evidence predicts.
 
-Two causes that hide all others are searched for first: lift where a simulator has none
-(missing_lift.py), and flipped labels (label_readings.py). Doubtful labels are left out until the
+Causes that hide all others come first: lift where a simulator has none and a dead bounce
+(first_causes.py), and flipped labels (label_readings.py). Doubtful labels are left out until the
 other causes are known.
 """
 
@@ -18,11 +18,11 @@ from scipy.optimize import lsq_linear
 from models.ball.simulator import Simulator
 from models.gap.fit.refit import RefitResult, likelihood_gain, refit
 from models.gap.fit.shots import Shots, spread_evenly
-from models.gap.hypotheses import LABEL_SIGNS, Hypothesis, hypotheses
+from models.gap.hypotheses import LABEL_SIGNS, Hypothesis
 from models.gap.inference.score_test import Evidence
 from models.gap.name.distortion import CAMERA, Distortion, find_distortion, with_field
+from models.gap.name.first_causes import FIRST_CAUSES, about_first_causes
 from models.gap.name.label_readings import LabelReadings, all_as_read, read_labels, without_labels
-from models.gap.name.missing_lift import lift_test
 from models.gap.name.selection import Explainer, Explanation, best_explanation, evidence_about
 from models.gap.settings import Question
 from models.gap.types import Places
@@ -32,8 +32,6 @@ Followed = tuple[RefitResult, Explainer, Explanation, bool]
 # From an explainer about a refit, and places of known causes, to the next explanation.
 Proposal = Callable[[Explainer, Places], Explanation]
 Causes = tuple[Hypothesis, ...]
-
-LIFT = Hypothesis("magnus", "cm")
 
 
 @dataclass(frozen=True)
@@ -163,7 +161,7 @@ def _distorted(named: Named, found: Distortion, question: Question) -> Named | N
 def _named(shots: Shots, question: Question, base: RefitResult) -> Named:
     """Name the causes of shots that were fitted about the nominal simulator."""
     settings = question.settings
-    about = _with_lift(shots, question) or base
+    about = about_first_causes(shots, question) or base
     if LABEL_SIGNS.effect in question.withheld:
         return _explained(question, about, base, all_as_read(shots, settings))
     readings = read_labels(shots, about, settings)
@@ -189,7 +187,7 @@ def _without_doubtful_labels(shots: Shots, question: Question, doubtful: LabelRe
     base = refit(kept, question.simulator, (), question.settings.fit)
     if _useless(base, question):
         return _by_paths(shots, question)
-    named = _explained(question, _with_lift(kept, question) or base, base, doubtful)
+    named = _explained(question, about_first_causes(kept, question) or base, base, doubtful)
     about = refit(shots, named.simulator, (), question.settings.fit)
     return _resumed(named, shots, question, read_labels(shots, about, question.settings))
 
@@ -203,7 +201,7 @@ def _by_paths(shots: Shots, question: Question) -> Named:
     settings, alone = question.settings, without_labels(shots)
     base, none = refit(alone, question.simulator, (), settings.fit), all_as_read(shots, settings)
     unused = replace(none, useless=True)
-    named = _explained(question, _with_lift(alone, question) or base, base, unused)
+    named = _explained(question, about_first_causes(alone, question) or base, base, unused)
     readings = read_labels(shots, named.fit, settings)
     causes = _hypotheses(named.explainer, named.explanation)
     about = refit(readings.corrected(shots), named.simulator, causes, settings.fit)
@@ -262,25 +260,12 @@ def with_estimates(explainer: Explainer, causes: Places) -> Simulator:
     return simulator
 
 
-def _with_lift(shots: Shots, question: Question) -> RefitResult | None:
-    """Return the shots with lift, where spins bend them and the simulator has none."""
-    simulator, settings = question.simulator, question.settings
-    if LIFT.effect in (*simulator.effects, *question.withheld):
-        return None
-    listed = tuple(one for one in hypotheses(simulator) if one.listed(simulator))
-    test = lift_test(shots, refit(shots, simulator, listed, settings.fit), settings)
-    if test.p_value > settings.level:
-        return None
-    # The listed parameters start from their nominal values again: a change must be significant.
-    lifted = LIFT.at(simulator, LIFT.value(test.with_lift.simulator))
-    return refit(shots, lifted, (LIFT,), settings.fit)
-
-
 def _explained(
     question: Question, about: RefitResult, before: RefitResult, readings: LabelReadings
 ) -> Named:
     """Explain shots by what they need beyond the simulator that they were fitted about."""
-    return Named(*_settled(about, question, about.free), before, readings)
+    first = tuple(one for one in about.free if one in FIRST_CAUSES)
+    return Named(*_settled(about, question, first), before, readings)
 
 
 def _settled(fit: RefitResult, question: Question, required: Causes) -> Followed:

@@ -1,9 +1,9 @@
 """Roles of causes: which of them matter, and which are minor structure.
 
-A main cause has a plausible value, not one at its bound; its held-out gain of likelihood is
-significant; and predictions are not significantly better without it. Where the model does not fit
-the shots, the likelihood is no judge: predictions must be significantly worse without the cause,
-and not by a negligible amount only.
+A main cause has a plausible value, not one at its bound, or is an effect of the simulator that the
+shots do not have; its held-out gain of likelihood is significant; and predictions are not
+significantly better without it. Where the model does not fit the shots, the likelihood is no judge:
+predictions must be significantly worse without the cause, and not by a negligible amount only.
 Minor causes are taken out one at a time, the least worthy first, and the others are refitted. A
 cause is needed, and stays, if held-out shots that fit are then significantly less likely: the
 likelihood gain above is linear, which is little use for lift saturation and the like. If
@@ -57,7 +57,7 @@ class Judgement:
         settings = question.settings.verify
         harmful = worth is not None and worth.interval[1] < -settings.worse * self.error_mm
         value, _ = estimated(self.named, k)
-        if value in hypothesis.declaration.bounds:
+        if value in hypothesis.declaration.bounds and not hypothesis.is_neutral(value):
             return True
         if k in self.needed:
             return False

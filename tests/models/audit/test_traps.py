@@ -39,6 +39,11 @@ def test_a_ball_without_a_table_does_not_bounce():
     assert set(of_list(magnus={"cm": 0.07})) == {"no_table"}
 
 
+def test_a_table_that_keeps_balls_has_a_dead_contact():
+    dead = {"table_bounce": {"restitution": 0.02, "friction": 0.25}, "magnus": {"cm": 0.07}}
+    assert set(of_list(**dead)) == {"dead_contact"}
+
+
 def test_an_engine_that_cuts_spins():
     simulator = shipped("literature")
 

@@ -42,6 +42,20 @@ def test_a_missing_effect_is_named_with_its_size(side):
     assert side.phases.flight == pytest.approx(1.0)
 
 
+def test_an_effect_that_the_shots_do_not_have_is_a_main_cause_with_its_neutral_value():
+    verdict = diagnose(measured(count=36), NOMINAL.amended("spin_decay", c=0.1))
+    (cause,) = verdict.causes
+    assert (cause.identity, cause.role, cause.estimate) == ("spin_decay.c", "leading", 0.0)
+
+
+def test_a_table_that_keeps_balls_is_named():
+    dead = NOMINAL.amended("table_bounce", restitution=0.0, friction=1.0)
+    verdict = diagnose(measured(count=36), dead)
+    found = {cause.identity: cause.estimate for cause in verdict.main_causes}
+    expected = {"table_bounce.restitution": 0.92, "table_bounce.friction": 0.25}
+    assert found == pytest.approx(expected, rel=0.03)
+
+
 def test_the_amended_simulator_predicts_like_the_true_one(side):
     shots, noise = measured(SIDE, count=30, seed=9), Noise(scatter=(0.01, 0.02, 0.005))
     about = fit_nuisance(shots, SIDE, noise, SETTINGS.fit)

@@ -43,6 +43,19 @@ def test_estimates_at_their_bounds_are_limitations():
     assert found[0].startswith("wind.y: 3 m/s is the bound")
 
 
+def test_that_an_effect_is_absent_is_no_limitation():
+    absent = WIND.model_copy(
+        update={
+            "identity": "spin_decay.c",
+            "possible": ("spin_decay.c",),
+            "nominal": 0.1,
+            "estimate": 0.0,
+            "interval": (0.0, 0.001),
+        }
+    )
+    assert limitations(measured(count=24), [absent], limits(), True, SETTINGS) == ()
+
+
 @pytest.mark.parametrize("way", [1, 2])
 def test_an_error_of_the_cameras_looks_like_other_errors_of_places(way):
     camera = WIND.model_copy(
