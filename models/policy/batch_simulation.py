@@ -16,6 +16,7 @@ from models.policy.episodes import (
     Episodes,
     conclude,
 )
+from models.policy.following import following_actions
 from models.policy.goals import Goals
 from models.policy.incoming_balls import CONTROL_STEP, PATH_STEP, IncomingBalls
 from models.policy.observation import Observations, observe
@@ -26,6 +27,7 @@ from models.policy.settings import ObservationKind
 from models.robot.arms import Arms
 from models.robot.constants import BULLET_STEP, COMMAND_STEP
 from models.robot.control import joint_speeds
+from models.robot.kinematics import racket
 
 # Racket motion for an action of one: m/s across, along and up; rad/s of its two turning rates.
 VELOCITY = np.array([2.5, 1.5, 2.0])
@@ -105,6 +107,11 @@ class BatchSimulation:
         return observe(
             arms.joints, arms.joint_speeds, balls.forecasts, balls.spreads, self._goals, self._kind
         )
+
+    def following_actions(self, random: np.random.Generator) -> Floats:
+        """Return (B, 5) actions that bring the rackets to the balls, with noise."""
+        rackets = racket(self.arms.joints, self.arms.joint_speeds)
+        return following_actions(rackets, self._balls.forecasts[:, 0], random)
 
     def step(self, actions: NDArray[np.floating]) -> StepResult:
         """Simulate one control step.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
 
-from models.ball.types import Integers
+from models.ball.types import Floats, Integers
 from models.policy.ball_supply import BallSupply
 from models.policy.batch_simulation import ACTIONS, BatchSimulation
 from models.policy.episodes import Episodes
@@ -81,6 +81,10 @@ class ReturnVecEnv(VecEnv):
             self._supply.start_episodes(self._simulation, step.done)
             observation = self._simulation.observe()
         return observation, step.reward.astype(np.float32), step.done, infos
+
+    def following_actions(self, random: np.random.Generator) -> Floats:
+        """Return (B, 5) actions that follow the balls, for the warm-up of a training."""
+        return self._simulation.following_actions(random)
 
     def close(self) -> None:
         """Release the Bullet world."""

@@ -7,9 +7,12 @@ weights as an uninterrupted one.
 
 from pathlib import Path
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from stable_baselines3 import SAC
 from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.noise import ActionNoise
 from torch import Tensor, nn
 
 from models.policy.environment import ReturnVecEnv
@@ -20,7 +23,23 @@ from models.policy.random_streams import iteration_seed
 from models.policy.settings import LearningSettings
 from models.policy.task import Task
 
+Actions = NDArray[np.float32]
+
 LEARNER, REPLAY = "learner.zip", "replay.pkl"  # read by the next iteration alone
+
+
+class WarmedUpSAC(SAC):
+    """Stable-Baselines3's soft actor-critic whose rackets follow balls until it learns."""
+
+    def _sample_action(
+        self, learning_starts: int, action_noise: ActionNoise | None = None, n_envs: int = 1
+    ) -> tuple[Actions, Actions]:
+        if self.num_timesteps >= learning_starts:
+            return super()._sample_action(learning_starts, action_noise, n_envs)
+        assert self.env is not None
+        (follow,) = self.env.get_attr("following_actions", [0])
+        actions: Actions = follow(self.action_space.np_random).astype(np.float32)
+        return actions, actions
 
 
 def learn_iteration(
@@ -82,9 +101,9 @@ def skip_critic_gradients(critic: nn.Module, inputs: tuple[Tensor, Tensor]) -> N
     critic.requires_grad_(not inputs[1].requires_grad)
 
 
-def _new(environment: ReturnVecEnv, task: Task, settings: LearningSettings) -> SAC:
+def _new(environment: ReturnVecEnv, task: Task, settings: LearningSettings) -> WarmedUpSAC:
     steps = settings.iterations * settings.steps_per_iteration
-    return SAC(
+    return WarmedUpSAC(
         "MlpPolicy",
         environment,
         batch_size=settings.batch,
@@ -104,8 +123,8 @@ def _new(environment: ReturnVecEnv, task: Task, settings: LearningSettings) -> S
     )
 
 
-def _load(environment: ReturnVecEnv, before: Path) -> SAC:
-    learner = SAC.load(before / LEARNER, environment, device="cpu")
+def _load(environment: ReturnVecEnv, before: Path) -> WarmedUpSAC:
+    learner = WarmedUpSAC.load(before / LEARNER, environment, device="cpu")
     learner.load_replay_buffer(before / REPLAY)
     return learner
 
