@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from pipeline.arenas.scores import SIMULATORS, found_by_size, ratios
 from pipeline.io.figure_style import FIGURE_WIDTH, INK
@@ -37,6 +38,7 @@ def _draw_ratios(axes: Axes, errors: pd.DataFrame) -> None:
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_formatter("{x:g}")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel("arena, in the order of each line")
     axes.set_ylabel(f"error {HORIZON_MS} ms ahead / oracle's")
     axes.legend(loc="best")

@@ -101,7 +101,7 @@ def swap_readings(root: Path, protocol: str) -> str:
     query = f"protocol == '{protocol}'"
     shares = read_report(root, "swap_study/readings_all.csv", query)
     gains = read_report(root, "swap_study/gains.csv", f"{query} and outcome == 'returns'")
-    return _by_policy(shares.set_index(OF_STUDY)["returns"], gains.set_index(OF_STUDY))
+    return _by_policy(shares.set_index(OF_STUDY)["return_rate"], gains.set_index(OF_STUDY))
 
 
 def swap_every_tick(root: Path) -> str:
@@ -109,13 +109,13 @@ def swap_every_tick(root: Path) -> str:
     query = "outcome == 'returns' and protocol == 'every_tick'"
     gains = read_report(root, "swap_study/gains_every_tick.csv", query).set_index(OF_STUDY)
     shares = read_report(root, "swap_study/readings_all.csv", "protocol == 'every_tick'")
-    return _by_policy(shares.set_index(OF_STUDY)["returns"], gains)
+    return _by_policy(shares.set_index(OF_STUDY)["return_rate"], gains)
 
 
 def swap_retrained(root: Path) -> str:
     """Returns of original and retrained policies by predictor, from the swap study."""
-    keys = ["horizons_ms", "predictor"]
-    shares = read_report(root, "swap_study/retrained.csv").set_index(["policy", *keys])["returns"]
+    shares = read_report(root, "swap_study/retrained.csv")
+    shares = shares.set_index(["policy", "horizons_ms", "predictor"])["return_rate"]
     rows = []
     for row in read_report(
         root, "swap_study/gains_retrained.csv", "outcome == 'returns'"

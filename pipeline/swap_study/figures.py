@@ -23,7 +23,7 @@ def readings_figure(rates: pd.DataFrame) -> Figure:
 
     Args:
         rates: one row per ``observation``, ``horizons_ms``, ``predictor`` and ``protocol``, with
-            ``shots``, ``trainings``, ``returns``, ``returns_low`` and ``returns_high``.
+            ``balls``, ``trainings``, and ``return_rate`` with its interval.
     """
     predictors = sorted(rates["predictor"].unique(), key=predictor_order)
     panels = [
@@ -38,7 +38,7 @@ def readings_figure(rates: pd.DataFrame) -> Figure:
     grid[0].set_yticks(range(len(predictors)), [predictor_label(one) for one in predictors])
     grid[0].set_ylim(len(predictors) - 0.5, -0.5)
     handles, labels = grid[0].get_legend_handles_labels()
-    count, trainings = rates["shots"].iloc[0], rates["trainings"].iloc[0]
+    count, trainings = rates["balls"].iloc[0], rates["trainings"].iloc[0]
     title = f"{count} shots, {trainings} trainings, 95 % intervals"
     figure.legend(handles, labels, loc="outside lower center", ncols=2, title=title)
     return figure
@@ -47,8 +47,8 @@ def readings_figure(rates: pd.DataFrame) -> Figure:
 def _draw_readings(axes: Axes, rows: pd.DataFrame, predictors: list[str]) -> None:
     for protocol, label in PROTOCOLS.items():
         some = rows[rows["protocol"] == protocol].set_index("predictor").loc[predictors]
-        rate = 100 * some["returns"]
-        ends = [rate - 100 * some["returns_low"], 100 * some["returns_high"] - rate]
+        rate = 100 * some["return_rate"]
+        ends = [rate - 100 * some["return_rate_low"], 100 * some["return_rate_high"] - rate]
         apart = APART if protocol == "every_tick" else -APART
         for place, name in enumerate(predictors):
             axes.errorbar(

@@ -4,13 +4,14 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from pipeline.swap_study.comparisons import differences, rates
 from pipeline.swap_study.policies import RETRAINED_KIND
+from pipeline.transfer.rates import differences, rates
 from pipeline.transfer.replay_trials import EveryStep, FirstWindow
 from pipeline.transfer.retraining import ORIGINAL, RETRAINED
 
 EXPERIMENTS = ("readings", "mechanism", "retrained")
 PHYSICS = "physics_c"  # what others are compared with
+RESAMPLES = 20_000  # so that p-values are small enough for all comparisons of a table
 POLICY, MECHANISM = ["observation", "horizons_ms"], ["age_ms", "latency_ms", "label_error"]
 
 
@@ -19,24 +20,24 @@ def study_tables(played: Mapping[str, pd.DataFrame], seed: int) -> dict[str, pd.
     readings, mechanism, retrained = (played[name] for name in EXPERIMENTS)
     per_reading = [*POLICY, "predictor", "protocol"]
     both = pd.concat([_as_retrained(readings), retrained.assign(policy=RETRAINED)])
+    shares = {
+        "readings": (readings, ["set", *per_reading]),
+        "readings_all": (readings, per_reading),
+        "mechanism": (mechanism, [*POLICY, "predictor", *MECHANISM]),
+        "retrained": (both, ["policy", "horizons_ms", "predictor"]),
+    }
+    physics = {"predictor": PHYSICS}
+    first, original = {"protocol": FirstWindow.protocol}, {"policy": ORIGINAL}
+    gains = {
+        "gains": (readings, [*POLICY, "protocol"], physics),
+        "gains_by_set": (readings, ["set", *POLICY, "protocol"], physics),
+        "gains_every_tick": (readings, [*POLICY, "predictor"], first),
+        "gains_mechanism": (mechanism, [*POLICY, *MECHANISM], physics),
+        "gains_retrained": (both, ["horizons_ms", "predictor"], original),
+    }
     return {
-        "readings": rates(readings, ["set", *per_reading], seed),
-        "readings_all": rates(readings, per_reading, seed),
-        "gains": differences(readings, [*POLICY, "protocol"], "predictor", PHYSICS, seed),
-        "gains_by_set": differences(
-            readings, ["set", *POLICY, "protocol"], "predictor", PHYSICS, seed
-        ),
-        "gains_every_tick": differences(
-            readings, [*POLICY, "predictor"], "protocol", FirstWindow.protocol, seed
-        ),
-        "mechanism": rates(mechanism, [*POLICY, "predictor", *MECHANISM], seed),
-        "gains_mechanism": differences(
-            mechanism, [*POLICY, *MECHANISM], "predictor", PHYSICS, seed
-        ),
-        "retrained": rates(both, ["policy", "horizons_ms", "predictor"], seed),
-        "gains_retrained": differences(
-            both, ["horizons_ms", "predictor"], "policy", ORIGINAL, seed
-        ),
+        **{name: rates(*one, RESAMPLES, seed) for name, one in shares.items()},
+        **{name: differences(*one, RESAMPLES, seed) for name, one in gains.items()},
     }
 
 

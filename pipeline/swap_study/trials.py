@@ -29,7 +29,8 @@ LABEL_ERRORS = (0.0, 0.2)  # shares of the spin that all labels of a ball are of
 OF_MECHANISM = ("physics_c", "amended", "transformer", "oracle")
 
 Predictors = Mapping[str, Predictor]  # by name
-KEPT = ["set", "ball", "predictor", "protocol", "horizons_ms", "repeat", "hit", "returned"]
+KEPT = ["set", "recording", "ball", "predictor", "protocol", "horizons_ms", "repeat", "hit",
+        "returned"]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -103,10 +104,8 @@ def mechanism_trials(
 
 
 def played(trial: ReplayTrial, columns: Mapping[str, str | float]) -> pd.DataFrame:
-    """Run a trial; return its outcomes, with the recording and what the policy observes."""
+    """Run a trial; return its outcomes, with what the policy observes."""
     table = trial.run().table
     observed = [trained.observation for _, trained in trial.policies]
-    shots = trial.shots
-    table["observation"] = np.repeat(observed, len(shots))
-    table["recording"] = np.tile(np.asarray(shots.recordings), len(observed))
-    return table[[*KEPT, "observation", "recording"]].assign(**columns)
+    table["observation"] = np.repeat(observed, len(trial.shots))
+    return table[[*KEPT, "observation"]].assign(**columns)

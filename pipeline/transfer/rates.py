@@ -1,14 +1,18 @@
-"""Hit and return rates of trials, and their paired differences between predictors."""
+"""Hit and return rates of trials, and their paired differences.
 
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+Intervals come from a bootstrap of two levels: it draws trainings, which differ only in the seed,
+and recordings, whose shots share players and cameras. Where trials name no recording, every ball is
+one.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from models.ball.types import Floats
-from models.predictors.errors import error_statistics
+from models.predictors.errors import resampled_over_draws
 
 
 class Outcome(NamedTuple):
@@ -19,6 +23,8 @@ class Outcome(NamedTuple):
     counts: str
 
 
+ENDS = (0.025, 0.975)
+COMPARED = ["difference", "ci_low", "ci_high", "p", "gained", "lost"]  # columns of differences
 OUTCOMES = (Outcome("hit", "hit_rate", "hits"), Outcome("returned", "return_rate", "returns"))
 
 
@@ -26,27 +32,27 @@ def rates(played: pd.DataFrame, keys: Sequence[str], resamples: int, seed: int) 
     """Return the hit and return rates of experiments.
 
     Args:
-        played: one row per policy and ball: ``repeat``, ``ball``, ``hit``, ``returned``, ``keys``.
+        played: one row per training (``repeat``) and shot (``ball``, and ``set`` where there is
+            one), with ``hit``, ``returned`` and ``keys``, and possibly ``recording``.
         keys: columns that identify an experiment.
-        resamples: of the balls, for the 95 % intervals.
+        resamples: for the 95 % intervals; with 0 they are the rates.
         seed: of the resamples.
 
     Returns:
-        One row per experiment: ``keys``; ``balls``; ``hits`` and ``returns``, mean numbers over
-        the policies; ``hit_rate`` and ``return_rate`` with their intervals, ``..._low`` and
-        ``..._high``.
+        One row per experiment: ``keys``; ``balls`` and ``trainings``; ``hits`` and ``returns``,
+        mean numbers over the trainings; ``hit_rate`` and ``return_rate`` with their intervals,
+        ``..._low`` and ``..._high``.
     """
     rows = []
     for values, part in played.groupby(list(keys), sort=False, dropna=False):
-        trials = _trials(part)
-        row = {**dict(zip(keys, values, strict=True)), "balls": trials.shape[1]}
-        counts = trials.sum(axis=(0, 1)) / len(trials)
-        shares = intervals(trials.astype(np.float64), resamples, seed)
-        for outcome, count, share in zip(OUTCOMES, counts, shares, strict=True):
-            row[outcome.counts] = count
-            row |= zip(
-                (f"{outcome.rate}{end}" for end in ("", "_low", "_high")), share, strict=True
-            )
+        trials, recordings = trials_of(part)
+        row = {**dict(zip(keys, values, strict=True)), "balls": len(recordings)}
+        row["trainings"] = len(trials)
+        low, high = _ends(resampled(trials, recordings, resamples, seed), trials)
+        for k, outcome in enumerate(OUTCOMES):
+            row[outcome.counts] = trials[..., k].sum() / len(trials)
+            row[outcome.rate] = trials[..., k].mean()
+            row[f"{outcome.rate}_low"], row[f"{outcome.rate}_high"] = low[k], high[k]
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -58,64 +64,99 @@ def differences(
     resamples: int,
     seed: int,
 ) -> pd.DataFrame:
-    """Return the differences of predictors' rates to a baseline's, paired by ball.
+    """Return differences of rates to a baseline's, paired by training and ball.
 
     Args:
-        played: one row per policy and ball: ``repeat``, ``ball``, ``hit``, ``returned``,
-            ``setting`` and the columns of the baseline.
+        played: as ``rates`` takes them, with ``setting`` and the columns of the baseline.
         setting: columns that identify a comparison.
-        baseline: columns that identify a predictor, and their values for the baseline.
-        resamples: of the balls, for the 95 % intervals.
+        baseline: columns that identify what is compared, and their values for the baseline.
+        resamples: for the 95 % intervals; with 0 they are the differences.
         seed: of the resamples.
 
     Returns:
-        One row per setting, predictor and outcome: ``difference`` of the rates with ``ci_low`` and
-        ``ci_high``; ``gained`` and ``lost``, the balls with the outcome more often with the
-        predictor, or with the baseline.
+        One row per setting, compared value and outcome: ``difference`` with ``ci_low`` and
+        ``ci_high``; its two-sided ``p``, and ``p_holm``, which allows for all comparisons of the
+        table with the same outcome; ``gained`` and ``lost``, the balls with the outcome more often
+        than with the baseline, or less often.
     """
-    keys = [*setting, *baseline]
-    rows = []
-    for values, part in played.groupby(list(setting), sort=False):
-        by_predictor = {
-            key: _trials(rows_of) for key, rows_of in part.groupby(list(baseline), sort=False)
-        }
-        base = by_predictor.pop(tuple(baseline.values()))
-        for predictor, trials in by_predictor.items():
-            difference = trials.astype(np.float64) - base
-            ends, more = intervals(difference, resamples, seed), difference.sum(axis=0)
-            for number, outcome in enumerate(OUTCOMES):
-                rows.append(
-                    {
-                        **dict(zip(keys, [*values, *predictor], strict=True)),
-                        "outcome": outcome.counts,
-                        **dict(zip(("difference", "ci_low", "ci_high"), ends[number], strict=True)),
-                        "gained": int((more[:, number] > 0).sum()),
-                        "lost": int((more[:, number] < 0).sum()),
-                    }
-                )
-    return pd.DataFrame(rows)
+    rows = [
+        {**dict(zip(setting, values, strict=True)), **row}
+        for values, part in played.groupby(list(setting), sort=False)
+        for row in _differences(part, baseline, resamples, seed)
+    ]
+    columns = [*setting, *baseline, "outcome", *COMPARED]
+    table = pd.DataFrame(rows, columns=columns)
+    table["p_holm"] = table.groupby("outcome")["p"].transform(holm)
+    return table
 
 
-def intervals(trials: Floats, resamples: int, seed: int) -> list[list[float]]:
-    """Return mean and ends of the 95 % interval of K quantities over all trials.
+def _differences(
+    part: pd.DataFrame, baseline: Mapping[str, str], resamples: int, seed: int
+) -> Iterator[dict[str, Any]]:
+    by_value = {key: trials_of(rows) for key, rows in part.groupby(list(baseline), sort=False)}
+    base, recordings = by_value.pop(tuple(baseline.values()))
+    for value, (trials, _) in by_value.items():
+        difference = trials - base
+        drawn = resampled(difference, recordings, resamples, seed)
+        (low, high), more = _ends(drawn, difference), difference.sum(axis=0)
+        for k, outcome in enumerate(OUTCOMES):
+            yield {
+                **dict(zip(baseline, value, strict=True)),
+                "outcome": outcome.counts,
+                "difference": difference[..., k].mean(),
+                "ci_low": low[k],
+                "ci_high": high[k],
+                "p": two_sided(drawn[:, k]),
+                "gained": int((more[:, k] > 0).sum()),
+                "lost": int((more[:, k] < 0).sum()),
+            }
+
+
+def trials_of(part: pd.DataFrame) -> tuple[Floats, np.ndarray]:
+    """Return what happened to each of B balls, and the (B,) recordings that they are from.
 
     Args:
-        trials: (R, B, K) quantities of B balls under each of R policies.
-        resamples: of the balls, each with its results under all policies; with 0 the intervals
-            are the means.
+        part: as ``rates`` takes them, of one experiment.
+
+    Returns:
+        (R, B, K) whether a ball had an outcome in a training, 0 or 1; and the recordings.
+    """
+    shot = [name for name in ("set", "ball") if name in part]
+    tables = [part.pivot(index="repeat", columns=shot, values=one.column) for one in OUTCOMES]
+    outcomes = np.stack([table.to_numpy(dtype=np.float64) for table in tables], axis=2)
+    if "recording" not in part:
+        return outcomes, np.arange(outcomes.shape[1])
+    recordings = part.drop_duplicates(shot).set_index(shot)["recording"]
+    return outcomes, recordings.loc[tables[0].columns].to_numpy()
+
+
+def resampled(trials: Floats, recordings: np.ndarray, resamples: int, seed: int) -> Floats:
+    """Return (S, K) means of resamples.
+
+    Args:
+        trials: (R, B, K) K quantities of B balls in each of R trainings.
+        recordings: (B,) that balls are from.
+        resamples: S.
         seed: of the resamples.
     """
-    policies, count, quantities = trials.shape
-    balls = np.tile(np.arange(count), policies)
-    generator = np.random.default_rng(seed)
-    spreads = error_statistics(trials.reshape(-1, quantities), balls, resamples, generator)
-    ends: list[list[float]] = np.stack([spreads.mean, spreads.low, spreads.high], axis=1).tolist()
+    return resampled_over_draws(trials, recordings, resamples, np.random.default_rng(seed))
+
+
+def two_sided(drawn: Floats) -> float:
+    """Return how probable a mean at least as far from zero is without a difference."""
+    below, above = (drawn <= 0).sum(), (drawn >= 0).sum()
+    return float(min(2 * (1 + min(below, above)) / (1 + len(drawn)), 1.0))
+
+
+def holm(p: pd.Series) -> pd.Series:
+    """Return p-values that allow for the number of comparisons (Holm 1979)."""
+    order = p.sort_values(kind="stable").index
+    left = len(p) - np.arange(len(p))
+    adjusted = np.minimum(np.maximum.accumulate(p[order].to_numpy() * left), 1.0)
+    return pd.Series(adjusted, index=order).reindex(p.index)
+
+
+def _ends(drawn: Floats, trials: Floats) -> Floats:
+    """Return (2, K) ends of 95 % intervals, which are the means without resamples."""
+    ends: Floats = np.quantile(drawn if len(drawn) else trials.mean((0, 1))[None], ENDS, axis=0)
     return ends
-
-
-def _trials(part: pd.DataFrame) -> NDArray[np.bool_]:
-    """Return (R, B, K) whether each of B balls had each outcome under each of R policies."""
-    tables = [
-        part.pivot(index="repeat", columns="ball", values=outcome.column) for outcome in OUTCOMES
-    ]
-    return np.stack([table.to_numpy(dtype=np.bool_) for table in tables], axis=2)

@@ -126,6 +126,7 @@ class ReplayTrial:
         tables = [with_states(one.table, one.after_racket, one.before_landing) for one in played]
         table = pd.concat(tables, ignore_index=True).assign(
             set=self.shots.name,
+            recording=np.tile(np.asarray(self.shots.recordings), len(played)),
             predictor=self.forecaster.name,
             protocol=self.forecaster.protocol,
         )

@@ -9,12 +9,13 @@ from models.ball.simulator import Simulator
 from models.ball.types import Floats
 from pipeline.evaluation.predictors import ORACLE
 from pipeline.policies.storage import TrainedPolicy
-from pipeline.transfer.rates import differences, rates
+from pipeline.transfer.rates import ENDS, OUTCOMES, differences, rates, resampled, trials_of
 from pipeline.transfer.transfer_table import PHYSICS, SETTING
 
 ORIGINAL, RETRAINED = "original", "retrained"
 BASELINE = {"policy": ORIGINAL, "predictor": PHYSICS}
 KEYS = [*SETTING, *BASELINE]  # of an experiment
+RETURNED = [one.column for one in OUTCOMES].index("returned")
 CLOSED = ["gap_closed", "closed_low", "closed_high"]
 
 
@@ -52,10 +53,9 @@ def retraining_table(
     oracle, or without an oracle its rate in its own simulator.
 
     Args:
-        played: one row per policy, predictor and ball, with ``KEYS``, ``repeat``, ``ball``, ``hit``
-            and ``returned``.
+        played: as ``rates`` takes them, with ``KEYS``.
         own: return rates of the original policies in their own simulator, by horizons.
-        resamples: of the balls, for the 95 % intervals.
+        resamples: of trainings and recordings, for the 95 % intervals.
         seed: of the resamples.
 
     Returns:
@@ -84,38 +84,34 @@ def _shares(
     seed: int,
 ) -> dict[tuple[Hashable, ...], tuple[float, float, float]]:
     """Return the shares of the gap that policies and predictors close in one setting."""
-    returned = {key: _returned(rows) for key, rows in part.groupby(list(BASELINE), sort=False)}
+    found = {key: trials_of(rows) for key, rows in part.groupby(list(BASELINE), sort=False)}
+    returned = {key: trials[..., RETURNED] for key, (trials, _) in found.items()}
+    recordings = found[tuple(BASELINE.values())][1]
     base = returned.pop(tuple(BASELINE.values()))
     best = returned.get((ORIGINAL, ORACLE), np.full_like(base, own[setting[1]]))
     return {
-        (*setting, *key): share_closed(rate - base, best - base, resamples, seed)
+        (*setting, *key): share_closed(rate - base, best - base, recordings, resamples, seed)
         for key, rate in returned.items()
     }
 
 
-def _returned(rows: pd.DataFrame) -> Floats:
-    """Return (B,) each ball's return rate over policies."""
-    return rows.groupby("ball")["returned"].mean().to_numpy(dtype=np.float64)
-
-
 def share_closed(
-    gain: Floats, gap: Floats, resamples: int, seed: int
+    gain: Floats, gap: Floats, recordings: np.ndarray, resamples: int, seed: int
 ) -> tuple[float, float, float]:
     """Return the share of a gap that closes, with its 95 % interval.
 
     Args:
-        gain: (B,) of each ball.
-        gap: (B,) of each ball.
-        resamples: of the balls.
+        gain: (R, B) of each ball in each training.
+        gap: (R, B), likewise.
+        recordings: (B,) that balls are from.
+        resamples: of trainings and recordings.
         seed: of the resamples.
 
     Returns:
         NaN where the gap is not significant: not positive in 97.5 % of the resamples.
     """
-    even = np.full(len(gap), 1 / len(gap))
-    weights = np.random.default_rng(seed).multinomial(len(gap), even, size=resamples)
-    gaps = weights @ gap
-    if not resamples or np.quantile(gaps, 0.025) <= 0:
+    gains, gaps = resampled(np.stack([gain, gap], axis=2), recordings, resamples, seed).T
+    if not resamples or np.quantile(gaps, ENDS[0]) <= 0:
         return np.nan, np.nan, np.nan
-    low, high = np.quantile((weights @ gain)[gaps > 0] / gaps[gaps > 0], [0.025, 0.975])
+    low, high = np.quantile(gains[gaps > 0] / gaps[gaps > 0], ENDS)
     return float(gain.mean() / gap.mean()), float(low), float(high)

@@ -14,7 +14,7 @@ def test_every_rate_is_drawn_under_both_readings():
     keys = product(OBSERVATIONS, HORIZONS, PREDICTORS, ("first_window", "every_tick"))
     names = ["observation", "horizons_ms", "predictor", "protocol"]
     rows = pd.DataFrame(keys, columns=names).assign(
-        returns=0.8, returns_low=0.7, returns_high=0.9, shots=150, trainings=3
+        return_rate=0.8, return_rate_low=0.7, return_rate_high=0.9, balls=150, trainings=3
     )
     figure = readings_figure(rows)
     assert [len(axes.containers) for axes in figure.axes] == [2 * len(PREDICTORS)] * 4

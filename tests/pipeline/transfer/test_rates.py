@@ -1,10 +1,10 @@
-"""How often balls are hit and returned, and what a forecaster gains, by racket_state."""
+"""How often balls are hit and returned, what a forecaster gains, and Holm's correction."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.transfer.rates import differences, intervals, rates
+from pipeline.transfer.rates import differences, holm, rates, resampled, two_sided
 from tests.pipeline.played_trials import KEYS, everything, trials
 
 SETTING = KEYS[:2]
@@ -53,7 +53,87 @@ def test_the_interval_of_a_difference_is_that_of_paired_balls():
     assert found["difference"] - found["ci_low"] == pytest.approx(margin, rel=0.1)
 
 
-def test_a_second_policy_that_does_the_same_narrows_no_interval():
-    single = np.random.default_rng(0).random((1, 400, 1)) < 0.8
-    double = np.tile(single, (2, 1, 1))
-    assert intervals(double, 1000, 0) == intervals(single, 1000, 0)
+def test_a_second_training_that_does_the_same_narrows_no_interval():
+    single = (np.random.default_rng(0).random((1, 400, 1)) < 0.8).astype(float)
+    double, balls = np.tile(single, (2, 1, 1)), np.arange(400)
+    np.testing.assert_allclose(
+        resampled(double, balls, 1000, 0), resampled(single, balls, 1000, 0), rtol=1e-12
+    )
+
+
+def of_trainings(share, predictor, seed, shots=60):
+    """Trials of three trainings that return a share of the shots; a recording has three."""
+    random = np.random.default_rng(seed)
+    parts = [trials(random.random(shots) < share, repeat, predictor) for repeat in range(3)]
+    table = pd.concat(parts, ignore_index=True)
+    return table.assign(recording=table["ball"] // 3)
+
+
+def test_intervals_cover_a_known_rate():
+    inside = [
+        rates(of_trainings(0.6, "physics", seed, 150), ["predictor"], 2000, seed).iloc[0]
+        for seed in range(40)
+    ]
+    covered = [row["return_rate_low"] <= 0.6 <= row["return_rate_high"] for row in inside]
+    assert 0.85 <= np.mean(covered) <= 1.0
+
+
+def test_shots_of_a_recording_that_end_alike_count_as_one():
+    random = np.random.default_rng(3)
+    returned = np.repeat(random.random(100) < 0.6, 4)
+    played = trials(returned).assign(recording=np.arange(400) // 4)
+    alone, together = (
+        rates(one, KEYS, 4000, 0).iloc[0] for one in (played.drop(columns="recording"), played)
+    )
+    widths = [one["return_rate_high"] - one["return_rate_low"] for one in (alone, together)]
+    assert widths[1] == pytest.approx(2 * widths[0], rel=0.1)
+
+
+def test_trainings_that_differ_widen_the_interval():
+    parts = [trials(np.arange(200) % 10 < share, k) for k, share in enumerate((3, 6, 9))]
+    row = rates(pd.concat(parts), KEYS, 4000, 0).iloc[0]
+    assert (row["trainings"], row["balls"]) == (3, 200)
+    # Of three trainings drawn with replacement, all are the worst one, or the best, in 3.7 %.
+    assert row["return_rate_low"] < 0.36
+    assert row["return_rate_high"] > 0.84
+
+
+def test_a_predictor_that_returns_more_is_told_from_one_that_does_not():
+    three = [
+        of_trainings(0.4, "physics", 0),
+        of_trainings(0.9, "oracle", 1),
+        of_trainings(0.4, "transformer", 2),
+    ]
+    gains = differences(pd.concat(three), ["set"], {"predictor": "physics"}, 4000, 0)
+    returns = gains[gains["outcome"] == "returns"].set_index("predictor")
+    expected = three[1]["returned"].mean() - three[0]["returned"].mean()
+    assert returns.loc["oracle", "difference"] == pytest.approx(expected)
+    assert returns.loc["oracle", "p_holm"] < 0.01
+    assert returns.loc["oracle", "ci_low"] > 0
+    assert returns.loc["transformer", "p_holm"] > 0.05
+
+
+def test_equal_trials_have_no_difference():
+    one = of_trainings(0.5, "physics", 3)
+    both = pd.concat([one, one.assign(predictor="oracle")])
+    gains = differences(both, ["set"], {"predictor": "physics"}, 1000, 0)
+    assert gains["difference"].abs().max() == 0
+    assert (gains["p"] == 1).all()
+
+
+def test_the_correction_is_that_of_holm():
+    # Holm 1979: in order, times the number of those left, and never falling.
+    p = pd.Series([0.01, 0.04, 0.03, 0.005], index=list("abcd"))
+    adjusted = holm(p)
+    assert adjusted.index.tolist() == list("abcd")
+    np.testing.assert_allclose(adjusted, [0.03, 0.06, 0.06, 0.02])
+    assert holm(pd.Series([0.6, 0.9])).tolist() == [1.0, 1.0]
+
+
+def test_p_values_of_no_difference_are_uniform():
+    random = np.random.default_rng(0)
+    values = [
+        two_sided(mean + random.standard_normal(2000)) for mean in random.standard_normal(500)
+    ]
+    assert np.mean(np.array(values) < 0.05) == pytest.approx(0.05, abs=0.025)
+    assert np.mean(values) == pytest.approx(0.5, abs=0.05)

@@ -64,11 +64,11 @@ def test_where_there_is_no_gap_nothing_closes():
 
 
 def test_there_is_a_share_where_the_gap_is_sure():
-    sure, unsure = np.ones(40), np.resize([1.0, -0.9], 40)
-    gain = np.resize([1.0, 0.0], 40)
-    share, low, high = share_closed(gain, sure, 1000, 0)
+    sure, unsure = np.ones((1, 40)), np.resize([1.0, -0.9], (1, 40))
+    gain, balls = np.resize([1.0, 0.0], (1, 40)), np.arange(40)
+    share, low, high = share_closed(gain, sure, balls, 1000, 0)
     assert share == 0.5 and low == pytest.approx(0.35, abs=0.06) and low < 0.5 < high
-    assert np.isnan(share_closed(gain, unsure, 1000, 0)).all()
+    assert np.isnan(share_closed(gain, unsure, balls, 1000, 0)).all()
 
 
 def test_sets_of_a_source_come_as_one_first_and_each_after():
