@@ -30,9 +30,9 @@ TASK = Task(
 PEER = "SB3 defaults"
 
 
-def default_learner() -> SAC:
+def default_learner(seed: int = SEED) -> SAC:
     """Return Stable-Baselines3's learner with its defaults."""
-    return SAC("MlpPolicy", ReturnVecEnv(TASK, 1, SEED), seed=SEED, device="cpu")
+    return SAC("MlpPolicy", ReturnVecEnv(TASK, 1, seed), seed=seed, device="cpu")
 
 
 def random_actions(arms: int) -> Callable[[], int]:

@@ -166,7 +166,7 @@ class Sim2SimSettings(Settings):
     """Balls, the same for every policy."""
     protocols: Annotated[list[Sim2SimProtocol], Field(min_length=1), AfterValidator(_each_once)]
     bootstrap_resamples: Annotated[int, Field(ge=0, le=100_000)]
-    """Resamples of the balls for the confidence intervals; 0 leaves them out."""
+    """Resamples of trainings and recordings, for the confidence intervals; 0 leaves them out."""
 
 
 class ToleranceSettings(Settings):
@@ -193,7 +193,7 @@ class Sim2RealSettings(Settings):
     """Of what is measured of their flights, and of all balls where their recordings end."""
     tolerance: ToleranceSettings
     bootstrap_resamples: Annotated[int, Field(ge=0, le=100_000)]
-    """Resamples of the balls for the confidence intervals; 0 leaves them out."""
+    """Resamples of trainings and recordings, for the confidence intervals; 0 leaves them out."""
 
 
 class ShotQualitySettings(Settings):

@@ -76,7 +76,7 @@ class LearningSettings(BaseModel):
     gradient_steps: Annotated[int, Field(ge=1, le=1000)]
     """After every control step of all environments."""
     warm_up: Annotated[int, Field(ge=0)]
-    """Control steps of random actions before the first gradient step."""
+    """Control steps before the first gradient step, in which rackets follow the balls."""
     batch: Annotated[int, Field(ge=1, le=65_536)]
     """Transitions per gradient step."""
     width: Annotated[int, Field(ge=4, le=4096)]

@@ -15,6 +15,7 @@ from pipeline.transfer.replay_sets import ReplaySet
 from pipeline.transfer.replay_trials import (
     EveryStep,
     FirstWindow,
+    Forecaster,
     Forecasts,
     Policies,
     ReplayTrial,
@@ -35,7 +36,7 @@ KEPT = ["set", "recording", "ball", "predictor", "protocol", "horizons_ms", "rep
 
 @dataclass(frozen=True)
 class EverySteps:
-    """A predictor that forecasts again after some control steps; without a number, never.
+    """A predictor that forecasts again after some control steps.
 
     Attributes:
         name: of the predictor.
@@ -45,7 +46,7 @@ class EverySteps:
 
     name: str
     predictor: Predictor
-    steps: int | None
+    steps: int
     protocol: ClassVar[str] = "every_steps"
 
     def forecasts(self, histories: Histories) -> Forecasts:
@@ -73,6 +74,12 @@ class Setting:
         age = "first window" if self.age_ms is None else str(self.age_ms)
         return {"age_ms": age, "latency_ms": self.latency_ms, "label_error": self.label_error}
 
+    def forecaster(self, name: str, predictor: Predictor) -> Forecaster:
+        """Return a predictor as a forecaster whose forecasts get this old."""
+        if self.age_ms is None:
+            return FirstWindow(name, predictor)
+        return EverySteps(name, predictor, self.age_ms // STEP_MS)
+
 
 SETTINGS = [Setting(*one) for one in product(AGES_MS, LATENCIES_MS, LABEL_ERRORS)]
 
@@ -95,8 +102,7 @@ def mechanism_trials(
     Labels have the same errors in all trials of a set.
     """
     for setting in SETTINGS:
-        steps = None if setting.age_ms is None else setting.age_ms // STEP_MS
-        forecasters = [EverySteps(name, predictors[name], steps) for name in OF_MECHANISM]
+        forecasters = [setting.forecaster(name, predictors[name]) for name in OF_MECHANISM]
         for trial in replay_trials(shots, forecasters, policies, seed):
             random = np.random.default_rng([seed, *b"labels", *shots.name.encode()])
             histories = with_label_error(trial.histories, setting.label_error, random)

@@ -65,10 +65,10 @@ def report_retraining(
             caption=f"{caption} original, physics: the baseline; original with a learned "
             "predictor: the swap; original, amended: the amended simulator predicts; retrained, "
             "amended; and both, retrained with a learned predictor. Rates with 95 % intervals "
-            "(low, high), bootstrapped over shots. difference: of the return rate to the "
-            "baseline's, paired by shot (ci_low, ci_high); gained, lost: shots returned more "
-            "often, or less. gap_closed: that difference as a share of the gap between the "
-            "baseline and the original policy with the oracle, or without an oracle its return "
+            "(low, high), bootstrapped over trainings and recordings. difference: of the return "
+            "rate to the baseline's, paired by shot (ci_low, ci_high); gained, lost: shots "
+            "returned more often, or less. gap_closed: that difference as a share of the gap "
+            "between the baseline and the original policy with the oracle, or without an oracle its return "
             "rate in its own simulator; empty without a significant gap.",
         ),
         ReportTable(
@@ -77,7 +77,7 @@ def report_retraining(
             title="Policies in their own simulators",
             caption="Each policy plays test shots of the simulator that it was trained in, with "
             "exact forecasts; original and retrained policies play as many. 95 % intervals are "
-            "bootstrapped over shots.",
+            "bootstrapped over trainings and shots.",
         ),
     )
 

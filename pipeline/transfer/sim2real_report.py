@@ -49,7 +49,8 @@ def report_transfer(run: StageRun, played: pd.DataFrame, learned: Sequence[str])
             "rates",
             title="Sim-to-real: all predictors",
             caption="Rates over the replayed shots with 95 % intervals (low, high), bootstrapped "
-            "over shots; hits and returns are numbers of shots, means over policies. "
+            "over trainings and recordings; hits and returns are numbers of shots, means over "
+            "policies. "
             "forecast_error_cm: mean distance between forecast and true position at the middle "
             "horizon, over all control steps before the ball is out of play.",
         ),
@@ -58,8 +59,9 @@ def report_transfer(run: StageRun, played: pd.DataFrame, learned: Sequence[str])
             "difference",
             title="Sim-to-real: gains over physics at every control step",
             caption="Difference of the rates with the predictor and with physics, paired by shot, "
-            "with 95 % intervals bootstrapped over shots. gained, lost: shots with the outcome "
-            "more often with the predictor, or with physics.",
+            "with 95 % intervals bootstrapped over trainings and recordings. p_holm: Holm's "
+            "correction of p for all comparisons of the table. gained, lost: shots with the "
+            "outcome more often with the predictor, or with physics.",
         ),
         ReportTable(
             over_first,

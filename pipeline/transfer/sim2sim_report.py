@@ -31,25 +31,25 @@ def report_sim2sim(run: StageRun, played: pd.DataFrame) -> None:
             sim2sim_figure(table),
             "return_rate",
             title="Sim-to-sim transfer",
-            caption=f"{caption} Whiskers: 95 % intervals, bootstrapped over shots. Dots, if there "
-            "are several policies: policies that differ only in the seed.",
+            caption=f"{caption} Whiskers: 95 % intervals, bootstrapped over trainings and shots. "
+            "Dots, if there are several policies: policies that differ only in the seed.",
         ),
         ReportTable(
             table[[*KEYS, *COLUMNS]],
             "return_rate",
             title="Sim-to-sim: returns, hits and forecast errors",
             caption=f"{caption} Rates over all shots; ci: 95 % interval of the return rate, "
-            "bootstrapped over shots; std: over policies that differ only in the seed; "
-            "forecast_error_m: mean distance between forecast and true position at the middle "
-            "horizon, over all control steps before the ball is out of play.",
+            "bootstrapped over trainings and shots; std: over policies that differ only in the "
+            "seed; forecast_error_m: mean distance between forecast and true position at the "
+            "middle horizon, over all control steps before the ball is out of play.",
         ),
         ReportTable(
             gains.drop(columns=["predictor", "outcome"]),
             "difference",
             title="Sim-to-sim: gain of the ground truth's predictions",
             caption="Return rate with the ground truth's predictions minus that with the imperfect "
-            "simulator's, paired by shot, with 95 % intervals bootstrapped over shots. gained, "
-            "lost: shots returned more often with the one, or with the other.",
+            "simulator's, paired by shot, with 95 % intervals bootstrapped over trainings and "
+            "shots. gained, lost: shots returned more often with the one, or with the other.",
         ),
     )
 

@@ -71,7 +71,8 @@ def report_tolerance(run: StageRun, played: pd.DataFrame) -> None:
         f"{settings.tolerance.shots} test shots of the policies' own simulator with exact "
         "forecasts but for one error. bias: forecast positions shifted in one random direction "
         "per shot; noise: shifted independently at every control step, with this root mean "
-        "square; no_spin: forecast spin set to zero. 95 % intervals are bootstrapped over shots."
+        "square; no_spin: forecast spin set to zero. 95 % intervals are bootstrapped over "
+        "trainings and shots."
     )
     title = "Tolerated forecast errors"
     run.add(

@@ -13,14 +13,14 @@ from benchmarks.learning import LEARNING, Progress, compared, train
 @pytest.mark.parametrize(
     ("rates", "iterations", "patience", "trained"),
     [
-        ([0.3, 0.899, 0.9, 0.95], None, math.inf, 3),
+        ([0.3, 0.949, 0.95, 0.98], None, math.inf, 3),
         ([0.1] * 5, 3, math.inf, 3),
         ([0.1] * 5, None, 1e-9, 1),
     ],
 )
 def test_training_stops(monkeypatch, rates, iterations, patience, trained):
-    monkeypatch.setattr(learning, "return_rate", lambda number: rates[number])
-    progress = train("it", iter(range(iterations)) if iterations else count(), patience)
+    monkeypatch.setattr(learning, "return_rate", lambda number, seed: rates[number])
+    progress = train("it", iter(range(iterations)) if iterations else count(), patience, 1)
     assert progress.ticks == LEARNING.steps_per_iteration * trained
     assert progress.return_rate == rates[trained - 1]
 
@@ -28,11 +28,20 @@ def test_training_stops(monkeypatch, rates, iterations, patience, trained):
 @pytest.mark.parametrize(
     ("ours", "peer", "ratio"),
     [
-        (Progress(64_000, 100.0, 0.91), Progress(96_000, 1500.0, 0.92), "15.0"),
-        (Progress(64_000, 100.0, 0.91), Progress(192_000, 3000.0, 0.42), "more than 30.0"),
-        (Progress(192_000, 100.0, 0.89), Progress(96_000, 1500.0, 0.92), "not reached"),
+        (Progress(64_000, 100.0, 0.96), Progress(96_000, 1500.0, 0.97), "15.0"),
+        (Progress(64_000, 100.0, 0.96), Progress(192_000, 3000.0, 0.42), "more than 30.0"),
+        (Progress(192_000, 100.0, 0.94), Progress(96_000, 1500.0, 0.97), "not reached"),
     ],
 )
 def test_a_ratio_to_a_peer_that_missed_the_goal_is_a_lower_bound(ours, peer, ratio):
-    table = comparison_table(compared(ours, peer))
+    table = comparison_table(compared([ours], [peer]))
     assert list(table.columns[-1].cells)[-1] == ratio
+
+
+def test_seeds_are_averaged_and_all_of_ours_must_reach_the_goal():
+    fast, slow = Progress(64_000, 100.0, 0.96), Progress(96_000, 200.0, 0.97)
+    missed = Progress(96_000, 200.0, 0.9)
+    peer = [Progress(64_000, 1500.0, 0.97)] * 2
+    _, seconds = compared([fast, slow], peer)
+    assert (seconds.rallygap, seconds.ratio, seconds.lower_bound) == (150.0, 10.0, False)
+    assert compared([fast, missed], peer)[1].ratio is None
