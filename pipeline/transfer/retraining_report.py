@@ -68,8 +68,8 @@ def report_retraining(
             "(low, high), bootstrapped over trainings and recordings. difference: of the return "
             "rate to the baseline's, paired by shot (ci_low, ci_high); gained, lost: shots "
             "returned more often, or less. gap_closed: that difference as a share of the gap "
-            "between the baseline and the original policy with the oracle, or without an oracle its return "
-            "rate in its own simulator; empty without a significant gap.",
+            "between the baseline and the original policy with the oracle, or without an oracle "
+            "its return rate in its own simulator; empty without a significant gap.",
         ),
         ReportTable(
             own,
