@@ -97,6 +97,8 @@ BLOCKS: dict[str, Writer] = {
     "sim2real": transfer_tables.sim2real_counts,
     "sim2real-paper": partial(transfer_tables.sim2real_counts, run="paper/"),
     "sim2real-real": transfer_tables.real_swap,
+    "shot-quality": transfer_tables.shot_quality,
+    "shot-quality-shots": partial(transfer_tables.shot_quality, run="shots/"),
     "spread-policies": transfer_tables.spread_policies,
     "swap-first-window": partial(transfer_tables.swap_readings, protocol="first_window"),
     "swap-every-tick": partial(transfer_tables.swap_readings, protocol="every_tick"),

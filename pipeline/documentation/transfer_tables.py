@@ -3,12 +3,14 @@
 from pathlib import Path
 from typing import Any
 
-from pipeline.documentation.cells import NONE, in_points, read_report
+from pipeline.documentation.cells import NONE, in_points, read_report, with_interval
 from pipeline.io.labels import PREDICTORS
 from pipeline.io.markdown import markdown_table
 
 HORIZONS = ("115-125", "170-180")
 OF_STUDY, SIGNIFICANT = ["observation", "horizons_ms", "predictor"], 0.05
+METRICS = {"speed": ".1f", "spin": ".0f", "clearance": ".2f", "win_probability": ".2f"}
+READINGS = {"first_window": "first window", "every_tick": "every control step"}
 KINDS = {  # of policies
     "exact": "exact forecasts",
     "filtered": "a filter's forecasts",
@@ -65,6 +67,22 @@ def real_swap(root: Path) -> str:
         rows.append([shots, gain.horizons_ms, *counts, in_points(gain)])
     names = [PREDICTORS["physics_c"], PREDICTORS["transformer_fine_tuned"]]
     return markdown_table(["shots", "horizons (ms)", *names, "difference (points)"], rows)
+
+
+def shot_quality(root: Path, run: str = "") -> str:
+    """Medians of what the paper's Figure 5 shows, over the returns at the nearer horizons."""
+    table = read_report(root, f"{run}shot_quality/quality.csv", f"horizons_ms == '{HORIZONS[0]}'")
+    rows = []
+    for one in table.to_dict("records"):
+        medians = (
+            with_interval(one[metric], one[f"{metric}_low"], one[f"{metric}_high"], form)
+            for metric, form in METRICS.items()
+        )
+        reading = READINGS[one["protocol"]]
+        named = [one["set"], PREDICTORS[one["predictor"]], reading, f"{one['returns']:.0f}"]
+        rows.append([*named, *medians])
+    head = ["shots", "predictor", "forecasts", "returns", "speed (m/s)", "spin (rad/s)"]
+    return markdown_table([*head, "net clearance (m)", "winning probability"], rows)
 
 
 def spread_policies(root: Path) -> str:
