@@ -53,10 +53,10 @@ def _kept(profile: str, name: str, minutes: int) -> Step:
 
 
 STEPS = (
-    Step("reproduce", ("dvc repro",), 25),
+    Step("reproduce", ("dvc repro",), 30),
     Step("learning_curves", (f"{PYTHON} pipeline.learning_curves.run",), 75),
     Step("spread_policies", (f"{PYTHON} pipeline.spread_policies.run",), 30),
-    Step("swap_study", (f"{PYTHON} pipeline.swap_study.run",), 150),
+    Step("swap_study", (f"{PYTHON} pipeline.swap_study.run",), 100),
     Step("arenas", (f"{PYTHON} pipeline.arenas.run",), 60),
     Step("simulators", (f"{PYTHON} pipeline.simulator_scenes.run",), 30),
     Step("real_scenes", (f"{PYTHON} pipeline.simulator_scenes.real",), 20, measured=True),
@@ -68,7 +68,7 @@ STEPS = (
     ),
     _kept("two_cores", "paper", 200),
     _kept("paper_physics", "paper_physics", 30),
-    _kept("shots", "shots", 90),
+    _kept("shots", "shots", 60),
     Step("exam", (f"{PYTHON} pipeline.exam.full_run", "dvc repro"), 240),
     Step(
         "sweeps",
