@@ -6,17 +6,14 @@ from importlib.metadata import version
 from itertools import chain
 from pathlib import Path
 
-import grimp
 import pytest
 
+from pipeline.experiments.imports import imported_packages
 from pipeline.params import Params, read_yaml
 
 ROOT = Path(__file__).parents[1]
 PIPELINE = read_yaml(ROOT / "dvc.yaml")
 STAGES = list(PIPELINE["stages"])
-
-# What every stage runs in but what does not shape its results.
-NO_RESULTS = ("pipeline.params", "pipeline.tracking")
 
 
 def outputs(stage):
@@ -26,26 +23,9 @@ def outputs(stage):
     return {path: flags.get("cache", True) for out in listed for path, flags in out.items()}
 
 
-@pytest.fixture(scope="module")
-def graph():
-    """Which module imports which."""
-    return grimp.build_graph("models", "pipeline", "stages")
-
-
-def packages_of(stage, graph):
-    """Folders of the packages whose modules a stage imports, directly or not.
-
-    A package that is imported itself is a folder of plugins, all of which are loaded.
-    """
-    reached, todo = set(), [f"stages.{stage}"]
-    while todo:
-        module = todo.pop()
-        if module in reached or module.startswith(NO_RESULTS):
-            continue
-        reached.add(module)
-        todo += graph.find_modules_directly_imported_by(module)
-        todo += graph.find_children(module)
-    return {"/".join(module.split(".")[:2]) for module in reached} - {f"stages/{stage}"}
+def packages_of(stage):
+    """Folders of the packages whose modules a stage imports, directly or not."""
+    return imported_packages([f"stages.{stage}"]) - {f"stages/{stage}"}
 
 
 def test_a_stage_has_one_name_in_four_places():
@@ -60,11 +40,11 @@ def test_a_stage_has_one_name_in_four_places():
 
 
 @pytest.mark.parametrize("stage", STAGES)
-def test_a_stage_depends_on_the_packages_that_it_imports(stage, graph):
+def test_a_stage_depends_on_the_packages_that_it_imports(stage):
     dependencies = PIPELINE["stages"][stage]["deps"]
     code = {path for path in dependencies if path.startswith(("models/", "pipeline/"))}
     assert f"stages/{stage}.py" in dependencies
-    assert code == packages_of(stage, graph)
+    assert code == packages_of(stage)
 
 
 def test_every_dependency_is_there_or_is_made_by_a_stage():

@@ -20,7 +20,8 @@ RETURN = 1.0
 BACKHAND = 0.5  # penalty: a policy with one face learns faster
 
 # Optional goals. Large and narrow, or they are hardly followed: a faster stroke costs accuracy of
-# the landing.
+# the landing, which then has to weigh more as well.
+SHOT_LANDING, SHOT_LANDING_SCALE = 12.0, 0.4  # m
 SPEED, SPEED_SCALE = 12.0, 0.8  # m/s
 TOPSPIN, TOPSPIN_SCALE = 8.0, 60.0  # rad/s
 
@@ -49,7 +50,9 @@ def goal_reward(
         goals: (B,).
     """
     distance = goals.distance(landing)
-    near = LANDING * np.exp(-distance / LANDING_SCALE) + FAR / (1.0 + distance / FAR_SCALE)
+    landing_only = goals.speed is None and goals.topspin is None
+    weight, scale = (LANDING, LANDING_SCALE) if landing_only else (SHOT_LANDING, SHOT_LANDING_SCALE)
+    near = weight * np.exp(-distance / scale) + FAR / (1.0 + distance / FAR_SCALE)
     style = np.zeros(len(distance))
     if goals.speed is not None:
         style += SPEED * np.exp(-np.abs(speed - goals.speed) / SPEED_SCALE)

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.documentation.cells import NONE, read_report
-from pipeline.experiments.stale import result_of
+from pipeline.experiments.stale import code_of, result_of
 from pipeline.io.artifacts import read_json
 from pipeline.io.markdown import markdown_table
 from pipeline.known_answers.design import SIZES
@@ -59,7 +59,8 @@ def known_answers(root: Path) -> str:
 
 def _ages(root: Path, scores: Any) -> str:
     commits = dict.fromkeys(one["commit"] for one in scores.values() if one["commit"])
-    return " ".join(result_of(root, root / REPORT, commit).sentence for commit in commits)
+    code = code_of(["pipeline.known_answers.run"], ["params.yaml"])
+    return " ".join(result_of(root, root / REPORT, commit, code).sentence for commit in commits)
 
 
 def _rates_table(scores: Any) -> str:

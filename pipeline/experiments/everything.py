@@ -1,8 +1,8 @@
 """``make everything``: all results that the repository keeps, made by one commit.
 
-A step is done if the code has not changed since the commit that ``reports/commits.json`` has for
-it; packages that only present results do not count. A killed run goes on where it was: steps that
-are done are passed over, and the long ones resume.
+A step is done if neither its parameters nor the packages that it imports have changed since the
+commit that ``reports/commits.json`` has for it; packages that only present results do not count. A
+killed run goes on where it was: steps that are done are passed over, and the long ones resume.
 """
 
 import os
@@ -17,14 +17,30 @@ from typing import Any
 from rich.console import Console
 
 from pipeline.experiments.profiles import profile_flags
-from pipeline.experiments.stale import KeptResult, changed_code, result_of
+from pipeline.experiments.stale import (
+    KeptResult,
+    changed_code,
+    code_of,
+    result_of,
+    stage_modules,
+)
 from pipeline.io.artifacts import read_json, write_json
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.git import git_commit
 
+PARAMS = "params.yaml"
 COMMITS = Path("reports") / "commits.json"  # of the code that made each step's results
 DURATIONS = Path("timings") / "everything.json"  # s, on this machine
 PYTHON = "python -m"
+BENCHMARKS = {  # minutes
+    "ball_simulator": 5,
+    "policy_training": 5,
+    "learning": 30,
+    "live": 15,
+    "drift": 30,
+    "scale": 20,
+    "precision": 10,
+}
 
 
 @dataclass(frozen=True)
@@ -35,6 +51,8 @@ class Step:
         name: of the step.
         commands: that make them, in this order.
         minutes: that they took on two cores.
+        entries: modules that make the results; those of the stages if there are none.
+        profile: that the results depend on, below ``profiles``.
         measured: whether they need the measured sets.
         root: whether they need a user who may fill disks.
     """
@@ -42,6 +60,8 @@ class Step:
     name: str
     commands: tuple[str, ...]
     minutes: int
+    entries: tuple[str, ...] = ()
+    profile: str = ""
     measured: bool = False
     root: bool = False
 
@@ -49,27 +69,39 @@ class Step:
 def _kept(profile: str, name: str, minutes: int) -> Step:
     """Return the step that runs and keeps an experiment."""
     run = f"dvc exp run --temp --name {name} PROFILE:{profile}"
-    return Step(name, (run, f"rallygap keep {name}"), minutes)
+    return Step(name, (run, f"rallygap keep {name}"), minutes, profile=profile)
+
+
+def _module(name: str, minutes: int, profile: str = "", measured: bool = False) -> Step:
+    """Return the step that runs a module of ``pipeline``."""
+    module = f"pipeline.{name}"
+    step = name.removesuffix(".run").replace(".", "_")
+    return Step(step, (f"{PYTHON} {module}",), minutes, (module,), profile, measured)
 
 
 STEPS = (
     Step("reproduce", ("dvc repro",), 30),
-    Step("learning_curves", (f"{PYTHON} pipeline.learning_curves.run",), 75),
-    Step("spread_policies", (f"{PYTHON} pipeline.spread_policies.run",), 30),
-    Step("swap_study", (f"{PYTHON} pipeline.swap_study.run",), 100),
-    Step("arenas", (f"{PYTHON} pipeline.arenas.run",), 60),
-    Step("simulators", (f"{PYTHON} pipeline.simulator_scenes.run",), 30),
-    Step("real_scenes", (f"{PYTHON} pipeline.simulator_scenes.real",), 20, measured=True),
+    _module("learning_curves.run", 75),
+    _module("spread_policies.run", 30),
+    _module("swap_study.run", 100, profile="policies"),
+    _module("arenas.run", 60),
+    _module("simulator_scenes.run", 30),
+    _module("simulator_scenes.real", 20, measured=True),
+    Step("real", ("rallygap real",), 60, profile="real", measured=True),
+    _module("real_forecasts.run", 60, measured=True),
     Step(
-        "real",
-        ("rallygap real", f"{PYTHON} pipeline.real_forecasts.run", "rallygap known-answers"),
-        150,
+        "known_answers",
+        ("rallygap known-answers",),
+        30,
+        ("pipeline.known_answers.run",),
         measured=True,
     ),
     _kept("two_cores", "paper", 200),
     _kept("paper_physics", "paper_physics", 30),
     _kept("shots", "shots", 60),
-    Step("exam", (f"{PYTHON} pipeline.exam.full_run", "dvc repro"), 240),
+    Step(
+        "exam", (f"{PYTHON} pipeline.exam.full_run", "dvc repro"), 240, ("pipeline.exam.full_run",)
+    ),
     Step(
         "sweeps",
         tuple(
@@ -78,30 +110,34 @@ STEPS = (
             for verb, workers in (("sweep", " --workers 2"), ("confirm", ""))
         ),
         120,
+        ("pipeline.sweeps.worker", "pipeline.sweeps.confirm"),
+        "sweeps",
     ),
-    Step("drift", (f"{PYTHON} benchmarks.drift",), 30),
     Step("reliability", ("pytest -m faults -v --tables",), 90, root=True),
-    Step(
-        "costs",
-        (
-            f"{PYTHON} benchmarks.ball_simulator",
-            f"{PYTHON} benchmarks.policy_training",
-            "rallygap costs",
-            f"{PYTHON} benchmarks.live",
-            f"{PYTHON} benchmarks.learning",
-            f"{PYTHON} benchmarks.scale",
-            f"{PYTHON} benchmarks.precision",
-            f"{PYTHON} benchmarks.reproduce",
-        ),
-        120,
+    Step("costs", ("rallygap costs",), 20, ("pipeline.evaluation.costs",)),
+    *(
+        Step(
+            f"{name}_benchmark", (f"{PYTHON} benchmarks.{name}",), minutes, (f"benchmarks.{name}",)
+        )
+        for name, minutes in BENCHMARKS.items()
     ),
+    Step("reproduce_benchmark", (f"{PYTHON} benchmarks.reproduce",), 30),
 )
 
 
 def step_results(root: Path) -> list[KeptResult]:
     """Return the age of the results of every step."""
     commits = _noted(root / COMMITS)
-    return [result_of(root, root / one.name, commits.get(one.name, "")) for one in STEPS]
+    return [
+        result_of(root, root / one.name, commits.get(one.name, ""), _code(root, one))
+        for one in STEPS
+    ]
+
+
+def _code(root: Path, step: Step) -> tuple[str, ...]:
+    """Return what the results of a step depend on."""
+    settings = [PARAMS, f"profiles/{step.profile}.yaml", f"profiles/{step.profile}"]
+    return code_of(step.entries or stage_modules(root), settings if step.profile else [PARAMS])
 
 
 def make_everything(root: Path, names: Sequence[str] = ()) -> None:

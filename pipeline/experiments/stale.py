@@ -1,13 +1,17 @@
 """Kept results that are older than the code: which commit they are of, and what changed since."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from pipeline.experiments.imports import imported_packages
 from pipeline.io.artifacts import read_json
 from pipeline.paper.run_reports import RECORD
+from pipeline.params import read_yaml
 from pipeline.runtime.git import git_if_known
 
 CODE = ("models", "pipeline", "stages", "params.yaml", "profiles")
+SETTINGS = ("params.yaml", "profiles")
 # What only presents results.
 PRESENTATION = ("documentation", "experiments", "paper", "print", "web", "cli.py")
 
@@ -53,20 +57,43 @@ def kept_result(root: Path, folder: Path) -> KeptResult:
         commit = str(read_json(record)["commit"])
     else:
         commit = git_if_known(root, "log", "-1", "--format=%H", "--", str(folder)) or ""
-    return result_of(root, folder, commit)
+    return result_of(root, folder, commit, code_of(stage_modules(root)))
 
 
-def result_of(root: Path, folder: Path, commit: str) -> KeptResult:
-    """Compare the code of a commit, whose results a folder has, with the working directory."""
+def stage_modules(root: Path) -> list[str]:
+    """Return the modules of the stages."""
+    return [f"stages.{name}" for name in read_yaml(root / "dvc.yaml")["stages"]]
+
+
+def code_of(entries: Iterable[str], files: Iterable[str] = SETTINGS) -> tuple[str, ...]:
+    """Return what results depend on.
+
+    Args:
+        entries: the modules that make them; without any they may depend on all code.
+        files: other paths.
+    """
+    packages = sorted(imported_packages(entries))
+    return (*packages, *(f"{one}.py" for one in packages), *files) if packages else CODE
+
+
+def result_of(root: Path, folder: Path, commit: str, code: Iterable[str] = CODE) -> KeptResult:
+    """Compare the code of a commit, whose results a folder has, with the working directory.
+
+    Args:
+        root: of the repository.
+        folder: of the results.
+        commit: that made them; empty where nobody knows.
+        code: paths that they depend on.
+    """
     date = git_if_known(root, "show", "--no-patch", "--format=%cs", commit) if commit else None
-    packages = changed_code(root, commit) if date else ()
+    packages = changed_code(root, commit, code) if date else ()
     return KeptResult(folder.relative_to(root), commit, date or None, packages)
 
 
-def changed_code(root: Path, commit: str) -> tuple[str, ...]:
-    """Return the packages that results can depend on and that differ from a commit."""
+def changed_code(root: Path, commit: str, code: Iterable[str] = CODE) -> tuple[str, ...]:
+    """Return the packages of some code that differ from a commit, but for presentation."""
     left_out = [f":(exclude)pipeline/{name}" for name in PRESENTATION]
-    names = git_if_known(root, "diff", "--name-only", commit, "--", *CODE, *left_out) or ""
+    names = git_if_known(root, "diff", "--name-only", commit, "--", *code, *left_out) or ""
     return tuple(sorted({str(_package(root, Path(name))) for name in names.split()}))
 
 

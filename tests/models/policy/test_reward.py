@@ -39,11 +39,12 @@ def reward(backhand=False, speed=None, topspin=None, **described):
         ({"net_height": 0.2025}, 4.8),
         ({"net_height": 0.1725}, 4.8 - 0.5 * 0.1),
         ({"net_height": -8.0, "returned": False}, 3.8 - 0.5),
-        ({"speed": 6.0}, 4.8 + 12.0),
-        ({"speed": 5.2}, 4.8 + 12.0 / np.e),
-        ({"topspin": 110.0}, 4.8 + 8.0 / np.e),
-        ({"topspin": 50.0, "speed": 6.0}, 4.8 + 20.0),
-        ({"topspin": 50.0, "speed": 6.0, "returned": False}, 3.8),
+        ({"speed": 6.0}, 4.8 + 9.0 + 12.0),
+        ({"speed": 6.0, "distance": 0.4}, 0.5 + 12.0 / np.e + 0.3 / 1.4 + 1.0 + 12.0),
+        ({"speed": 5.2}, 4.8 + 9.0 + 12.0 / np.e),
+        ({"topspin": 110.0}, 4.8 + 9.0 + 8.0 / np.e),
+        ({"topspin": 50.0, "speed": 6.0}, 4.8 + 9.0 + 20.0),
+        ({"topspin": 50.0, "speed": 6.0, "returned": False}, 3.8 + 9.0),
     ],
 )
 def test_a_stroke_is_worth(described, expected):

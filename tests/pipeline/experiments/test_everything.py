@@ -1,5 +1,7 @@
 """All results are made once by a commit, in their order, and a killed run goes on."""
 
+from dataclasses import replace
+
 import pytest
 
 from pipeline.experiments import everything
@@ -13,8 +15,10 @@ from tests.clone import commit, run
 def repository(tmp_path, monkeypatch):
     """A repository with three steps, each of which notes that it ran."""
     run(tmp_path, "git", "init", "--quiet")
-    (tmp_path / "models").mkdir()
-    (tmp_path / "models/code.py").write_text("1")
+    for package in ("models/ball", "models/robot"):
+        (tmp_path / package).mkdir(parents=True)
+        (tmp_path / package / "code.py").write_text("1")
+    (tmp_path / "dvc.yaml").write_text("stages: {segment: {}}")
     commit(tmp_path, "code")
     steps = [Step(name, (f"bash -c 'echo {name} >> ran'",), 1) for name in ("a", "b", "c")]
     monkeypatch.setattr(everything, "STEPS", steps)
@@ -36,11 +40,28 @@ def test_every_step_runs_once(repository, capsys):
 
 def test_after_a_change_of_the_code_all_run_again(repository):
     make_everything(repository)
-    (repository / "models/code.py").write_text("2")
+    (repository / "models/ball/code.py").write_text("2")
     commit(repository, "change")
-    assert [one.changed for one in step_results(repository)] == [("models",)] * 3
+    assert [one.changed for one in step_results(repository)] == [("models/ball",)] * 3
     make_everything(repository)
     assert ran(repository) == ["a", "b", "c"] * 2
+
+
+def test_what_a_step_does_not_import_makes_no_step_run_again(repository):
+    make_everything(repository)
+    (repository / "models/robot/code.py").write_text("2")
+    commit(repository, "change")
+    assert not any(one.is_stale for one in step_results(repository))
+
+
+def test_settings_that_a_step_depends_on_make_it_run_again(repository, monkeypatch):
+    steps = [replace(everything.STEPS[0], profile="quick"), *everything.STEPS[1:]]
+    monkeypatch.setattr(everything, "STEPS", steps)
+    make_everything(repository)
+    (repository / "profiles").mkdir()
+    (repository / "profiles/quick.yaml").write_text("seed: 1")
+    commit(repository, "profile")
+    assert [one.is_stale for one in step_results(repository)] == [True, False, False]
 
 
 def test_what_has_failed_goes_on_where_it_was(repository, monkeypatch):
@@ -62,7 +83,7 @@ def test_a_step_can_be_asked_for(repository):
 
 
 def test_code_that_is_not_committed_makes_no_results(repository):
-    (repository / "models/code.py").write_text("2")
+    (repository / "models/ball/code.py").write_text("2")
     with pytest.raises(InputError, match="not committed"):
         make_everything(repository)
     assert ran(repository) == []

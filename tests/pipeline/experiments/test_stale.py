@@ -14,6 +14,7 @@ def repository(tmp_path):
     for package in ("models/ball", "pipeline/web"):
         (tmp_path / package).mkdir(parents=True)
         (tmp_path / package / "code.py").write_text("1")
+    (tmp_path / "dvc.yaml").write_text("stages: {segment: {}}")
     commit(tmp_path, "code")
     head = run(tmp_path, "git", "rev-parse", "HEAD").strip()
     write_json(tmp_path / "reports/paper/run.json", {"commit": head})
