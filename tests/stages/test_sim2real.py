@@ -122,8 +122,16 @@ def test_a_forecast_that_is_far_off_costs_hits(whole):
 def test_a_policy_meets_the_same_shots_whoever_else_plays(whole, tmp_path):
     _, metrics = transferred(tmp_path, (0, 1), ((115, 120, 125), (170, 175, 180)))
     for name, sets in whole[1].items():
-        assert metrics[name]["115-125"] == sets["115-125"]
+        near, alone = (without_correction(one["115-125"]) for one in (metrics[name], sets))
+        assert near == alone
         assert set(metrics[name]) == {"115-125", "170-180"}
+
+
+def without_correction(metrics):
+    """Metrics without p-values that allow for the number of comparisons of a table."""
+    if not isinstance(metrics, dict):
+        return metrics
+    return {k: without_correction(one) for k, one in metrics.items() if not k.endswith("p_holm")}
 
 
 def test_the_same_inputs_give_the_same_bytes(tmp_path, whole):
