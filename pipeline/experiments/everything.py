@@ -32,6 +32,7 @@ PARAMS = "params.yaml"
 COMMITS = Path("reports") / "commits.json"  # of the code that made each step's results
 DURATIONS = Path("timings") / "everything.json"  # s, on this machine
 PYTHON = "python -m"
+OF_PREDICTORS = ("segment", "train_predictor", "close_gap")  # stages
 BENCHMARKS = {  # minutes
     "ball_simulator": 5,
     "policy_training": 5,
@@ -51,7 +52,8 @@ class Step:
         name: of the step.
         commands: that make them, in this order.
         minutes: that they took on two cores.
-        entries: modules that make the results; those of the stages if there are none.
+        entries: modules that make the results, and stages whose outputs these read; all stages if
+            there are none.
         profile: that the results depend on, below ``profiles``.
         measured: whether they need the measured sets.
         root: whether they need a user who may fill disks.
@@ -72,23 +74,26 @@ def _kept(profile: str, name: str, minutes: int) -> Step:
     return Step(name, (run, f"rallygap keep {name}"), minutes, profile=profile)
 
 
-def _module(name: str, minutes: int, profile: str = "", measured: bool = False) -> Step:
-    """Return the step that runs a module of ``pipeline``."""
+def _module(
+    name: str, minutes: int, stages: Sequence[str] = (), profile: str = "", measured: bool = False
+) -> Step:
+    """Return the step that runs a module of ``pipeline``, which reads what some stages made."""
     module = f"pipeline.{name}"
     step = name.removesuffix(".run").replace(".", "_")
-    return Step(step, (f"{PYTHON} {module}",), minutes, (module,), profile, measured)
+    entries = (module, *(f"stages.{one}" for one in stages))
+    return Step(step, (f"{PYTHON} {module}",), minutes, entries, profile, measured)
 
 
 STEPS = (
     Step("reproduce", ("dvc repro",), 30),
-    _module("learning_curves.run", 75),
-    _module("spread_policies.run", 30),
-    _module("swap_study.run", 100, profile="policies"),
+    _module("learning_curves.run", 75, ["segment"]),
+    _module("spread_policies.run", 30, OF_PREDICTORS),
+    _module("swap_study.run", 100, OF_PREDICTORS, "policies"),
     _module("arenas.run", 60),
     _module("simulator_scenes.run", 30),
     _module("simulator_scenes.real", 20, measured=True),
     Step("real", ("rallygap real",), 60, profile="real", measured=True),
-    _module("real_forecasts.run", 60, measured=True),
+    _module("real_forecasts.run", 60, ["train_predictor"], measured=True),
     Step(
         "known_answers",
         ("rallygap known-answers",),
@@ -114,7 +119,7 @@ STEPS = (
         "sweeps",
     ),
     Step("reliability", ("pytest -m faults -v --tables",), 90, root=True),
-    Step("costs", ("rallygap costs",), 20, ("pipeline.evaluation.costs",)),
+    Step("costs", ("rallygap costs",), 20, ("pipeline.evaluation.costs", "stages.train_predictor")),
     *(
         Step(
             f"{name}_benchmark", (f"{PYTHON} benchmarks.{name}",), minutes, (f"benchmarks.{name}",)
