@@ -17,7 +17,7 @@ from models.ball.types import Bools, Floats
 # Share of the slip that the velocity changes by where the contact point comes to rest, by the
 # moment of inertia: 1 / (1 + m r^2 / I).
 SHELL, SOLID = 2 / 5, 2 / 7
-MET = 0.5  # of the speed of a ball that falls on
+MET = 0.5  # of the speed before: a ball that falls on gets faster
 LEAST_SLIP = 1.0  # m/s, below which the share says little
 
 
@@ -63,11 +63,10 @@ class Bounces:
         since = flown.probes.times[0] - moments
         risen = flight.fly(after, -since).states[:, 0]
         bounced = (after[:, 2] > BALL_RADIUS) & (risen[:, 5] > 0.0)
-        falling = flight.fly(flown.probes.states, flown.probes.times[:1]).states[:, 0]
         slip = np.linalg.norm(_slip(before), axis=1)
         change = np.linalg.norm((risen - before)[:, VELOCITY][:, :2], axis=1)
         return cls(
-            after[:, 5] > MET * falling[:, 5],
+            after[:, 5] > MET * before[:, 5],
             bounced,
             np.where(bounced, -risen[:, 5] / before[:, 5], np.nan),
             np.where(bounced & (slip > LEAST_SLIP), change / np.maximum(slip, LEAST_SLIP), np.nan),

@@ -6,11 +6,11 @@ from typing import Any
 from pipeline.documentation.cells import NONE, in_points, read_report, with_interval
 from pipeline.io.labels import PREDICTORS
 from pipeline.io.markdown import markdown_table
+from pipeline.swap_study.figures import PROTOCOLS
 
 HORIZONS = ("115-125", "170-180")
 OF_STUDY, SIGNIFICANT = ["observation", "horizons_ms", "predictor"], 0.05
 METRICS = {"speed": ".1f", "spin": ".0f", "clearance": ".2f", "win_probability": ".2f"}
-READINGS = {"first_window": "first window", "every_tick": "every control step"}
 KINDS = {  # of policies
     "exact": "exact forecasts",
     "filtered": "a filter's forecasts",
@@ -78,7 +78,7 @@ def shot_quality(root: Path, run: str = "") -> str:
             with_interval(one[metric], one[f"{metric}_low"], one[f"{metric}_high"], form)
             for metric, form in METRICS.items()
         )
-        reading = READINGS[one["protocol"]]
+        reading = PROTOCOLS[one["protocol"]]
         named = [one["set"], PREDICTORS[one["predictor"]], reading, f"{one['returns']:.0f}"]
         rows.append([*named, *medians])
     head = ["shots", "predictor", "forecasts", "returns", "speed (m/s)", "spin (rad/s)"]

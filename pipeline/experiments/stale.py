@@ -10,8 +10,8 @@ from pipeline.paper.run_reports import RECORD
 from pipeline.params import read_yaml
 from pipeline.runtime.git import git_if_known
 
-CODE = ("models", "pipeline", "stages", "params.yaml", "profiles")
 SETTINGS = ("params.yaml", "profiles")
+CODE = ("models", "pipeline", "stages", *SETTINGS)
 # What only presents results.
 PRESENTATION = ("documentation", "experiments", "paper", "print", "web", "cli.py")
 
@@ -69,11 +69,11 @@ def code_of(entries: Iterable[str], files: Iterable[str] = SETTINGS) -> tuple[st
     """Return what results depend on.
 
     Args:
-        entries: the modules that make them; without any they may depend on all code.
+        entries: the modules that make them.
         files: other paths.
     """
     packages = sorted(imported_packages(entries))
-    return (*packages, *(f"{one}.py" for one in packages), *files) if packages else CODE
+    return (*packages, *(f"{one}.py" for one in packages), *files)
 
 
 def result_of(root: Path, folder: Path, commit: str, code: Iterable[str] = CODE) -> KeptResult:
