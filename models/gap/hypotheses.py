@@ -78,6 +78,10 @@ class Hypothesis:
         """Whether a value is that of an effect that is absent."""
         return value == self.declaration.neutral
 
+    def is_bound(self, value: float) -> bool:
+        """Whether a value is the bound of plausible ones; that of an absent effect is plausible."""
+        return value in self.declaration.bounds and not self.is_neutral(value)
+
     def listed(self, simulator: Simulator) -> bool:
         """Whether ``simulator`` lists the effect: then a wrong value, else a missing effect."""
         return self.effect in simulator.effects

@@ -12,6 +12,7 @@ from pipeline.arenas.scores import (
     gap_closed,
     made_up,
     ratios,
+    scored,
 )
 from pipeline.documentation.cells import (
     HORIZON_HEADS,
@@ -23,6 +24,13 @@ from pipeline.documentation.cells import (
 from pipeline.io.markdown import markdown_table
 from pipeline.paper.verdicts import rate
 
+# Hidden differences that shots hardly tell from a parameter: what is not named of them shifts it.
+SIMILAR = {
+    "table_bounce.restitution": "speed_dependent_restitution.c",
+    "wind.x": "table_tilt.x",
+    "wind.y": "table_tilt.y",
+}
+
 
 def arena_causes_found(root: Path) -> str:
     """How many hidden differences are named, by their size, and what else is named."""
@@ -31,6 +39,20 @@ def arena_causes_found(root: Path) -> str:
     rows.append(["named, but not hidden", *_shown(made_up(causes))])
     rows.append(["95 % intervals that contain the true value", *_shown(coverage(causes))])
     return markdown_table(["difference", "named", "share (%)"], rows)
+
+
+def arena_coverage(root: Path) -> str:
+    """How many intervals have the true value, by whether a similar hidden difference is named."""
+    found = scored(read_report(root, "arenas/causes.csv"))
+    identities = found["effect"] + "." + found["parameter"]
+    rows = []
+    for identity, similar in SIMILAR.items():
+        covered = found[(identities == identity) & found["named"]].set_index("seed")["covered"]
+        also = found[(identities == similar) & found["hidden"]].set_index("seed")["named"]
+        pairs = pd.concat([covered, also], axis=1).dropna()
+        cells = [_shown(_covered(pairs[pairs["named"] == named])) for named in (True, False)]
+        rows.append([identity, similar, *(": ".join(cell) + " %" for cell in cells)])
+    return markdown_table(["interval of", "hidden as well", "named", "not named"], rows)
 
 
 def arena_errors(root: Path) -> str:
@@ -43,6 +65,10 @@ def arena_errors(root: Path) -> str:
     closed = (100 * gap_closed(errors, horizon) for horizon in HORIZONS_MS)
     rows.append(["removable error taken away (%)", *(_spread(one, ".0f") for one in closed)])
     return markdown_table(["error / oracle's", *HORIZON_HEADS], rows)
+
+
+def _covered(pairs: pd.DataFrame) -> Share:
+    return Share(int(pairs["covered"].sum()), len(pairs))
 
 
 def _shown(share: Share) -> list[str]:

@@ -61,6 +61,7 @@ BLOCKS: dict[str, Writer] = {
     "reproduction-time": cost_tables.reproduction_time,
     "gap-arena": gap_tables.arena_causes,
     "arenas-causes": arena_tables.arena_causes_found,
+    "arenas-coverage": arena_tables.arena_coverage,
     "arenas-errors": arena_tables.arena_errors,
     "gap-exam": gap_tables.exam_rates,
     "gap-exam-robustness": gap_tables.robustness_rates,

@@ -1,6 +1,7 @@
 """Trained policies as files: weights (safetensors) and a description (JSON)."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, field_validator
@@ -45,7 +46,7 @@ class TrainedPolicy(BaseModel):
 
     group: str
     simulator: str
-    effects: dict[str, dict[str, float]]
+    effects: dict[str, dict[str, Any]]
     horizons: HorizonsMs
     observation: ObservationKind
     goals: GoalSettings
@@ -56,7 +57,7 @@ class TrainedPolicy(BaseModel):
 
     @field_validator("effects")
     @classmethod
-    def _check_effects(cls, effects: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
+    def _check_effects(cls, effects: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
         Simulator.from_dict(effects)
         return effects
 

@@ -118,10 +118,11 @@ def _caption(run: StageRun) -> str:
 def _metrics(table: pd.DataFrame, gains: pd.DataFrame) -> dict[str, Any]:
     """Return ``{set: {horizons: {predictor: {protocol: values}}}}``.
 
-    The values of the rates' table, and ``gained_hits`` and ``gained_returns`` over physics.
+    The values of the rates' table, and ``gained_hits`` and ``gained_returns`` over physics. Holm's
+    p-values are left out: they depend on the other rows of the table.
     """
     metrics = nested(table, KEYS)
     for key, rows in gains.groupby(KEYS, sort=False):
-        gained = nested(rows.drop(columns=KEYS), ["outcome"])
+        gained = nested(rows.drop(columns=[*KEYS, "p_holm"]), ["outcome"])
         place(metrics, key).update({f"gained_{name}": values for name, values in gained.items()})
     return metrics

@@ -5,6 +5,7 @@ simulator's table hardly lets balls rise, as MuJoCo's default contact: balls tha
 again, or stay on the table, say nothing about shots after their bounce.
 """
 
+from models.ball.simulator import Simulator
 from models.gap.fit.refit import RefitResult, refit
 from models.gap.fit.shots import Shots
 from models.gap.hypotheses import Hypothesis, hypotheses
@@ -17,29 +18,38 @@ FRICTION = Hypothesis("table_bounce", "friction")
 FIRST_CAUSES = (LIFT, RESTITUTION)
 
 
-def about_first_causes(shots: Shots, question: Question) -> RefitResult | None:
-    """Return the shots refitted with a cause that hides all others; None without such a cause."""
-    return _with_bounce(shots, question) or _with_lift(shots, question)
+def about_first_causes(shots: Shots, question: Question, base: RefitResult) -> RefitResult:
+    """Return the shots refitted with the causes that hide all others; the base without such causes.
+
+    Args:
+        shots: measured.
+        question: whose simulator may lack these causes.
+        base: the shots about this simulator.
+    """
+    simulator, causes = _with_bounce(question)
+    if (lifted := _with_lift(shots, simulator, question)) is not None:
+        simulator, causes = lifted, (*causes, LIFT)
+    return refit(shots, simulator, causes, question.settings.fit) if causes else base
 
 
-def _with_bounce(shots: Shots, question: Question) -> RefitResult | None:
-    """Return the shots with the bounce of a real table, if the simulator's is dead.
+def _with_bounce(question: Question) -> tuple[Simulator, tuple[Hypothesis, ...]]:
+    """Return the simulator with the bounce of a real table, if its own is dead, and what is free.
 
     Friction is free as well: a ball that rolls after every contact does not tell how large it is.
     """
-    simulator, settings = question.simulator, question.settings
+    simulator, settings = question.simulator, question.settings.name
     if not RESTITUTION.listed(simulator) or RESTITUTION.effect in question.withheld:
-        return None
-    if RESTITUTION.value(simulator) > settings.name.dead_restitution:
-        return None
-    restitution, friction = settings.name.bounce_start
-    start = FRICTION.at(RESTITUTION.at(simulator, restitution), friction)
-    return refit(shots, start, (RESTITUTION, FRICTION), settings.fit)
+        return simulator, ()
+    if RESTITUTION.value(simulator) > settings.dead_restitution:
+        return simulator, ()
+    restitution, friction = settings.bounce_start
+    bouncing = FRICTION.at(RESTITUTION.at(simulator, restitution), friction)
+    return bouncing, (RESTITUTION, FRICTION)
 
 
-def _with_lift(shots: Shots, question: Question) -> RefitResult | None:
-    """Return the shots with lift, where spins bend them and the simulator has none."""
-    simulator, settings = question.simulator, question.settings
+def _with_lift(shots: Shots, simulator: Simulator, question: Question) -> Simulator | None:
+    """Return the simulator with lift, if spins bend the shots and it has none; else None."""
+    settings = question.settings
     if LIFT.effect in (*simulator.effects, *question.withheld):
         return None
     listed = tuple(one for one in hypotheses(simulator) if one.listed(simulator))
@@ -47,5 +57,4 @@ def _with_lift(shots: Shots, question: Question) -> RefitResult | None:
     if test.p_value > settings.level:
         return None
     # The listed parameters start from their nominal values again: a change must be significant.
-    lifted = LIFT.at(simulator, LIFT.value(test.with_lift.simulator))
-    return refit(shots, lifted, (LIFT,), settings.fit)
+    return LIFT.at(simulator, LIFT.value(test.with_lift.simulator))

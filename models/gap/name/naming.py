@@ -161,7 +161,7 @@ def _distorted(named: Named, found: Distortion, question: Question) -> Named | N
 def _named(shots: Shots, question: Question, base: RefitResult) -> Named:
     """Name the causes of shots that were fitted about the nominal simulator."""
     settings = question.settings
-    about = about_first_causes(shots, question) or base
+    about = about_first_causes(shots, question, base)
     if LABEL_SIGNS.effect in question.withheld:
         return _explained(question, about, base, all_as_read(shots, settings))
     readings = read_labels(shots, about, settings)
@@ -187,7 +187,7 @@ def _without_doubtful_labels(shots: Shots, question: Question, doubtful: LabelRe
     base = refit(kept, question.simulator, (), question.settings.fit)
     if _useless(base, question):
         return _by_paths(shots, question)
-    named = _explained(question, about_first_causes(kept, question) or base, base, doubtful)
+    named = _explained(question, about_first_causes(kept, question, base), base, doubtful)
     about = refit(shots, named.simulator, (), question.settings.fit)
     return _resumed(named, shots, question, read_labels(shots, about, question.settings))
 
@@ -201,7 +201,7 @@ def _by_paths(shots: Shots, question: Question) -> Named:
     settings, alone = question.settings, without_labels(shots)
     base, none = refit(alone, question.simulator, (), settings.fit), all_as_read(shots, settings)
     unused = replace(none, useless=True)
-    named = _explained(question, about_first_causes(alone, question) or base, base, unused)
+    named = _explained(question, about_first_causes(alone, question, base), base, unused)
     readings = read_labels(shots, named.fit, settings)
     causes = _hypotheses(named.explainer, named.explanation)
     about = refit(readings.corrected(shots), named.simulator, causes, settings.fit)

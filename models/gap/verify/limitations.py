@@ -41,7 +41,7 @@ def limitations(
             for cause in causes
             if cause.effect == CAMERA and cause.role != "minor"
         ),
-        *(_at_bound(cause) for cause in causes if _is_at_bound(cause)),
+        *(_at_bound(cause) for cause in causes if cause.hypothesis.is_bound(cause.estimate)),
         *(() if settled else (UNSETTLED,)),
     )
 
@@ -97,11 +97,6 @@ def _of_cameras(cause: Cause, shots: Shots, settings: GapSettings) -> str:
         f"{also if _one_way(shots, settings) else ''}: measure points of known place with the "
         "same cameras"
     )
-
-
-def _is_at_bound(cause: Cause) -> bool:
-    """Return whether a cause ends at a bound; that an effect is absent is no bound of its size."""
-    return cause.estimate in cause.interval and not cause.hypothesis.is_neutral(cause.estimate)
 
 
 def _at_bound(cause: Cause) -> str:

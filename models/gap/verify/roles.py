@@ -57,7 +57,7 @@ class Judgement:
         settings = question.settings.verify
         harmful = worth is not None and worth.interval[1] < -settings.worse * self.error_mm
         value, _ = estimated(self.named, k)
-        if value in hypothesis.declaration.bounds and not hypothesis.is_neutral(value):
+        if hypothesis.is_bound(value):
             return True
         if k in self.needed:
             return False

@@ -56,6 +56,14 @@ def test_a_table_that_keeps_balls_is_named():
     assert found == pytest.approx(expected, rel=0.03)
 
 
+def test_a_table_that_keeps_balls_and_missing_lift_are_named_together():
+    dead = WITHOUT_MAGNUS.amended("table_bounce", restitution=0.0, friction=1.0)
+    verdict = diagnose(measured(count=36), dead)
+    found = {cause.identity: cause.estimate for cause in verdict.main_causes}
+    bounce = {"table_bounce.restitution": 0.92, "table_bounce.friction": 0.25}
+    assert found == pytest.approx({**bounce, "magnus.cm": 0.09}, rel=0.03)
+
+
 def test_the_amended_simulator_predicts_like_the_true_one(side):
     shots, noise = measured(SIDE, count=30, seed=9), Noise(scatter=(0.01, 0.02, 0.005))
     about = fit_nuisance(shots, SIDE, noise, SETTINGS.fit)

@@ -2,7 +2,11 @@
 
 import pandas as pd
 
-from pipeline.documentation.arena_tables import arena_causes_found, arena_errors
+from pipeline.documentation.arena_tables import (
+    arena_causes_found,
+    arena_coverage,
+    arena_errors,
+)
 from tests.pipeline.arenas.made_up import CAUSES, ERRORS
 
 
@@ -14,6 +18,21 @@ def test_causes_have_a_row_a_size(tmp_path):
     assert "| hidden, above 4 | 2 of 2 | 100 (34 to 100) |" in lines
     assert "| hidden, 1 to 2 | 0 of 0 | – |" in lines
     assert "| named, but not hidden | 1 of 4 | 25 (5 to 70) |" in lines
+
+
+def test_intervals_are_counted_by_whether_a_similar_difference_is_named(tmp_path):
+    folder = tmp_path / "reports" / "arenas"
+    folder.mkdir(parents=True)
+    tilt = pd.DataFrame(
+        [("table_tilt", "x", None, None, None, None, 0.002, 0.003)], columns=CAUSES.columns
+    )
+    named = tilt.assign(low=0.001, high=0.003)
+    arenas = {1: tilt, 2: named, 3: tilt.iloc[:0]}  # in the third there is no tilt
+    each = [pd.concat([CAUSES, one]).assign(seed=seed) for seed, one in arenas.items()]
+    pd.concat(each).to_csv(folder / "causes.csv", index=False)
+    lines = arena_coverage(tmp_path).splitlines()
+    expected = "| wind.x | table_tilt.x | 0 of 1: 0 (0 to 79) % | 0 of 1: 0 (0 to 79) % |"
+    assert expected in lines
 
 
 def test_errors_are_medians_over_arenas(tmp_path):

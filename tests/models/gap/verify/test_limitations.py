@@ -37,10 +37,10 @@ def test_missing_data_are_named():
 
 def test_estimates_at_their_bounds_are_limitations():
     inside = like("wind.y")
-    at_bound = inside.model_copy(update={"estimate": 3.0, "interval": (2.1, 3.0), "unit": "m/s"})
+    at_bound = inside.model_copy(update={"estimate": 10.0, "interval": (9.1, 10.0), "unit": "m/s"})
     found = limitations(measured(count=24), [inside, at_bound], limits(), True, SETTINGS)
     assert len(found) == 1
-    assert found[0].startswith("wind.y: 3 m/s is the bound")
+    assert found[0].startswith("wind.y: 10 m/s is the bound")
 
 
 def test_that_an_effect_is_absent_is_no_limitation():
