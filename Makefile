@@ -12,7 +12,8 @@ export RALLYGAP_DATA := $(DATA)
 export MLFLOW_DISABLE_TELEMETRY := true
 export DO_NOT_TRACK := true
 
-PIP := .venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+# Python compiles modules when they are first imported; most of what is installed never is.
+PIP := .venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
 .PHONY: help reproduce real everything exam learning-curves arenas spread-policies swap-study simulators real-scenes test test-naming test-all faults lint audit pictures bench docs ui

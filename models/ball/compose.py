@@ -70,3 +70,5 @@ def _sources() -> tuple[list[Path], str]:
 
 
 compiled = compiler(*_sources())
+# For functions that one compiled function alone calls: their own compilation takes seconds.
+inlined = numba.njit(error_model="numpy", inline="always")

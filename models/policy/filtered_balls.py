@@ -3,7 +3,7 @@
 import numpy as np
 
 from models.ball.simulator import Simulator
-from models.ball.state import POSITION, STATE_SIZE
+from models.ball.state import STATE_SIZE
 from models.ball.types import Bools, Floats
 from models.policy.incoming_balls import FIRST_WINDOW, IncomingBalls, control_times
 from models.policy.measurements import Measurements, measure
@@ -39,11 +39,11 @@ def filtered_balls(
     history = _histories(measure(path, np.full(len(path), np.inf), NOISE, random), times, in_play)
     now = filtered(history, simulator)
     ahead = np.array(horizons) / 1000
-    states, covariances = propagated(simulator, now.states, now.covariances, ahead)
+    states, covariances = propagated(simulator, now.states, now.covariances, ahead, 3)
     forecasts = np.zeros((*in_play.shape, len(horizons), STATE_SIZE))
     spreads = np.zeros((*in_play.shape, len(horizons), 3))
     forecasts[in_play] = states
-    variances = np.diagonal(covariances[..., POSITION, POSITION], axis1=-2, axis2=-1)
+    variances = np.diagonal(covariances, axis1=-2, axis2=-1)
     spreads[in_play] = np.sqrt(variances)
     return IncomingBalls(path, playable, FIRST_WINDOW, forecasts, spreads)
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.compose import compiled
+from models.ball.compose import compiled, inlined
 from models.ball.rollout import fly
 from models.ball.simulator import Simulator
 from models.ball.state import STATE_SIZE
@@ -109,7 +109,7 @@ def _filter_all(
     return states, covariances
 
 
-@compiled
+@inlined
 def _filter_one(
     measured: Floats, placed: Bools, labelled: Bools, p: Floats, prior: Floats, tick: float
 ) -> tuple[Floats, Floats]:
@@ -133,7 +133,7 @@ def _filter_one(
     return state, covariance
 
 
-@compiled
+@inlined
 def _track(
     measured: Floats, placed: Bools, labelled: Bools, p: Floats, prior: Floats, tick: float
 ) -> tuple[Floats, Floats, Bools]:

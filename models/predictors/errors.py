@@ -76,6 +76,8 @@ def _quantiles(rows: Floats, shares: list[float]) -> Floats:
     """Return (Q, H) quantiles of (R, H) rows, NaN left out."""
     if not len(rows):
         return np.full((len(shares), rows.shape[1]), np.nan)
+    if np.isfinite(rows).all():  # numpy takes the columns one by one otherwise
+        return np.quantile(rows, shares, axis=0)
     with warnings.catch_warnings():  # a horizon at which nothing was measured has none
         warnings.simplefilter("ignore", RuntimeWarning)
         quantiles: Floats = np.nanquantile(rows, shares, axis=0)
@@ -93,10 +95,10 @@ def resampled_means(
     if not len(recordings):
         return np.full((resamples, value.shape[1]), np.nan)
     names, member = np.unique(recordings, return_inverse=True)
-    sums = np.zeros((len(names), value.shape[1]))
-    counts = np.zeros_like(sums)
-    np.add.at(sums, member, value)
-    np.add.at(counts, member, counted)
+    sums, counts = (
+        np.stack([np.bincount(member, column, len(names)) for column in columns.T], axis=1)
+        for columns in (value, counted)
+    )
     uniform = np.full(len(names), 1 / len(names))
     weights = generator.multinomial(len(names), uniform, size=resamples)
     means: Floats = (weights @ sums) / (weights @ counts)

@@ -1,7 +1,6 @@
 """The physics predictor: a filter over the history, then a simulator; the paper's baseline."""
 
 from models.ball.simulator import Simulator
-from models.ball.state import POSITION
 from models.predictors.ball_filter import ANY_BALL, Expected, Filtered, filtered
 from models.predictors.propagation import propagated
 from models.predictors.protocol import FUTURE_TIMES, TICK, Floats, Forecast, History
@@ -36,9 +35,9 @@ class PhysicsPredictor:
         """Forecast each ball; the (B, 60, 3, 3) covariances of positions, m^2, are the filter's."""
         now = self._now(history)
         ahead = FUTURE_TIMES / self._sensor.clock
-        flown, found = propagated(self.simulator, now.states, now.covariances, ahead)
+        flown, found = propagated(self.simulator, now.states, now.covariances, ahead, 3)
         forecast = Forecast(self._sensor.measured_states(flown), history.spin_measured)
-        return forecast, found[..., POSITION, POSITION]
+        return forecast, found
 
     def _now(self, history: History) -> Filtered:
         true, tick = self._sensor.true_history(history), TICK / self._sensor.clock

@@ -12,7 +12,11 @@ PROBES = np.vstack([np.zeros(STATE_SIZE), np.diag(STEPS), -np.diag(STEPS)])
 
 
 def propagated(
-    simulator: Simulator, states: Floats, covariances: Floats, ahead: Floats
+    simulator: Simulator,
+    states: Floats,
+    covariances: Floats,
+    ahead: Floats,
+    components: int = STATE_SIZE,
 ) -> tuple[Floats, Floats]:
     """Return means and covariances of balls at coming times.
 
@@ -24,29 +28,32 @@ def propagated(
         states: (B, 9) means now.
         covariances: (B, 9, 9) of these.
         ahead: (T,) s from now, not falling.
+        components: C, the first ones of a state, whose covariances are wanted.
 
     Returns:
-        (B, T, 9) means and (B, T, 9, 9) covariances.
+        (B, T, 9) means and (B, T, C, C) covariances.
     """
     count = len(states)
     probes = (states[:, None] + PROBES).reshape(-1, STATE_SIZE)
     flown = simulator.fly(probes, ahead).states
     flown = flown.reshape(count, len(PROBES), len(ahead), STATE_SIZE)
-    return flown[:, 0], _covariances(flown, covariances, ahead, STEPS, GROWTH)
+    growth = GROWTH[:, :components, :components]
+    return flown[:, 0], _covariances(flown, covariances, ahead, STEPS, growth)
 
 
 @compiled
 def _covariances(
     flown: Floats, now: Floats, ahead: Floats, steps: Floats, growth: Floats
 ) -> Floats:
-    """Return (B, T, 9, 9) covariances of (B, 19, T, 9) probes, from (B, 9, 9) now."""
+    """Return (B, T, C, C) covariances of (B, 19, T, 9) probes, from (B, 9, 9) now."""
     balls, _, times, size = flown.shape
-    found = np.empty((balls, times, size, size))
-    slopes, half = np.empty((size, size)), np.empty((size, size))
+    count = growth.shape[1]
+    found = np.empty((balls, times, count, count))
+    slopes, half = np.empty((count, size)), np.empty((count, size))
     for b in range(balls):
         for t in range(times):
             for j in range(size):
-                for i in range(size):
+                for i in range(count):
                     change = flown[b, 1 + j, t, i] - flown[b, 1 + size + j, t, i]
                     slopes[i, j] = change / (2 * steps[j])
             span = max(ahead[t], 0.0)

@@ -45,15 +45,14 @@ def fit_spread(network: ForecastNetwork, tracks: Tracks, seed: int) -> Spread:
 
 def _typical_errors(network: ForecastNetwork, window: Window) -> Tensor:
     """Return the (60, 3) typical sizes of normalised position errors."""
-    errors, known = _errors(network, window)
+    errors, known = _errors(network, window, network.baseline(*window[:2]))
     sizes = torch.where(known[..., None], errors.abs(), torch.nan).nanmedian(dim=0).values
     return NORMAL_SPREAD * sizes.nan_to_num(1.0).clamp(min=LEAST_SIZE)
 
 
-def _errors(network: ForecastNetwork, window: Window) -> tuple[Tensor, Tensor]:
+def _errors(network: ForecastNetwork, window: Window, motion: Tensor) -> tuple[Tensor, Tensor]:
     """Return (B, 60, 3) normalised errors of positions, and (B, 60) where they are known."""
     history, mask, future, measured = window
-    motion = network.baseline(history, mask)
     with torch.no_grad():
         wanted = network.normaliser.deviation(future, motion)
         errors = wanted - network.deviation(history, mask, motion)
@@ -63,8 +62,8 @@ def _errors(network: ForecastNetwork, window: Window) -> tuple[Tensor, Tensor]:
 def _loss(network: ForecastNetwork, spread: Spread, window: Window) -> Tensor:
     """Return the negative log likelihood of measured positions, but for a constant."""
     history, mask, _, _ = window
-    errors, known = _errors(network, window)
     motion, normaliser = network.baseline(history, mask), network.normaliser
+    errors, known = _errors(network, window, motion)
     normalised = normaliser.normalised(history, mask, motion)
     factors = spread(normalised, mask, normaliser.residual(history, mask, motion))
     scaled = torch.linalg.solve_triangular(factors, errors[..., None], upper=False)[..., 0]

@@ -5,11 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from sklearn.base import clone
 from sklearn.dummy import DummyClassifier
 from sklearn.linear_model import LogisticRegression
-from sklearn.metrics import roc_auc_score
 from sklearn.model_selection import GroupKFold
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
@@ -20,6 +18,9 @@ from models.shot_quality.forest import forest_classifier, win_probabilities
 from models.shot_quality.settings import ForestSettings
 
 PERMUTATIONS = 5  # of each feature, for its importance
+
+# From (B,) wins and probabilities and (R, B) weights to (R,) scores.
+Metric = Callable[[Bools, Floats, Integers], Floats]
 
 
 def classifiers(settings: ForestSettings, seed: int) -> dict[str, Any]:
@@ -78,21 +79,43 @@ def held_out_probabilities(folds: list[Fold], features: Floats) -> Floats:
     return probabilities
 
 
-def roc_auc(wins: Bools, probabilities: Floats, weights: NDArray[Any] | None = None) -> float:
-    """Return the area under the ROC curve; NaN where all shots have the same outcome."""
-    counted = wins if weights is None else wins[weights > 0]
-    if counted.all() or not counted.any():
-        return np.nan
-    return float(roc_auc_score(wins, probabilities, sample_weight=weights))
+def roc_auc(wins: Bools, probabilities: Floats, weights: Integers) -> Floats:
+    """Return (R,) areas under ROC curves; NaN where all shots of a row have the same outcome.
+
+    The share of pairs of a shot that won and one that did not in which it has the larger
+    probability, ties count half. scikit-learn's takes one row of weights at a time.
+
+    Args:
+        wins: (B,) whether each shot won.
+        probabilities: (B,) predicted.
+        weights: (R, B) how often each shot counts.
+    """
+    order = np.argsort(probabilities)
+    _, starts = np.unique(probabilities[order], return_index=True)
+    won, lost = (
+        np.add.reduceat(weights[:, order] * chosen[order], starts, axis=1)
+        for chosen in (wins, ~wins)
+    )
+    larger = (won * (np.cumsum(lost, axis=1) - 0.5 * lost)).sum(axis=1)
+    pairs = won.sum(axis=1) * lost.sum(axis=1)
+    with np.errstate(invalid="ignore"):
+        areas: Floats = larger / pairs
+    return areas
 
 
-def brier(wins: Bools, probabilities: Floats, weights: NDArray[Any] | None = None) -> float:
-    """Return the mean squared error of probabilities: 0 is perfect."""
-    return float(np.average((probabilities - wins) ** 2, weights=weights))
+def brier(wins: Bools, probabilities: Floats, weights: Integers) -> Floats:
+    """Return (R,) mean squared errors of probabilities: 0 is perfect; arguments as above."""
+    found: Floats = weights @ (probabilities - wins) ** 2 / weights.sum(axis=1)
+    return found
+
+
+def score(metric: Metric, wins: Bools, probabilities: Floats) -> float:
+    """Return the score of all shots, each counted once."""
+    return float(metric(wins, probabilities, np.ones((1, len(wins)), dtype=np.int64))[0])
 
 
 def bootstrap_score(
-    metric: Callable[..., float],
+    metric: Metric,
     wins: Bools,
     probabilities: Floats,
     matches: Integers,
@@ -109,11 +132,11 @@ def bootstrap_score(
         resamples: of the matches; without any, both ends are the score.
         seed: of the resamples.
     """
-    value = metric(wins, probabilities)
+    value = score(metric, wins, probabilities)
     names, member = np.unique(matches, return_inverse=True)
     uniform = np.full(len(names), 1 / len(names))
     counts = np.random.default_rng(seed).multinomial(len(names), uniform, size=resamples)
-    resampled = np.array([metric(wins, probabilities, count[member]) for count in counts])
+    resampled = metric(wins, probabilities, counts[:, member])
     if not np.isfinite(resampled).any():
         return value, value, value
     low, high = np.nanquantile(resampled, [0.025, 0.975])
@@ -133,12 +156,11 @@ def permutation_importance(
     folds: list[Fold], features: Floats, wins: Bools, random: np.random.Generator
 ) -> Floats:
     """Return the (PERMUTATIONS, F) decrease of the held-out ROC-AUC when a feature is permuted."""
-    reference = roc_auc(wins, held_out_probabilities(folds, features))
+    reference = score(roc_auc, wins, held_out_probabilities(folds, features))
     decrease = np.empty((PERMUTATIONS, features.shape[1]))
     for repeat, column in np.ndindex(decrease.shape):
         permuted = features.copy()
         permuted[:, column] = random.permutation(permuted[:, column])
-        decrease[repeat, column] = reference - roc_auc(
-            wins, held_out_probabilities(folds, permuted)
-        )
+        found = held_out_probabilities(folds, permuted)
+        decrease[repeat, column] = reference - score(roc_auc, wins, found)
     return decrease

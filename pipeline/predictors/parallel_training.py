@@ -4,6 +4,7 @@ import os
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -85,8 +86,11 @@ class StepCount:
         """Publish the count; end this process if its parent was killed."""
         if self.master not in (os.getpid(), os.getppid()):
             os._exit(1)
-        done: Counts = np.memmap(self.path, dtype=np.int64, mode="r+")
-        done[self.number] = steps
+        self._done[self.number] = steps
+
+    @cached_property
+    def _done(self) -> Counts:
+        return np.memmap(self.path, dtype=np.int64, mode="r+")
 
 
 def _workers(jobs: Sequence[TrainingJob]) -> int:

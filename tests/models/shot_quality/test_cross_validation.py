@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from sklearn.metrics import brier_score_loss, roc_auc_score
 
 from models.shot_quality.cross_validation import (
     bootstrap_score,
@@ -12,6 +13,7 @@ from models.shot_quality.cross_validation import (
     held_out_probabilities,
     permutation_importance,
     roc_auc,
+    score,
 )
 from tests.models.shot_quality.planted import SETTINGS, planted
 
@@ -39,11 +41,11 @@ def test_every_shot_is_held_out_once_with_its_whole_match():
 @pytest.mark.parametrize("name", ["forest", "logistic"])
 def test_a_known_rule_is_learned_and_noise_is_not(name):
     _, wins, _, _, probabilities = validated(name, rule=False)
-    assert abs(roc_auc(wins, probabilities) - 0.5) < 0.06  # three standard errors
+    assert abs(score(roc_auc, wins, probabilities) - 0.5) < 0.06  # three standard errors
     _, wins, _, _, probabilities = validated(name, rule=True)
     base_rate = validated("base_rate", rule=True)[-1]
-    assert roc_auc(wins, probabilities) > 0.85
-    assert brier(wins, probabilities) < 0.8 * brier(wins, base_rate)
+    assert score(roc_auc, wins, probabilities) > 0.85
+    assert score(brier, wins, probabilities) < 0.8 * score(brier, wins, base_rate)
 
 
 def test_too_few_matches_or_outcomes_are_refused():
@@ -56,19 +58,30 @@ def test_too_few_matches_or_outcomes_are_refused():
 
 def test_roc_auc_counts_pairs_and_ties_half():
     wins, probabilities = np.array([True, False, True, False]), np.array([0.9, 0.5, 0.5, 0.1])
-    assert roc_auc(wins, probabilities) == pytest.approx((1 + 1 + 0.5 + 1) / 4)
-    assert roc_auc(wins, probabilities, np.array([1, 1, 0, 1])) == 1
-    assert np.isnan(roc_auc(wins, probabilities, np.array([1, 0, 1, 0])))
+    weights = np.array([[1, 1, 1, 1], [1, 1, 0, 1], [1, 0, 1, 0]])
+    found = roc_auc(wins, probabilities, weights)
+    assert found == pytest.approx([(1 + 1 + 0.5 + 1) / 4, 1, np.nan], nan_ok=True)
+
+
+def test_scores_are_those_of_scikit_learn():
+    random = np.random.default_rng(0)
+    wins, probabilities = random.random(60) < 0.4, random.integers(0, 20, 60) / 20
+    weights = random.integers(0, 4, (5, 60))
+    areas, errors = (one(wins, probabilities, weights) for one in (roc_auc, brier))
+    for area, error, weight in zip(areas, errors, weights, strict=True):
+        assert area == pytest.approx(roc_auc_score(wins, probabilities, sample_weight=weight))
+        loss = brier_score_loss(wins, probabilities, sample_weight=weight)
+        assert error == pytest.approx(loss)
 
 
 def test_intervals_contain_the_score_and_resample_whole_matches():
     _, wins, matches, _, probabilities = validated("logistic", rule=True, count=300)
     value, low, high = bootstrap_score(brier, wins, probabilities, matches, 400, 0)
-    assert low < value == brier(wins, probabilities) < high
+    assert low < value == score(brier, wins, probabilities) < high
     doubled = [np.repeat(one, 2) for one in (wins, probabilities, matches)]
     assert bootstrap_score(brier, *doubled, 400, 0) == pytest.approx((value, low, high))
     alone = bootstrap_score(roc_auc, wins, probabilities, matches, 0, 0)
-    assert alone == (roc_auc(wins, probabilities),) * 3
+    assert alone == (score(roc_auc, wins, probabilities),) * 3
 
 
 def test_calibration_bins_hold_equally_many_shots_in_order_of_probability():

@@ -1,0 +1,84 @@
+"""The paragraphs that answer the questions of the project count what the tables have."""
+
+import pandas as pd
+
+from pipeline.documentation.answers import (
+    what_naming_buys,
+    when_a_learned_predictor_helps,
+    when_the_swap_helps,
+)
+from tests.pipeline.arenas.made_up import ERRORS
+
+
+def with_tables(root, tables):
+    """A repository with tables in its reports."""
+    for name, table in tables.items():
+        path = root / "reports" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        table.to_csv(path, index=False)
+    return root
+
+
+def gains(differences, **columns):
+    """Differences of returns, significant where they are above 5 points."""
+    small = [0.001 if difference > 0.05 else 0.8 for difference in differences]
+    return pd.DataFrame({"difference": differences, "p_holm": small, "outcome": "returns"}).assign(
+        **columns
+    )
+
+
+def test_the_swap_is_compared_under_both_protocols(tmp_path):
+    parts = [
+        gains([0.13, 0.22], protocol="first_window", predictor="transformer"),
+        gains([-0.01, 0.02], protocol="every_tick", predictor="transformer"),
+        gains([0.0, 0.06], protocol="every_tick", predictor="oracle"),
+        gains([0.5], protocol="every_tick", predictor="transformer", outcome="hits"),
+    ]
+    root = with_tables(tmp_path, {"swap_study/gains.csv": pd.concat(parts)})
+    found = when_the_swap_helps(root)
+    assert "+13 to +22 points (2 of 2 differences significant)" in found
+    assert "-1 to +2 points (0 of 2 differences significant)" in found
+    assert "+0 to +6 points (1 of 2 differences significant)" in found
+
+
+def test_recordings_are_counted_from_which_networks_err_less(tmp_path):
+    means = {
+        "transformer": (90.0, 60.0, 40.0),
+        "hybrid": (50.0, 40.0, 30.0),
+        "amended_imperfect_c": (55.0, 30.0, 28.0),
+    }
+    curves = [
+        pd.DataFrame({"recordings": [10, 100, 1000], "mean": mean}).assign(
+            predictor=name, horizon_ms=300
+        )
+        for name, mean in means.items()
+    ]
+    columns = {"quantity": "position", "bounce": "all", "mean": [70.0, 99.0]}
+    arena = {**columns, "set": "arena", "against": ["measured", "truth"], "horizon_ms": 300}
+    real = {**columns, "set": "tt3d", "predictor": ["transformer", "hybrid"], "horizon_ms": 200}
+    tables = {
+        "learning_curves.csv": pd.concat(curves),
+        "evaluate_predictor/forecast_error.csv": pd.DataFrame({**arena, "predictor": "physics_c"}),
+        "real/forecasts.csv": pd.DataFrame(real),
+    }
+    found = when_a_learned_predictor_helps(with_tables(tmp_path, tables))
+    assert "simulator C errs 70 mm" in found
+    assert "from 100 training recordings on" in found
+    assert "from 10 on" in found
+    assert "than the transformer with 10, 100, 1,000 of them" in found
+    assert "than the hybrid with 100, 1,000" in found
+    assert "70 mm (transformer, `tt3d`)" in found
+
+
+def test_naming_is_measured_on_arenas_measured_sets_and_policies(tmp_path):
+    verdicts = {"source": ["tt3d", "spindoe", "arena"], "reduction_low_mm": [1.0, -1.0, 2.0]}
+    tables = {
+        "arenas/errors.csv": ERRORS,
+        "real/close_gap/verdicts.csv": pd.DataFrame(verdicts),
+        "swap_study/gains_retrained.csv": gains([0.01, 0.07]),
+    }
+    found = what_naming_buys(with_tables(tmp_path, tables))
+    assert "takes away 93 % of the error" in found
+    assert "leaves 1.20 times the error" in found
+    assert "in 1 of 2 verdicts" in found
+    assert "+1 to +7 points (1 of 2 differences significant)" in found
