@@ -12,7 +12,8 @@ export RALLYGAP_DATA := $(DATA)
 export MLFLOW_DISABLE_TELEMETRY := true
 export DO_NOT_TRACK := true
 
-# Python compiles modules when they are first imported; most of what is installed never is.
+# Modules are compiled when they are first imported, since most of what is installed never is.
+export PYTHONDONTWRITEBYTECODE :=
 PIP := .venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
