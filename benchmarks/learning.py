@@ -53,7 +53,7 @@ def peer_policies(seed: int) -> Iterator[Policy]:
     learner = default_learner(seed)
     while True:
         learner.learn(LEARNING.steps_per_iteration, reset_num_timesteps=False)
-        yield trained_policy(learner)
+        yield trained_policy(learner.actor)
 
 
 def train(name: str, policies: Iterator[Policy], patience: float, seed: int) -> Progress:

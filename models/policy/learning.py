@@ -6,14 +6,18 @@ weights as an uninterrupted one.
 """
 
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from stable_baselines3 import SAC
+from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.noise import ActionNoise
+from stable_baselines3.sac.policies import Actor
 from torch import Tensor, nn
+from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from models.policy.environment import ReturnVecEnv
 from models.policy.goal_relabelling import RelabellingReplayBuffer
@@ -26,6 +30,34 @@ from models.policy.task import Task
 Actions = NDArray[np.float32]
 
 LEARNER, REPLAY = "learner.zip", "replay.pkl"  # read by the next iteration alone
+
+
+MEMORY = 0.997  # share of the averaged actor that a control step of all environments keeps
+
+
+class AverageActor(BaseCallback):
+    """Averages the weights of an actor while it learns; the average acts better (Polyak 1992).
+
+    Args:
+        actor: that learns.
+        warm_up: control steps before it does.
+    """
+
+    def __init__(self, actor: Actor, warm_up: int) -> None:
+        super().__init__()
+        self._actor, self._warm_up = actor, warm_up
+        averaging = get_ema_multi_avg_fn(MEMORY)  # type: ignore[no-untyped-call]
+        self._average = AveragedModel(actor, multi_avg_fn=averaging)
+
+    @property
+    def mean(self) -> Actor:
+        """The average of all steps so far, of which older ones count less."""
+        return cast(Actor, self._average.module)
+
+    def _on_step(self) -> bool:
+        if self.num_timesteps > self._warm_up:
+            self._average.update_parameters(self._actor)
+        return True
 
 
 class WarmedUpSAC(SAC):
@@ -70,11 +102,12 @@ def learn_iteration(
     learner.set_random_seed(own_seed)
     learner.set_logger(Logger(None, []))  # or every iteration would leave a folder of logs
     learner.critic.register_forward_pre_hook(skip_critic_gradients)
-    learner.learn(settings.steps_per_iteration, reset_num_timesteps=False)
+    average = AverageActor(learner.actor, settings.warm_up)
+    learner.learn(settings.steps_per_iteration, average, reset_num_timesteps=False)
     environment.close()
     learner.save(after / LEARNER, exclude=["lr_schedule"])
     learner.save_replay_buffer(after / REPLAY)
-    return trained_policy(learner)
+    return trained_policy(average.mean)
 
 
 def learning_rate(settings: LearningSettings, iteration: int) -> float:
@@ -85,9 +118,8 @@ def learning_rate(settings: LearningSettings, iteration: int) -> float:
     return rate
 
 
-def trained_policy(learner: SAC) -> Policy:
-    """Return the mean of a learner's actor."""
-    actor = learner.policy.actor
+def trained_policy(actor: Actor) -> Policy:
+    """Return what an actor does without exploration."""
     layers = [part for part in (*actor.latent_pi, actor.mu) if isinstance(part, nn.Linear)]
     return Policy(tuple((_array(part.weight), _array(part.bias)) for part in layers))
 

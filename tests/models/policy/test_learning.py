@@ -10,6 +10,8 @@ from stable_baselines3.common.logger import Logger
 
 from models.policy.learning import (
     LEARNER,
+    MEMORY,
+    AverageActor,
     learn_iteration,
     learning_rate,
     skip_critic_gradients,
@@ -79,7 +81,7 @@ def test_sparing_the_critics_changes_nothing_of_what_is_learned(schooled):
     )
     assert all(torch.equal(*pair) for pair in pairs)
     before = SAC.load(schooled[0] / LEARNER)
-    assert not same(trained_policy(plain), trained_policy(before))
+    assert not same(trained_policy(plain.actor), trained_policy(before.actor))
 
 
 def test_the_learning_rate_falls_by_the_same_factor_from_iteration_to_iteration():
@@ -99,13 +101,30 @@ def test_an_iteration_learns_at_its_own_rate(schooled, tmp_path):
     assert rates == pytest.approx([0.001] * 3)
 
 
-def test_the_policy_is_the_learner_without_its_noise(schooled):
-    folder, policy = schooled
-    learner = SAC.load(folder / LEARNER)
+def test_the_policy_acts_as_its_actor_without_noise(schooled):
+    learner = SAC.load(schooled[0] / LEARNER)
     size = learner.observation_space.shape[0]
     seen = np.random.default_rng(1).uniform(-LIMIT, LIMIT, (100, size)).astype(np.float32)
 
     expected, _ = learner.predict(seen, deterministic=True)
 
-    np.testing.assert_allclose(policy.act(seen), expected, atol=1e-6)
-    assert same(trained_policy(learner), policy)
+    np.testing.assert_allclose(trained_policy(learner.actor).act(seen), expected, atol=1e-6)
+
+
+def test_the_policy_is_the_mean_of_the_actors_of_its_iteration(schooled):
+    """Actors of all steps, each of which counts less than the next one."""
+    actor = SAC.load(schooled[0] / LEARNER).actor
+    start = [one.detach().clone() for one in actor.parameters()]
+    average = AverageActor(actor, warm_up=5)
+    for step in range(4):
+        average.num_timesteps = 5 + step
+        with torch.no_grad():
+            for one, first in zip(actor.parameters(), start, strict=True):
+                one.copy_(first + step)
+        assert average._on_step()
+
+    weights = (MEMORY**2, MEMORY * (1 - MEMORY), 1 - MEMORY)  # of the steps after the warm-up
+    shift = sum(weight * step for weight, step in zip(weights, (1, 2, 3), strict=True))
+    for one, first in zip(average.mean.parameters(), start, strict=True):
+        torch.testing.assert_close(one, first + shift)
+    assert not same(trained_policy(SAC.load(schooled[0] / LEARNER).actor), schooled[1])
