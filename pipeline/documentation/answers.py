@@ -9,32 +9,19 @@ from pipeline.documentation.gap_tables import SETS
 from pipeline.documentation.transfer_tables import SIGNIFICANT
 from pipeline.real_forecasts.figure import ADAPTED
 
-C, AMENDED, NETWORK, HYBRID, ORACLE = (
-    "physics_c",
-    "amended_imperfect_c",
-    "transformer",
-    "hybrid",
-    "oracle",
-)
+C, AMENDED, NETWORK, HYBRID = "physics_c", "amended_imperfect_c", "transformer", "hybrid"
 
 
 def when_the_swap_helps(root: Path) -> str:
     """By how much exchanging physics for a learned predictor changes returns, and when."""
     gains = read_report(root, "swap_study/gains.csv", "outcome == 'returns'")
-    first, every, oracle = (
-        gains[(gains["protocol"] == protocol) & (gains["predictor"] == predictor)]
-        for protocol, predictor in (
-            ("first_window", NETWORK),
-            ("every_tick", NETWORK),
-            ("every_tick", ORACLE),
-        )
-    )
+    gains = gains.set_index(["protocol", "predictor"]).sort_index()
+    first, every = gains.loc["first_window"], gains.loc["every_tick"]
     return (
         "Where physics forecasts once, from the first window, the transformer returns "
-        f"{_points(first)}. Where physics forecasts again at every control step, the transformer "
-        f"returns {_points(every)}, and the arena's own physics {_points(oracle)}. So the swap "
-        "helps a policy whose physics keeps its first estimate of the state; with an estimate of "
-        "the last 60 ms at every step, a better forecast adds little."
+        f"{_points(first.loc[[NETWORK]])}. Where physics forecasts again at every control step, "
+        f"the transformer returns {_points(every.loc[[NETWORK]])}, and the arena's own physics "
+        f"{_points(every.loc[['oracle']])}."
     )
 
 
@@ -45,14 +32,15 @@ def when_a_learned_predictor_helps(root: Path) -> str:
     unchanged = errors.query("against == 'measured'").set_index("predictor").loc[C, "mean"]
     curves = read_report(root, "learning_curves.csv", "horizon_ms == 300")
     means = curves.pivot(index="recordings", columns="predictor", values="mean")
-    network, hybrid = ((means[name] < unchanged).idxmax() for name in (NETWORK, HYBRID))
     return (
         f"On the arena, simulator C errs {unchanged:.0f} mm 300 ms ahead. A transformer errs less "
-        f"from {network:,} training recordings on, and a hybrid, a network that corrects simulator "
-        f"C with a net, from {hybrid:,} on. With as many recordings, simulator C amended errs less "
-        f"than the transformer with {_sizes(means[AMENDED] < means[NETWORK])} of them, and less "
-        f"than the hybrid with {_sizes(means[AMENDED] < means[HYBRID])}. On measured sets, whose "
-        f"physics nobody knows, the least mean errors 200 ms ahead are {_least_errors(root)}."
+        f"with {_sizes(means[NETWORK] < unchanged)} of the training recordings, and a hybrid, a "
+        "network that corrects simulator C with a net, with "
+        f"{_sizes(means[HYBRID] < unchanged)} of them. Simulator C amended by as many recordings "
+        f"errs less than the transformer with {_sizes(means[AMENDED] < means[NETWORK])} of them, "
+        f"and less than the hybrid with {_sizes(means[AMENDED] < means[HYBRID])}. On measured "
+        f"sets, whose physics nobody knows, the least mean errors 200 ms ahead are "
+        f"{_least_errors(root)}."
     )
 
 
@@ -66,11 +54,11 @@ def what_naming_buys(root: Path) -> str:
     retrained = read_report(root, "swap_study/gains_retrained.csv", "outcome == 'returns'")
     falls = (verdicts["reduction_low_mm"] > 0).sum()
     return (
-        f"On twenty fresh arenas, amending takes away {closed:.0f} % of the error that better "
-        f"physics can remove, in median, and leaves {of_oracle:.2f} times the error of the "
-        "arena's own physics. On measured sets the held-out error falls significantly in "
-        f"{falls} of {len(verdicts)} verdicts. Policies that are trained again in the amended "
-        f"simulator return {_points(retrained)} of the same replayed shots."
+        f"On {errors['seed'].nunique()} fresh arenas, amending takes away {closed:.0f} % of the "
+        f"error that better physics can remove, in median, and leaves {of_oracle:.2f} times the "
+        "error of the arena's own physics. On measured sets the held-out error falls "
+        f"significantly in {falls} of {len(verdicts)} verdicts. Policies that are trained again in "
+        f"the amended simulator return {_points(retrained)} of the same replayed shots."
     )
 
 
@@ -84,9 +72,13 @@ def _points(gains: Any) -> str:
 
 
 def _sizes(chosen: Any) -> str:
-    """Return the sizes for which something holds: ``300, 1,000``."""
-    sizes = [f"{size:,}" for size in chosen.index[chosen]]
-    return ", ".join(sizes) or "none"
+    """Return for which sizes something holds: ``any number``, ``300 or more``, or ``10 or 30``."""
+    if chosen.all():
+        return "any number"
+    first = chosen.idxmax()
+    if chosen.loc[first:].all():
+        return f"{first:,} or more"
+    return " or ".join(f"{size:,}" for size in chosen.index[chosen]) or "no number"
 
 
 def _least_errors(root: Path) -> str:

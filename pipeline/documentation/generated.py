@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from pipeline.documentation import (
+    answers,
     arena_tables,
     code_pages,
     cost_tables,
@@ -101,6 +102,9 @@ BLOCKS: dict[str, Writer] = {
     "shot-quality": transfer_tables.shot_quality,
     "shot-quality-shots": partial(transfer_tables.shot_quality, run="shots/"),
     "spread-policies": transfer_tables.spread_policies,
+    "when-the-swap-helps": answers.when_the_swap_helps,
+    "when-a-learned-predictor-helps": answers.when_a_learned_predictor_helps,
+    "what-naming-buys": answers.what_naming_buys,
     "swap-first-window": partial(transfer_tables.swap_readings, protocol="first_window"),
     "swap-every-tick": partial(transfer_tables.swap_readings, protocol="every_tick"),
     "swap-re-anchored": transfer_tables.swap_every_tick,

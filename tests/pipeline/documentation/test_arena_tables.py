@@ -7,13 +7,12 @@ from pipeline.documentation.arena_tables import (
     arena_coverage,
     arena_errors,
 )
+from pipeline.io.artifacts import write_csv
 from tests.pipeline.arenas.made_up import CAUSES, ERRORS
 
 
 def test_causes_have_a_row_a_size(tmp_path):
-    folder = tmp_path / "reports" / "arenas"
-    folder.mkdir(parents=True)
-    CAUSES.assign(seed=5).to_csv(folder / "causes.csv", index=False)
+    write_csv(tmp_path / "reports/arenas/causes.csv", CAUSES.assign(seed=5))
     lines = arena_causes_found(tmp_path).splitlines()
     assert "| hidden, above 4 | 2 of 2 | 100 (34 to 100) |" in lines
     assert "| hidden, 1 to 2 | 0 of 0 | – |" in lines
@@ -21,29 +20,25 @@ def test_causes_have_a_row_a_size(tmp_path):
 
 
 def test_intervals_are_counted_by_whether_a_similar_difference_is_named(tmp_path):
-    folder = tmp_path / "reports" / "arenas"
-    folder.mkdir(parents=True)
     tilt = pd.DataFrame(
         [("table_tilt", "x", None, None, None, None, 0.002, 0.003)], columns=CAUSES.columns
     )
     named = tilt.assign(low=0.001, high=0.003)
     arenas = {1: tilt, 2: named, 3: tilt.iloc[:0]}  # in the third there is no tilt
     each = [pd.concat([CAUSES, one]).assign(seed=seed) for seed, one in arenas.items()]
-    pd.concat(each).to_csv(folder / "causes.csv", index=False)
+    write_csv(tmp_path / "reports/arenas/causes.csv", pd.concat(each))
     lines = arena_coverage(tmp_path).splitlines()
     expected = "| wind.x | table_tilt.x | 0 of 1: 0 (0 to 79) % | 0 of 1: 0 (0 to 79) % |"
     assert expected in lines
 
 
 def test_errors_are_medians_over_arenas(tmp_path):
-    folder = tmp_path / "reports" / "arenas"
-    folder.mkdir(parents=True)
     each = [
         ERRORS.assign(seed=seed, mean=ERRORS["mean"] + 10.0 * seed * (ERRORS["mean"] == 24.0),
                       horizon_ms=horizon)
         for seed in (0, 1, 2) for horizon in (100, 200, 300)
     ]  # fmt: skip
-    pd.concat(each).to_csv(folder / "errors.csv", index=False)
+    write_csv(tmp_path / "reports/arenas/errors.csv", pd.concat(each))
     lines = arena_errors(tmp_path).splitlines()
     assert lines[4] == f"| simulator C, amended |{' 1.70 (1.20 to 2.20) |' * 3}"
     assert lines[5] == f"| removable error taken away (%) |{' 77 (60 to 93) |' * 3}"
