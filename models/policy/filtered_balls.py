@@ -39,7 +39,7 @@ def filtered_balls(
     history = _histories(measure(path, np.full(len(path), np.inf), NOISE, random), times, in_play)
     now = filtered(history, simulator)
     ahead = np.array(horizons) / 1000
-    states, covariances = propagated(simulator, now.states, now.covariances, ahead, 3)
+    states, covariances = propagated(simulator, now.states, now.covariances, ahead, components=3)
     forecasts = np.zeros((*in_play.shape, len(horizons), STATE_SIZE))
     spreads = np.zeros((*in_play.shape, len(horizons), 3))
     forecasts[in_play] = states

@@ -30,8 +30,6 @@ from models.policy.task import Task
 Actions = NDArray[np.float32]
 
 LEARNER, REPLAY = "learner.zip", "replay.pkl"  # read by the next iteration alone
-
-
 MEMORY = 0.997  # share of the averaged actor that a control step of all environments keeps
 
 
@@ -82,7 +80,7 @@ def learn_iteration(
     before: Path | None,
     after: Path,
 ) -> Policy:
-    """Train for one iteration, and return the policy at its end.
+    """Train for one iteration, and return the mean of its actors as the policy.
 
     Args:
         task: what is learned.

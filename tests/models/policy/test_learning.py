@@ -111,8 +111,8 @@ def test_the_policy_acts_as_its_actor_without_noise(schooled):
     np.testing.assert_allclose(trained_policy(learner.actor).act(seen), expected, atol=1e-6)
 
 
-def test_the_policy_is_the_mean_of_the_actors_of_its_iteration(schooled):
-    """Actors of all steps, each of which counts less than the next one."""
+def test_in_the_average_older_actors_count_less(schooled):
+    """The closed form of the average after four steps, of which one is of the warm-up."""
     actor = SAC.load(schooled[0] / LEARNER).actor
     start = [one.detach().clone() for one in actor.parameters()]
     average = AverageActor(actor, warm_up=5)
@@ -127,4 +127,14 @@ def test_the_policy_is_the_mean_of_the_actors_of_its_iteration(schooled):
     shift = sum(weight * step for weight, step in zip(weights, (1, 2, 3), strict=True))
     for one, first in zip(average.mean.parameters(), start, strict=True):
         torch.testing.assert_close(one, first + shift)
-    assert not same(trained_policy(SAC.load(schooled[0] / LEARNER).actor), schooled[1])
+
+
+def test_an_iteration_returns_the_mean_of_its_actors(schooled, tmp_path, monkeypatch):
+    monkeypatch.setattr("models.policy.learning.MEMORY", 0)  # the mean is the latest actor
+    latest = iteration(tmp_path / "latest")
+
+    folders = schooled[0], tmp_path / "latest"
+    learned = [trained_policy(SAC.load(folder / LEARNER).actor) for folder in folders]
+    assert same(*learned)  # what is averaged does not change what is learned
+    assert not same(latest, schooled[1])
+    assert not same(learned[0], schooled[1])
