@@ -140,6 +140,7 @@ class WindowData(lightning.LightningDataModule):
     ) -> None:
         super().__init__()
         self.train, self.validation, self.settings, self.seed = train, validation, settings, seed
+        self._placed = train, validation
 
     def fit_normaliser(self, network: ForecastNetwork) -> None:
         """Fit the network's normaliser to training windows."""
@@ -158,22 +159,22 @@ class WindowData(lightning.LightningDataModule):
         return self.train.windows(self.train.draw_anchors(episodes, random))
 
     def setup(self, stage: str) -> None:
-        """Move the tracks to the training device, once for all epochs."""
+        """Copy the tracks to the training device, once for all epochs."""
         assert self.trainer is not None
         device = self.trainer.strategy.root_device
-        self.train, self.validation = self.train.to(device), self.validation.to(device)
+        self._placed = self.train.to(device), self.validation.to(device)
 
     def train_dataloader(self) -> DataLoader[Batch]:
         """Return the batches of the trainer's current epoch."""
         epoch = self.trainer.current_epoch if self.trainer else 0
         random = np.random.default_rng([self.seed, _EPOCHS, epoch])
         every = np.repeat(np.arange(self.train.episodes), self.settings.windows_per_episode)
-        return self._loader(self.train, random.permutation(every), random)
+        return self._loader(self._placed[0], random.permutation(every), random)
 
     def val_dataloader(self) -> DataLoader[Batch]:
         """Return the validation batches, the same in every epoch."""
         random = np.random.default_rng([self.seed, _VALIDATION])
-        return self._loader(self.validation, np.arange(self.validation.episodes), random)
+        return self._loader(self._placed[1], np.arange(self.validation.episodes), random)
 
     def _loader(
         self, tracks: Tracks, episodes: Indices, random: np.random.Generator

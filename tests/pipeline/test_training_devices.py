@@ -1,18 +1,30 @@
 """Processes that share every batch train the network that one process trains."""
 
+import copy
 import os
 import signal
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import psutil
 import pytest
 import torch
 
+from models.predictors.learned import LearnedPredictor
+from models.predictors.protocol import History
 from models.predictors.training import ForecastTraining
+from pipeline.predictors.parallel_training import TrainingJob, train_networks
 from pipeline.predictors.trainer import train
 from pipeline.runtime.errors import InputError
-from tests.models.predictors.small_training import BRIEF, changed, data, small_training
+from tests.models.predictors.small_training import (
+    BRIEF,
+    NETWORKS,
+    changed,
+    data,
+    fit,
+    small_training,
+)
 
 
 class Watched(ForecastTraining):
@@ -78,12 +90,45 @@ class Ranked:
     """A trainer that is one of two."""
 
     current_epoch, world_size = 0, 2
-    strategy = SimpleNamespace(root_device=torch.device("cpu"))
 
-    def __init__(self, rank):
-        self.global_rank = rank
+    def __init__(self, rank, device="cpu"):
+        self.global_rank, self.strategy = rank, SimpleNamespace(root_device=torch.device(device))
 
 
+def test_batches_are_on_the_training_device_and_tracks_stay_where_they_are():
+    """For the spread is fitted after the training, by a network that is back in main memory."""
+    windows = data()
+    windows.trainer = Ranked(0, "meta")
+    windows.setup("fit")
+    for loader in (windows.train_dataloader(), windows.val_dataloader()):
+        assert {column.device.type for batch in loader for column in batch} == {"meta"}
+    assert {windows.train.history.device.type, windows.validation.mask.device.type} == {"cpu"}
+
+
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="needs a GPU")
+@pytest.mark.parametrize("shape", NETWORKS.values(), ids=NETWORKS)
+def test_a_gpu_trains_what_a_processor_does(shape, tmp_path):
+    with_gpu, windows = small_training(shape=shape)
+    without, same_windows = small_training(shape=shape)
+    job = TrainingJob("network", with_gpu.network, windows, tmp_path)
+    (result,) = train_networks([job])
+    fit(without, same_windows, accelerator="cpu")
+    losses = [record["training"] for record in without.curve]
+    np.testing.assert_allclose(result.curve["training"], losses, rtol=1e-2)
+    history, mask, _, _ = windows.train.windows(windows.train.anchors)
+    seen = History(history.numpy().astype(float), mask.numpy())
+    here = LearnedPredictor(result.network, result.spread)
+    states, covariances = here.predict_with_covariances(seen)
+    there = LearnedPredictor(copy.deepcopy(result.network).cuda(), result.spread.cuda())
+    moved, others = there.predict_with_covariances(seen)
+    np.testing.assert_allclose(moved.states, states.states, atol=1e-2)
+    np.testing.assert_allclose(others, covariances, rtol=1e-2, atol=1e-6)
+
+
+two_processes = pytest.mark.skipif(torch.cuda.device_count() == 1, reason="each needs its own GPU")
+
+
+@two_processes
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("batch", "matrix_learning_rate"),
@@ -96,6 +141,7 @@ def test_two_processes_train_what_one_does(tmp_path, batch, matrix_learning_rate
     assert_close(together, alone)
 
 
+@two_processes
 @pytest.mark.slow
 def test_two_processes_print_nothing_and_listen_on_loopback_alone(tmp_path, capfd):
     training, windows = small_training(changed(BRIEF, devices=2, epochs=1), kind=Watched)
@@ -105,6 +151,7 @@ def test_two_processes_print_nothing_and_listen_on_loopback_alone(tmp_path, capf
     assert capfd.readouterr() == ("", "")
 
 
+@two_processes
 @pytest.mark.slow
 def test_processes_of_which_one_was_killed_go_on_from_the_last_epoch(tmp_path):
     with pytest.raises(torch.multiprocessing.ProcessExitedException, match="SIGKILL"):

@@ -73,9 +73,10 @@ def small_training(settings=BRIEF, seed=0, kind=ForecastTraining, shape=TINY):
     return kind(copy.deepcopy(_fitted(shape, seed)), settings), data(settings, seed)
 
 
-def fit(training, data):
+def fit(training, data, accelerator="auto"):
     """Train without checkpoints and reports."""
     trainer = lightning.Trainer(
+        accelerator=accelerator,
         max_epochs=training.settings.epochs,
         reload_dataloaders_every_n_epochs=1,
         logger=False,

@@ -163,10 +163,10 @@ class RecordedBatches(ForecastTraining):
         self.training_batches, self.validation_batches = [], []
 
     def on_train_batch_start(self, batch, _):
-        self.training_batches.append(batch[0].numpy())
+        self.training_batches.append(batch[0].cpu().numpy())
 
     def on_validation_batch_start(self, batch, *_):
-        self.validation_batches.append(batch[0].numpy())
+        self.validation_batches.append(batch[0].cpu().numpy())
 
 
 def test_every_epoch_draws_new_training_windows_and_the_same_validation_windows():
