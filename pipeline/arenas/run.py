@@ -5,7 +5,6 @@ Simulator C is amended by training recordings of each, and forecasts its test re
 oracle. A killed run resumes.
 """
 
-import shutil
 from functools import partial
 from pathlib import Path
 
@@ -13,41 +12,36 @@ import pandas as pd
 
 from pipeline.arenas.figure import arenas_figure
 from pipeline.arenas.world import arena_result
-from pipeline.evaluation.costs import machine
-from pipeline.io.artifacts import read_json, write_csv, write_json
-from pipeline.io.figure_style import apply_style, save_figure
+from pipeline.experiments.experiment import running
+from pipeline.io.artifacts import read_json, write_json
 from pipeline.params import Params, load_params
+from pipeline.runtime.console import refuse
+from pipeline.runtime.errors import InputError
 from pipeline.runtime.parallel import make_missing
 from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import combined_hash, short
 
-SEEDS = range(101, 121)
-REPORT = Path("reports") / "arenas"
-SCRATCH = Path("scratch") / "arenas"
-# What results depend on.
-DEPENDENCIES = ("models", "pipeline/arenas", "pipeline/gap", "pipeline/segmentation", "params.yaml")
+SEEDS = [*range(101, 121)]
 
 
-def arenas(root: Path) -> dict[str, pd.DataFrame]:
-    """Write and return causes and errors of all arenas, with the figure and the machine."""
-    params = load_params(root / "params.yaml")
-    scratch = root / SCRATCH / short(combined_hash(root, DEPENDENCIES))
-    paths = {seed: scratch / f"{seed}.json" for seed in SEEDS}
-    tasks = {path: partial(_write, params, seed, path) for seed, path in paths.items()}
-    make_missing(tasks, "arenas")
-    each = {seed: read_json(path) for seed, path in paths.items()}
-    tables = {name: _joined(each, name) for name in ("causes", "errors")}
-    for name, table in tables.items():
-        write_csv(root / REPORT / f"{name}.csv", table, digits=6)
-    apply_style()
-    save_figure(root / REPORT / "arenas.png", arenas_figure(tables["causes"], tables["errors"]))
-    write_json(root / REPORT / "arenas.json", machine(root))
-    shutil.rmtree(root / SCRATCH)
-    return tables
+def arenas(root: Path) -> None:
+    """Write causes and errors of all arenas, with the figure, to ``reports/arenas``.
+
+    Raises:
+        InputError: the experiment cannot start.
+    """
+    with running(root, "arenas.run") as run:
+        params = load_params(root / "params.yaml")
+        paths = {seed: run.scratch / f"{seed}.json" for seed in SEEDS}
+        tasks = {path: partial(_write, params, seed, path) for seed, path in paths.items()}
+        make_missing(tasks, "arenas")
+        each = {seed: read_json(path) for seed, path in paths.items()}
+        tables = {name: _joined(each, name) for name in ("causes", "errors")}
+        figures = {"arenas": arenas_figure(tables["causes"], tables["errors"])}
+        run.publish("arenas", tables, figures, "arenas", {"seeds": SEEDS}, digits=6)
 
 
 def _write(params: Params, seed: int, path: Path) -> None:
-    found = arena_result(params, seed, path.with_suffix(""))
+    found = arena_result(params, seed, path.parent)
     # JSON has no NaN.
     known = {name: one.astype(object).where(one.notna(), None) for name, one in found.items()}
     write_json(path, {name: table.to_dict("list") for name, table in known.items()})
@@ -59,4 +53,7 @@ def _joined(each: dict[int, dict[str, dict[str, list[object]]]], name: str) -> p
 
 
 if __name__ == "__main__":
-    arenas(repository_root())
+    try:
+        arenas(repository_root())
+    except InputError as error:
+        refuse(error)

@@ -1,6 +1,6 @@
 """One fresh arena: what the gap workflow says of it, and how well simulators predict it."""
 
-import shutil
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -27,25 +27,28 @@ from pipeline.transfer.truth_comparison import NamedCause, number_table
 NOMINAL, WITH_NET = "imperfect_c", "imperfect_c_with_net"
 
 
-def arena_result(params: Params, seed: int, folder: Path) -> dict[str, pd.DataFrame]:
+def arena_result(params: Params, seed: int, scratch: Path) -> dict[str, pd.DataFrame]:
     """Return the causes and the prediction errors on the arena of a seed.
 
     Args:
         params: of the pipeline; all that matters but the seed.
         seed: of physics, cameras, players and all else.
-        folder: for recordings; it is removed.
+        scratch: folder in which recordings are for a while.
 
     Returns:
         ``causes``, as ``number_table`` has them, with the size that can be detected; and
         ``errors``, the position errors of simulators on test recordings.
     """
-    truth = _recorded(params, seed, folder)
-    shots = {ARENA: read_training_shots(folder)[ARENA]}
-    found = cases(shots, params.close_gap, seed)
-    diagnosed = next(one for one in found if one.simulator_name == NOMINAL).diagnose()
-    known = amended(diagnosed.case.simulator, diagnosed.verdict)
-    errors = _errors(params, folder, {AMENDED: known, ORACLE: truth.simulator})
-    shutil.rmtree(folder)
+    scratch.mkdir(parents=True, exist_ok=True)
+    # Not by the seed alone: a worker that outlives its killed run may still be at this arena.
+    with tempfile.TemporaryDirectory(dir=scratch, prefix=f"{seed}.") as name:
+        folder = Path(name)
+        truth = _recorded(params, seed, folder)
+        shots = {ARENA: read_training_shots(folder)[ARENA]}
+        found = cases(shots, params.close_gap, seed)
+        diagnosed = next(one for one in found if one.simulator_name == NOMINAL).diagnose()
+        known = amended(diagnosed.case.simulator, diagnosed.verdict)
+        errors = _errors(params, folder, {AMENDED: known, ORACLE: truth.simulator})
     return {"causes": _causes(diagnosed, known, truth.simulator), "errors": errors}
 
 

@@ -19,7 +19,7 @@ from rich.console import Console
 from pipeline.experiments.profiles import profile_flags
 from pipeline.experiments.stale import (
     KeptResult,
-    changed_code,
+    check_committed,
     code_of,
     result_of,
     stage_modules,
@@ -155,8 +155,7 @@ def make_everything(root: Path, names: Sequence[str] = ()) -> None:
     for name in names:
         if name not in known:
             raise InputError("everything", f"there are {', '.join(known)}", field=name)
-    if changed_code(root, "HEAD"):
-        raise InputError(root, "has code that is not committed; results name a commit")
+    check_committed(root)
     stale = {one.folder.name for one in step_results(root) if one.is_stale}
     due = [one for one in STEPS if one.name in (names or stale)]
     possible = [one for one in due if not _missing(one)]

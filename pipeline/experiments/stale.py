@@ -8,12 +8,16 @@ from pipeline.experiments.imports import imported_packages
 from pipeline.io.artifacts import read_json
 from pipeline.paper.run_reports import RECORD
 from pipeline.params import read_yaml
+from pipeline.runtime.errors import InputError
 from pipeline.runtime.git import git_if_known
 
 SETTINGS = ("params.yaml", "profiles")
 CODE = ("models", "pipeline", "stages", *SETTINGS)
 # What only presents results.
-PRESENTATION = ("documentation", "experiments", "paper", "print", "web", "cli.py")
+PRESENTATION = tuple(
+    f"pipeline/{name}"
+    for name in ("documentation", "experiments", "paper", "print", "web", "cli.py")
+)
 
 
 @dataclass(frozen=True)
@@ -66,14 +70,15 @@ def stage_modules(root: Path) -> list[str]:
 
 
 def code_of(entries: Iterable[str], files: Iterable[str] = SETTINGS) -> tuple[str, ...]:
-    """Return what results depend on.
+    """Return what results depend on, but for presentation.
 
     Args:
         entries: the modules that make them.
         files: other paths.
     """
     packages = sorted(imported_packages(entries))
-    return (*packages, *(f"{one}.py" for one in packages), *files)
+    code = (*packages, *(f"{one}.py" for one in packages))
+    return (*(one for one in code if one not in PRESENTATION), *files)
 
 
 def result_of(root: Path, folder: Path, commit: str, code: Iterable[str] = CODE) -> KeptResult:
@@ -92,9 +97,19 @@ def result_of(root: Path, folder: Path, commit: str, code: Iterable[str] = CODE)
 
 def changed_code(root: Path, commit: str, code: Iterable[str] = CODE) -> tuple[str, ...]:
     """Return the packages of some code that differ from a commit, but for presentation."""
-    left_out = [f":(exclude)pipeline/{name}" for name in PRESENTATION]
+    left_out = [f":(exclude){path}" for path in PRESENTATION]
     names = git_if_known(root, "diff", "--name-only", commit, "--", *code, *left_out) or ""
     return tuple(sorted({str(_package(root, Path(name))) for name in names.split()}))
+
+
+def check_committed(root: Path) -> None:
+    """Refuse to make results of code that no commit has.
+
+    Raises:
+        InputError: code is not committed.
+    """
+    if changed_code(root, "HEAD"):
+        raise InputError(root, "has code that is not committed; results name a commit")
 
 
 def _package(root: Path, file: Path) -> Path:

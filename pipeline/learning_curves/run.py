@@ -4,7 +4,6 @@ Simulators are amended, and networks trained, by more and more of the training r
 random orders. All forecast the same test windows. A killed run resumes.
 """
 
-import shutil
 from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -16,57 +15,54 @@ from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from models.predictors.learned import LearnedPredictor
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import ProbabilisticPredictor
-from pipeline.evaluation.costs import machine
 from pipeline.evaluation.forecasts import forecast_windows
 from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
 from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
+from pipeline.experiments.experiment import running
 from pipeline.gap.amended_files import amended_simulators
 from pipeline.io.amended_simulators import AMENDED
-from pipeline.io.artifacts import write_csv, write_json
-from pipeline.io.figure_style import apply_style, save_figure
 from pipeline.io.ground_truth import read_truth
-from pipeline.learning_curves.curves import Errors, curve_rows
+from pipeline.learning_curves.curves import RESAMPLES, Errors, curve_rows
 from pipeline.learning_curves.figure import learning_curves_figure
 from pipeline.learning_curves.subsets import Learner, Subset, subsets
-from pipeline.params import load_params
+from pipeline.params import Params, load_params
 from pipeline.predictors.parallel_training import train_networks
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import combined_hash, short
 
 SIZES, DRAWS = (10, 30, 100, 300, 1000), 3
 BASE, NETWORKS = "imperfect_c", ("hybrid", "transformer")
-REPORT = Path("reports") / "learning_curves"
-SCRATCH = Path("scratch") / "learning_curves"
-# What results depend on.
-DEPENDENCIES = ("models", "pipeline/learning_curves", "params.yaml", "artifacts/segment")
+NAME = "learning_curves"  # of reports
+INPUTS = ("artifacts/ingest", "artifacts/segment")
 
 
 def learning_curves(root: Path) -> None:
-    """Write the learning curves, their figure and the machine to ``reports``.
+    """Write the learning curves and their figure to ``reports``.
 
     Raises:
-        InputError: the stages before have not run, or not with the arena.
+        InputError: the stages before have not run, or not with the arena, or the experiment
+            cannot start.
     """
-    params = load_params(root / "params.yaml")
-    scratch = root / SCRATCH / short(combined_hash(root, DEPENDENCIES))
+    with running(root, "learning_curves.run", INPUTS) as run:
+        params = load_params(root / "params.yaml")
+        every = params.evaluate_predictor.window_every_ms / 1000
+        (test,) = (one for one in read_test_sets(root / "artifacts", every) if one.name == ARENA)
+        errors = list(_all_errors(root, params, test, run.scratch))
+        rows = curve_rows(errors, test.recordings, list(SHOWN_HORIZONS_MS), params.seed)
+        figures = {NAME: learning_curves_figure(rows)}
+        sample = {"seed": params.seed, "resamples": RESAMPLES, "draws": DRAWS}
+        run.publish("", {NAME: rows}, figures, NAME, sample)
+
+
+def _all_errors(root: Path, params: Params, test: MeasuredSet, scratch: Path) -> Iterator[Errors]:
+    """Yield the errors of all kinds of predictors."""
     learner = Learner(root / "artifacts", ARENA, params)
     chosen = list(subsets(learner.recordings, SIZES, DRAWS, params.seed))
-    every = params.evaluate_predictor.window_every_ms / 1000
-    (test,) = (one for one in read_test_sets(root / "artifacts", every) if one.name == ARENA)
-    found = [
-        _errors(test, chosen, f"{AMENDED}_{BASE}", _amended(learner, chosen, scratch)),
-        *(_errors(test, chosen, one, _trained(learner, chosen, one, scratch)) for one in NETWORKS),
-        _errors(test, chosen, ORACLE, _oracle(root, chosen)),
-    ]
-    errors = [one for part in found for one in part]
-    rows = curve_rows(errors, test.recordings, list(SHOWN_HORIZONS_MS), params.seed)
-    write_csv(root / REPORT.with_suffix(".csv"), rows, digits=4)
-    apply_style()
-    save_figure(root / REPORT.with_suffix(".png"), learning_curves_figure(rows))
-    write_json(root / REPORT.with_suffix(".json"), machine(root))
-    shutil.rmtree(root / SCRATCH)
+    yield from _errors(test, chosen, f"{AMENDED}_{BASE}", _amended(learner, chosen, scratch))
+    for one in NETWORKS:
+        yield from _errors(test, chosen, one, _trained(learner, chosen, one, scratch))
+    yield from _errors(test, chosen, ORACLE, _oracle(root, chosen))
 
 
 Predictors = Mapping[str, ProbabilisticPredictor]  # by the name of the subset

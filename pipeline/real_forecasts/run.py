@@ -5,9 +5,7 @@ simulator amended, a hybrid that corrects this one, and transformers, both train
 fine-tuned. Needs the trained networks of `dvc repro train_predictor`. A killed run resumes.
 """
 
-import hashlib
 import os
-import shutil
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -23,34 +21,29 @@ from models.predictors.evaluation import SHOWN_HORIZONS_MS, concat_tables
 from models.predictors.learned import LearnedPredictor
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import ProbabilisticPredictor
-from pipeline.evaluation.costs import machine
+from pipeline.experiments.experiment import running
 from pipeline.gap.amended_files import amended_simulators
 from pipeline.gap.expected_balls import expected_balls
 from pipeline.gap.folds import fold_numbers
 from pipeline.gap.measured_shots import read_measured_episodes
 from pipeline.gap.shots import shots_of, source_shots
-from pipeline.io.artifacts import write_csv, write_json
 from pipeline.io.episodes import MeasuredEpisode
-from pipeline.io.figure_style import apply_style, save_figure
 from pipeline.io.simulators import load_simulator
 from pipeline.params import EvaluatePredictorSettings, Params, load_params
 from pipeline.predictors.parallel_training import TrainingResult, train_networks
 from pipeline.predictors.storage import load_network
 from pipeline.real_forecasts.adapted import HYBRID, OTHER, TRANSFORMER, FineTuning, amended_by
+from pipeline.real_forecasts.digest import episodes_digest
 from pipeline.real_forecasts.figure import real_forecasts_figure
 from pipeline.real_forecasts.tested import Fold, Tested
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import combined_hash, short
 
 SETS, FOLDS = ("spindoe", "tt3d", "isr_ball_prediction"), 5
 NOMINAL, AMENDED = "literature", "amended"
-REPORT = Path("reports") / "real"
-SCRATCH = Path("scratch") / "real_forecasts"
+NETWORKS = "artifacts/train_predictor"
 Predictors = Mapping[str, ProbabilisticPredictor]  # by name
-# What results depend on, besides the recordings.
-DEPENDENCIES = ("models", "pipeline/real_forecasts", "params.yaml", "artifacts/train_predictor")
 ENSEMBLES = {
     "transformer_ensemble": (TRANSFORMER, OTHER),
     "hybrid_ensemble": (HYBRID, TRANSFORMER),
@@ -66,22 +59,27 @@ def real_forecasts(root: Path, folder: Path) -> None:
         folder: with a folder for each set.
 
     Raises:
-        InputError: a set or a trained network cannot be read.
+        InputError: a set or a trained network cannot be read, or the experiment cannot start.
     """
-    params = load_params(root / "params.yaml")
     folds = {name: _folds(folder / name, name) for name in SETS}
-    scratch = root / SCRATCH / _fingerprint(root, folds)
-    every = params.evaluate_predictor.window_every_ms / 1000
-    adapted = _adapted([one for some in folds.values() for one in some], root, params, scratch)
-    tested = {name: Tested.of(some, adapted, every) for name, some in folds.items()}
-    _write_tables(root / REPORT, tested, params.evaluate_predictor, params.seed)
-    write_json(root / REPORT / "forecasts.json", machine(root))
-    shutil.rmtree(root / SCRATCH)
+    each = [one for some in folds.values() for one in some]
+    data = episodes_digest(episode for one in each for episode in one.tested)
+    with running(root, "real_forecasts.run", [NETWORKS], data) as run:
+        params = load_params(root / "params.yaml")
+        settings = params.evaluate_predictor
+        every = settings.window_every_ms / 1000
+        adapted = _adapted(each, root, params, run.scratch)
+        tested = {name: Tested.of(some, adapted, every) for name, some in folds.items()}
+        tables = _tables(tested, settings, params.seed)
+        sample = {"seed": params.seed, "resamples": settings.bootstrap_resamples, "folds": FOLDS}
+        figures = {"forecasts": real_forecasts_figure(tables["forecasts"])}
+        run.publish("real", tables, figures, "forecasts", sample)
 
 
-def _write_tables(
-    folder: Path, tested: Mapping[str, Tested], settings: EvaluatePredictorSettings, seed: int
-) -> None:
+def _tables(
+    tested: Mapping[str, Tested], settings: EvaluatePredictorSettings, seed: int
+) -> dict[str, pd.DataFrame]:
+    """Return the tables by the names of their files, at the horizons that are shown."""
     found = {name: one.errors(settings, seed) for name, one in tested.items()}
     tables = {
         "forecasts": {(name,): one.over_horizon() for name, one in found.items()},
@@ -92,11 +90,7 @@ def _write_tables(
             (name,): one.coverage(settings, seed) for name, one in tested.items()
         },
     }
-    shown = {name: _shown(parts) for name, parts in tables.items()}
-    for name, rows in shown.items():
-        write_csv(folder / f"{name}.csv", rows, digits=4)
-    apply_style()
-    save_figure(folder / "forecasts.png", real_forecasts_figure(shown["forecasts"]))
+    return {name: _shown(parts) for name, parts in tables.items()}
 
 
 def _shown(parts: Mapping[tuple[str], pd.DataFrame]) -> pd.DataFrame:
@@ -160,7 +154,7 @@ def _fine_tuned(
     scratch: Path,
 ) -> Predictors:
     settings = params.train_predictor
-    folder = root / "artifacts" / "train_predictor"
+    folder = root / NETWORKS
     tuning = FineTuning(
         load_network(folder / TRANSFORMER),
         load_network(folder / HYBRID),
@@ -178,14 +172,6 @@ def _fine_tuned(
 
 def _recordings(episodes: list[MeasuredEpisode]) -> NDArray[Any]:
     return np.array([one.recording_id for one in episodes])
-
-
-def _fingerprint(root: Path, folds: Mapping[str, list[Fold]]) -> str:
-    digest = hashlib.sha256(combined_hash(root, DEPENDENCIES).encode())
-    for fold in (one for some in folds.values() for one in some):
-        for episode in fold.tested:
-            digest.update(episode.episode.positions.tobytes())
-    return short(digest.hexdigest())
 
 
 if __name__ == "__main__":

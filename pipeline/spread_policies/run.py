@@ -6,7 +6,6 @@ their standard deviations. All play the shots of sim2real with the same predicto
 resumes.
 """
 
-import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -16,11 +15,9 @@ from models.policy.random_streams import training_seed
 from models.policy.settings import ForecastKind, ObservationKind
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import ProbabilisticPredictor
-from pipeline.evaluation.costs import machine
 from pipeline.evaluation.predictors import read_learned
+from pipeline.experiments.experiment import running
 from pipeline.io.amended_simulators import amended_by
-from pipeline.io.artifacts import write_csv, write_json
-from pipeline.io.figure_style import apply_style, save_figure
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Params, load_params
 from pipeline.policies.storage import TrainedPolicy
@@ -28,7 +25,6 @@ from pipeline.policies.training import TrainingJob, train_policies
 from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import combined_hash, short
 from pipeline.spread_policies.figure import spread_policies_figure
 from pipeline.transfer.rates import differences, rates
 from pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
@@ -50,35 +46,41 @@ KINDS: dict[str, tuple[ObservationKind, ForecastKind]] = {
     "filtered_with_spread": ("spread", "filtered"),
 }
 BASELINE = "filtered"  # of the paired differences
-REPORT = Path("reports") / "spread_policies"
-SCRATCH = Path("scratch") / "spread_policies"
-# What trainings depend on.
-DEPENDENCIES = ("models/ball", "models/policy", "models/predictors", "models/robot", "params.yaml")
+NAME = "spread_policies"  # of reports
+INPUTS = (
+    "artifacts/ingest",
+    "artifacts/segment",
+    "artifacts/train_predictor",
+    "artifacts/close_gap",
+)
 
 
 def spread_policies(root: Path) -> None:
-    """Write return rates, paired differences, their figure and the machine to ``reports``.
+    """Write return rates, paired differences and their figure to ``reports``.
 
     Raises:
-        InputError: the stages before have not run.
+        InputError: the stages before have not run, or the experiment cannot start.
     """
-    params = load_params(root / "params.yaml")
-    sets = read_replay_sets(root / "artifacts", params.sim2real, params.seed)
-    predictors = {one.name: _predictors(root, params, one) for one in sets}
-    scratch = root / SCRATCH / short(combined_hash(root, DEPENDENCIES))
-    jobs = [TrainingJob(one, scratch / one.name) for one in _descriptions(params)]
-    trained = [(one.policy, one.description) for one in train_policies(jobs)]
-    played = _played(sets, predictors, trained, params.seed)
-    resamples = params.sim2real.bootstrap_resamples
-    table = rates(played, ["set", "predictor", "policy"], resamples, params.seed)
-    write_csv(root / REPORT.with_suffix(".csv"), table, digits=4)
+    with running(root, "spread_policies.run", INPUTS) as run:
+        params = load_params(root / "params.yaml")
+        sets = read_replay_sets(root / "artifacts", params.sim2real, params.seed)
+        predictors = {one.name: _predictors(root, params, one) for one in sets}
+        jobs = [TrainingJob(one, run.scratch / one.name) for one in _descriptions(params)]
+        trained = [(one.policy, one.description) for one in train_policies(jobs)]
+        played = _played(sets, predictors, trained, params.seed)
+        sample = {"seed": params.seed, "resamples": params.sim2real.bootstrap_resamples}
+        tables = _tables(played, **sample)
+        figures = {NAME: spread_policies_figure(tables[NAME])}
+        run.publish("", tables, figures, NAME, sample | {"trainings": len(trained)})
+
+
+def _tables(played: pd.DataFrame, seed: int, resamples: int) -> dict[str, pd.DataFrame]:
+    """Return the tables by the names of their files."""
     setting, baseline = ["set", "predictor"], {"policy": BASELINE}
-    pairs = differences(played, setting, baseline, resamples, params.seed)
-    write_csv(root / REPORT.with_name(f"{REPORT.name}_differences.csv"), pairs, digits=4)
-    apply_style()
-    save_figure(root / REPORT.with_suffix(".png"), spread_policies_figure(table))
-    write_json(root / REPORT.with_suffix(".json"), machine(root))
-    shutil.rmtree(root / SCRATCH)
+    return {
+        NAME: rates(played, [*setting, "policy"], resamples, seed),
+        f"{NAME}_differences": differences(played, setting, baseline, resamples, seed),
+    }
 
 
 def _descriptions(params: Params) -> Iterator[TrainedPolicy]:

@@ -6,7 +6,6 @@ the paper's Table I; and with four of them in all settings of the mechanism. Tho
 features are also trained in the amended simulator. A killed run resumes.
 """
 
-import shutil
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
@@ -14,11 +13,10 @@ from pathlib import Path
 import pandas as pd
 
 from models.predictors.physics import PhysicsPredictor
-from pipeline.evaluation.costs import machine
 from pipeline.evaluation.predictors import ARENA, read_trained
+from pipeline.experiments.experiment import running
 from pipeline.experiments.profiles import merged
-from pipeline.io.artifacts import read_table, write_csv, write_json, write_table
-from pipeline.io.figure_style import apply_style, save_figure
+from pipeline.io.artifacts import read_table, write_table
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Params, check_params, read_yaml
 from pipeline.policies.report import policies_table
@@ -27,10 +25,9 @@ from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.parallel import make_missing
 from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import combined_hash, short
 from pipeline.swap_study.figures import mechanism_figure, readings_figure
 from pipeline.swap_study.policies import amended_simulator, trained_policies
-from pipeline.swap_study.tables import EXPERIMENTS, PHYSICS, study_tables
+from pipeline.swap_study.tables import EXPERIMENTS, PHYSICS, RESAMPLES, study_tables
 from pipeline.swap_study.trials import Predictors, mechanism_trials, played, reading_trials
 from pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
 from pipeline.transfer.replay_trials import (
@@ -41,16 +38,10 @@ from pipeline.transfer.replay_trials import (
     source_of,
 )
 
-REPORT = Path("reports") / "swap_study"
-SCRATCH = Path("scratch") / "swap_study"
-PROFILE = Path("profiles") / "policies.yaml"
-# What trainings and trials depend on.
-DEPENDENCIES = (
-    "models",
-    "pipeline/swap_study",
-    "pipeline/transfer",
-    "params.yaml",
-    "profiles/policies.yaml",
+PROFILE = "profiles/policies.yaml"
+INPUTS = (
+    PROFILE,
+    "artifacts/ingest",
     "artifacts/segment",
     "artifacts/train_predictor",
     "artifacts/close_gap",
@@ -61,22 +52,21 @@ def swap_study(root: Path) -> None:
     """Write rates, differences and figures to ``reports/swap_study``.
 
     Raises:
-        InputError: the stages before have not run.
+        InputError: the stages before have not run, or the experiment cannot start.
     """
-    params = check_params(merged(read_yaml(root / "params.yaml"), read_yaml(root / PROFILE)), root)
-    scratch = root / SCRATCH / short(combined_hash(root, DEPENDENCIES))
-    trained = trained_policies(root, params, scratch / "policies")
-    folder = root / REPORT
-    tests = play_test_shots(trained, params.train_policy.trials)
-    write_csv(folder / "policies.csv", policies_table(trained, tests), digits=4)
-    tables = study_tables(_played(root, params, trained, scratch), params.seed)
-    for name, table in tables.items():
-        write_csv(folder / f"{name}.csv", table, digits=4)
-    apply_style()
-    save_figure(folder / "readings.png", readings_figure(tables["readings_all"]))
-    save_figure(folder / "mechanism.png", mechanism_figure(tables["gains_mechanism"]))
-    write_json(folder / "run.json", machine(root))
-    shutil.rmtree(root / SCRATCH)
+    with running(root, "swap_study.run", INPUTS) as run:
+        changed = merged(read_yaml(root / "params.yaml"), read_yaml(root / PROFILE))
+        params = check_params(changed, root)
+        trained = trained_policies(root, params, run.scratch / "policies")
+        tests = play_test_shots(trained, params.train_policy.trials)
+        played = _played(root, params, trained, run.scratch)
+        tables = {"policies": policies_table(trained, tests), **study_tables(played, params.seed)}
+        figures = {
+            "readings": readings_figure(tables["readings_all"]),
+            "mechanism": mechanism_figure(tables["gains_mechanism"]),
+        }
+        sample = {"seed": params.seed, "resamples": RESAMPLES, "trainings": len(trained)}
+        run.publish("swap_study", tables, figures, "run", sample)
 
 
 def _played(

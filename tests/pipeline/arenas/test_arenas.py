@@ -1,7 +1,5 @@
 """Fresh arenas: what becomes of one, and how the verdicts on all are counted."""
 
-import json
-
 import joblib
 import pandas as pd
 import pytest
@@ -10,6 +8,7 @@ from pipeline.arenas import run
 from pipeline.arenas.scores import coverage, found_by_size, gap_closed, made_up, ratios
 from pipeline.arenas.world import arena_result
 from pipeline.gap import cases
+from pipeline.io.artifacts import read_json
 from tests.pipeline.arenas.made_up import CAUSES, ERRORS
 from tests.pipeline.known_answers.made_up import cause, found
 from tests.pipeline.measured_shots import params
@@ -38,44 +37,58 @@ def quick(monkeypatch):
 
 
 def test_an_arena_has_causes_and_errors(tmp_path, quick):
-    result = arena_result(SMALL, 7, tmp_path / "7")
+    result = arena_result(SMALL, 7, tmp_path)
     drag = result["causes"].query("effect == 'drag'").iloc[0]
     assert (drag["original"], drag["amended"]) == (0.4, 0.47)
     assert drag["truth"] not in (0.4, 0.47)
     errors = result["errors"].query("horizon_ms == 200").set_index("predictor")["mean"]
     assert errors["oracle"] < errors["amended"] < errors["imperfect_c"]
-    assert not (tmp_path / "7").exists()
+    assert not list(tmp_path.iterdir())
 
 
 def test_arenas_differ(tmp_path, quick):
-    one, other = (arena_result(SMALL, seed, tmp_path / str(seed))["causes"] for seed in (7, 8))
+    one, other = (arena_result(SMALL, seed, tmp_path)["causes"] for seed in (7, 8))
     assert one["truth"].tolist() != other["truth"].tolist()
+
+
+def test_a_worker_that_outlives_its_run_takes_nothing_from_the_next(tmp_path, quick, monkeypatch):
+    verdict, started, other = cases.diagnose(), [], {}
+
+    def meanwhile(*given, **named):
+        if not started:
+            started.append(True)
+            other.update(arena_result(SMALL, 7, tmp_path))
+        return verdict
+
+    monkeypatch.setattr(cases, "diagnose", meanwhile)
+    for name, table in arena_result(SMALL, 7, tmp_path).items():
+        pd.testing.assert_frame_equal(table, other[name])
 
 
 def test_a_killed_run_goes_on_with_the_arenas_that_are_missing(tmp_path, monkeypatch):
     made = []
 
-    def result(settings, seed, folder):
+    def result(settings, seed, scratch):
         made.append(seed)
         if seed == 3 and len(made) == 2:
             raise KeyboardInterrupt
         return {"causes": CAUSES, "errors": ERRORS.drop(columns="seed")}
 
-    for name in run.DEPENDENCIES:
-        (tmp_path / name).mkdir(parents=True)
+    (tmp_path / "params.yaml").write_text("seed: 1")
     monkeypatch.setattr(run, "arena_result", result)
     monkeypatch.setattr(run, "load_params", lambda path: SMALL)
-    monkeypatch.setattr(run, "SEEDS", (2, 3))
+    monkeypatch.setattr(run, "SEEDS", [2, 3])
     with joblib.parallel_config(backend="sequential"):
         with pytest.raises(KeyboardInterrupt):
             run.arenas(tmp_path)
         run.arenas(tmp_path)
     assert made == [2, 3, 3]
-    written = pd.read_csv(tmp_path / run.REPORT / "errors.csv")
+    reports = tmp_path / "reports" / "arenas"
+    written = pd.read_csv(reports / "errors.csv")
     assert written["seed"].tolist() == [2] * 4 + [3] * 4
-    assert "commit" in json.loads((tmp_path / run.REPORT / "arenas.json").read_text())
-    assert (tmp_path / run.REPORT / "arenas.png").exists()
-    assert not (tmp_path / run.SCRATCH).exists()
+    assert read_json(reports / "arenas.json")["seeds"] == [2, 3]
+    assert (reports / "arenas.png").exists()
+    assert not list((tmp_path / "scratch").rglob("*.json"))
 
 
 def test_causes_are_counted_by_their_size():

@@ -1,7 +1,5 @@
 """Forecasts of a made-up measured set: every recording is tested once, by predictors of others."""
 
-import json
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -13,6 +11,7 @@ from models.predictors.learned import build_network
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.settings import HybridSettings
 from models.predictors.spread import Spread
+from pipeline.io.artifacts import read_json
 from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from pipeline.real_forecasts.adapted import FineTuning
 from pipeline.real_forecasts.run import real_forecasts
@@ -39,8 +38,7 @@ def root(tmp_path, monkeypatch):
         rows = np.column_stack([TIMES, places + 0.002 * random.standard_normal(places.shape)])
         table = pd.DataFrame(rows, columns=["t", "x", "y", "z"])
         table.to_csv(folder / f"ball_{number}.csv", index=False)
-    for name in pipeline.real_forecasts.run.DEPENDENCIES:
-        (tmp_path / name).mkdir(parents=True)
+    (tmp_path / "params.yaml").write_text("seed: 1")
     write_trained(tmp_path, "transformer")
     _write_hybrid(tmp_path / "artifacts" / "train_predictor" / "hybrid")
     tuned = params().train_predictor.model_copy(update={"training": BRIEF})
@@ -79,8 +77,9 @@ def test_every_recording_is_tested_once_by_every_predictor(root):
     covered = pd.read_csv(report / "forecast_coverage.csv")
     assert set(covered["predictor"]) == PREDICTORS
     assert covered["coverage"].between(0.0, 1.0).all() and covered["size_mm"].gt(0.0).all()
-    assert "commit" in json.loads((report / "forecasts.json").read_text())
-    assert not (root / "scratch" / "real_forecasts").exists()
+    record = read_json(report / "forecasts.json")
+    assert (record["folds"], record["resamples"]) == (2, 50)
+    assert not list((root / "scratch").rglob("*.yaml"))
 
 
 def test_a_hybrid_on_another_simulator_starts_from_its_forecasts(root, tmp_path):
