@@ -44,13 +44,14 @@ def run_known_answers(
     Raises:
         InputError: a set cannot be read, or has too few recordings or shots.
     """
+    commit = git_commit(root)
     sets = [_read(root, folder, name, folds) for name in dict.fromkeys(names)]
     answers = _ask(sets)
-    scores = {one.name: _scores(root, one, answers) for one in sets}
+    scores = {one.name: _scores(one, answers, commit) for one in sets}
     write_csv(root / REPORT / TABLE, answer_table(answers))
     write_json(root / REPORT / SCORES, scores)
     for one in sets:
-        shutil.rmtree(one.folder.parent, ignore_errors=True)
+        shutil.rmtree(one.folder, ignore_errors=True)
     return scores
 
 
@@ -81,13 +82,13 @@ def _ask(sets: Sequence[MeasuredSet]) -> list[Answer]:
     return [Answer(question, verdict, before[k], values[k]) for (k, question), verdict in every]
 
 
-def _scores(root: Path, one: MeasuredSet, answers: Sequence[Answer]) -> dict[str, Any]:
+def _scores(one: MeasuredSet, answers: Sequence[Answer], commit: str | None) -> dict[str, Any]:
     """Return the scores of one set, and where they come from."""
     own = [answer for answer in answers if answer.question.set == one.name]
     origin = {
         "folds": one.folds,
         "nominal": NOMINAL,
-        "commit": git_commit(root),
+        "commit": commit,
         "fingerprint": one.fingerprint,
     }
     return set_scores(own) | origin

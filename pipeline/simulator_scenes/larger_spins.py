@@ -6,7 +6,6 @@ the lift of a real ball. If that made them too small, players spin the ball more
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,23 +17,18 @@ from models.arena.truth import draw_truth
 from models.ball.simulator import Simulator
 from models.ball.state import POSITION, SPIN
 from models.ball.types import Floats
-from pipeline.io.artifacts import write_json
-from pipeline.simulator_scenes.results import REPORTS
 
 LEVELS, FACTORS = ("amateur", "club"), (1.0, 1.7)
 POINTS = 2000
 SEED = 1001  # of a world and its games; not of the arena
 SPINS = ("topspin", "attack_topspin", "sidespin", "serve_spin")  # traits
 AHEAD = 0.4  # s
-REPORT = "larger_spins.json"
 MM = 1e3
 
 
-def larger_spins(root: Path) -> dict[str, list[dict[str, Any]]]:
-    """Write and return what games are like, by level, a record for each factor on the spins."""
-    content = {level: [_record(level, factor) for factor in FACTORS] for level in LEVELS}
-    write_json(root / REPORTS / REPORT, content)
-    return content
+def larger_spins() -> dict[str, list[dict[str, Any]]]:
+    """Return what games are like, by level, a record for each factor on the spins."""
+    return {level: [_record(level, factor) for factor in FACTORS] for level in LEVELS}
 
 
 def _record(level: str, factor: float) -> dict[str, Any]:

@@ -6,7 +6,6 @@ the code that is given back (measured_scene.py). A killed run resumes.
 """
 
 import os
-import shutil
 from collections.abc import Iterator, Sequence
 from functools import partial
 from math import inf
@@ -16,10 +15,12 @@ from typing import Any
 import numpy as np
 
 from models.ball.types import Floats
+from models.gap.fit.shots import Shots
 from models.gap.settings import DEFAULTS
 from models.gap.verdict import Verdict
 from models.gap.verify.bootstrap import drawn_shots, interval
 from pipeline.engines.audited import audited
+from pipeline.experiments.experiment import running
 from pipeline.gap.folds import fold_numbers
 from pipeline.gap.measured_shots import read_shots
 from pipeline.io.artifacts import write_json
@@ -28,7 +29,6 @@ from pipeline.runtime.console import refuse
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.parallel import parallel
 from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import combined_hash, short
 from pipeline.simulator_scenes.held_out_flights import HORIZONS
 from pipeline.simulator_scenes.measured_scene import MeasuredScene
 from pipeline.simulator_scenes.published import PUBLISHED
@@ -38,9 +38,6 @@ SETS = ("tt3d", "spindoe")
 SCENES = ("google-deepmind/competitive_robot_table_tennis", "MyoHub/myosuite")
 PARTS = 3
 REPORT = Path("reports") / "simulators" / "real.json"
-SCRATCH = Path("scratch") / "real_scenes"
-# What verdicts depend on, besides the shots and the gap workflow.
-DEPENDENCIES = ("models/audit", "models/engines", "pipeline/simulator_scenes")
 MM, MS = 1e3, 1e3
 
 
@@ -52,9 +49,19 @@ def real_scenes(root: Path, folder: Path) -> dict[str, dict[str, Any]]:
         folder: with a folder for each set.
 
     Raises:
-        InputError: a set cannot be read.
+        InputError: a set cannot be read, or the experiment cannot start.
     """
-    pairs = [one for name in SETS for one in _scenes(root, folder, name)]
+    sets = {name: read_shots(folder / name, name).shots for name in SETS}
+    data = " ".join(fingerprint(root, shots, PARTS) for shots in sets.values())
+    with running(root, "simulator_scenes.real", data=data) as run:
+        pairs = [one for named in sets.items() for one in _scenes(*named, run.scratch)]
+        content = _tested(pairs)
+        write_json(root / REPORT, content)
+    return content
+
+
+def _tested(pairs: Sequence[MeasuredScene]) -> dict[str, dict[str, Any]]:
+    """Return what is written of every scene, by set and scene."""
     each = [(one, number) for one in pairs for number in range(PARTS)]
     found = verdicts([one.diagnosis(number) for one, number in each], "verdicts")
     tasks = [
@@ -67,21 +74,16 @@ def real_scenes(root: Path, folder: Path) -> dict[str, dict[str, Any]]:
         own = slice(first, first + PARTS)
         results = content.setdefault(one.set, {})
         results[one.model.name] = _result(found[own], np.concatenate(errors[own], axis=1))
-    write_json(root / REPORT, content)
-    shutil.rmtree(root / SCRATCH)
     return content
 
 
-def _scenes(root: Path, folder: Path, name: str) -> Iterator[MeasuredScene]:
+def _scenes(name: str, shots: Shots, scratch: Path) -> Iterator[MeasuredScene]:
     """Yield the scenes of a set."""
-    shots = read_shots(folder / name, name).shots
     part = fold_numbers(name, shots.groups, PARTS)
-    code = short(combined_hash(root, DEPENDENCIES))
-    scratch = root / SCRATCH / code / short(fingerprint(root, shots, PARTS))
     for model in PUBLISHED:
         if model.name in SCENES:
             nominal = audited(model.build(), patience=inf).simulator
-            yield MeasuredScene(name, model, nominal, shots, part, scratch)
+            yield MeasuredScene(name, model, nominal, shots, part, scratch / name)
 
 
 def _result(found: Sequence[Verdict], errors: Floats) -> dict[str, Any]:

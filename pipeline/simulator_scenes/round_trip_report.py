@@ -6,32 +6,32 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from pipeline.io.artifacts import write_json
 from pipeline.simulator_scenes.named import LISTS, named_of, named_summary
 from pipeline.simulator_scenes.plain_scene import KINDS, Kind
-from pipeline.simulator_scenes.results import REPORTS, results
+from pipeline.simulator_scenes.results import results
 from pipeline.simulator_scenes.round_trip import RoundTrip, round_trip
 
-ROUND_TRIP = "round_trip.json"
 TARGET = 0.01  # relative difference that a parameter may have
 
 
-def round_trips(root: Path) -> dict[str, Any]:
-    """Write and return how far lists differ that go into scenes and come back by audits."""
+def round_trips(scratch: Path) -> dict[str, Any]:
+    """Return how far lists differ that go into scenes and come back by audits.
+
+    Args:
+        scratch: folder of what a killed run leaves to the next one.
+    """
     trips = {(name, k): f"{name}-{k}" for name, one in KINDS.items() for k in range(one.lists)}
     makers = {trip: partial(_trip, KINDS[name], k) for (name, k), trip in trips.items()}
-    made = results(root, makers, "round trips")
+    made = results(scratch, makers, "round trips")
     extra = {f"named-{k}": partial(named_of, k) for k in range(LISTS)}
-    content = {
+    return {
         "target": TARGET,
         "kinds": {
             name: summary(one, [RoundTrip(**made[trips[name, k]]) for k in range(one.lists)])
             for name, one in KINDS.items()
         },
-        "without_attribute": named_summary(results(root, extra, "lists without attributes")),
+        "without_attribute": named_summary(results(scratch, extra, "lists without attributes")),
     }
-    write_json(root / REPORTS / ROUND_TRIP, content)
-    return content
 
 
 def summary(kind: Kind, trips: Sequence[RoundTrip]) -> dict[str, Any]:

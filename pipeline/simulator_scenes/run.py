@@ -25,12 +25,15 @@ from models.gap.amend.simulator import amended
 from models.gap.diagnose import diagnose
 from pipeline.engines.audit_text import audit_content
 from pipeline.engines.audited import audited
-from pipeline.io.artifacts import write_json
+from pipeline.experiments.experiment import running
+from pipeline.io.artifacts import replacing_files, write_json
+from pipeline.runtime.console import refuse
+from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import repository_root
 from pipeline.simulator_scenes.amended_flights import amended_flights
 from pipeline.simulator_scenes.larger_spins import larger_spins
 from pipeline.simulator_scenes.published import PUBLISHED
-from pipeline.simulator_scenes.results import REPORTS, forget, results
+from pipeline.simulator_scenes.results import results
 from pipeline.simulator_scenes.round_trip_report import round_trips
 from pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
 
@@ -38,39 +41,51 @@ SHOTS, TESTED = 100, 40  # to diagnose on, and to fly
 TIMES: Floats = np.array([0.1, 0.2, 0.3, 0.4])  # s
 MM = 1e3
 NO_TABLE = "no_table"  # a trap, but not of a scene that leaves it out
-SCENES, PUBLISHED_MODELS = "scenes.json", "published.json"
+REPORTS = Path("reports") / "simulators"
 
 
 def simulators(root: Path) -> None:
-    """Write all reports. A killed run resumes."""
-    published_models(root)
-    larger_spins(root)
-    round_trips(root)
-    simulator_scenes(root)
-    forget(root)
+    """Write all reports. A killed run resumes.
+
+    Raises:
+        InputError: the experiment cannot start.
+    """
+    with running(root, "simulator_scenes.run") as run:
+        contents = {
+            "published": published_models(),
+            "larger_spins": larger_spins(),
+            "round_trip": round_trips(run.scratch),
+            "scenes": simulator_scenes(run.scratch),
+        }
+        with replacing_files(root / REPORTS) as folder:
+            for name, content in contents.items():
+                write_json(folder / f"{name}.json", content)
 
 
-def simulator_scenes(root: Path) -> dict[str, dict[str, Any]]:
-    """Write what becomes of every scene; return it by engine and scene."""
+def simulator_scenes(scratch: Path) -> dict[str, dict[str, Any]]:
+    """Return what becomes of every scene, by engine and scene.
+
+    Args:
+        scratch: folder of what a killed run leaves to the next one.
+    """
     found = {f"{one.engine}-{one.name}": one for one in scenes()}
     makers = {name: partial(scene_result, one) for name, one in found.items()}
-    made = results(root, makers, "scenes")
+    made = results(scratch, makers, "scenes")
     content: dict[str, dict[str, Any]] = {}
     for name, one in found.items():
         content.setdefault(one.engine, {})[one.name] = made[name]
-    write_json(root / REPORTS / SCENES, content)
     return content
 
 
-def published_models(root: Path) -> None:
-    """Write the audits of published models."""
+def published_models() -> dict[str, dict[str, Any]]:
+    """Return the audits of published models."""
     content = {}
     for one in PUBLISHED:
         found = audited(one.build(), patience=inf)
         known = tuple(trap for trap in traps(found) if one.bounces or trap.identifier != NO_TABLE)
         described = {"file": one.file, "says": one.says}
         content[one.name] = described | audit_content(one.name, found, known)
-    write_json(root / REPORTS / PUBLISHED_MODELS, content)
+    return content
 
 
 def scene_result(scene: HiddenScene) -> dict[str, Any]:
@@ -105,4 +120,7 @@ def _error(flown: Floats, launched: Floats) -> float:
 
 
 if __name__ == "__main__":
-    simulators(repository_root())
+    try:
+        simulators(repository_root())
+    except InputError as error:
+        refuse(error)

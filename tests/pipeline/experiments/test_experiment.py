@@ -18,6 +18,8 @@ EXPERIMENTS = {  # and code that shapes what they resume from
     "arenas.run": "pipeline/segmentation",
     "learning_curves.run": "pipeline/gap",
     "real_forecasts.run": "pipeline/sources",
+    "simulator_scenes.real": "pipeline/engines",
+    "simulator_scenes.run": "models/audit",
     "spread_policies.run": "pipeline/policies",
     "swap_study.run": "pipeline/evaluation",
 }

@@ -106,9 +106,11 @@ def test_a_run_does_not_resume_on_other_code(root, expert):
     expert(killed_after=10)
     with pytest.raises(KeyboardInterrupt):
         run(root)
+    left = list((root / "scratch").rglob("*.json"))
     (root / "models/gap/a.py").write_text("a = 2\n")
     again = expert()
     run(root)
+    assert left and list((root / "scratch").rglob("*.json")) == left
     whole = expert()
     run(root)
     assert again.calls == whole.calls

@@ -1,7 +1,5 @@
 """Lists that go into a scene of MuJoCo come back; what does not fit into one is named."""
 
-import json
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -9,6 +7,7 @@ from hypothesis import strategies as st
 import pipeline.simulator_scenes.round_trip_report as report
 from models.ball.catalogue import catalogue
 from pipeline.documentation.simulator_tables import round_trip_table, without_attribute
+from pipeline.io.artifacts import write_json
 from pipeline.simulator_scenes.named import named_summary, unsaid_of
 from pipeline.simulator_scenes.plain_scene import KINDS, Kind
 from pipeline.simulator_scenes.random_lists import (
@@ -19,7 +18,6 @@ from pipeline.simulator_scenes.random_lists import (
     NEVER_LEFT_OUT,
     WITHOUT_ATTRIBUTE,
 )
-from pipeline.simulator_scenes.results import DEPENDENCIES
 from pipeline.simulator_scenes.round_trip import RoundTrip, as_found, round_trip
 
 pytest.importorskip("mujoco")
@@ -117,10 +115,8 @@ def test_a_parameter_that_the_audit_misses_differs_by_all_of_it():
 def test_the_report_has_the_largest_differences(tmp_path, monkeypatch):
     monkeypatch.setattr(report, "KINDS", {"coarse": Kind(2, 5e-4)})
     monkeypatch.setattr(report, "LISTS", 2)
-    for name in DEPENDENCIES:
-        (tmp_path / name).mkdir(parents=True)
-    content = report.round_trips(tmp_path)
-    assert json.loads((tmp_path / report.REPORTS / report.ROUND_TRIP).read_text()) == content
+    content = report.round_trips(tmp_path / "scratch")
+    write_json(tmp_path / "reports/simulators/round_trip.json", content)
     coarse = content["kinds"]["coarse"]
     drag = coarse["parameters"]["drag.cd"]
     assert drag["lists"] == coarse["lists"] == 2

@@ -1,14 +1,13 @@
 """Scenes with something wrong: amended balls fly in their engines as the hidden physics says."""
 
-import json
-
+import joblib
 import numpy as np
 import pytest
 
 import pipeline.simulator_scenes.run as experiment
 from models.exam.simulate.launches import launches
 from pipeline.simulator_scenes.amended_flights import amended_flights
-from pipeline.simulator_scenes.results import DEPENDENCIES, SCRATCH
+from pipeline.simulator_scenes.results import results
 from pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
 
 pytest.importorskip("mujoco")
@@ -33,10 +32,8 @@ def test_a_scene_without_an_error_is_near_the_hidden_physics():
     assert np.median(np.linalg.norm(away, axis=-1)) < 1e-3
 
 
-def test_published_models_are_audited(tmp_path):
-    experiment.published_models(tmp_path)
-    path = tmp_path / experiment.REPORTS / experiment.PUBLISHED_MODELS
-    found = json.loads(path.read_text())
+def test_published_models_are_audited():
+    found = experiment.published_models()
     traps = {name: {one["identifier"] for one in row["traps"]} for name, row in found.items()}
     assert {"large_lift", "never_rolls"} <= traps["google-deepmind/competitive_robot_table_tennis"]
     assert {"no_drag", "no_lift"} <= traps["MyoHub/myosuite"]
@@ -44,21 +41,41 @@ def test_published_models_are_audited(tmp_path):
     assert traps["purdue-tracelab/TTRL-ICRA2026"] == {"no_lift"}
 
 
-def test_what_becomes_of_a_scene_is_written(tmp_path, monkeypatch):
+def test_what_becomes_of_a_scene(tmp_path, monkeypatch):
     monkeypatch.setattr(experiment, "scenes", lambda: iter([SCENES["mujoco.vacuum"]]))
     monkeypatch.setattr(experiment, "SHOTS", 40)
     monkeypatch.setattr(experiment, "TESTED", 6)
-    for name in DEPENDENCIES:
-        (tmp_path / name).mkdir(parents=True)
     found = experiment.simulator_scenes(tmp_path)["mujoco"]["vacuum"]
-    experiment.forget(tmp_path)
-    assert not (tmp_path / SCRATCH).exists()
-    assert (
-        json.loads((tmp_path / experiment.REPORTS / experiment.SCENES).read_text())["mujoco"][
-            "vacuum"
-        ]
-        == found
-    )
     assert found["named_right"] and "drag.cd" in found["leading"]
     assert "no_drag" in found["traps"]
     assert found["after_mm"] < 0.1 * found["before_mm"]
+
+
+def test_a_killed_run_publishes_nothing_and_goes_on(tmp_path, monkeypatch):
+    made = []
+
+    def made_once():
+        made.append("trips")
+        return {}
+
+    def round_trips(scratch):
+        return results(scratch, {"trip": made_once}, "round trips")
+
+    def killed(scratch):
+        raise KeyboardInterrupt
+
+    (tmp_path / "params.yaml").write_text("seed: 1")
+    for name in ("published_models", "larger_spins"):
+        monkeypatch.setattr(experiment, name, dict)
+    monkeypatch.setattr(experiment, "round_trips", round_trips)
+    monkeypatch.setattr(experiment, "simulator_scenes", killed)
+    with joblib.parallel_config(backend="sequential"):
+        with pytest.raises(KeyboardInterrupt):
+            experiment.simulators(tmp_path)
+        assert not (tmp_path / "reports").exists()
+        monkeypatch.setattr(experiment, "simulator_scenes", lambda scratch: {})
+        experiment.simulators(tmp_path)
+    assert made == ["trips"]
+    names = {path.name for path in (tmp_path / experiment.REPORTS).iterdir()}
+    assert names == {"larger_spins.json", "published.json", "round_trip.json", "scenes.json"}
+    assert not list((tmp_path / "scratch").rglob("*.json"))
