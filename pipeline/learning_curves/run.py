@@ -61,7 +61,7 @@ def learning_curves(root: Path) -> None:
         _errors(test, chosen, ORACLE, _oracle(root, chosen)),
     ]
     errors = [one for part in found for one in part]
-    rows = curve_rows(errors, test.recordings, list(SHOWN_HORIZONS_MS), params.seed)
+    rows = curve_rows(errors, test.recordings, list(SHOWN_HORIZONS_MS))
     write_csv(root / REPORT.with_suffix(".csv"), rows, digits=4)
     apply_style()
     save_figure(root / REPORT.with_suffix(".png"), learning_curves_figure(rows))

@@ -69,7 +69,7 @@ def swap_study(root: Path) -> None:
     folder = root / REPORT
     tests = play_test_shots(trained, params.train_policy.trials)
     write_csv(folder / "policies.csv", policies_table(trained, tests), digits=4)
-    tables = study_tables(_played(root, params, trained, scratch), params.seed)
+    tables = study_tables(_played(root, params, trained, scratch))
     for name, table in tables.items():
         write_csv(folder / f"{name}.csv", table, digits=4)
     apply_style()
