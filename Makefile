@@ -31,7 +31,7 @@ help: ## list the targets
 	$(PIP) --build-constraint constraints.txt --editable '.[pipeline,dev,docs]'
 	@touch $@
 
-reproduce: .venv/ready ## run the whole pipeline on the embedded data
+reproduce: .venv/ready ## run the whole pipeline on simulated data
 	@rallygap check
 	@dvc repro
 

@@ -165,8 +165,6 @@ class Sim2SimSettings(Settings):
     episodes: Annotated[int, Field(ge=1, le=100_000)]
     """Balls, the same for every policy."""
     protocols: Annotated[list[Sim2SimProtocol], Field(min_length=1), AfterValidator(_each_once)]
-    bootstrap_resamples: Annotated[int, Field(ge=0, le=100_000)]
-    """Resamples of trainings and recordings, for the confidence intervals; 0 leaves them out."""
 
 
 class ToleranceSettings(Settings):
@@ -192,8 +190,6 @@ class Sim2RealSettings(Settings):
     noise: SensorNoise
     """Of what is measured of their flights, and of all balls where their recordings end."""
     tolerance: ToleranceSettings
-    bootstrap_resamples: Annotated[int, Field(ge=0, le=100_000)]
-    """Resamples of trainings and recordings, for the confidence intervals; 0 leaves them out."""
 
 
 class ShotQualitySettings(Settings):

@@ -82,13 +82,19 @@ def _of_table(audit: Audit) -> Iterator[Trap]:
         )
     grip = float(np.nanmax(bounces.grip))
     if abs(grip / SOLID - 1.0) < SAME_GRIP:
-        sentence = "The ball is a solid sphere: a contact takes 2/7 of the slip, not 2/5 of it."
-        yield Trap("solid_sphere", sentence)
+        yield Trap(
+            "solid_sphere",
+            "The ball is a solid sphere: where slip ends, velocity changes by 2/7 of it, not 2/5.",
+        )
     elif grip < (1.0 - SAME_GRIP) * SOLID:
-        sentence = f"The ball never rolls: a contact takes at most {grip:.2f} of the slip, not 2/5."
+        ended = 100 * grip / SHELL
+        sentence = f"The ball never rolls: a contact ends at most {ended:.0f} % of the slip."
         yield Trap("never_rolls", sentence)
     elif grip > (1.0 + SAME_GRIP) * SHELL:
-        sentence = f"The table gives tangential energy back: contacts take {grip:.2f} of the slip."
+        reversed_ = 100 * (grip / SHELL - 1)
+        sentence = (
+            f"The table gives tangential energy back: it reverses {reversed_:.0f} % of the slip."
+        )
         yield Trap("elastic_grip", sentence)
 
 

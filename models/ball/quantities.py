@@ -69,7 +69,9 @@ QUANTITIES = (
     Quantity("net_restitution", "contact", Impact, "e of the net", start=-1.0),
     Quantity("net_friction", "contact", Impact, "mu of the net"),
     Quantity("racket_restitution", "contact", Impact, "e of the racket", start=-1.0),
-    Quantity("racket_grip", "contact", Impact, "share alpha of the slip that the rubber takes"),
+    Quantity(
+        "racket_grip", "contact", Impact, "alpha, change of velocity over the slip, at the racket"
+    ),
     Quantity("position_gain", "sensor", View, "measured over true position", start=1.0),
     Quantity("position_error", "sensor", View, "added to measured positions, m", size=3),
     Quantity("clock_gain", "sensor", View, "measured over true time", start=1.0),

@@ -12,8 +12,9 @@ ObservationKind = Literal["intercept", "strict", "spread"]
 forecast ball crosses the racket's plane, extrapolated without drag. ``spread``: also the standard
 deviations of the forecast positions."""
 
-ForecastKind = Literal["exact", "filtered"]
-"""What policies train on. ``exact``: the true future. ``filtered``: what a filter makes of noisy
+ForecastKind = Literal["exact", "exact_after_window", "filtered"]
+"""What policies train on. ``exact``: the true future, from the launch on. ``exact_after_window``:
+the same from when a filter has its first window. ``filtered``: what a filter makes of noisy
 measurements, with its standard deviations."""
 
 

@@ -8,7 +8,7 @@ from models.ball.simulator import Simulator
 from models.policy.filtered_balls import filtered_balls
 from models.policy.forecasts import exact
 from models.policy.goals import Goals, draw_goals
-from models.policy.incoming_balls import IncomingBalls, fly_incoming
+from models.policy.incoming_balls import FIRST_WINDOW, IncomingBalls, fly_incoming
 from models.policy.launches import draw_launches
 from models.policy.settings import ForecastKind, GoalSettings, HorizonsMs, ObservationKind
 
@@ -37,8 +37,9 @@ class Task:
         Efficient for many balls at once: 0.3 ms and 125 kB per ball with exact forecasts.
         """
         path, playable = fly_incoming(self.simulator, draw_launches(self.simulator, count, random))
-        if self.forecasts == "exact":
-            incoming = IncomingBalls(path, playable, 0.0, exact(path, self.horizons))
-        else:
+        if self.forecasts == "filtered":
             incoming = filtered_balls(self.simulator, path, playable, self.horizons, random)
+        else:
+            start = 0.0 if self.forecasts == "exact" else FIRST_WINDOW
+            incoming = IncomingBalls(path, playable, start, exact(path, self.horizons, start))
         return incoming, draw_goals(self.goals, count, random)

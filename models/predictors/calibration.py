@@ -1,4 +1,4 @@
-"""Sets of a given coverage: split conformal prediction of positions.
+"""Prediction regions of a given coverage: split conformal prediction of positions.
 
 A predictor's covariance gives an ellipsoid its shape; how large it has to be for a given coverage
 follows from the errors on validation windows (Vovk, Gammerman and Shafer 2005; Lei 2018), at every
@@ -72,15 +72,15 @@ class Calibration:
         return cls(radii)
 
     def covered(self, errors: Errors) -> Floats:
-        """Return (L, B, H) 1 where a set contains the measured position.
+        """Return (L, B, H) 1 where a region contains the measured position.
 
-        They are NaN where there is no set, or no measurement.
+        They are NaN where there is no region, or no measurement.
         """
         away = errors.distances - self.radii[:, None]
         return np.where(np.isfinite(away), away <= 0.0, np.nan)
 
     def sizes(self, errors: Errors) -> Floats:
-        """Return (L, B, H) radii, m, of balls with the volumes of the sets."""
+        """Return (L, B, H) radii, m, of balls with the volumes of the regions."""
         volumes = np.linalg.det(errors.covariances) ** (1 / 6)
         sizes: Floats = self.radii[:, None] * volumes
         return sizes

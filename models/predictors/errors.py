@@ -103,25 +103,3 @@ def resampled_means(
     weights = generator.multinomial(len(names), uniform, size=resamples)
     means: Floats = (weights @ sums) / (weights @ counts)
     return means
-
-
-def resampled_over_draws(
-    by_draw: Floats, recordings: np.ndarray, resamples: int, generator: np.random.Generator
-) -> Floats:
-    """Return (R, H) means of resampled recordings and draws.
-
-    Args:
-        by_draw: (D, B, H) values of B windows in each of D draws, such as trainings that differ
-            only in the seed; NaN where there is none.
-        recordings: (B,) that windows are from.
-        resamples: R.
-        generator: of the resamples.
-    """
-    draws, windows, horizons = by_draw.shape
-    flat = by_draw.swapaxes(0, 1).reshape(windows, -1)
-    of_draws = resampled_means(
-        np.nan_to_num(flat), np.isfinite(flat), recordings, resamples, generator
-    )
-    chosen = generator.multinomial(draws, np.full(draws, 1 / draws), resamples) / draws
-    means: Floats = np.einsum("rdh,rd->rh", of_draws.reshape(-1, draws, horizons), chosen)
-    return means

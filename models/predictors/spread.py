@@ -15,7 +15,9 @@ _ROWS, _COLUMNS = np.tril_indices(3)
 class Spread(nn.Module):
     """Maps a normalised history to factors of the covariance of the forecast's position error.
 
-    Its layers say how much larger errors are than ``sizes``, typical ones.
+    The covariance is that of most errors: the scale of a Student-t distribution, whose tails (balls
+    that hit the net) are wider. Its layers say how much larger errors are than ``sizes``, typical
+    ones.
     """
 
     sizes: Tensor

@@ -49,9 +49,15 @@ def found_by_size(causes: pd.DataFrame) -> Iterator[tuple[str, Share]]:
     hidden = scored(causes).query("hidden")
     for name, (low, high) in CLASSES.items():
         some = hidden[(low <= hidden["size"]) & (hidden["size"] < high)]
-        yield name, Share(int(some["named"].sum()), len(some))
-    net = hidden[hidden["effect"] == NET]
-    yield NET, Share(int(net["named"].sum()), len(net))
+        yield name, _named(some)
+    yield NET, _named(hidden[hidden["effect"] == NET])
+    other = hidden[hidden["size"].isna() & (hidden["effect"] != NET)]
+    if len(other):
+        yield "not identifiable", _named(other)
+
+
+def _named(rows: pd.DataFrame) -> Share:
+    return Share(int(rows["named"].sum()), len(rows))
 
 
 def made_up(causes: pd.DataFrame) -> Share:

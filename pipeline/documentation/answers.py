@@ -36,10 +36,10 @@ def when_a_learned_predictor_helps(root: Path) -> str:
         f"On the arena, simulator C errs {unchanged:.0f} mm 300 ms ahead. A transformer errs less "
         f"with {_sizes(means[NETWORK] < unchanged)} of the training recordings, and a hybrid, a "
         "network that corrects simulator C with a net, with "
-        f"{_sizes(means[HYBRID] < unchanged)} of them. Simulator C amended by as many recordings "
-        f"errs less than the transformer with {_sizes(means[AMENDED] < means[NETWORK])} of them, "
-        f"and less than the hybrid with {_sizes(means[AMENDED] < means[HYBRID])}. On measured "
-        f"sets, whose physics nobody knows, the least mean errors 200 ms ahead are "
+        f"{_sizes(means[HYBRID] < unchanged)} of them. Simulator C amended from the same "
+        f"recordings errs less than the transformer with {_sizes(means[AMENDED] < means[NETWORK])} "
+        f"of them, and less than the hybrid with {_sizes(means[AMENDED] < means[HYBRID])}. On "
+        "measured sets, whose physics nobody knows, the least mean errors 200 ms ahead are "
         f"{_least_errors(root)}."
     )
 

@@ -63,8 +63,10 @@ def arena_errors(root: Path) -> str:
         found = (ratios(errors, name, horizon) for horizon in HORIZONS_MS)
         rows.append([label, *(_spread(one, ".2f") for one in found)])
     closed = (100 * gap_closed(errors, horizon) for horizon in HORIZONS_MS)
-    rows.append(["removable error taken away (%)", *(_spread(one, ".0f") for one in closed)])
-    return markdown_table(["error / oracle's", *HORIZON_HEADS], rows)
+    rows.append(
+        ["removable gap to the oracle closed (%)", *(_spread(one, ".0f") for one in closed)]
+    )
+    return markdown_table(["error / oracle's, or share", *HORIZON_HEADS], rows)
 
 
 def _covered(pairs: pd.DataFrame) -> Share:

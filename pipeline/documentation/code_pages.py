@@ -18,7 +18,9 @@ A simulator is a list of these effects, in YAML (`models/ball/simulators/`). Eac
 Units are SI, angles in radians. `u` is the ball's velocity relative to the air, `S = r|w| / |u|`
 the spin ratio, `v_n` the normal and `v_b` the contact point's velocity at an impact, `w_t` the
 spin in the table's plane. A parameter that a simulator leaves out takes its neutral value, at
-which the effect changes nothing; one without a neutral value must be given.
+which the effect changes nothing; one without a neutral value must be given. Other symbols are those
+of [equations and constants](ball-physics.md): `alpha` is the share of `v_b` that an impact takes,
+`e` and `mu` are restitution and friction.
 
 To add an effect: [how-to](add-an-effect.md).
 """

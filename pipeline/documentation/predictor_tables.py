@@ -18,7 +18,7 @@ SHORT = 300  # recordings
 # As many networks each.
 HYBRID_PAIRS = {("hybrid", "transformer"), ("hybrid_ensemble", "transformer_ensemble")}
 COVERAGE_HEADS = (
-    *(f"{level} % sets: coverage (%), radius (mm)" for level in (50, 90)),
+    *(f"{level} % region: coverage (%), radius (mm)" for level in (50, 90)),
     "CRPS (mm)",
 )
 
@@ -77,7 +77,7 @@ def learning_curves(root: Path) -> str:
         cells = [with_interval(row.mean, row.ci_low, row.ci_high) for row in some.itertuples()]
         rows.append([PREDICTORS[predictor], *cells, f"{some['of_oracle'].iloc[-1]:.2f}"])
     sizes = [f"{size:,} recordings" for size in sorted(curves["recordings"].unique())]
-    return markdown_table(["predictor", *sizes, "all, of the oracle's"], rows)
+    return markdown_table(["predictor", *sizes, "error with all / oracle's"], rows)
 
 
 def learning_curves_short(root: Path) -> str:
@@ -96,7 +96,7 @@ def learning_curves_short(root: Path) -> str:
 
 
 def coverage(root: Path) -> str:
-    """Coverage and size of the sets of positions at 300 ms on the arena, and the score."""
+    """Coverage and size of prediction regions at 300 ms on the arena, and the score."""
     query = "set == 'arena' and horizon_ms == 300"
     table = read_report(root, "evaluate_predictor/coverage.csv", query)
     rows = [
@@ -107,7 +107,7 @@ def coverage(root: Path) -> str:
 
 
 def measured_coverage(root: Path) -> str:
-    """Coverage and size of the sets of positions at 200 ms on measured sets, from ``make real``."""
+    """Coverage and size of prediction regions at 200 ms on measured sets, from ``make real``."""
     table = read_report(root, "real/forecast_coverage.csv", "horizon_ms == 200")
     rows = [
         [name, ADAPTED[predictor], *_covered(some)]
@@ -117,7 +117,7 @@ def measured_coverage(root: Path) -> str:
 
 
 def _covered(rows: Any) -> list[str]:
-    """Return coverage and size of sets by their level, and the score."""
+    """Return coverage and size of regions by their level, and the score."""
     cells = []
     for row in rows.sort_values("level").to_dict("records"):
         share, low, high = (100 * row[name] for name in ("coverage", "ci_low", "ci_high"))
@@ -149,7 +149,7 @@ def measured_differences(root: Path) -> str:
         found = some.sort_values("horizon_ms").itertuples()
         cells = [with_interval(row.mean, row.ci_low, row.ci_high, ".1f") for row in found]
         rows.append([keys[0], *(ADAPTED[one] for one in keys[1:]), *cells])
-    return markdown_table(["set", "predictor", "less that of", *HORIZON_HEADS], rows)
+    return markdown_table(["set", "predictor", "minus", *HORIZON_HEADS], rows)
 
 
 def predictor_costs(root: Path) -> str:

@@ -14,7 +14,7 @@ METRICS = {"speed": ".1f", "spin": ".0f", "clearance": ".2f", "win_probability":
 KINDS = {  # of policies
     "exact": "exact forecasts",
     "filtered": "a filter's forecasts",
-    "filtered_with_spread": "and their spread",
+    "filtered_with_spread": "a filter's forecasts and standard deviations",
 }
 TRAININGS = (  # what policies observe, the kept run that trained them, their group in it
     ("landing", "policies", "sim2sim"),

@@ -1,4 +1,4 @@
-"""How sure predictors are, and whether they may be: coverage and size of their sets, and CRPS."""
+"""Uncertainty of forecasts: coverage and size of prediction regions, and CRPS."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -25,11 +25,11 @@ COLUMNS = ["horizon_ms", "coverage", "ci_low", "ci_high", "size_mm", "crps_mm", 
 
 @dataclass(frozen=True)
 class Coverage:
-    """What calibrated sets make of B forecasts at H horizons, by L levels; NaN where not measured.
+    """Calibrated prediction regions of B forecasts at H horizons; NaN where not measured.
 
     Attributes:
-        covered: (L, B, H) 1 where a set contains the measured position.
-        sizes: (L, B, H) m, radii of balls with the volumes of the sets.
+        covered: (L, B, H) 1 where a region contains the measured position.
+        sizes: (L, B, H) m, radii of balls with the volumes of the regions.
         scores: (B, H) m, CRPS.
     """
 
@@ -45,7 +45,7 @@ class Coverage:
 
     @classmethod
     def crossed(cls, parts: Sequence[Errors]) -> "Coverage":
-        """Return the coverage of all parts, each with sets that the other parts calibrate."""
+        """Return the coverage of all parts, each with regions that the other parts calibrate."""
         found = []
         for k, part in enumerate(parts):
             others = joined_errors([*parts[:k], *parts[k + 1 :]])
@@ -97,14 +97,14 @@ def coverage_rows(
     resamples: int,
     seed: int,
 ) -> pd.DataFrame:
-    """Return what the sets of each predictor cover, one row a predictor, level and horizon.
+    """Return what the regions of each predictor cover, one row a predictor, level and horizon.
 
-    Sets are calibrated by the validation windows, and tested on the test windows.
+    Regions are calibrated by the validation windows, and tested on the test windows.
 
     Args:
         test: of the source.
         validation: of the same source.
-        predictors: that say how sure they are.
+        predictors: with covariances.
         resamples: of recordings, for the 95 % intervals.
         seed: of these.
 
@@ -133,11 +133,11 @@ def coverage_table(rows: Mapping[str, pd.DataFrame]) -> ReportTable:
     return ReportTable(
         table[table["horizon_ms"].isin(SHOWN_HORIZONS_MS)],
         "coverage",
-        title="Sets of forecast positions at 100, 200 and 300 ms",
-        caption="Share of measured positions inside the sets that are to contain 50 and 90 %, with "
-        "its 95 % interval bootstrapped over recordings; the size of the sets in mm, the mean "
+        title="Prediction regions at 100, 200 and 300 ms",
+        caption="Share of measured positions inside the prediction regions of 50 and 90 %, with "
+        "its 95 % interval bootstrapped over recordings; the size of the regions in mm, the mean "
         "radius of balls of the same volume; and the continuous ranked probability score in mm, "
-        "mean over the axes. The predictor gives the shape of a set; its radius follows from the "
+        "mean over the axes. The predictor gives the shape of a region; its radius is from the "
         "errors on validation windows, at every horizon on its own.",
     )
 
@@ -148,8 +148,8 @@ def coverage_figures(rows: Mapping[str, pd.DataFrame]) -> list[ReportFigure]:
         ReportFigure(
             coverage_figure(one),
             f"coverage_{name}",
-            title=f"Coverage and size of sets on {name}",
-            caption="Share of measured positions inside the sets that are to contain 50 and 90 % "
+            title=f"Coverage and size of prediction regions on {name}",
+            caption="Share of measured positions inside the prediction regions of 50 and 90 % "
             "(dotted line), and their mean radius. The table has intervals.",
         )
         for name, one in rows.items()

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from models.predictors.errors import resampled_over_draws
 from models.predictors.protocol import Floats
+from models.support.clustered_means import clustered_mean
 
-RESAMPLES = 1000
 KEYS = ["predictor", "recordings", "horizon_ms"]
 COLUMNS = [*KEYS, "mean", "ci_low", "ci_high", "median", "of_oracle", "draws", "n"]
 ORACLE = "oracle"
@@ -30,43 +29,37 @@ class Errors:
     by_draw: Floats
 
 
-def curve_rows(
-    errors: list[Errors], tested: np.ndarray, horizons_ms: list[int], seed: int
-) -> pd.DataFrame:
+def curve_rows(errors: list[Errors], tested: np.ndarray, horizons_ms: list[int]) -> pd.DataFrame:
     """Return one row a predictor, number of recordings and horizon.
 
-    Means are over draws and windows. Their 95 % intervals come from a bootstrap that draws test
-    recordings, and draws of the training, with replacement. ``of_oracle`` is the mean in that of
-    the oracle, ``median`` that of all windows and draws.
+    Means are over draws and windows, their 95 % intervals over draws and test recordings.
+    ``of_oracle`` is the mean divided by that of the oracle, ``median`` that of all windows and
+    draws.
 
     Args:
         errors: the oracle's among them.
         tested: (B,) the test recording of each window.
         horizons_ms: of the errors.
-        seed: of the bootstrap.
     """
     oracle = next(_means(one) for one in errors if one.predictor == ORACLE)
-    rows = [row for one in errors for row in _rows(one, tested, horizons_ms, oracle, seed)]
+    rows = [row for one in errors for row in _rows(one, tested, horizons_ms, oracle)]
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
 def _rows(
-    one: Errors, tested: np.ndarray, horizons_ms: list[int], oracle: Floats, seed: int
+    one: Errors, tested: np.ndarray, horizons_ms: list[int], oracle: Floats
 ) -> Iterator[Mapping[str, float | str | int]]:
-    random = np.random.default_rng(seed)
-    drawn = resampled_over_draws(one.by_draw, tested, RESAMPLES, random)
-    low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
-    means, medians = _means(one), np.nanmedian(one.by_draw, axis=(0, 1))
+    found, medians = clustered_mean(one.by_draw, tested), np.nanmedian(one.by_draw, axis=(0, 1))
     for h, horizon in enumerate(horizons_ms):
         yield {
             "predictor": one.predictor,
             "recordings": one.recordings,
             "horizon_ms": horizon,
-            "mean": 1e3 * means[h],
-            "ci_low": 1e3 * low[h],
-            "ci_high": 1e3 * high[h],
+            "mean": 1e3 * found.mean[h],
+            "ci_low": 1e3 * found.low[h],
+            "ci_high": 1e3 * found.high[h],
             "median": 1e3 * medians[h],
-            "of_oracle": means[h] / oracle[h],
+            "of_oracle": found.mean[h] / oracle[h],
             "draws": len(one.by_draw),
             "n": int(np.isfinite(one.by_draw[0, :, h]).sum()),
         }

@@ -22,7 +22,7 @@ from pipeline.experiments.experiment import running
 from pipeline.gap.amended_files import amended_simulators
 from pipeline.io.amended_simulators import AMENDED
 from pipeline.io.ground_truth import read_truth
-from pipeline.learning_curves.curves import RESAMPLES, Errors, curve_rows
+from pipeline.learning_curves.curves import Errors, curve_rows
 from pipeline.learning_curves.figure import learning_curves_figure
 from pipeline.learning_curves.subsets import Learner, Subset, subsets
 from pipeline.params import Params, load_params
@@ -49,9 +49,9 @@ def learning_curves(root: Path) -> None:
         every = params.evaluate_predictor.window_every_ms / 1000
         (test,) = (one for one in read_test_sets(root / "artifacts", every) if one.name == ARENA)
         errors = list(_all_errors(root, params, test, run.scratch))
-        rows = curve_rows(errors, test.recordings, list(SHOWN_HORIZONS_MS), params.seed)
+        rows = curve_rows(errors, test.recordings, list(SHOWN_HORIZONS_MS))
         figures = {NAME: learning_curves_figure(rows)}
-        sample = {"seed": params.seed, "resamples": RESAMPLES, "draws": DRAWS}
+        sample = {"seed": params.seed, "draws": DRAWS}
         run.publish("", {NAME: rows}, figures, NAME, sample)
 
 

@@ -103,7 +103,10 @@ def _exhibits(laptop: Reports, paper: Reports) -> str:
 
 def _group(group: Group, found: list[dict[str, Finding]]) -> str:
     rows = [_row(value, [one[value.id] for one in found]) for value in group.values]
-    names = ["what", "stage: source", "the paper", "laptop", "verdict", "paper", "verdict"]
+    names = [
+        "what", "stage: source", "printed in the paper",
+        "run laptop", "verdict", "run paper", "verdict",
+    ]  # fmt: skip
     return _section(group.title, group.about, names, rows)
 
 

@@ -52,7 +52,7 @@ COMPARED = (HYBRID, "hybrid_ensemble")  # with all others, window by window
 
 
 def real_forecasts(root: Path, folder: Path) -> None:
-    """Write errors, paired differences and the coverage of sets to ``reports/real``.
+    """Write errors, paired differences and the coverage of regions to ``reports/real``.
 
     Args:
         root: of the repository.

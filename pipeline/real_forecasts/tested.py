@@ -88,7 +88,7 @@ class Tested:
         )
 
     def coverage(self, settings: EvaluatePredictorSettings, seed: int) -> pd.DataFrame:
-        """Return what sets cover, those of each fold calibrated by the errors on the others."""
+        """Return the coverage of regions; the other folds' errors calibrate those of a fold."""
         tables = {}
         for name in self.names:
             parts = [coverage.errors_of(one, part) for one, part in self._with(name)]

@@ -1,9 +1,9 @@
 """The experiment ``make spread-policies``: half an hour on two cores, after ``make reproduce``.
 
-Three kinds of policies learn in the same simulator, with the same seeds: from exact forecasts, as
-those of sim2real; from forecasts that a filter makes of noisy measurements; and from these with
-their standard deviations. All play the shots of sim2real with the same predictors. A killed run
-resumes.
+Three kinds of policies learn in the same simulator, with the same seeds: from exact forecasts; from
+forecasts that a filter makes of noisy measurements; and from these with their standard deviations.
+All start when a filter has its first window, and play the shots of sim2real with the same
+predictors. A killed run resumes.
 """
 
 from collections.abc import Iterator, Mapping
@@ -41,7 +41,7 @@ from pipeline.transfer.trials import joined, run_trials
 REPEATS, HORIZONS = 3, (115, 120, 125)
 # What policies observe, and which forecasts they learn from.
 KINDS: dict[str, tuple[ObservationKind, ForecastKind]] = {
-    "exact": ("intercept", "exact"),
+    "exact": ("intercept", "exact_after_window"),
     "filtered": ("intercept", "filtered"),
     "filtered_with_spread": ("spread", "filtered"),
 }
@@ -68,18 +68,18 @@ def spread_policies(root: Path) -> None:
         jobs = [TrainingJob(one, run.scratch / one.name) for one in _descriptions(params)]
         trained = [(one.policy, one.description) for one in train_policies(jobs)]
         played = _played(sets, predictors, trained, params.seed)
-        sample = {"seed": params.seed, "resamples": params.sim2real.bootstrap_resamples}
-        tables = _tables(played, **sample)
+        tables = _tables(played)
         figures = {NAME: spread_policies_figure(tables[NAME])}
-        run.publish("", tables, figures, NAME, sample | {"trainings": len(trained)})
+        sample = {"seed": params.seed, "trainings": len(trained)}
+        run.publish("", tables, figures, NAME, sample)
 
 
-def _tables(played: pd.DataFrame, seed: int, resamples: int) -> dict[str, pd.DataFrame]:
+def _tables(played: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Return the tables by the names of their files."""
     setting, baseline = ["set", "predictor"], {"policy": BASELINE}
     return {
-        NAME: rates(played, [*setting, "policy"], resamples, seed),
-        f"{NAME}_differences": differences(played, setting, baseline, resamples, seed),
+        NAME: rates(played, [*setting, "policy"]),
+        f"{NAME}_differences": differences(played, setting, baseline),
     }
 
 

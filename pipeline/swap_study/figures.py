@@ -5,6 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
+from matplotlib.patches import Patch, Rectangle
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, predictor_colour, predictor_order
 from pipeline.io.labels import predictor_label
@@ -61,10 +62,11 @@ def _draw_readings(axes: Axes, rows: pd.DataFrame, predictors: list[str]) -> Non
 
 
 def mechanism_figure(gains: pd.DataFrame) -> Figure:
-    """Draw by how much predictors return more than simulator C: age of forecasts by latency.
+    """Draw by how much predictors return more than simulator C: time between forecasts by latency.
 
     A row of panels a predictor, a column an observation and error of labels, at the nearer
-    horizons. A dot marks what the interval, with all comparisons allowed for, tells from zero.
+    horizons. Differences that are significant with all comparisons allowed for are bold. Frames
+    mark the setting of sim2real, and the paper's physics, whose latency is not stated.
 
     Args:
         gains: one row per setting, ``predictor`` and ``outcome``, with ``difference`` and
@@ -81,27 +83,36 @@ def mechanism_figure(gains: pd.DataFrame) -> Figure:
             image = _draw_surface(axes, cell[cell["predictor"] == name])
         row[0].set_ylabel(f"{predictor_label(name)}\nlatency (ms)")
     for axes, ((observation, error), _) in zip(grid[0], columns, strict=True):
-        labels = f"label error {100 * error:.0f} %" if error else "correct labels"
+        labels = f"spin labels off by {100 * error:.0f} %" if error else "correct labels"
         axes.set_title(f"{OBSERVED[observation]},\n{labels}")
     for axes in grid[-1]:
-        axes.set_xlabel("age of forecasts (ms)")
-    figure.colorbar(image, ax=grid, label=f"returns minus simulator C's (points), {nearest} ms")
+        axes.set_xlabel("time between forecasts (ms)")
+    label = f"returns minus simulator C's (points), {nearest} ms"
+    figure.colorbar(image, ax=grid, label=label, extend="both")
+    frames = [
+        Patch(fill=False, linestyle="solid", label="sim2real"),
+        Patch(fill=False, linestyle="dashed", label="the paper's physics"),
+    ]
+    figure.legend(handles=frames, loc="outside lower center", ncols=2)
     return figure
 
 
 def _draw_surface(axes: Axes, cell: pd.DataFrame) -> AxesImage:
-    ages, latencies = list(cell["age_ms"].unique()), list(cell["latency_ms"].unique())
-    table = cell.pivot(index="latency_ms", columns="age_ms", values="difference")
-    gain = 100 * table.loc[latencies, ages].to_numpy()
-    known = cell.pivot(index="latency_ms", columns="age_ms", values="p_holm")
+    times, latencies = list(cell["every_ms"].unique()), list(cell["latency_ms"].unique())
+    table = cell.pivot(index="latency_ms", columns="every_ms", values="difference")
+    gain = 100 * table.loc[latencies, times].to_numpy()
+    known = cell.pivot(index="latency_ms", columns="every_ms", values="p_holm")
     image = axes.imshow(
         gain, origin="lower", aspect="auto", cmap="RdBu", vmin=-LARGEST, vmax=LARGEST
     )
     for (y, x), value in np.ndenumerate(gain):
-        sure = known.loc[latencies[y], ages[x]] < 0.05
+        sure = known.loc[latencies[y], times[x]] < 0.05
         weight = "bold" if sure else "normal"
         axes.text(x, y, f"{value:+.0f}", ha="center", va="center", fontsize=7, weight=weight)
-    axes.set_xticks(range(len(ages)), [one.replace(" ", "\n") for one in ages], fontsize=7)
+    axes.set_xticks(range(len(times)), [one.replace(" ", "\n") for one in times], fontsize=7)
     axes.set_yticks(range(len(latencies)), [str(one) for one in latencies], fontsize=7)
     axes.grid(visible=False)
+    axes.add_patch(Rectangle((-0.5, -0.5), 1, 1, fill=False, linestyle="solid"))
+    last = len(times) - 1.5
+    axes.add_patch(Rectangle((last, -0.5), 1, len(latencies), fill=False, linestyle="dashed"))
     return image

@@ -27,7 +27,7 @@ from pipeline.runtime.parallel import make_missing
 from pipeline.runtime.paths import repository_root
 from pipeline.swap_study.figures import mechanism_figure, readings_figure
 from pipeline.swap_study.policies import amended_simulator, trained_policies
-from pipeline.swap_study.tables import EXPERIMENTS, PHYSICS, RESAMPLES, study_tables
+from pipeline.swap_study.tables import EXPERIMENTS, PHYSICS, study_tables
 from pipeline.swap_study.trials import Predictors, mechanism_trials, played, reading_trials
 from pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
 from pipeline.transfer.replay_trials import (
@@ -60,12 +60,12 @@ def swap_study(root: Path) -> None:
         trained = trained_policies(root, params, run.scratch / "policies")
         tests = play_test_shots(trained, params.train_policy.trials)
         played = _played(root, params, trained, run.scratch)
-        tables = {"policies": policies_table(trained, tests), **study_tables(played, params.seed)}
+        tables = {"policies": policies_table(trained, tests), **study_tables(played)}
         figures = {
             "readings": readings_figure(tables["readings_all"]),
             "mechanism": mechanism_figure(tables["gains_mechanism"]),
         }
-        sample = {"seed": params.seed, "resamples": RESAMPLES, "trainings": len(trained)}
+        sample = {"seed": params.seed, "trainings": len(trained)}
         run.publish("swap_study", tables, figures, "run", sample)
 
 

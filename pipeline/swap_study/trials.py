@@ -23,10 +23,10 @@ from pipeline.transfer.replay_trials import (
 )
 
 STEP_MS = round(1000 * CONTROL_STEP)
-AGES_MS = (40, 80, 160, 320, None)  # after which there is a new forecast; None: never
+INTERVALS_MS = (40, 80, 160, 320, None)  # from one forecast to the next; None: there is no next
 # An arm takes a command every 20 ms.
 LATENCIES_MS = (0, 40, 100, 200)
-LABEL_ERRORS = (0.0, 0.2)  # shares of the spin that all labels of a ball are off by
+LABEL_ERRORS = (0.0, 0.2)  # of a component of all labels of a ball, as a share of the spin
 OF_MECHANISM = ("physics_c", "amended", "transformer", "oracle")
 
 Predictors = Mapping[str, Predictor]  # by name
@@ -59,29 +59,30 @@ class Setting:
     """A setting of the mechanism.
 
     Attributes:
-        age_ms: after which there is a new forecast; None: all is forecast from the first window.
+        every_ms: from one forecast to the next; None: all is forecast from the first window.
         latency_ms: from an action to the arm.
-        label_error: share of the spin that all labels of a ball are off by.
+        label_error: standard deviation of the error of a component of the spin, the same in all
+            labels of a ball, as a share of the spin.
     """
 
-    age_ms: int | None
+    every_ms: int | None
     latency_ms: int
     label_error: float
 
     @property
     def columns(self) -> dict[str, str | float]:
         """The setting in tables."""
-        age = "first window" if self.age_ms is None else str(self.age_ms)
-        return {"age_ms": age, "latency_ms": self.latency_ms, "label_error": self.label_error}
+        every = "first window" if self.every_ms is None else str(self.every_ms)
+        return {"every_ms": every, "latency_ms": self.latency_ms, "label_error": self.label_error}
 
     def forecaster(self, name: str, predictor: Predictor) -> Forecaster:
-        """Return a predictor as a forecaster whose forecasts get this old."""
-        if self.age_ms is None:
+        """Return a predictor as a forecaster that forecasts as often."""
+        if self.every_ms is None:
             return FirstWindow(name, predictor)
-        return EverySteps(name, predictor, self.age_ms // STEP_MS)
+        return EverySteps(name, predictor, self.every_ms // STEP_MS)
 
 
-SETTINGS = [Setting(*one) for one in product(AGES_MS, LATENCIES_MS, LABEL_ERRORS)]
+SETTINGS = [Setting(*one) for one in product(INTERVALS_MS, LATENCIES_MS, LABEL_ERRORS)]
 
 
 def reading_trials(

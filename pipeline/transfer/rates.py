@@ -1,8 +1,7 @@
 """Hit and return rates of trials, and their paired differences.
 
-Intervals come from a bootstrap of two levels: it draws trainings, which differ only in the seed,
-and recordings, whose shots share players and cameras. Where trials name no recording, every ball is
-one.
+Intervals are over trainings, which differ only in the seed, and recordings, whose shots share
+players and cameras. Where trials name no recording, every ball is one.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from models.ball.types import Floats
-from models.predictors.errors import resampled_over_draws
+from models.support.clustered_means import clustered_mean
 
 
 class Outcome(NamedTuple):
@@ -23,24 +22,21 @@ class Outcome(NamedTuple):
     counts: str
 
 
-ENDS = (0.025, 0.975)
 COMPARED = ["difference", "ci_low", "ci_high", "p", "gained", "lost"]  # columns of differences
 OUTCOMES = (Outcome("hit", "hit_rate", "hits"), Outcome("returned", "return_rate", "returns"))
 
 
-def rates(played: pd.DataFrame, keys: Sequence[str], resamples: int, seed: int) -> pd.DataFrame:
+def rates(played: pd.DataFrame, keys: Sequence[str]) -> pd.DataFrame:
     """Return the hit and return rates of experiments.
 
     Args:
         played: one row per training (``repeat``) and shot (``ball``, and ``set`` where there is
             one), with ``hit``, ``returned`` and ``keys``, and possibly ``recording``.
         keys: columns that identify an experiment.
-        resamples: for the 95 % intervals; with 0 they are the rates.
-        seed: of the resamples.
 
     Returns:
         One row per experiment: ``keys``; ``balls`` and ``trainings``; ``hits`` and ``returns``,
-        mean numbers over the trainings; ``hit_rate`` and ``return_rate`` with their intervals,
+        mean numbers over the trainings; ``hit_rate`` and ``return_rate`` with their 95 % intervals,
         ``..._low`` and ``..._high``.
     """
     rows = []
@@ -48,21 +44,18 @@ def rates(played: pd.DataFrame, keys: Sequence[str], resamples: int, seed: int) 
         trials, recordings = trials_of(part)
         row = {**dict(zip(keys, values, strict=True)), "balls": len(recordings)}
         row["trainings"] = len(trials)
-        low, high = _ends(resampled(trials, recordings, resamples, seed), trials)
+        found = clustered_mean(trials, recordings)
         for k, outcome in enumerate(OUTCOMES):
             row[outcome.counts] = trials[..., k].sum() / len(trials)
-            row[outcome.rate] = trials[..., k].mean()
-            row[f"{outcome.rate}_low"], row[f"{outcome.rate}_high"] = low[k], high[k]
+            row[outcome.rate] = found.mean[k]
+            row[f"{outcome.rate}_low"] = max(found.low[k], 0.0)
+            row[f"{outcome.rate}_high"] = min(found.high[k], 1.0)
         rows.append(row)
     return pd.DataFrame(rows)
 
 
 def differences(
-    played: pd.DataFrame,
-    setting: Sequence[str],
-    baseline: Mapping[str, str],
-    resamples: int,
-    seed: int,
+    played: pd.DataFrame, setting: Sequence[str], baseline: Mapping[str, str]
 ) -> pd.DataFrame:
     """Return differences of rates to a baseline's, paired by training and ball.
 
@@ -70,19 +63,17 @@ def differences(
         played: as ``rates`` takes them, with ``setting`` and the columns of the baseline.
         setting: columns that identify a comparison.
         baseline: columns that identify what is compared, and their values for the baseline.
-        resamples: for the 95 % intervals; with 0 they are the differences.
-        seed: of the resamples.
 
     Returns:
-        One row per setting, compared value and outcome: ``difference`` with ``ci_low`` and
-        ``ci_high``; its two-sided ``p``, and ``p_holm``, which allows for all comparisons of the
-        table with the same outcome; ``gained`` and ``lost``, the balls with the outcome more often
-        than with the baseline, or less often.
+        One row per setting, compared value and outcome: ``difference`` with its 95 % interval,
+        ``ci_low`` and ``ci_high``; its two-sided ``p``, and ``p_holm``, which allows for all
+        comparisons of the table with the same outcome; ``gained`` and ``lost``, the balls with the
+        outcome more often than with the baseline, or less often.
     """
     rows = [
         {**dict(zip(setting, values, strict=True)), **row}
         for values, part in played.groupby(list(setting), sort=False)
-        for row in _differences(part, baseline, resamples, seed)
+        for row in _differences(part, baseline)
     ]
     columns = [*setting, *baseline, "outcome", *COMPARED]
     table = pd.DataFrame(rows, columns=columns)
@@ -90,23 +81,20 @@ def differences(
     return table
 
 
-def _differences(
-    part: pd.DataFrame, baseline: Mapping[str, str], resamples: int, seed: int
-) -> Iterator[dict[str, Any]]:
+def _differences(part: pd.DataFrame, baseline: Mapping[str, str]) -> Iterator[dict[str, Any]]:
     by_value = {key: trials_of(rows) for key, rows in part.groupby(list(baseline), sort=False)}
     base, recordings = by_value.pop(tuple(baseline.values()))
     for value, (trials, _) in by_value.items():
         difference = trials - base
-        drawn = resampled(difference, recordings, resamples, seed)
-        (low, high), more = _ends(drawn, difference), difference.sum(axis=0)
+        found, more = clustered_mean(difference, recordings), difference.sum(axis=0)
         for k, outcome in enumerate(OUTCOMES):
             yield {
                 **dict(zip(baseline, value, strict=True)),
                 "outcome": outcome.counts,
-                "difference": difference[..., k].mean(),
-                "ci_low": low[k],
-                "ci_high": high[k],
-                "p": two_sided(drawn[:, k]),
+                "difference": found.mean[k],
+                "ci_low": found.low[k],
+                "ci_high": found.high[k],
+                "p": found.p[k],
                 "gained": int((more[:, k] > 0).sum()),
                 "lost": int((more[:, k] < 0).sum()),
             }
@@ -130,33 +118,9 @@ def trials_of(part: pd.DataFrame) -> tuple[Floats, np.ndarray]:
     return outcomes, recordings.loc[tables[0].columns].to_numpy()
 
 
-def resampled(trials: Floats, recordings: np.ndarray, resamples: int, seed: int) -> Floats:
-    """Return (S, K) means of resamples.
-
-    Args:
-        trials: (R, B, K) K quantities of B balls in each of R trainings.
-        recordings: (B,) that balls are from.
-        resamples: S.
-        seed: of the resamples.
-    """
-    return resampled_over_draws(trials, recordings, resamples, np.random.default_rng(seed))
-
-
-def two_sided(drawn: Floats) -> float:
-    """Return how probable a mean at least as far from zero is without a difference."""
-    below, above = (drawn <= 0).sum(), (drawn >= 0).sum()
-    return float(min(2 * (1 + min(below, above)) / (1 + len(drawn)), 1.0))
-
-
 def holm(p: pd.Series) -> pd.Series:
     """Return p-values that allow for the number of comparisons (Holm 1979)."""
     order = p.sort_values(kind="stable").index
     left = len(p) - np.arange(len(p))
     adjusted = np.minimum(np.maximum.accumulate(p[order].to_numpy() * left), 1.0)
     return pd.Series(adjusted, index=order).reindex(p.index)
-
-
-def _ends(drawn: Floats, trials: Floats) -> Floats:
-    """Return (2, K) ends of 95 % intervals, which are the means without resamples."""
-    ends: Floats = np.quantile(drawn if len(drawn) else trials.mean((0, 1))[None], ENDS, axis=0)
-    return ends

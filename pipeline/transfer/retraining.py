@@ -7,9 +7,10 @@ import pandas as pd
 
 from models.ball.simulator import Simulator
 from models.ball.types import Floats
+from models.support.clustered_means import clustered_mean
 from pipeline.evaluation.predictors import ORACLE
 from pipeline.policies.storage import TrainedPolicy
-from pipeline.transfer.rates import ENDS, OUTCOMES, differences, rates, resampled, trials_of
+from pipeline.transfer.rates import OUTCOMES, differences, rates, trials_of
 from pipeline.transfer.transfer_table import PHYSICS, SETTING
 
 ORIGINAL, RETRAINED = "original", "retrained"
@@ -38,15 +39,13 @@ def in_simulator(trained: TrainedPolicy, source: str, simulator: Simulator) -> T
 
 def pooled(played: pd.DataFrame, source: str) -> pd.DataFrame:
     """Return the trials of all sets of a source as one set, followed by each set's."""
-    if played["set"].nunique() == 1:
+    if set(played["set"]) == {source}:
         return played
     balls = played["set"] + "/" + played["ball"].astype(str)
     return pd.concat([played.assign(set=source, ball=balls), played], ignore_index=True)
 
 
-def retraining_table(
-    played: pd.DataFrame, own: Mapping[Hashable, float], resamples: int, seed: int
-) -> pd.DataFrame:
+def retraining_table(played: pd.DataFrame, own: Mapping[Hashable, float]) -> pd.DataFrame:
     """Return rates, differences and shares of the gap closed, by policy and predictor.
 
     The gap in return rates is between the original policy with physics and the same policy with the
@@ -55,21 +54,19 @@ def retraining_table(
     Args:
         played: as ``rates`` takes them, with ``KEYS``.
         own: return rates of the original policies in their own simulator, by horizons.
-        resamples: of trainings and recordings, for the 95 % intervals.
-        seed: of the resamples.
 
     Returns:
         One row per setting, policy and predictor: its rates, the difference of its return rate to
         the baseline's, and the share of the gap that it closes; NaN without a significant gap.
     """
-    table = rates(played, KEYS, resamples, seed)
-    gains = differences(played, SETTING, BASELINE, resamples, seed)
+    table = rates(played, KEYS)
+    gains = differences(played, SETTING, BASELINE)
     gains = gains[gains["outcome"] == "returns"].drop(columns="outcome")
     closed = pd.DataFrame(
         [
             {**dict(zip(KEYS, key, strict=True)), **dict(zip(CLOSED, shares, strict=True))}
             for setting, part in played.groupby(SETTING, sort=False)
-            for key, shares in _shares(part, setting, own, resamples, seed).items()
+            for key, shares in _shares(part, setting, own).items()
         ],
         columns=[*KEYS, *CLOSED],
     )
@@ -77,11 +74,7 @@ def retraining_table(
 
 
 def _shares(
-    part: pd.DataFrame,
-    setting: tuple[Hashable, ...],
-    own: Mapping[Hashable, float],
-    resamples: int,
-    seed: int,
+    part: pd.DataFrame, setting: tuple[Hashable, ...], own: Mapping[Hashable, float]
 ) -> dict[tuple[Hashable, ...], tuple[float, float, float]]:
     """Return the shares of the gap that policies and predictors close in one setting."""
     found = {key: trials_of(rows) for key, rows in part.groupby(list(BASELINE), sort=False)}
@@ -90,28 +83,25 @@ def _shares(
     base = returned.pop(tuple(BASELINE.values()))
     best = returned.get((ORIGINAL, ORACLE), np.full_like(base, own[setting[1]]))
     return {
-        (*setting, *key): share_closed(rate - base, best - base, recordings, resamples, seed)
+        (*setting, *key): share_closed(rate - base, best - base, recordings)
         for key, rate in returned.items()
     }
 
 
-def share_closed(
-    gain: Floats, gap: Floats, recordings: np.ndarray, resamples: int, seed: int
-) -> tuple[float, float, float]:
+def share_closed(gain: Floats, gap: Floats, recordings: np.ndarray) -> tuple[float, float, float]:
     """Return the share of a gap that closes, with its 95 % interval.
 
     Args:
         gain: (R, B) of each ball in each training.
         gap: (R, B), likewise.
         recordings: (B,) that balls are from.
-        resamples: of trainings and recordings.
-        seed: of the resamples.
 
     Returns:
-        NaN where the gap is not significant: not positive in 97.5 % of the resamples.
+        NaN where the gap is not significant: where its interval contains zero.
     """
-    gains, gaps = resampled(np.stack([gain, gap], axis=2), recordings, resamples, seed).T
-    if not resamples or np.quantile(gaps, ENDS[0]) <= 0:
+    if clustered_mean(gap[..., None], recordings).low[0] <= 0:
         return np.nan, np.nan, np.nan
-    low, high = np.quantile(gains[gaps > 0] / gaps[gaps > 0], ENDS)
-    return float(gain.mean() / gap.mean()), float(low), float(high)
+    share = float(gain.mean() / gap.mean())
+    deviations = (gain - share * gap) / gap.mean()  # delta method
+    margin = float(clustered_mean(deviations[..., None], recordings).high[0])
+    return share, share - margin, share + margin

@@ -36,12 +36,10 @@ def report_retraining(
         replayed: trials of the original and retrained policies, by source.
         in_own_simulator: trials of all policies in their own simulators.
     """
-    resamples = settings.bootstrap_resamples
-    own = rates(in_own_simulator, OWN, resamples, run.seed)
+    own = rates(in_own_simulator, OWN)
     before = own[own["simulator"] == settings.simulator].set_index("horizons_ms")["return_rate"]
     tables = [
-        retraining_table(pooled(one, source), before.to_dict(), resamples, run.seed)
-        for source, one in replayed.items()
+        retraining_table(pooled(one, source), before.to_dict()) for source, one in replayed.items()
     ]
     table = pd.concat(tables, ignore_index=True)
     run.write_metrics({"replayed": nested(table, KEYS), "own_simulator": nested(own, OWN)})
@@ -65,7 +63,7 @@ def report_retraining(
             caption=f"{caption} original, physics: the baseline; original with a learned "
             "predictor: the swap; original, amended: the amended simulator predicts; retrained, "
             "amended; and both, retrained with a learned predictor. Rates with 95 % intervals "
-            "(low, high), bootstrapped over trainings and recordings. difference: of the return "
+            "(low, high) over trainings and recordings. difference: of the return "
             "rate to the baseline's, paired by shot (ci_low, ci_high); gained, lost: shots "
             "returned more often, or less. gap_closed: that difference as a share of the gap "
             "between the baseline and the original policy with the oracle, or without an oracle "
@@ -77,7 +75,7 @@ def report_retraining(
             title="Policies in their own simulators",
             caption="Each policy plays test shots of the simulator that it was trained in, with "
             "exact forecasts; original and retrained policies play as many. 95 % intervals are "
-            "bootstrapped over trainings and shots.",
+            "over trainings and shots.",
         ),
     )
 

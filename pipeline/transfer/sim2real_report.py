@@ -20,12 +20,11 @@ KEYS = [*SETTING, *BASELINE]  # of an experiment
 
 def report_transfer(run: StageRun, played: pd.DataFrame, learned: Sequence[str]) -> None:
     """Write metrics, the figure of rates, and the tables of rates and differences."""
-    resamples = run.params.sim2real.bootstrap_resamples
-    table = rates(played, KEYS, resamples, run.seed)
+    table = rates(played, KEYS)
     errors = played.groupby(KEYS, sort=False)["forecast_error_m"].mean()
     table["forecast_error_cm"] = 100 * errors.to_numpy()
-    gains = differences(played, SETTING, BASELINE, resamples, run.seed)
-    over_first = differences(played, SETTING, FIRST_BASELINE, resamples, run.seed)
+    gains = differences(played, SETTING, BASELINE)
+    over_first = differences(played, SETTING, FIRST_BASELINE)
     run.write_metrics(_metrics(table, gains))
     caption = _caption(run)
     run.add(
@@ -48,7 +47,7 @@ def report_transfer(run: StageRun, played: pd.DataFrame, learned: Sequence[str])
             table,
             "rates",
             title="Sim-to-real: all predictors",
-            caption="Rates over the replayed shots with 95 % intervals (low, high), bootstrapped "
+            caption="Rates over the replayed shots with 95 % intervals (low, high) "
             "over trainings and recordings; hits and returns are numbers of shots, means over "
             "policies. "
             "forecast_error_cm: mean distance between forecast and true position at the middle "
@@ -59,7 +58,7 @@ def report_transfer(run: StageRun, played: pd.DataFrame, learned: Sequence[str])
             "difference",
             title="Sim-to-real: gains over physics at every control step",
             caption="Difference of the rates with the predictor and with physics, paired by shot, "
-            "with 95 % intervals bootstrapped over trainings and recordings. p_holm: Holm's "
+            "with 95 % intervals over trainings and recordings. p_holm: Holm's "
             "correction of p for all comparisons of the table. gained, lost: shots with the "
             "outcome more often with the predictor, or with physics.",
         ),
@@ -107,10 +106,10 @@ def _caption(run: StageRun) -> str:
     return (
         f"Policies trained in the simulator {simulator} play measured shots. Physics: a Kalman "
         f"filter over the last 12 measurements with {simulator}; first window: one forecast of "
-        "the whole flight from the first 12 measurements; every tick: a new forecast every 40 ms, "
-        "as for all other predictors. Amended: the same filter with the simulator as close_gap "
-        "amended it from training shots of the source. Oracle: with the physics that flew the "
-        "ball. After the racket, arena balls fly in the arena's physics, measured balls in the "
+        "the whole flight from the first 12 measurements; every control step: a new forecast "
+        "every 40 ms, as for all other predictors. Amended: the same filter with the simulator as "
+        "close_gap amended it from the source's training shots. Oracle: the physics that flew "
+        "the ball. After the racket, arena balls fly in the arena's physics, measured balls in the "
         "literature's."
     )
 

@@ -20,9 +20,8 @@ COLUMNS = ["return_rate", "std", "ci_low", "ci_high", "hit_rate", "forecast_erro
 
 def report_sim2sim(run: StageRun, played: pd.DataFrame) -> None:
     """Write metrics, the figure of return rates, and the tables of rates and differences."""
-    resamples = run.params.sim2sim.bootstrap_resamples
-    table = _rates(played, resamples, run.seed)
-    gains = differences(played, SETTING, BASELINE, resamples, run.seed)
+    table = _rates(played)
+    gains = differences(played, SETTING, BASELINE)
     gains = gains[gains["outcome"] == "returns"]
     run.write_metrics(_metrics(table, gains))
     caption = _caption(run)
@@ -31,15 +30,15 @@ def report_sim2sim(run: StageRun, played: pd.DataFrame) -> None:
             sim2sim_figure(table),
             "return_rate",
             title="Sim-to-sim transfer",
-            caption=f"{caption} Whiskers: 95 % intervals, bootstrapped over trainings and shots. "
+            caption=f"{caption} Whiskers: 95 % intervals over trainings and shots. "
             "Dots, if there are several policies: policies that differ only in the seed.",
         ),
         ReportTable(
             table[[*KEYS, *COLUMNS]],
             "return_rate",
             title="Sim-to-sim: returns, hits and forecast errors",
-            caption=f"{caption} Rates over all shots; ci: 95 % interval of the return rate, "
-            "bootstrapped over trainings and shots; std: over policies that differ only in the "
+            caption=f"{caption} Rates over all shots; ci: 95 % interval of the return rate "
+            "over trainings and shots; std: over policies that differ only in the "
             "seed; forecast_error_m: mean distance between forecast and true position at the "
             "middle horizon, over all control steps before the ball is out of play.",
         ),
@@ -48,15 +47,15 @@ def report_sim2sim(run: StageRun, played: pd.DataFrame) -> None:
             "difference",
             title="Sim-to-sim: gain of the ground truth's predictions",
             caption="Return rate with the ground truth's predictions minus that with the imperfect "
-            "simulator's, paired by shot, with 95 % intervals bootstrapped over trainings and "
+            "simulator's, paired by shot, with 95 % intervals over trainings and "
             "shots. gained, lost: shots returned more often with the one, or with the other.",
         ),
     )
 
 
-def _rates(played: pd.DataFrame, resamples: int, seed: int) -> pd.DataFrame:
+def _rates(played: pd.DataFrame) -> pd.DataFrame:
     """Return ``rates`` with the single policies' return rates and the forecast errors."""
-    table = rates(played, KEYS, resamples, seed)
+    table = rates(played, KEYS)
     experiments = played.groupby(KEYS, sort=False)
     per_seed = [part.groupby("repeat")["returned"].mean().tolist() for _, part in experiments]
     return table.rename(columns=INTERVAL).assign(

@@ -66,12 +66,12 @@ def tolerance_trials(run: StageRun, policies: Policies) -> list[ToleranceTrial]:
 def report_tolerance(run: StageRun, played: pd.DataFrame) -> None:
     """Add the table and the figure of return rates over forecast errors."""
     settings = run.params.sim2real
-    table = rates(played, KEYS, settings.bootstrap_resamples, run.seed)
+    table = rates(played, KEYS)
     caption = (
         f"{settings.tolerance.shots} test shots of the policies' own simulator with exact "
         "forecasts but for one error. bias: forecast positions shifted in one random direction "
         "per shot; noise: shifted independently at every control step, with this root mean "
-        "square; no_spin: forecast spin set to zero. 95 % intervals are bootstrapped over "
+        "square; no_spin: forecast spin set to zero. 95 % intervals are over "
         "trainings and shots."
     )
     title = "Tolerated forecast errors"

@@ -16,7 +16,6 @@ SETTINGS = Sim2RealSettings(
     launches=6,
     noise=SensorNoise(position=0.003, spin=0.05),
     tolerance=ToleranceSettings(shots=6, errors_cm=[0.0, 40.0]),
-    bootstrap_resamples=100,
 )
 SOURCE = "thrown"  # of the launches
 LAUNCH = np.array([0.1, 1.3, 0.3, 0.2, -6.0, 1.2, -50.0, 10.0, 5.0])

@@ -28,7 +28,7 @@ def save_chaser(root, simulator, repeat, horizons=HORIZONS):
 
 def judged(root, **changes):
     """The run and its metrics, on few balls."""
-    few = {"episodes": 24, "bootstrap_resamples": 200, **changes}
+    few = {"episodes": 24, **changes}
     settings = params().sim2sim.model_copy(update=few)
     run = StageRun("sim2sim", root, params(sim2sim=settings))
     sim2sim(run)

@@ -7,7 +7,7 @@ from models.ball.effect import Effect, Parameter
 effect = Effect(
     name="frame_tilt",
     title="the frame is not level",
-    equation="gravity along (sin tx, sin ty, -cos)",
+    equation="gravity along (sin tx, sin ty, -sqrt(1 - sin^2 tx - sin^2 ty))",
     acts="flight",
     parameters=tuple(
         Parameter(

@@ -6,7 +6,7 @@ from models.ball.quantities import TYPICAL_IMPACT, Impact
 effect = Effect(
     name="speed_dependent_restitution",
     title="restitution falls with impact speed",
-    equation="e - c (v_n - 2.5)",
+    equation="e - c (|v_n| - 2.5)",
     acts="contact",
     parameters=(
         Parameter(

@@ -1,4 +1,4 @@
-"""Coverage and size of the sets of forecast positions over the horizon."""
+"""Coverage and size of the prediction regions of positions over the horizon."""
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -31,7 +31,7 @@ def coverage_figure(rows: pd.DataFrame) -> Figure:
             above.plot(line["horizon_ms"], 100 * line["coverage"], **style)
             below.plot(line["horizon_ms"], line["size_mm"], **style)
         above.axhline(100 * level, color=MUTED, linestyle="dotted")
-        above.set_title(f"sets of {100 * level:.0f} %")
+        above.set_title(f"regions of {100 * level:.0f} %")
         below.set_xlabel("forecast horizon (ms)")
         below.set_ylim(bottom=0)
     grid[0, 0].set_ylabel("coverage (%)")

@@ -41,4 +41,4 @@ def test_errors_are_medians_over_arenas(tmp_path):
     write_csv(tmp_path / "reports/arenas/errors.csv", pd.concat(each))
     lines = arena_errors(tmp_path).splitlines()
     assert lines[4] == f"| simulator C, amended |{' 1.70 (1.20 to 2.20) |' * 3}"
-    assert lines[5] == f"| removable error taken away (%) |{' 77 (60 to 93) |' * 3}"
+    assert lines[5] == f"| removable gap to the oracle closed (%) |{' 77 (60 to 93) |' * 3}"

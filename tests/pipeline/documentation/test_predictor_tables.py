@@ -29,7 +29,9 @@ def test_learning_curves_have_a_column_a_number_of_recordings(write):
     rows = [{**one, "recordings": size, "of_oracle": size / 1000} for size in (1000, 30)]
     root = write("learning_curves.csv", *rows, {**rows[0], "horizon_ms": 100, "mean": 9.0})
     lines = learning_curves(root).splitlines()
-    assert lines[0] == "| predictor | 30 recordings | 1,000 recordings | all, of the oracle's |"
+    assert (
+        lines[0] == "| predictor | 30 recordings | 1,000 recordings | error with all / oracle's |"
+    )
     assert lines[2:] == ["| oracle | 25 (21 to 30) | 25 (21 to 30) | 1.00 |"]
 
 

@@ -34,7 +34,7 @@ def test_a_scene_and_code_are_given_back_with_their_verification(tmp_path):
     out = tmp_path / "out"
     write_findings(found, out)
     assert load_scene(out / "scene.xml").model.opt.wind == pytest.approx((0, -0.61, 0))
-    assert "200 shots agree with the list within" in (out / "report.html").read_text()
+    assert "200 shots differ from the list by at most" in (out / "report.html").read_text()
     write_findings(replace(found, simulator_name="sim.yaml", handed=None), out)
     assert not (out / "scene.xml").exists() and not (out / "ball_effects.py").exists()
 
@@ -44,7 +44,7 @@ def test_a_scene_that_cannot_be_patched_is_said(tmp_path):
     handed = handed_over(found, minor=False)
     assert handed.scene is None
     assert "switches all passive forces" in handed.sentences[0]
-    assert handed.sentences[1].startswith("ball_effects.py: 40 shots agree")
+    assert handed.sentences[1].startswith("ball_effects.py: 40 shots differ")
 
 
 def test_a_scene_of_the_user_stays(tmp_path):

@@ -24,9 +24,9 @@ def test_the_gain_of_every_setting_is_written():
     ages = ("40", "80", "160", "320", "first window")
     predictors = ("amended", "transformer", "oracle")
     keys = product(OBSERVATIONS, HORIZONS, ages, (0, 40, 100, 200), (0.0, 0.2), predictors)
-    names = ["observation", "horizons_ms", "age_ms", "latency_ms", "label_error", "predictor"]
+    names = ["observation", "horizons_ms", "every_ms", "latency_ms", "label_error", "predictor"]
     rows = pd.DataFrame(keys, columns=names).assign(outcome="returns", difference=0.1, p_holm=0.01)
-    rows.loc[rows["age_ms"] == "320", "difference"] = -0.2
+    rows.loc[rows["every_ms"] == "320", "difference"] = -0.2
     figure = mechanism_figure(rows)
     panels = figure.axes[: len(predictors) * 4]
     for axes in panels:

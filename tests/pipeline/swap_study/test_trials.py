@@ -37,10 +37,10 @@ def test_all_predictors_forecast_once_and_at_every_control_step(shots):
 
 def test_outcomes_have_their_recording_and_setting(shots):
     trial = reading_trials(shots, PREDICTORS, POLICIES, 0)[-1]
-    table = played(trial, {"age_ms": "40"})
+    table = played(trial, {"every_ms": "40"})
     assert table["recording"].tolist() == [*shots.recordings, *shots.recordings]
     assert table["repeat"].tolist() == [0, 0, 1, 1]
-    assert set(table["age_ms"]) == {"40"}
+    assert set(table["every_ms"]) == {"40"}
     assert set(table["observation"]) == {POLICIES[0][1].observation}
     assert table["hit"].any()
 
@@ -61,6 +61,6 @@ def test_a_late_arm_hits_fewer_balls(shots):
     hits = {
         setting.latency_ms: trial.run().table["hit"].sum()
         for setting, trial in mechanism_trials(shots, PREDICTORS, POLICIES, 0)
-        if setting.age_ms == 40 and not setting.label_error
+        if setting.every_ms == 40 and not setting.label_error
     }
     assert hits[0] > hits[200]

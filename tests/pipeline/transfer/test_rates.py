@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.transfer.rates import differences, holm, rates, resampled, two_sided
+from pipeline.transfer.rates import differences, holm, rates
 from tests.pipeline.played_trials import KEYS, everything, trials
 
 SETTING = KEYS[:2]
@@ -12,7 +12,7 @@ BASELINE = {"predictor": "physics", "protocol": "every_tick"}
 
 
 def test_counts_are_means_over_policies_and_rates_over_all_trials():
-    table = rates(everything(), KEYS, 200, 0).set_index(KEYS)
+    table = rates(everything(), KEYS).set_index(KEYS)
     row = table.loc[("stroke_pro", "115-125", "physics", "every_tick")]
     assert (row["balls"], row["hits"], row["returns"]) == (4, 2.5, 1.5)
     assert (row["hit_rate"], row["return_rate"]) == (5 / 8, 3 / 8)
@@ -21,7 +21,7 @@ def test_counts_are_means_over_policies_and_rates_over_all_trials():
 
 
 def test_differences_are_those_to_the_baseline_on_the_same_balls():
-    table = differences(everything(), SETTING, BASELINE, 200, 0)
+    table = differences(everything(), SETTING, BASELINE)
     found = table.query("horizons_ms == '170-180' and outcome == 'returns'")
     assert list(zip(found["predictor"], found["protocol"], strict=True)) == [
         ("transformer", "every_tick"), ("physics", "first_window")
@@ -34,7 +34,7 @@ def test_differences_are_those_to_the_baseline_on_the_same_balls():
 
 def test_the_baseline_is_who_is_named_whatever_tells_forecasters_apart():
     played = everything().query("protocol == 'every_tick'")
-    table = differences(played, SETTING, {"predictor": "transformer"}, 0, 0)
+    table = differences(played, SETTING, {"predictor": "transformer"})
     assert list(table.columns)[:4] == [*SETTING, "predictor", "outcome"]
     assert set(table["predictor"]) == {"physics"}
     returns = table[table["outcome"] == "returns"]
@@ -47,18 +47,10 @@ def test_the_interval_of_a_difference_is_that_of_paired_balls():
     one, other = random.random(900) < 0.8, random.random(900) < 0.7
     other[450:] = one[450:]  # half of the balls end alike
     played = pd.concat([trials(other), trials(one, predictor="transformer")])
-    found = differences(played, SETTING, BASELINE, 4000, 0).query("outcome == 'returns'").iloc[0]
+    found = differences(played, SETTING, BASELINE).query("outcome == 'returns'").iloc[0]
     margin = 1.96 * np.std(one.astype(float) - other) / np.sqrt(900)
     assert found["ci_high"] - found["difference"] == pytest.approx(margin, rel=0.1)
     assert found["difference"] - found["ci_low"] == pytest.approx(margin, rel=0.1)
-
-
-def test_a_second_training_that_does_the_same_narrows_no_interval():
-    single = (np.random.default_rng(0).random((1, 400, 1)) < 0.8).astype(float)
-    double, balls = np.tile(single, (2, 1, 1)), np.arange(400)
-    np.testing.assert_allclose(
-        resampled(double, balls, 1000, 0), resampled(single, balls, 1000, 0), rtol=1e-12
-    )
 
 
 def of_trainings(share, predictor, seed, shots=60):
@@ -71,31 +63,24 @@ def of_trainings(share, predictor, seed, shots=60):
 
 def test_intervals_cover_a_known_rate():
     inside = [
-        rates(of_trainings(0.6, "physics", seed, 150), ["predictor"], 2000, seed).iloc[0]
-        for seed in range(40)
+        rates(of_trainings(0.6, "physics", seed, 150), ["predictor"]).iloc[0] for seed in range(40)
     ]
     covered = [row["return_rate_low"] <= 0.6 <= row["return_rate_high"] for row in inside]
     assert 0.85 <= np.mean(covered) <= 1.0
 
 
-def test_shots_of_a_recording_that_end_alike_count_as_one():
-    random = np.random.default_rng(3)
-    returned = np.repeat(random.random(100) < 0.6, 4)
-    played = trials(returned).assign(recording=np.arange(400) // 4)
-    alone, together = (
-        rates(one, KEYS, 4000, 0).iloc[0] for one in (played.drop(columns="recording"), played)
-    )
-    widths = [one["return_rate_high"] - one["return_rate_low"] for one in (alone, together)]
-    assert widths[1] == pytest.approx(2 * widths[0], rel=0.1)
+def test_intervals_of_rates_are_within_0_and_1():
+    row = rates(of_trainings(0.97, "physics", 0, 30), ["predictor"]).iloc[0]
+    assert 0 < row["return_rate_low"] < row["return_rate"] < row["return_rate_high"] == 1
 
 
 def test_trainings_that_differ_widen_the_interval():
     parts = [trials(np.arange(200) % 10 < share, k) for k, share in enumerate((3, 6, 9))]
-    row = rates(pd.concat(parts), KEYS, 4000, 0).iloc[0]
+    row = rates(pd.concat(parts), KEYS).iloc[0]
     assert (row["trainings"], row["balls"]) == (3, 200)
-    # Of three trainings drawn with replacement, all are the worst one, or the best, in 3.7 %.
-    assert row["return_rate_low"] < 0.36
-    assert row["return_rate_high"] > 0.84
+    # With three trainings an interval is wider than from the worst to the best of them.
+    assert row["return_rate_low"] < 0.3
+    assert row["return_rate_high"] > 0.9
 
 
 def test_a_predictor_that_returns_more_is_told_from_one_that_does_not():
@@ -104,7 +89,7 @@ def test_a_predictor_that_returns_more_is_told_from_one_that_does_not():
         of_trainings(0.9, "oracle", 1),
         of_trainings(0.4, "transformer", 2),
     ]
-    gains = differences(pd.concat(three), ["set"], {"predictor": "physics"}, 4000, 0)
+    gains = differences(pd.concat(three), ["set"], {"predictor": "physics"})
     returns = gains[gains["outcome"] == "returns"].set_index("predictor")
     expected = three[1]["returned"].mean() - three[0]["returned"].mean()
     assert returns.loc["oracle", "difference"] == pytest.approx(expected)
@@ -116,7 +101,7 @@ def test_a_predictor_that_returns_more_is_told_from_one_that_does_not():
 def test_equal_trials_have_no_difference():
     one = of_trainings(0.5, "physics", 3)
     both = pd.concat([one, one.assign(predictor="oracle")])
-    gains = differences(both, ["set"], {"predictor": "physics"}, 1000, 0)
+    gains = differences(both, ["set"], {"predictor": "physics"})
     assert gains["difference"].abs().max() == 0
     assert (gains["p"] == 1).all()
 
@@ -128,12 +113,3 @@ def test_the_correction_is_that_of_holm():
     assert adjusted.index.tolist() == list("abcd")
     np.testing.assert_allclose(adjusted, [0.03, 0.06, 0.06, 0.02])
     assert holm(pd.Series([0.6, 0.9])).tolist() == [1.0, 1.0]
-
-
-def test_p_values_of_no_difference_are_uniform():
-    random = np.random.default_rng(0)
-    values = [
-        two_sided(mean + random.standard_normal(2000)) for mean in random.standard_normal(500)
-    ]
-    assert np.mean(np.array(values) < 0.05) == pytest.approx(0.05, abs=0.025)
-    assert np.mean(values) == pytest.approx(0.5, abs=0.05)

@@ -26,13 +26,18 @@ def played(oracle=True):
     return pd.concat(parts, ignore_index=True)
 
 
+def more_balls(few):
+    """Five times as many balls that do the same."""
+    return pd.concat([few.assign(ball=few["ball"] + 4 * k) for k in range(5)])
+
+
 def table(of, **changes):
-    rows = retraining_table(of, **{"own": OWN, "resamples": 200, "seed": 0, **changes})
+    rows = retraining_table(of, **{"own": OWN, **changes})
     return rows.set_index(["policy", "predictor"])
 
 
 def test_shares_of_the_gap_are_of_what_the_oracle_gains():
-    rows = table(played())
+    rows = table(more_balls(played()))
     assert rows["return_rate"].tolist() == [0.25, 0.25, 0.5, 0.75, 1.0]
     closed = rows["gap_closed"]
     assert closed["original", "transformer"] == 0
@@ -50,10 +55,7 @@ def test_differences_are_on_the_same_balls():
 
 
 def test_without_an_oracle_the_gap_is_to_the_rate_in_the_own_simulator():
-    more = [
-        played(oracle=False).assign(ball=lambda one, k=k: one["ball"] + 4 * k) for k in range(5)
-    ]
-    closed = table(pd.concat(more))["gap_closed"]
+    closed = table(more_balls(played(oracle=False)))["gap_closed"]
     assert closed["original", "amended"] == pytest.approx(0.25 / 0.5)
     assert closed["retrained", "amended"] == pytest.approx(1)
 
@@ -66,18 +68,19 @@ def test_where_there_is_no_gap_nothing_closes():
 def test_there_is_a_share_where_the_gap_is_sure():
     sure, unsure = np.ones((1, 40)), np.resize([1.0, -0.9], (1, 40))
     gain, balls = np.resize([1.0, 0.0], (1, 40)), np.arange(40)
-    share, low, high = share_closed(gain, sure, balls, 1000, 0)
+    share, low, high = share_closed(gain, sure, balls)
     assert share == 0.5 and low == pytest.approx(0.35, abs=0.06) and low < 0.5 < high
-    assert np.isnan(share_closed(gain, unsure, balls, 1000, 0)).all()
+    assert np.isnan(share_closed(gain, unsure, balls)).all()
 
 
 def test_sets_of_a_source_come_as_one_first_and_each_after():
     sets = [played().assign(set=name) for name in ("stroke_pro", "receive")]
     whole = pooled(pd.concat(sets, ignore_index=True), "arena")
-    rows = retraining_table(whole, OWN, 0, 0).drop_duplicates("set").set_index("set")
+    rows = retraining_table(whole, OWN).drop_duplicates("set").set_index("set")
     assert rows["balls"].to_dict() == {"arena": 8, "stroke_pro": 4, "receive": 4}
     alone = played().assign(set="spindoe")
     assert pooled(alone, "spindoe") is alone
+    assert set(pooled(alone, "arena")["set"]) == {"arena", "spindoe"}
 
 
 def test_retraining_changes_only_the_simulator():

@@ -8,7 +8,7 @@ from tests.pipeline.played_trials import KEYS, everything, trials
 
 
 def test_the_paper_s_numbers_stand_below_ours():
-    table = paper_form_table(rates(everything(), KEYS, 0, 0), ["transformer"])
+    table = paper_form_table(rates(everything(), KEYS), ["transformer"])
     ours, theirs = table.to_dict("records")
     assert (ours["learned_predictor"], theirs["learned_predictor"]) == ("transformer", PAPER_ROW)
     assert (ours["shots"], theirs["shots"]) == (4, 200)
@@ -23,6 +23,6 @@ def test_sets_and_horizons_that_the_paper_has_not_are_ours_alone():
     own = everything().assign(set="spindoe")
     other = trials([1, 0], horizons_ms="60-70")
     played = pd.concat([own, other, other.assign(predictor="transformer")], ignore_index=True)
-    table = paper_form_table(rates(played, KEYS, 0, 0), ["transformer"])
+    table = paper_form_table(rates(played, KEYS), ["transformer"])
     assert list(table["set"]) == ["spindoe", "stroke_pro", "stroke_pro"]
     assert table["60-70 ms: physics hits"].notna().tolist() == [False, True, False]

@@ -135,8 +135,8 @@ def _sentence(name: str, count: int, what: str, place: str, found: Distances, li
     excess = found.largest - limit
     verdict = "within" if excess <= 0.0 else f"{_mm(excess)} over"
     return (
-        f"{name}: {count} {what} agree with the list within {_mm(found.largest)} {place} (95 % "
-        f"within {_mm(found.most)}), {verdict} the limit of {limit:g} mm."
+        f"{name}: {count} {what} differ from the list by at most {_mm(found.largest)} {place} "
+        f"(95 % by at most {_mm(found.most)}), {verdict} the limit of {limit:g} mm."
     )
 
 

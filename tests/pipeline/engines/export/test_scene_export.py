@@ -40,8 +40,8 @@ def test_the_command_writes_a_verified_scene_and_code(tmp_path):
     said = result.output.splitlines()
     assert said[0] == "Changed attributes of lab.xml: fluidcoef, solref."
     assert all(f"rallygap: {one}" in text for one in said[:4])
-    assert "scene.xml, RK4 at 1 ms: 200 shots agree with the list within 0.0" in result.output
-    assert "ball_effects.py: 40 shots agree with the list within 0.001 mm" in result.output
+    assert "scene.xml, RK4 at 1 ms: 200 shots differ from the list by at most 0.0" in result.output
+    assert "ball_effects.py: 40 shots differ from the list by at most 0.001 mm" in result.output
     assert former_scene(out) == ["scene.xml"]
 
 
@@ -84,7 +84,7 @@ def test_euler_does_not_meet_the_limit_and_the_step_that_does_is_given(tmp_path)
     found, after = patch_of(tmp_path, text, {"drag": {"cd": 0.47}})
     shots = VerificationShots.of(after).some()
     said = list(scene_sentences(found.scene, after, shots, "scene.xml"))
-    assert said[0].startswith("scene.xml, Euler at 4 ms: 40 shots agree") and " over " in said[0]
+    assert said[0].startswith("scene.xml, Euler at 4 ms: 40 shots differ") and " over " in said[0]
     assert said[-2].startswith("With RK4 at 4 ms, scene.xml flies within 0.0")
     assert "a contact lasts" in said[-1]
 
@@ -142,7 +142,7 @@ def test_a_scene_that_cannot_be_patched_leaves_verified_code(tmp_path):
     found = without_scene(str(source.path), after, code, problem.value)
     assert found.scene is None
     assert found.sentences[0].startswith("There is no amended scene.xml: ")
-    assert found.sentences[1].startswith("ball_effects.py: 40 shots agree")
+    assert found.sentences[1].startswith("ball_effects.py: 40 shots differ")
 
 
 def test_a_scene_with_paths_says_where_it_belongs(tmp_path):
@@ -170,7 +170,7 @@ def test_without_a_table_flights_alone_are_compared(tmp_path):
     assert found.changes == ("density", "fluidshape", "fluidcoef")
     assert len(shots.bounces) == 0
     (said,) = scene_sentences(found.scene, after, shots.some(), "scene.xml")
-    assert said.startswith("scene.xml, RK4 at 2 ms: 40 shots agree with the list within 0.0")
+    assert said.startswith("scene.xml, RK4 at 2 ms: 40 shots differ from the list by at most 0.0")
     bouncing = after.amended("table_bounce", restitution=0.9, friction=0.2)
     *_, last = scene_sentences(found.scene, bouncing, shots.some(), "scene.xml")
     assert last == "scene.xml has no contact of ball and table, so bounces are not compared."
