@@ -94,7 +94,10 @@ def diagnose(
         float, typer.Option(min=1e-4, max=0.5, help="probability of a false cause without a gap")
     ] = 0.003,
     everything: Annotated[
-        bool, typer.Option("--all", help="amend minor structure as well as the main causes")
+        bool,
+        typer.Option(
+            "--all", help="amend minor structure as well as leading causes and sensor faults"
+        ),
     ] = False,
 ) -> None:
     """Say where recordings and a simulator disagree, why, and by how much."""

@@ -33,8 +33,13 @@ def larger_spins_table(root: Path) -> str:
             ends = ", ".join(f"{100 * one['ended_by'][kind]:.0f}" for kind in ENDS)
             bend, strokes = f"{one['bend_mm']:.0f}", f"{one['strokes_a_point']:.1f}"
             rows.append([level, f"{one['factor']:g}", spins, bend, strokes, ends])
-    head = ["level", "spins times", "median, 95 % (rad/s)", "lift moves the ball by (mm)"]
-    return markdown_table([*head, "strokes a point", f"{', '.join(ENDS)} (% of points)"], rows)
+    head = [
+        "level",
+        "spins times",
+        "median, 95th percentile (rad/s)",
+        "lift moves the ball by (mm)",
+    ]
+    return markdown_table([*head, "strokes a point", f"{', '.join(ENDS)} (% of all points)"], rows)
 
 
 def scenes_table(root: Path) -> str:

@@ -47,8 +47,8 @@ class KeptResult:
         """What a page that quotes the results says of their age."""
         if self.date is None:
             return f"Results of commit {self.commit[:7]}, which this clone does not have."
-        age = "the code has changed since" if self.changed else "the code of today"
-        return f"Results of commit {self.commit[:7]} ({self.date}), {age}."
+        age = "the code has changed since" if self.changed else "the code has not changed since"
+        return f"Results of commit {self.commit[:7]} ({self.date}); {age}."
 
 
 def kept_result(root: Path, folder: Path) -> KeptResult:

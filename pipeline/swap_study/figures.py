@@ -14,7 +14,7 @@ PROTOCOLS = {"first_window": "first window", "every_tick": "every control step"}
 MARKERS = {"first_window": "o", "every_tick": "s"}
 APART = 0.16  # of the two readings of a predictor
 ROW, HEADROOM = 0.28, 1.5  # inch a predictor, and for titles and axes
-LARGEST = 40  # points, of the colour scale
+LARGEST, DARK = 40, 25  # points: ends of the colour scale, and where text on it is white
 POLICY = ["observation", "horizons_ms"]
 OBSERVED = {"intercept": "intercept features", "strict": "the paper's inputs"}
 
@@ -83,17 +83,16 @@ def mechanism_figure(gains: pd.DataFrame) -> Figure:
             image = _draw_surface(axes, cell[cell["predictor"] == name])
         row[0].set_ylabel(f"{predictor_label(name)}\nlatency (ms)")
     for axes, ((observation, error), _) in zip(grid[0], columns, strict=True):
-        labels = f"spin labels off by {100 * error:.0f} %" if error else "correct labels"
-        axes.set_title(f"{OBSERVED[observation]},\n{labels}")
-    for axes in grid[-1]:
-        axes.set_xlabel("time between forecasts (ms)")
+        labels = f"label error {100 * error:.0f} %" if error else "correct labels"
+        axes.set_title(f"{OBSERVED[observation]},\n{labels}", fontsize="medium")
+    figure.supxlabel("time between forecasts (ms)", fontsize="medium")
     label = f"returns minus simulator C's (points), {nearest} ms"
     figure.colorbar(image, ax=grid, label=label, extend="both")
     frames = [
         Patch(fill=False, linestyle="solid", label="sim2real"),
         Patch(fill=False, linestyle="dashed", label="the paper's physics"),
     ]
-    figure.legend(handles=frames, loc="outside lower center", ncols=2)
+    figure.legend(handles=frames, loc="outside upper center", ncols=2)
     return figure
 
 
@@ -108,7 +107,11 @@ def _draw_surface(axes: Axes, cell: pd.DataFrame) -> AxesImage:
     for (y, x), value in np.ndenumerate(gain):
         sure = known.loc[latencies[y], times[x]] < 0.05
         weight = "bold" if sure else "normal"
-        axes.text(x, y, f"{value:+.0f}", ha="center", va="center", fontsize=7, weight=weight)
+        colour = "white" if abs(value) > DARK else INK
+        axes.text(
+            x, y, f"{round(value):+d}", color=colour, weight=weight,
+            ha="center", va="center", fontsize=7,
+        )  # fmt: skip
     axes.set_xticks(range(len(times)), [one.replace(" ", "\n") for one in times], fontsize=7)
     axes.set_yticks(range(len(latencies)), [str(one) for one in latencies], fontsize=7)
     axes.grid(visible=False)
