@@ -14,7 +14,7 @@ app = typer.Typer(no_args_is_help=True, help="Test windows for any predictor, an
 
 @app.command()
 def export(folder: Annotated[Path, typer.Argument(help="the folder to write to")]) -> None:
-    """Write test windows of the last run, one a flight, without their futures, into FOLDER."""
+    """Write test windows of the last run, one per episode, without their futures, into FOLDER."""
     from pipeline.benchmark.windows import export_windows, run_sets
     from pipeline.params import load_params
 

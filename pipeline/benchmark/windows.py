@@ -26,15 +26,15 @@ _TEMPLATE = Path(__file__).parent / "templates" / "benchmark.md"
 
 
 def run_sets(root: Path, params: Params) -> list[MeasuredSet]:
-    """Return one window a flight of those that the stage evaluate_predictor evaluates.
+    """Return one window per episode of those that the stage evaluate_predictor evaluates.
 
-    Windows of one flight overlap: each would show what came after another.
+    Windows of one episode overlap: each would show what came after another.
 
     Raises:
         InputError: an artefact is missing or broken.
     """
     every = params.evaluate_predictor.window_every_ms / 1000
-    return [_one_a_flight(one) for one in read_test_sets(root / "artifacts", every)]
+    return [_one_per_episode(one) for one in read_test_sets(root / "artifacts", every)]
 
 
 def export_windows(sets: Sequence[MeasuredSet], folder: Path) -> None:
@@ -80,17 +80,17 @@ def window_ids(one: MeasuredSet) -> NDArray[np.str_]:
     return np.array(names)
 
 
-def _one_a_flight(one: MeasuredSet) -> MeasuredSet:
-    """Return the set with the window of each flight whose name sorts first: any instant of it."""
-    flight_at = {
-        (flight.recording_id, time): number
-        for number, flight in enumerate(one.episodes)
-        for time in flight.episode.times.tolist()
+def _one_per_episode(one: MeasuredSet) -> MeasuredSet:
+    """Return the set with the window of each episode whose name sorts first: any instant of it."""
+    episode_at = {
+        (one_episode.recording_id, time): number
+        for number, one_episode in enumerate(one.episodes)
+        for time in one_episode.episode.times.tolist()
     }
     ends = zip(one.recordings.tolist(), one.windows.anchors.tolist(), strict=True)
-    flights = np.array([flight_at[end] for end in ends])
+    episodes = np.array([episode_at[end] for end in ends])
     by_name = np.argsort(window_ids(one))
-    _, first = np.unique(flights[by_name], return_index=True)
+    _, first = np.unique(episodes[by_name], return_index=True)
     rows = by_name[first]
     return replace(one, windows=_at(one.windows, rows), recordings=one.recordings[rows])
 
