@@ -419,14 +419,18 @@ def compare_commits(
 
 @app.command(rich_help_panel=MAINTENANCE)
 def docs() -> None:
-    """Write the generated pages of the documentation, and the generated blocks of all others."""
+    """Write the generated pages, blocks and pictures of the documentation."""
     from pipeline.documentation.generated import regenerate
+    from pipeline.documentation.pictures import renewed_pictures
     from pipeline.io.artifacts import write_text
 
-    for path, text in regenerate(clone()).items():
+    root = clone()
+    for path, text in regenerate(root).items():
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             write_text(path, text)
             typer.echo(f"written: {path}")
+    for path in renewed_pictures(root):
+        typer.echo(f"written: {path}")
 
 
 def _check_free(port: int) -> None:

@@ -5,6 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.documentation.pictures import PICTURES, renewed_pictures
+from tests.clone import run
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -19,17 +22,29 @@ def test_every_link_into_the_repository_leads_somewhere():
     assert [link for link in links if not (ROOT / link).exists()] == []
 
 
-@pytest.mark.parametrize(
-    ("stage", "figure", "name"),
-    [
-        ("close_gap", "causes_arena.png", "causes_arena.png"),
-        ("close_gap", "errors_arena.png", "errors_arena.png"),
-        ("hidden_effects", "accuracy.png", "exam_accuracy.png"),
-        ("hidden_effects", "confusion.png", "exam_confusion.png"),
-    ],
-)
-def test_the_pictures_of_the_documentation_are_those_of_the_last_run(stage, figure, name):
-    drawn = ROOT / "reports" / stage / "figures" / figure
+@pytest.mark.parametrize(("name", "figure"), PICTURES.items())
+def test_the_pictures_of_the_documentation_are_those_of_the_last_run(name, figure):
+    drawn = ROOT / "reports" / figure
     if not drawn.exists():
-        pytest.skip(f"git keeps no figures of stages; run `dvc repro {stage}`")
+        pytest.skip("git keeps no figures of stages; run `dvc repro`")
     assert (ROOT / "docs" / "images" / name).read_bytes() == drawn.read_bytes()
+
+
+def test_pictures_are_renewed_where_figures_differ(tmp_path):
+    picture, figure = next(iter(PICTURES.items()))
+    drawn = tmp_path / "reports" / figure
+    drawn.parent.mkdir(parents=True)
+    drawn.write_bytes(b"one")
+    assert renewed_pictures(tmp_path) == [tmp_path / "docs" / "images" / picture]
+    assert renewed_pictures(tmp_path) == []
+    drawn.write_bytes(b"another")
+    (copied,) = renewed_pictures(tmp_path)
+    assert copied.read_bytes() == b"another"
+
+
+def test_every_picture_of_a_page_is_in_git():
+    tracked = set(run(ROOT, "git", "ls-files", "docs", "reports").split())
+    for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]:
+        for link in re.findall(r"!\[[^]]*\]\((?!https?:)([^)]+)\)", page.read_text("utf-8")):
+            shown = (page.parent / link).resolve().relative_to(ROOT).as_posix()
+            assert shown in tracked, f"{page.name} shows {shown}"
