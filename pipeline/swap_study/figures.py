@@ -9,8 +9,8 @@ from matplotlib.patches import Patch, Rectangle
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, predictor_colour, predictor_order
 from pipeline.io.labels import predictor_label
+from pipeline.transfer.figures.sim2real import PROTOCOLS
 
-PROTOCOLS = {"first_window": "first window", "every_tick": "every control step"}
 MARKERS = {"first_window": "o", "every_tick": "s"}
 APART = 0.16  # of the two readings of a predictor
 ROW, HEADROOM = 0.28, 1.5  # inch a predictor, and for titles and axes

@@ -12,7 +12,7 @@ HEADROOM = 1.0  # inch, for the title and the axis
 
 
 def retraining_figure(table: pd.DataFrame) -> Figure:
-    """Draw return rates by policy and predictor: a column per set, a row per pair of horizons.
+    """Draw return rates by policy and predictor: a column per set, a row per triple of horizons.
 
     Args:
         table: one row per ``set``, ``horizons_ms``, ``policy`` and ``predictor``, with ``balls``,

@@ -114,7 +114,7 @@ def _add_legends(figure: Figure, forecasters: list[Forecaster]) -> None:
         Patch(color=MUTED, alpha=HITS, lw=0, label="hit"),
         Line2D([], [], color=INK, lw=0.9, label="95 % interval of the return rate"),
     ]
-    figure.legend(handles=bars, loc="outside upper left", ncols=3)
+    figure.legend(handles=bars, loc="outside upper left", ncols=2)
     figure.legend(handles=parts, loc="outside lower center", ncols=3)
 
 
