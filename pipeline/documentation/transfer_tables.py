@@ -6,7 +6,7 @@ from typing import Any
 from pipeline.documentation.cells import NONE, in_points, read_report, with_interval
 from pipeline.io.labels import PREDICTORS
 from pipeline.io.markdown import markdown_table
-from pipeline.transfer.figures.sim2real import PROTOCOLS
+from pipeline.transfer.transfer_table import PROTOCOLS
 
 HORIZONS = ("115-125", "170-180")
 OF_STUDY, SIGNIFICANT = ["observation", "horizons_ms", "predictor"], 0.05

@@ -9,7 +9,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, predictor_colour, predictor_order
 from pipeline.io.labels import predictor_label
-from pipeline.transfer.figures.sim2real import PROTOCOLS
+from pipeline.transfer.transfer_table import PROTOCOLS
 
 MARKERS = {"first_window": "o", "every_tick": "s"}
 APART = 0.16  # of the two readings of a predictor

@@ -7,12 +7,13 @@ import pandas as pd
 
 from pipeline.paper.values import printed_transfer
 from pipeline.transfer.rates import OUTCOMES
-from pipeline.transfer.replay_trials import EveryStep
+from pipeline.transfer.replay_trials import EveryStep, FirstWindow
 
 SETTING = ["set", "horizons_ms"]  # of a comparison
 PHYSICS = "physics"
 BASELINE = {"predictor": PHYSICS, "protocol": EveryStep.protocol}  # of gains
 PAPER_ROW = "the paper's"
+PROTOCOLS = {FirstWindow.protocol: "first window", EveryStep.protocol: "every control step"}
 COUNTS = [outcome.counts for outcome in OUTCOMES]
 
 

@@ -11,10 +11,9 @@ from matplotlib.patches import Patch
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour, predictor_order
 from pipeline.io.labels import predictor_label
+from pipeline.transfer.transfer_table import PROTOCOLS
 
 Forecaster = tuple[str, str]  # predictor and protocol
-
-PROTOCOLS = {"first_window": "first window", "every_tick": "every control step"}
 
 # Physics uses the policies' own simulator.
 PHYSICS_COLOURS = {"first_window": "#8fc4e8", "every_tick": predictor_colour("physics_c")}
