@@ -8,6 +8,7 @@ from pipeline.io.artifacts import read_json
 from pipeline.learning_curves import run
 from pipeline.learning_curves.subsets import Learner
 from tests.models.predictors.small_training import BRIEF, TINY
+from tests.pipeline.killed_runs import kill_at
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs
 
 SPLITS = [*["train"] * 4, *["validation"] * 2]
@@ -30,21 +31,14 @@ def root(tmp_path, monkeypatch):
 
 
 def test_a_killed_run_resumes_and_publishes_curves(root, monkeypatch):
-    amended, trained = [], run._trained
+    amended = []
 
     def amend(self, subset, name):
         amended.append(subset.name)
         return shipped(name)
 
-    def killed(*_):
-        raise KeyboardInterrupt
-
     monkeypatch.setattr(Learner, "amended", amend)
-    monkeypatch.setattr(run, "_trained", killed)
-    with pytest.raises(KeyboardInterrupt):
-        run.learning_curves(root)
-    assert not (root / "reports").exists()
-    monkeypatch.setattr(run, "_trained", trained)
+    kill_at(run, "_trained", run.learning_curves, root)
     run.learning_curves(root)
     assert sorted(amended) == ["2-0", "2-1", "4-0", "4-1"]
     rows = pd.read_csv(root / "reports/learning_curves.csv")

@@ -8,6 +8,7 @@ from pipeline.policies import training
 from pipeline.spread_policies import run
 from tests.models.policy.schooling import BRIEF, GOALS
 from tests.pipeline.amendments import write_amended
+from tests.pipeline.killed_runs import kill_at
 from tests.pipeline.measured_shots import params
 from tests.pipeline.replayed import SETTINGS, replayed, write_replays
 
@@ -32,22 +33,14 @@ def root(tmp_path, monkeypatch):
 
 
 def test_a_killed_run_resumes_and_publishes_rates(root, monkeypatch):
-    learned, played = [], run._played
-    train = training._train
+    learned, train = [], training._train
 
     def noted(job, iteration, before):
         learned.append((job.description.group, iteration))
         train(job, iteration, before)
 
-    def killed(*_):
-        raise KeyboardInterrupt
-
     monkeypatch.setattr(training, "_train", noted)
-    monkeypatch.setattr(run, "_played", killed)
-    with pytest.raises(KeyboardInterrupt):
-        run.spread_policies(root)
-    assert not (root / "reports").exists()
-    monkeypatch.setattr(run, "_played", played)
+    kill_at(run, "_played", run.spread_policies, root)
     run.spread_policies(root)
     assert len(learned) == len(set(learned)) == len(run.KINDS) * BRIEF.iterations
     rates = pd.read_csv(root / "reports/spread_policies.csv")

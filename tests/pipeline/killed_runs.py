@@ -1,0 +1,15 @@
+"""Experiments that are killed."""
+
+import pytest
+
+
+def kill_at(module, step, experiment, root):
+    """Run an experiment that is killed when a function of its module is called: no reports yet."""
+
+    def killed(*_):
+        raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(module, step, killed)
+        experiment(root)
+    assert not (root / "reports").exists()
