@@ -216,6 +216,8 @@ class HiddenEffectsSettings(Settings):
 
     simulator: Annotated[str, StringConstraints(min_length=1)]
     """The nominal one: a shipped one's name, or the path of a YAML file with a table."""
+    edition: Annotated[int, Field(ge=1, le=1000)]
+    """Of the exam; the questions of each are drawn with another seed."""
     rerun_questions: Annotated[int, Field(ge=1, le=1000)]
     """Questions that every run of the stage answers again, evenly spaced over the exam."""
     other_methods_every: Annotated[int, Field(ge=1, le=1000)]

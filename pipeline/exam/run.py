@@ -10,7 +10,7 @@ from zlib import crc32
 
 from pydantic import BaseModel
 
-from models.exam.design.question import Question
+from models.exam.design.question import Question, seed_of
 from models.exam.design.questions import exam
 from models.exam.interface import Method
 from models.exam.methods.registry import METHODS, RALLYGAP
@@ -38,7 +38,7 @@ class Result(BaseModel):
 def assignments(params: Params) -> list[Assignment]:
     """Return all questions with their methods: rallygap answers all, the others one in so many."""
     settings = params.hidden_effects
-    questions = exam(load_simulator(settings.simulator), params.seed)
+    questions = exam(load_simulator(settings.simulator), _seed(params))
     only_rallygap = {RALLYGAP: METHODS[RALLYGAP]}
     return [
         # By a hash of the name, which does not depend on the place in the exam.
@@ -50,6 +50,11 @@ def assignments(params: Params) -> list[Assignment]:
         )
         for question in questions
     ]
+
+
+def _seed(params: Params) -> int:
+    """Return the seed of all questions of an edition."""
+    return seed_of(params.seed, f"edition {params.hidden_effects.edition}")
 
 
 def run_questions(assignments: Sequence[Assignment], folder: Path) -> list[Result]:
@@ -89,7 +94,7 @@ def code_of_records(root: Path, params: Params) -> str:
     digest = hashlib.sha256()
     settings = params.hidden_effects
     simulator = load_simulator(settings.simulator).to_dict()
-    values = [params.seed, settings.other_methods_every, simulator]
+    values = [_seed(params), settings.other_methods_every, simulator]
     digest.update(json.dumps(values, sort_keys=True).encode())
     for name in PACKAGES:
         for path in sorted((root / name).rglob("*.py")):

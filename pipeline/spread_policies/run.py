@@ -70,7 +70,7 @@ def spread_policies(root: Path) -> None:
         played = _played(sets, predictors, trained, params.seed)
         tables = _tables(played)
         figures = {NAME: spread_policies_figure(tables[NAME])}
-        sample = {"seed": params.seed, "trainings": len(trained)}
+        sample = {"seed": params.seed, "policies": len(trained)}
         run.publish("", tables, figures, NAME, sample)
 
 

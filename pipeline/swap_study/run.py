@@ -65,7 +65,7 @@ def swap_study(root: Path) -> None:
             "readings": readings_figure(tables["readings_all"]),
             "mechanism": mechanism_figure(tables["gains_mechanism"]),
         }
-        sample = {"seed": params.seed, "trainings": len(trained)}
+        sample = {"seed": params.seed, "policies": len(trained)}
         run.publish("swap_study", tables, figures, "run", sample)
 
 

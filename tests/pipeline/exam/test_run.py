@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from collections import Counter
 from pathlib import Path
 
 import joblib
@@ -10,7 +11,6 @@ import pytest
 
 import pipeline.exam.full_run
 from models.exam.design.question import Question
-from models.exam.design.questions import exam
 from models.exam.interface import Answer
 from models.exam.methods.registry import METHODS, RALLYGAP
 from models.exam.simulate.trial import Trial
@@ -18,7 +18,6 @@ from pipeline.exam.full_run import main, run_exam, run_sample, verdict_costs
 from pipeline.exam.records import RECORDS, read_records, write_records
 from pipeline.exam.run import Result, assignments, code_of_records, run_questions
 from pipeline.io.artifacts import write_text
-from pipeline.io.simulators import load_simulator
 from pipeline.params import load_params
 from pipeline.runtime.errors import InputError
 from tests.models.exam.example_records import record
@@ -57,11 +56,16 @@ def test_rallygap_answers_every_question_and_the_others_one_in_so_many():
     settings = params()
     assigned = assignments(settings)
 
-    simulator = load_simulator(settings.hidden_effects.simulator)
-    assert [question for question, _ in assigned] == exam(simulator, settings.seed)
     assert all(RALLYGAP in methods for _, methods in assigned)
     share = np.mean([methods == METHODS for _, methods in assigned])
     assert share == pytest.approx(1 / settings.hidden_effects.other_methods_every, rel=0.15)
+
+
+def test_every_edition_asks_its_own_questions_of_the_same_kinds():
+    first, second = ([one for one, _ in assignments(params(edition=n))] for n in (1, 2))
+
+    assert not {one.trial.seed for one in first} & {one.trial.seed for one in second}
+    assert Counter(one.group for one in first) == Counter(one.group for one in second)
 
 
 def test_a_killed_run_resumes(tmp_path):
@@ -98,6 +102,7 @@ def test_the_code_of_records_follows_what_records_depend_on_and_nothing_else(roo
     before = code_of_records(root, params())
 
     assert code_of_records(root, params(rerun_questions=7)) == before
+    assert code_of_records(root, params(edition=7)) != before
     assert code_of_records(root, params(other_methods_every=7)) != before
     (root / "README.md").write_text("other words\n")
     (root / "constraints.txt").write_text("numpy==1\nmlflow==2\n")
