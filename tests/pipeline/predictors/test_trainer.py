@@ -53,6 +53,15 @@ def assert_same(training, other):
     assert training.curve == other.curve
 
 
+def test_denormal_numbers_are_zero_while_a_network_is_trained(tmp_path):
+    """On Intel's processors they would take a hundred times longer."""
+    smallest, seen = torch.tensor([1e-40]), []
+    training, data = small_training()
+    train(training, data, tmp_path, [StepReporter(lambda _: seen.append((2 * smallest).item()))])
+    assert set(seen) == {0.0}
+    assert (2 * smallest).item() > 0.0
+
+
 @pytest.mark.parametrize(("step", "left"), [(0, 9), (2, 9), (3, 6), (8, 3)])
 def test_a_training_that_was_killed_goes_on_to_the_same_result(uninterrupted, tmp_path, step, left):
     killed, data = small_training(kind=Killed)
