@@ -76,6 +76,7 @@ def reproduction_time(root: Path) -> str:
     """Return how long `make reproduce` took on a clean clone, and what it changed."""
     measured = read_json(root / COSTS / "reproduce.json")
     minutes = f"{measured['seconds'] / 60:.0f} minutes on {measured['cores']} cores"
+    minutes += f" ({measured['cpu']})"
     changed = "left every committed byte unchanged"
     if measured["changed"]:
         changed = f"changed {len(measured['changed'])} committed files"

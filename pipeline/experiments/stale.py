@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from pipeline.experiments.file_content import do_the_same
 from pipeline.experiments.imports import imported_packages
 from pipeline.io.artifacts import read_json
 from pipeline.paper.run_reports import RECORD
@@ -96,10 +97,22 @@ def result_of(root: Path, folder: Path, commit: str, code: Iterable[str] = CODE)
 
 
 def changed_code(root: Path, commit: str, code: Iterable[str] = CODE) -> tuple[str, ...]:
-    """Return the packages of some code that differ from a commit, but for presentation."""
+    """Return the packages of some code that differ from a commit, but for presentation.
+
+    Comments and docstrings may differ.
+    """
     left_out = [f":(exclude){path}" for path in PRESENTATION]
     names = git_if_known(root, "diff", "--name-only", commit, "--", *code, *left_out) or ""
-    return tuple(sorted({str(_package(root, Path(name))) for name in names.split()}))
+    changed = [name for name in names.split() if not _does_the_same(root, commit, name)]
+    return tuple(sorted({str(_package(root, Path(name))) for name in changed}))
+
+
+def _does_the_same(root: Path, commit: str, name: str) -> bool:
+    """Whether a file that differs from a commit's does the same."""
+    before, file = git_if_known(root, "show", f"{commit}:{name}"), root / name
+    if before is None or not file.is_file():
+        return False
+    return do_the_same(name, before, file.read_text(encoding="utf-8").strip())
 
 
 def check_committed(root: Path) -> None:

@@ -1,10 +1,13 @@
-"""The same arithmetic on every x86-64 processor, so that the same inputs give the same bytes.
+"""The same arithmetic on x86-64 processors of a maker, so that the same inputs give the same bytes.
 
 numpy, OpenBLAS, MKL, oneDNN and torch choose instructions by the processor. Wider ones add in
 another order, the last bits differ, and a training amplifies the difference. All are limited to
 AVX2, which every such processor of the last ten years has. The threads of OpenBLAS add in another
 order as well: it has one, whatever the number of cores. They read the environment when they are
 loaded, so it is set before the first of them.
+
+MKL, which multiplies torch's matrices, still adds in another order on AMD's processors than on
+Intel's; ``MKL_CBWR=COMPATIBLE`` makes them alike, in 1.5 times the time (docs/decisions.md).
 """
 
 import os

@@ -37,6 +37,17 @@ def test_what_only_presents_results_makes_none_of_them_stale(repository):
     assert not kept_result(repository, repository / "reports" / "paper").is_stale
 
 
+def test_comments_and_docstrings_make_no_results_stale(repository):
+    code, paper = repository / "models/ball/code.py", repository / "reports" / "paper"
+    for text in ("1  # m", '"""A one."""\n\n1\n'):
+        code.write_text(text)
+        assert not kept_result(repository, paper).is_stale
+    code.write_text('"""A one."""\n\n1.0\n')
+    assert kept_result(repository, paper).is_stale
+    code.unlink()
+    assert kept_result(repository, paper).is_stale
+
+
 def test_results_without_a_record_are_of_the_commit_that_last_changed_them(repository):
     write_json(repository / "reports/exam/records.json", {})
     commit(repository, "exam")
