@@ -14,14 +14,18 @@ C, AMENDED, NETWORK, HYBRID = "physics_c", "amended_imperfect_c", "transformer",
 
 def when_the_swap_helps(root: Path) -> str:
     """By how much exchanging physics for a learned predictor changes returns, and when."""
-    gains = read_report(root, "swap_study/gains.csv", "outcome == 'returns'")
+    query = "outcome == 'returns'"
+    gains = read_report(root, "swap_study/gains.csv", query)
     gains = gains.set_index(["protocol", "predictor"]).sort_index()
     first, every = gains.loc["first_window"], gains.loc["every_tick"]
+    again = read_report(root, "swap_study/gains_every_tick.csv", query).set_index("predictor")
     return (
-        "Where physics forecasts once, from the first window, the transformer returns "
-        f"{_points(first.loc[[NETWORK]])}. Where physics forecasts again at every control step, "
-        f"the transformer returns {_points(every.loc[[NETWORK]])}, and the arena's own physics "
-        f"{_points(every.loc[['oracle']])}."
+        "With one forecast from the first window, the transformer in place of simulator C changes "
+        f"returns by {_points(first.loc[[NETWORK]])}, the amended simulator by "
+        f"{_points(first.loc[['amended']])}. With a forecast at every control step, the "
+        f"transformer changes them by {_points(every.loc[[NETWORK]])}, the arena's own physics by "
+        f"{_points(every.loc[['oracle']])}. Forecasts at every control step instead of one change "
+        f"the returns with simulator C by {_points(again.loc[[C]])}."
     )
 
 
@@ -57,8 +61,8 @@ def what_naming_buys(root: Path) -> str:
         f"On {errors['seed'].nunique()} fresh arenas, amending takes away {closed:.0f} % of the "
         f"error that better physics can remove, in median, and leaves {of_oracle:.2f} times the "
         "error of the arena's own physics. On measured sets the held-out error falls "
-        f"significantly in {falls} of {len(verdicts)} verdicts. Policies that are trained again in "
-        f"the amended simulator return {_points(retrained)} of the same replayed shots."
+        f"significantly in {falls} of {len(verdicts)} verdicts. Training policies in the amended "
+        f"simulator instead of simulator C changes returns by {_points(retrained)}."
     )
 
 

@@ -29,15 +29,20 @@ def gains(differences, **columns):
 def test_the_swap_is_compared_under_both_protocols(tmp_path):
     parts = [
         gains([0.13, 0.22], protocol="first_window", predictor="transformer"),
+        gains([0.07, 0.12], protocol="first_window", predictor="amended"),
         gains([-0.01, 0.02], protocol="every_tick", predictor="transformer"),
         gains([0.0, 0.06], protocol="every_tick", predictor="oracle"),
         gains([0.5], protocol="every_tick", predictor="transformer", outcome="hits"),
     ]
-    root = with_tables(tmp_path, {"swap_study/gains.csv": pd.concat(parts)})
+    again = [gains([0.15, 0.17], predictor="physics_c"), gains([0.4], predictor="tae")]
+    tables = {"gains": pd.concat(parts), "gains_every_tick": pd.concat(again)}
+    root = with_tables(tmp_path, {f"swap_study/{name}.csv": one for name, one in tables.items()})
     found = when_the_swap_helps(root)
     assert "+13 to +22 points (2 of 2 differences significant)" in found
     assert "-1 to +2 points (0 of 2 differences significant)" in found
     assert "+0 to +6 points (1 of 2 differences significant)" in found
+    assert "amended simulator by +7 to +12 points (2 of 2 differences significant)" in found
+    assert "with simulator C by +15 to +17 points (2 of 2 differences significant)" in found
 
 
 def test_recordings_are_counted_from_which_networks_err_less(tmp_path):
