@@ -75,8 +75,8 @@ def _comparison(one: dict[str, Any]) -> list[str]:
 def reproduction_time(root: Path) -> str:
     """Return how long `make reproduce` took on a clean clone, and what it changed."""
     measured = read_json(root / COSTS / "reproduce.json")
-    minutes = f"{measured['seconds'] / 60:.0f} minutes on {measured['cores']} cores"
-    minutes += f" ({measured['cpu']})"
+    machine = f"{measured['cores']} cores ({measured['cpu']})"
+    minutes = f"{measured['seconds'] / 60:.0f} minutes on {machine}"
     changed = "left every committed byte unchanged"
     if measured["changed"]:
         changed = f"changed {len(measured['changed'])} committed files"

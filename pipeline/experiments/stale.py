@@ -103,8 +103,13 @@ def changed_code(root: Path, commit: str, code: Iterable[str] = CODE) -> tuple[s
     """
     left_out = [f":(exclude){path}" for path in PRESENTATION]
     names = git_if_known(root, "diff", "--name-only", commit, "--", *code, *left_out) or ""
-    changed = [name for name in names.split() if not _does_the_same(root, commit, name)]
-    return tuple(sorted({str(_package(root, Path(name))) for name in changed}))
+    changed: set[str] = set()
+    for name in names.split():
+        package = str(_package(root, Path(name)))
+        # One file settles it: git takes milliseconds to show each.
+        if package not in changed and not _does_the_same(root, commit, name):
+            changed.add(package)
+    return tuple(sorted(changed))
 
 
 def _does_the_same(root: Path, commit: str, name: str) -> bool:

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import pipeline.exam.full_run
-from models.exam.design.question import Question
+from models.exam.design.question import Question, seed_of
+from models.exam.design.questions import exam
 from models.exam.interface import Answer
 from models.exam.methods.registry import METHODS, RALLYGAP
 from models.exam.simulate.trial import Trial
@@ -18,6 +19,7 @@ from pipeline.exam.full_run import main, run_exam, run_sample, verdict_costs
 from pipeline.exam.records import RECORDS, read_records, write_records
 from pipeline.exam.run import Result, assignments, code_of_records, run_questions
 from pipeline.io.artifacts import write_text
+from pipeline.io.simulators import load_simulator
 from pipeline.params import load_params
 from pipeline.runtime.errors import InputError
 from tests.models.exam.example_records import record
@@ -56,6 +58,9 @@ def test_rallygap_answers_every_question_and_the_others_one_in_so_many():
     settings = params()
     assigned = assignments(settings)
 
+    hidden = settings.hidden_effects
+    seed = seed_of(settings.seed, f"edition {hidden.edition}")
+    assert [question for question, _ in assigned] == exam(load_simulator(hidden.simulator), seed)
     assert all(RALLYGAP in methods for _, methods in assigned)
     share = np.mean([methods == METHODS for _, methods in assigned])
     assert share == pytest.approx(1 / settings.hidden_effects.other_methods_every, rel=0.15)
