@@ -49,6 +49,6 @@ def test_a_killed_run_resumes_and_publishes_rates(root, monkeypatch):
     pairs = pd.read_csv(root / "reports/spread_policies_differences.csv")
     assert set(pairs["policy"]) == {*run.KINDS} - {run.BASELINE}
     record = read_json(root / "reports/spread_policies.json")
-    assert record["trainings"] == 3
+    assert record["policies"] == 3
     assert (root / "reports/spread_policies.png").exists()
     assert not list((root / "scratch").rglob("record.json"))

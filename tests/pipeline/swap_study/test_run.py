@@ -60,7 +60,7 @@ def test_a_killed_run_resumes_and_publishes_all_tables(root, monkeypatch):
     assert len(left) == 3 and not (root / "reports").exists()
     run.swap_study(root)
     record = read_json(root / "reports/swap_study/run.json")
-    assert record["trainings"] == 4
+    assert record["policies"] == 4
     names = {path.name for path in (root / "reports/swap_study").iterdir()}
     assert {"policies.csv", "readings.csv", "gains.csv", "readings.png", "mechanism.png"} <= names
     assert not list((root / "scratch").rglob("*.parquet"))
