@@ -1,4 +1,4 @@
-"""Tables of the gap workflow: the arena, the exam, measured sets, retrained policies."""
+"""Tables of the gap workflow: the arena, the exam, measured sets."""
 
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,6 @@ from pipeline.documentation.cells import (
     HORIZONS_MS,
     NONE,
     before_after,
-    in_points,
     number,
     read_report,
     with_interval,
@@ -102,17 +101,6 @@ def _exam_rows(
         ]
         for name, (right, asked) in rates.items()
     ]
-
-
-def retrained_returns(root: Path, run: str = "") -> str:
-    """Returns of the arena's shots by policy and predictor, from ``retrain_policy``."""
-    table = read_report(root, f"{run}retrain_policy/returns.csv", "set == 'arena'")
-    rows = []
-    for row in table.itertuples():
-        counts = [f"{row.returns:g}", row.balls]
-        rows.append([row.policy, row.predictor, row.horizons_ms, *counts, in_points(row)])
-    head = ["policy", "predictor", "horizons (ms)", "returns", "of", "difference (points)"]
-    return markdown_table(head, rows)
 
 
 def real_summary(root: Path) -> str:

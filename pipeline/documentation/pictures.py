@@ -14,7 +14,6 @@ PICTURES = {  # in docs/images: the figure of a stage
     "return_rate.png": "sim2sim/figures/return_rate.png",
     "transfer.png": "sim2real/figures/transfer.png",
     "quality.png": "shot_quality/figures/quality.png",
-    "retrained_returns.png": "retrain_policy/figures/returns.png",
 }
 
 
