@@ -55,7 +55,7 @@ arenas: .venv/ready ## an hour: the gap workflow on twenty fresh arenas; it resu
 spread-policies: .venv/ready ## half an hour: policies that observe how sure forecasts are; after `make reproduce`
 	@python -m pipeline.spread_policies.run
 
-swap-study: .venv/ready ## hours: when exchanging the predictor pays; after `make reproduce`; it resumes
+swap-study: .venv/ready ## hours: when swapping the predictor helps; after `make reproduce`; it resumes
 	@python -m pipeline.swap_study.run
 
 simulators: .venv/ready ## minutes: scenes of MuJoCo and PyBullet with something wrong, diagnosed and amended
@@ -88,7 +88,7 @@ audit: .venv/ready ## check the pinned packages for known vulnerabilities; needs
 pictures: .venv/ready ## take the screenshots of MLflow for docs/compare.md; needs Chromium
 	@pytest -m slow tests/pipeline/test_comparing_pages.py --pictures docs/images
 
-bench: .venv/ready ## most of an hour: compare speed with other programs; write reports/costs
+bench: .venv/ready ## one to two hours: compare speed with other programs; write reports/costs
 	@python -m benchmarks.ball_simulator
 	@python -m benchmarks.policy_training
 	@test ! -d artifacts/train_predictor || rallygap costs

@@ -267,7 +267,7 @@ def real(
 
     require("dvc")
     if folder is None:
-        raise InputError("real", "say where the measured sets are: make real DATA=~/balls")
+        raise InputError("real", "say where the measured sets are: make real DATA=~/sets")
     if not folder.is_dir():
         raise InputError(folder, "is not a folder; give the one that holds the measured sets")
     root = clone()

@@ -17,7 +17,7 @@ from models.ball.simulator import Simulator
 
 @dataclass(frozen=True)
 class FieldSettings:
-    """The smooth error of the cameras over space."""
+    """The smooth position-dependent camera error."""
 
     sizes: tuple[float, float] = (2e-4, 0.05)  # m, standard deviations of a coordinate
     tried_sizes: int = 26

@@ -6,7 +6,7 @@ from math import inf
 
 import pandas as pd
 
-# The workflow's shots touch no racket; the cameras' error over space is no single parameter.
+# The workflow's shots touch no racket; the position-dependent camera error is no single parameter.
 NOT_SCORED = ("racket_bounce", "camera_distortion")
 # Sizes of what is hidden, in minimum detectable effects.
 CLASSES = {"below 1": (0.0, 1.0), "1 to 2": (1.0, 2.0), "2 to 4": (2.0, 4.0), "above 4": (4.0, inf)}

@@ -13,7 +13,7 @@ C, AMENDED, NETWORK, HYBRID = "physics_c", "amended_imperfect_c", "transformer",
 
 
 def when_the_swap_helps(root: Path) -> str:
-    """By how much exchanging physics for a learned predictor changes returns, and when."""
+    """By how much swapping physics for a learned predictor changes returns, and when."""
     query = "outcome == 'returns'"
     gains = read_report(root, "swap_study/gains.csv", query)
     gains = gains.set_index(["protocol", "predictor"]).sort_index()
@@ -39,7 +39,7 @@ def when_a_learned_predictor_helps(root: Path) -> str:
     return (
         f"On the arena, simulator C errs {unchanged:.0f} mm 300 ms ahead. A transformer errs less "
         f"with {_sizes(means[NETWORK] < unchanged)} of the training recordings, and a hybrid, a "
-        "network that corrects simulator C with a net, with "
+        "network that corrects the forecast of simulator C and a table net, with "
         f"{_sizes(means[HYBRID] < unchanged)} of them. Simulator C amended from the same "
         f"recordings errs less than the transformer with {_sizes(means[AMENDED] < means[NETWORK])} "
         f"of them, and less than the hybrid with {_sizes(means[AMENDED] < means[HYBRID])}. On "
@@ -69,10 +69,10 @@ def what_naming_buys(root: Path) -> str:
 def _points(gains: Any) -> str:
     """Return the range of differences, and how many of them are significant."""
     low, high = 100 * gains["difference"].min(), 100 * gains["difference"].max()
+    least, most = f"{low:+.0f}", f"{high:+.0f}"
+    shown = least if least == most else f"{least} to {most}"
     significant = (gains["p_holm"] < SIGNIFICANT).sum()
-    return (
-        f"{low:+.0f} to {high:+.0f} points ({significant} of {len(gains)} differences significant)"
-    )
+    return f"{shown} points ({significant} of {len(gains)} differences significant)"
 
 
 def _sizes(chosen: Any) -> str:

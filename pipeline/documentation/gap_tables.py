@@ -33,7 +33,10 @@ RATES = {  # what the exam counts: the number of right answers, and of questions
     ),
     "two causes: both named": ("pairs_right", "pairs"),
     "withheld effect: answer unknown": ("withheld_right", "withheld"),
-    "95 % intervals that contain the true value": ("intervals_right", "intervals"),
+    "95 % intervals of correctly named causes that contain the true value": (
+        "intervals_right",
+        "intervals",
+    ),
 }
 
 
@@ -47,7 +50,10 @@ ROBUSTNESS_RATES = {  # the same of the robustness groups
         "exact_right",
         "constant_new",
     ),
-    "95 % intervals that contain the true value": ("intervals_new_right", "intervals_new"),
+    "95 % intervals of correctly named causes that contain the true value": (
+        "intervals_new_right",
+        "intervals_new",
+    ),
     "varying cause: no other cause named, not `no_gap`": ("varying_new_right", "varying_new"),
 }
 

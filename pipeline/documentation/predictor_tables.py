@@ -88,9 +88,9 @@ def learning_curves_short(root: Path) -> str:
     few = errors["amended_imperfect_c", SHORT]
     network, oracle = (errors[name, most] for name in ("transformer", "oracle"))
     return (
-        "On the arena, a simulated environment with hidden physics, simulator C amended by "
-        f"{SHORT} recordings errs {few:.0f} mm 300 ms ahead, a transformer trained on {most:,} "
-        f"{network:.0f} mm, and a simulator with the arena's own physics {oracle:.0f} mm "
+        "On the arena, a simulated environment with hidden physics, position errors 300 ms ahead "
+        f"are {few:.0f} mm with simulator C amended from {SHORT} recordings, {network:.0f} mm with "
+        f"a transformer trained on {most:,}, and {oracle:.0f} mm with the arena's own physics "
         "([method and all numbers](docs/results.md#how-many-recordings-predictors-need))."
     )
 

@@ -193,7 +193,7 @@ def _run(root: Path, command: str) -> None:
 def _missing(step: Step) -> str:
     """Return what a step needs and this machine lacks."""
     if step.measured and not os.environ.get("RALLYGAP_DATA"):
-        return "left out, because it needs the measured sets: make everything DATA=~/balls"
+        return "left out, because it needs the measured sets: make everything DATA=~/sets"
     if step.root and os.geteuid() != 0:
         return "left out, because only root can fill disks"
     return ""

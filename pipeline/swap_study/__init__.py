@@ -1,1 +1,1 @@
-"""When exchanging the predictor of a policy pays: protocols, ages of forecasts, latency, labels."""
+"""When swapping the predictor of a policy helps: protocols, ages of forecasts, latency, labels."""

@@ -1,4 +1,4 @@
-"""The smooth error of the cameras over space: a Gaussian field that all shots share.
+"""The smooth position-dependent camera error: a Gaussian field that all shots share.
 
 Every calibration leaves a position error that is a smooth function of place. It is a Gaussian field
 written as a sum of its first Karhunen-Loeve functions. Their coefficients, of unit variance, are

@@ -94,7 +94,7 @@ def label_signs_cause(named: Named, gap_shares: dict[str, float]) -> Cause:
 def camera_cause(
     named: Named, found: Distortion, gap_shares: dict[str, float], worth: Worth | None
 ) -> Cause:
-    """Return the cameras' error over space as a cause."""
+    """Return the position-dependent camera error as a cause."""
     estimate, interval = camera_size(named, found)
     return Cause(
         **described(CAMERA, named.explainer.nominal),
@@ -109,7 +109,7 @@ def camera_cause(
 
 
 def camera_nodes(named: Named) -> CameraNodes | None:
-    """Return the likeliest error of the cameras over space, if it is one of the causes."""
+    """Return the likeliest position-dependent camera error, if it is one of the causes."""
     if named.distortion is None:
         return None
     field, size = named.distortion.field, camera_size(named, named.distortion)[0]
@@ -119,7 +119,7 @@ def camera_nodes(named: Named) -> CameraNodes | None:
 
 
 def camera_size(named: Named, found: Distortion) -> tuple[float, tuple[float, float]]:
-    """Return the standard deviation of the cameras' error over space, m, and its interval."""
+    """Return the standard deviation of the position-dependent camera error, m, and its interval."""
     size, unit = found.size(named.fit), found.field.size
     low, high = size.interval(named.readings.settings.confidence)
     return unit * size.estimate, (unit * low, unit * high)

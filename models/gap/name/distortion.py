@@ -27,7 +27,7 @@ AT_BOUND = 1e-3  # relative distance from the bound, against rounding of the sea
 
 @dataclass(frozen=True)
 class Distortion:
-    """An error of the cameras over space.
+    """A position-dependent camera error.
 
     Attributes:
         field: its functions, of its likeliest standard deviation.
@@ -65,7 +65,7 @@ def with_field(fit: RefitResult, field: CameraField, settings: FitSettings) -> R
 
 
 def find_distortion(fit: RefitResult, explainer: Explainer) -> Distortion | None:
-    """Return the cameras' error over space, where shots with the causes in them show one.
+    """Return the position-dependent camera error, where shots with the causes in them show one.
 
     All is linear about the fit: the causes that an error of the cameras may take the place of are
     small, while one that is far off stays in.

@@ -45,7 +45,7 @@ class Named:
         settled: whether they stayed when the shots were refitted with them.
         before: the shots about the nominal simulator.
         readings: which labels are flipped or outliers.
-        distortion: the cameras' error over space, if shots show one.
+        distortion: the position-dependent camera error, if shots show one.
     """
 
     fit: RefitResult
@@ -62,7 +62,7 @@ class Named:
         return with_estimates(self.explainer, self.explanation.causes)
 
     def corrected(self, shots: Shots) -> Shots:
-        """Return shots less the cameras' error over space, if there is one."""
+        """Return shots less the position-dependent camera error, if there is one."""
         if self.distortion is None:
             return shots
         with_functions = self.distortion.field.on(shots, shots.positions)
@@ -135,7 +135,7 @@ def _signs_as_read(named: Named, question: Question) -> bool:
 
 
 def _with_distortion(named: Named, question: Question) -> Named | None:
-    """Return the causes with an error of the cameras over space; None if shots show none."""
+    """Return the causes with a position-dependent camera error; None if shots show none."""
     if CAMERA.effect in question.withheld:
         return None
     found = find_distortion(named.fit, named.explainer)
@@ -143,7 +143,7 @@ def _with_distortion(named: Named, question: Question) -> Named | None:
 
 
 def _distorted(named: Named, found: Distortion, question: Question) -> Named | None:
-    """Return the causes refitted together with an error of the cameras over space.
+    """Return the causes refitted together with a position-dependent camera error.
 
     It is None if the refit makes that error implausibly large.
     """

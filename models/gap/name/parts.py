@@ -30,7 +30,7 @@ def _of_causes(named: Named) -> Iterator[Part]:
 
 
 def _of_sensor(named: Named) -> Iterator[Part]:
-    """Yield the cameras' error over space, and the labels that are read with the wrong sign."""
+    """Yield the position-dependent camera error, and labels that are read with wrong signs."""
     linear = named.fit.linear
     no_places, no_labels = np.zeros(linear.positions.shape[:3]), np.zeros(linear.labels.shape[:3])
     if named.distortion is not None:

@@ -54,7 +54,7 @@ class Impacts:
         arcs that do not reach the net, are left out.
 
         Args:
-            contacts: measured, without the cameras' error over space.
+            contacts: measured, without the position-dependent camera error.
             simulator: that explains the flights.
             noise: of the measurements.
             settings: of the workflow.

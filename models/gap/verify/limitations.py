@@ -89,7 +89,7 @@ def _to_separate(cause: Cause, shots: Shots, settings: GapSettings) -> str:
 
 
 def _of_cameras(cause: Cause, shots: Shots, settings: GapSettings) -> str:
-    """Return which effects look like an error of the cameras over space, as they move places."""
+    """Return which effects look like a position-dependent camera error, as they move places."""
     also = ", and from wind, drag and lift, as all shots go in one direction"
     return (
         f"{cause.identity}: up to its size, {1e3 * cause.estimate:.1f} mm, it is not separable "

@@ -54,7 +54,7 @@ class HeldOut:
 
     Attributes:
         shots: as they were measured, with corrected signs of labels.
-        corrected: less the cameras' error over space; the same where they have none.
+        corrected: less the position-dependent camera error; the same where they have none.
         usable: (B, N) samples that are no outliers.
         states: (B, 9) that fit the whole shots.
         simulator: about which they were fitted.

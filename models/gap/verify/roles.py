@@ -6,10 +6,10 @@ significantly better without it. Where the model does not fit the shots, the lik
 predictions must be significantly worse without the cause, and not by a negligible amount only.
 Minor causes are taken out one at a time, the least worthy first, and the others are refitted. A
 cause is needed, and stays, if held-out shots that fit are then significantly less likely: the
-likelihood gain above is linear, which is little use for lift saturation and the like. If
-the cameras' error over space ends larger than its interval with all causes, it has taken the place
-of some: a smooth field bends paths as wind or gravity does, and held-out shots share it. Then a
-cause is irreplaceable if that error grows so much when it is taken out; it stays if its gain of
+likelihood gain above is linear, which is little use for lift saturation and the like. If the
+position-dependent camera error ends larger than its interval with all causes, it has taken the
+place of some: a smooth field bends paths as wind or gravity does, and held-out shots share it. Then
+a cause is irreplaceable if that error grows so much when it is taken out; it stays if its gain of
 likelihood is significant.
 """
 

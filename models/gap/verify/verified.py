@@ -73,7 +73,7 @@ class Verified:
 
     @property
     def camera_size(self) -> tuple[float, float]:
-        """Standard deviation of the cameras' error over space, m, and the largest likely one."""
+        """Standard deviation of the position-dependent camera error, m, and its upper bound."""
         if self.named.distortion is None:
             return 0.0, np.inf
         size, (_, high) = camera_size(self.named, self.named.distortion)

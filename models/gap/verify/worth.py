@@ -36,7 +36,7 @@ class Worths:
     def of(
         cls, named: Named, verification: RefitResult, held: HeldOut | None, question: Question
     ) -> "Worths":
-        """Return the worths of all causes, the cameras' error over space included."""
+        """Return the worths of all causes, the position-dependent camera error included."""
         evidence, places = named.explainer.evidence, named.explanation.causes
         identities = {k: evidence.columns[k].identity for k in places}
         tests = _tests(named, verification, question)

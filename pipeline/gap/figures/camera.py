@@ -1,4 +1,4 @@
-"""Map of the cameras' error over space, on horizontal slices."""
+"""Map of the position-dependent camera error, on horizontal slices."""
 
 import numpy as np
 from matplotlib.axes import Axes

@@ -68,7 +68,7 @@ def test_recordings_are_counted_from_which_networks_err_less(tmp_path):
     found = when_a_learned_predictor_helps(with_tables(tmp_path, tables))
     assert "simulator C errs 70 mm" in found
     assert "errs less with 100 or more of the training recordings" in found
-    assert "C with a net, with any number of them." in found
+    assert "of simulator C and a table net, with any number of them." in found
     assert "than the transformer with any number of them" in found
     assert "than the hybrid with 100 or more. On" in found
     assert "70 mm (transformer, `tt3d`)" in found

@@ -100,7 +100,7 @@ def test_functions_have_the_covariance_of_the_field():
 
 
 def distortion(shots, simulator=NOMINAL):
-    """The fit of shots about a simulator, and the cameras' error over space that is found."""
+    """The fit of shots about a simulator, and the position-dependent camera error that is found."""
     fit = refit(shots, simulator, (), SETTINGS.fit)
     evidence = evidence_about(fit, Question(simulator))
     return fit, find_distortion(fit, Explainer(evidence, simulator))
