@@ -46,7 +46,7 @@ exam: .venv/ready ## hours: run the whole blind exam and write its records; stop
 	@python -m pipeline.exam.full_run
 	@dvc repro hidden_effects
 
-learning-curves: .venv/ready ## an hour: predictors by the number of training recordings; after `make reproduce`
+learning-curves: .venv/ready ## an hour and a half: predictors by the number of training recordings; after `make reproduce`
 	@python -m pipeline.learning_curves.run
 
 arenas: .venv/ready ## an hour: the gap workflow on twenty fresh arenas; it resumes

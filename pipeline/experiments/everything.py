@@ -86,7 +86,7 @@ def _module(
 
 STEPS = (
     Step("reproduce", ("dvc repro",), 30),
-    _module("learning_curves.run", 75, ["segment"]),
+    _module("learning_curves.run", 100, ["segment"]),
     _module("spread_policies.run", 30, OF_PREDICTORS),
     _module("swap_study.run", 100, OF_PREDICTORS, "policies"),
     _module("arenas.run", 60),

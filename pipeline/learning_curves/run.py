@@ -1,7 +1,8 @@
-"""The learning curves: ``make learning-curves``, an hour on two cores, on the last run's arena.
+"""The learning curves: ``make learning-curves``, on the last run's arena.
 
-Simulators are amended, and networks trained, by more and more of the training recordings, in three
-random orders. All forecast the same test windows. A killed run resumes.
+They take an hour and a half on two cores. Simulators are amended, and networks trained, by more
+and more of the training recordings, in three random orders. All forecast the same test windows. A
+killed run resumes.
 """
 
 from collections.abc import Iterator, Mapping
