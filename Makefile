@@ -52,7 +52,7 @@ learning-curves: .venv/ready ## an hour and a half: predictors by the number of 
 arenas: .venv/ready ## an hour: the gap workflow on twenty fresh arenas; it resumes
 	@python -m pipeline.arenas.run
 
-spread-policies: .venv/ready ## half an hour: policies that observe how sure forecasts are; after `make reproduce`
+spread-policies: .venv/ready ## a quarter of an hour: policies that observe how sure forecasts are; after `make reproduce`
 	@python -m pipeline.spread_policies.run
 
 swap-study: .venv/ready ## hours: when swapping the predictor helps; after `make reproduce`; it resumes

@@ -87,8 +87,8 @@ def _module(
 STEPS = (
     Step("reproduce", ("dvc repro",), 30),
     _module("learning_curves.run", 100, ["segment"]),
-    _module("spread_policies.run", 30, OF_PREDICTORS),
-    _module("swap_study.run", 100, OF_PREDICTORS, "policies"),
+    _module("spread_policies.run", 15, OF_PREDICTORS),
+    _module("swap_study.run", 130, OF_PREDICTORS, "policies"),
     _module("arenas.run", 60),
     _module("simulator_scenes.run", 12),
     _module("simulator_scenes.real", 16, measured=True),

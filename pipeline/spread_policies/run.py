@@ -1,4 +1,4 @@
-"""The experiment ``make spread-policies``: half an hour on two cores, after ``make reproduce``.
+"""The experiment ``make spread-policies``: 15 minutes on two cores, after ``make reproduce``.
 
 Three kinds of policies learn in the same simulator, with the same seeds: from exact forecasts; from
 forecasts that a filter makes of noisy measurements; and from these with their standard deviations.
