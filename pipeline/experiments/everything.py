@@ -90,8 +90,8 @@ STEPS = (
     _module("spread_policies.run", 15, OF_PREDICTORS),
     _module("swap_study.run", 130, OF_PREDICTORS, "policies"),
     _module("arenas.run", 60),
-    _module("simulator_scenes.run", 12),
-    _module("simulator_scenes.real", 16, measured=True),
+    _module("simulator_scenes.run", 10),
+    _module("simulator_scenes.real", 12, measured=True),
     Step("real", ("rallygap real",), 60, profile="real", measured=True),
     _module("real_forecasts.run", 60, ["train_predictor"], measured=True),
     Step(
