@@ -31,9 +31,9 @@ PATIENCE = 3.0  # times the seconds of rallygap
 
 @dataclass(frozen=True)
 class Progress:
-    """A training so far: control ticks, CPU seconds, and the return rate."""
+    """A training so far: control steps, CPU seconds, and the return rate."""
 
-    ticks: int
+    steps: int
     seconds: float
     return_rate: float
 
@@ -49,7 +49,7 @@ def rallygap_policies(folder: Path, seed: int) -> Iterator[Policy]:
 
 
 def peer_policies(seed: int) -> Iterator[Policy]:
-    """Yield the peer's policy after as many ticks as an iteration has, without end."""
+    """Yield the peer's policy after as many control steps as an iteration has, without end."""
     learner = default_learner(seed)
     while True:
         learner.learn(LEARNING.steps_per_iteration, reset_num_timesteps=False)
@@ -58,16 +58,16 @@ def peer_policies(seed: int) -> Iterator[Policy]:
 
 def train(name: str, policies: Iterator[Policy], patience: float, seed: int) -> Progress:
     """Train to the goal, or until the policies or the seconds end; print every iteration."""
-    ticks, seconds, rate = 0, 0.0, 0.0
+    steps, seconds, rate = 0, 0.0, 0.0
     while seconds < patience and rate < GOAL:
         start = time.process_time()
         policy = next(policies, None)
         if policy is None:
             break
         seconds += time.process_time() - start
-        ticks, rate = ticks + LEARNING.steps_per_iteration, return_rate(policy, seed)
-        typer.echo(f"{name}, seed {seed}: {ticks:,} ticks, {seconds:,.0f} s, {rate:.1%}")
-    return Progress(ticks, seconds, rate)
+        steps, rate = steps + LEARNING.steps_per_iteration, return_rate(policy, seed)
+        typer.echo(f"{name}, seed {seed}: {steps:,} steps, {seconds:,.0f} s, {rate:.1%}")
+    return Progress(steps, seconds, rate)
 
 
 def return_rate(policy: Policy, seed: int) -> float:
@@ -79,11 +79,11 @@ def return_rate(policy: Policy, seed: int) -> float:
 
 
 def compared(ours: Sequence[Progress], peer: Sequence[Progress]) -> list[Comparison]:
-    """Compare ticks and seconds; the ratio to a peer that missed the goal is a lower bound."""
+    """Compare steps and seconds; the ratio to a peer that missed the goal is a lower bound."""
     reached = all(one.return_rate >= GOAL for one in ours)
     bound = any(one.return_rate < GOAL for one in peer)
     found = []
-    for measure, name in (("control ticks", "ticks"), ("CPU seconds", "seconds")):
+    for measure, name in (("control steps", "steps"), ("CPU seconds", "seconds")):
         value, theirs = (float(np.mean([getattr(one, name) for one in of])) for of in (ours, peer))
         ratio = theirs / value if reached else None
         title = f"{measure} to a return rate of {GOAL:.0%}"

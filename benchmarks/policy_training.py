@@ -41,11 +41,11 @@ def random_actions(arms: int) -> Callable[[], int]:
     environment.reset()
     random = np.random.default_rng(SEED)
 
-    def tick() -> int:
+    def step() -> int:
         environment.step(random.uniform(-1, 1, (arms, ACTIONS)))
         return arms
 
-    return tick
+    return step
 
 
 def steps_of(learner: SAC) -> Callable[[], int]:
@@ -76,13 +76,13 @@ def our_learner() -> SAC:
 
 
 def main() -> None:
-    """Measure control ticks and gradient steps per second."""
+    """Measure control steps and gradient steps per second."""
     with one_core():
         single, *many = (rate(random_actions(arms)) for arms in (1, 32, 64))
         steps = rate(steps_of(our_learner()))
         peer_steps = rate(steps_of(default_learner().learn(1000)))
     comparisons = [
-        faster(f"control ticks per second, {arms} arms", speed, f"{PEER}, one arm", single)
+        faster(f"control steps per second, {arms} arms", speed, f"{PEER}, one arm", single)
         for arms, speed in zip((32, 64), many, strict=True)
     ]
     gradient = faster("gradient steps per second", steps, PEER, peer_steps)

@@ -34,10 +34,10 @@ DURATIONS = Path("timings") / "everything.json"  # s, on this machine
 PYTHON = "python -m"
 OF_PREDICTORS = ("segment", "train_predictor", "close_gap")  # stages
 BENCHMARKS = {  # minutes
-    "ball_simulator": 5,
-    "policy_training": 5,
+    "ball_simulator": 1,
+    "policy_training": 1,
     "learning": 30,
-    "live": 15,
+    "live": 7,
     "drift": 30,
     "scale": 20,
     "precision": 10,

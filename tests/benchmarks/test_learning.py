@@ -21,7 +21,7 @@ from benchmarks.learning import LEARNING, Progress, compared, train
 def test_training_stops(monkeypatch, rates, iterations, patience, trained):
     monkeypatch.setattr(learning, "return_rate", lambda number, seed: rates[number])
     progress = train("it", iter(range(iterations)) if iterations else count(), patience, 1)
-    assert progress.ticks == LEARNING.steps_per_iteration * trained
+    assert progress.steps == LEARNING.steps_per_iteration * trained
     assert progress.return_rate == rates[trained - 1]
 
 
