@@ -6,7 +6,8 @@ Importing this module loads no inference code. Read a file from Python with::
 
     verdict = Verdict.load("verdict.json")
 
-The file's JSON schema is ``verdict.schema.json``, beside this module; ``json_schema`` generates it.
+The file's JSON schema is ``verdict.schema.json``, next to this module;
+``json_schema`` generates it.
 """
 
 import json
@@ -42,7 +43,7 @@ class Worth(_Part):
 
     Attributes:
         mm: growth of the root mean square error, mean over horizons; the other causes stay and
-            have their likeliest values without it.
+            have their maximum-likelihood values without it.
         interval: 95 % interval, paired bootstrap over shots.
     """
 
@@ -73,7 +74,7 @@ class Check(_Part):
 
 
 class CameraNodes(_Part):
-    """The estimated error of the cameras over space, as ``camera_distortion`` has it.
+    """The estimated position-dependent camera error, as ``camera_distortion`` has it.
 
     Attributes:
         length: m, over which it is correlated.
@@ -321,7 +322,7 @@ class Verdict(_Part):
         gap: prediction errors on held-out shots; None where these are too few.
         net: prediction errors after the net; None where too few shots touch its face.
         checks: posterior predictive checks of the model with the main causes.
-        camera: the cameras' error over space, where it is one of the causes.
+        camera: the position-dependent camera error, where it is one of the causes.
         minimum_detectable: see ``DetectionLimits``.
         not_identifiable: see ``DetectionLimits``.
         limitations: sentences: what these data cannot decide, why, and which experiment would.

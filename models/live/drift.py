@@ -42,7 +42,7 @@ class Alarm:
         change: of its value since the reference.
         error: of the change, its standard error.
         shots: the length of the window that shows it.
-        possible: parameters whose change explains them about as well, the likeliest first.
+        possible: parameters whose change explains them about as well, the most likely first.
     """
 
     hypothesis: Hypothesis

@@ -56,7 +56,7 @@ def _first_window(root: Path) -> str:
     lost = -100 * read_report(root, "sim2real/difference.csv", query)["difference"]
     return (
         f"physics from the first window returns {_ends(lost)} points fewer than physics at every "
-        "tick (`reports/sim2real/difference.csv`)"
+        "control step (`reports/sim2real/difference.csv`)"
     )
 
 

@@ -36,7 +36,7 @@ def references(folds: Sequence[Diagnosis]) -> list[dict[str, float]]:
 
 
 def reference_values(shots: Shots, simulator: Simulator) -> dict[str, float]:
-    """Return by identity the likeliest values, each with all causes that the shots tell from it.
+    """Return maximum-likelihood values by identity, each with all causes distinguishable from it.
 
     A parameter that the shots do not show keeps the simulator's value.
     """

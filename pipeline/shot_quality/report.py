@@ -29,7 +29,7 @@ def return_items(
             "quality",
             title="Shot quality: medians of four metrics",
             caption=f"{caption} Hatched: the shorter horizons, as in the paper. All predictors "
-            "forecast at every tick.",
+            "forecast at every control step.",
         ),
         ReportTable(
             quality,
@@ -51,8 +51,8 @@ def return_items(
             swap,
             "swap",
             title="Shot quality: effect of the predictor swap",
-            caption="The median of a predictor divided by that of physics at every tick: 1 is no "
-            "change. 95 % intervals are bootstrapped over balls, the same ones for both. "
+            caption="The median of a predictor divided by that of physics at every control step: "
+            "1 is no change. 95 % intervals are bootstrapped over balls, the same ones for both. "
             "Predictors return different balls, so a ratio compares sets of returns and not "
             "single balls.",
         ),

@@ -47,7 +47,7 @@ class RefitResult:
 
     @property
     def camera_errors(self) -> Floats:
-        """(F,) likeliest coefficients of shared errors, with the simulator as it is."""
+        """(F,) maximum-likelihood coefficients of shared errors, with the simulator as it is."""
         return self.shared_errors.coefficients(np.zeros(len(self.linear.columns)))
 
     @property

@@ -68,7 +68,7 @@ class SharedErrors:
         return np.asarray(mixing.T, dtype=np.float64)
 
     def coefficients(self, values: Floats) -> Floats:
-        """Return the (F,) likeliest coefficients, given (K,) changes of the hypotheses."""
+        """Return the (F,) maximum-likelihood coefficients, given (K,) changes of the hypotheses."""
         k = self.count
         left = self.scores[k:] - self.information[k:, :k] @ values
         return np.asarray(np.linalg.solve(self.with_prior[k:, k:], left), dtype=np.float64)
@@ -144,7 +144,7 @@ class VarianceLikelihood:
 
     @cached_property
     def estimate(self) -> float:
-        """The likeliest standard deviation."""
+        """The maximum-likelihood standard deviation."""
         low, high = np.log(self.bounds)
         grid = np.linspace(low, high, 40)
         best = int(np.argmin([self.deviance(float(np.exp(one))) for one in grid]))

@@ -109,7 +109,7 @@ def camera_cause(
 
 
 def camera_nodes(named: Named) -> CameraNodes | None:
-    """Return the likeliest position-dependent camera error, if it is one of the causes."""
+    """Return the maximum-likelihood position-dependent camera error, if it is one of the causes."""
     if named.distortion is None:
         return None
     field, size = named.distortion.field, camera_size(named, named.distortion)[0]

@@ -1,8 +1,9 @@
 """Camera distortion: whether cameras err as a smooth function of place, in all shots alike.
 
 A smooth error of position bends paths as wind, a tilted frame or a high table do. So it competes
-with all causes: the likeliest explanation with an error of the cameras, of the likeliest size, is
-compared with the likeliest explanation without one, both less a penalty a cause (selection.py).
+with all causes: the most likely explanation with an error of the cameras, of its most likely size,
+is compared with the most likely explanation without one, both less a penalty for each cause
+(selection.py).
 It competes as well with an effect of the flight that differs between the sides of the net.
 """
 
@@ -30,9 +31,9 @@ class Distortion:
     """A position-dependent camera error.
 
     Attributes:
-        field: its functions, of its likeliest standard deviation.
+        field: its functions, of its maximum-likelihood standard deviation.
         gain: of twice the penalised log likelihood, over the best explanation without it.
-        causes: places of the likeliest causes together with it.
+        causes: places of the most likely causes together with it.
     """
 
     field: CameraField

@@ -1,7 +1,7 @@
 """Intervals of estimates within physical bounds.
 
-The interval holds the likeliest values with 95 % of the probability that a normal distribution has
-between the bounds.
+The interval contains the maximum-likelihood values with 95 % of the probability that a normal
+distribution has between the bounds.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ Interval = tuple[float, float]
 def within(
     estimate: float, margin: float, bounds: Interval, settings: GapSettings
 ) -> tuple[float, Interval]:
-    """Return the likeliest value within bounds, and its 95 % interval.
+    """Return the maximum-likelihood value within bounds, and its 95 % interval.
 
     The margin is half the 95 % interval of the estimate without bounds.
     """

@@ -243,7 +243,7 @@ def _known_causes(fit: RefitResult, question: Question) -> tuple[Explainer, Expl
 
 
 def with_estimates(explainer: Explainer, causes: Places) -> Simulator:
-    """Return the nominal simulator with the likeliest values of some causes within their bounds."""
+    """Return the nominal simulator with bounded maximum-likelihood values of some causes."""
     simulator, places = explainer.nominal, list(causes)
     if not places:
         return simulator

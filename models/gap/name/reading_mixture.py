@@ -5,7 +5,7 @@ variance is that of the path's spin and of the label, which has a share of the s
 part. The latter also covers what the simulator's misfit adds to spins by paths, so that it does
 not pass for negated labels. A gain of the paths' spins covers a lift coefficient that is wrong:
 paths show its product with the spin. Outliers are independent of the spin. Gain, errors and the
-shares of the readings are the likeliest ones (a grid, and expectation maximisation).
+shares of the readings are the maximum-likelihood ones (a grid, and expectation maximisation).
 """
 
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ LEAST_VARIANCE = 1e-6  # (rad/s)^2, where all labels are zero
 
 @dataclass(frozen=True)
 class ReadingMixture:
-    """The likeliest mixture of S labels.
+    """The maximum-likelihood mixture of S labels.
 
     Attributes:
         densities: (S, 3) logarithms of the densities of a label by its readings.
@@ -41,7 +41,7 @@ class ReadingMixture:
 
     @classmethod
     def of(cls, found: PathSpins) -> "ReadingMixture":
-        """Return the likeliest mixture of at least one label."""
+        """Return the maximum-likelihood mixture of at least one label."""
         densities = _densities(found)
         shares = np.full((len(densities), 3), 1 / 3)
         for _ in range(ROUNDS):

@@ -165,7 +165,7 @@ class _Trend:
 def _surest(
     trends: list[_Trend], kind: VariationKind, settings: GapSettings
 ) -> Iterator[Variation]:
-    """Yield the likeliest variation, if it is significant among all parameters.
+    """Yield the most likely variation, if it is significant among all parameters.
 
     One of the simulator's own parameters is preferred to a missing effect that is about as likely.
     """

@@ -1,4 +1,4 @@
-"""The law of the net: its likeliest restitution and friction.
+"""The law of the net: its maximum-likelihood restitution and friction.
 
 Measured velocities just after an impact, less those of the law, have a Student distribution: the
 net gives way in another manner each time. Its size is a share of the speed towards the net, free
@@ -45,7 +45,7 @@ class NetLaw:
 
     @cached_property
     def estimate(self) -> Floats:
-        """(2,) the likeliest restitution and friction."""
+        """(2,) the maximum-likelihood restitution and friction."""
         found = [self._minimised(self.deviance_at, np.array(start)) for start in STARTS]
         return min(found, key=lambda one: one[1])[0]
 
