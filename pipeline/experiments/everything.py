@@ -101,7 +101,7 @@ STEPS = (
         ("pipeline.known_answers.run",),
         measured=True,
     ),
-    _kept("two_cores", "paper", 200),
+    _kept("two_cores", "paper", 150),
     _kept("paper_physics", "paper_physics", 30),
     _kept("shots", "shots", 60),
     Step(
