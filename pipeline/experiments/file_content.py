@@ -1,9 +1,7 @@
 """Whether two versions of a file do the same: comments and docstrings change no result."""
 
 import ast
-import json
 from pathlib import PurePath
-from typing import Any
 
 import yaml
 
@@ -12,15 +10,15 @@ def do_the_same(name: str, before: str, after: str) -> bool:
     """Whether two versions of a file differ at most in comments, docstrings and layout.
 
     Args:
-        name: of the file; only Python, YAML and JSON are understood.
+        name: of the file; only Python and YAML are understood.
         before: one text.
         after: the other.
     """
-    readers = {".py": _code, ".yaml": _values, ".json": _undescribed}
+    readers = {".py": _code, ".yaml": _values}
     read = readers.get(PurePath(name).suffix, str)
     try:
         return read(before) == read(after)
-    except (SyntaxError, yaml.YAMLError, json.JSONDecodeError):
+    except (SyntaxError, yaml.YAMLError):
         return before == after
 
 
@@ -37,15 +35,6 @@ def _is_docstring(node: ast.stmt) -> bool:
     if not isinstance(node, ast.Expr) or not isinstance(node.value, ast.Constant):
         return False
     return isinstance(node.value.value, str)
-
-
-def _undescribed(text: str) -> str:
-    """Return JSON without the descriptions that a schema takes from docstrings."""
-
-    def without_description(node: dict[str, Any]) -> dict[str, Any]:
-        return {key: value for key, value in node.items() if key != "description"}
-
-    return repr(json.loads(text, object_hook=without_description))
 
 
 def _values(text: str) -> str:

@@ -11,9 +11,9 @@ from tests.clone import commit, run
 def repository(tmp_path):
     """A repository with code and a kept run."""
     run(tmp_path, "git", "init", "--quiet")
-    for package in ("models/ball", "pipeline/web"):
-        (tmp_path / package).mkdir(parents=True)
-        (tmp_path / package / "code.py").write_text("1")
+    for file in ("models/ball/code.py", "models/gap/verdict.schema.json", "pipeline/web/code.py"):
+        (tmp_path / file).parent.mkdir(parents=True)
+        (tmp_path / file).write_text("1")
     (tmp_path / "dvc.yaml").write_text("stages: {segment: {}}")
     commit(tmp_path, "code")
     head = run(tmp_path, "git", "rev-parse", "HEAD").strip()
@@ -32,8 +32,9 @@ def test_kept_results_are_of_the_code_of_today_until_it_changes(repository):
     assert kept.sentence.endswith("the code has changed since.")
 
 
-def test_what_only_presents_results_makes_none_of_them_stale(repository):
-    (repository / "pipeline/web/code.py").write_text("2")
+@pytest.mark.parametrize("file", ["pipeline/web/code.py", "models/gap/verdict.schema.json"])
+def test_what_only_presents_results_makes_none_of_them_stale(repository, file):
+    (repository / file).write_text("2")
     assert not kept_result(repository, repository / "reports" / "paper").is_stale
 
 
