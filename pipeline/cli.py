@@ -27,8 +27,8 @@ LEAN = {
     "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false",
 }
 
-# Which `rallygap known-answers` asks about.
 ANY_SIMULATOR = "a shipped one's name, a YAML file, scene.xml, or file.py:function"
+# Which `rallygap known-answers` asks about.
 MEASURED_SETS = ["tt3d", "spindoe", "isr_ball_prediction"]
 
 app = typer.Typer(
@@ -334,7 +334,7 @@ def known_answers(
     ] = MEASURED_SETS,
     folds: Annotated[int, typer.Option(min=2, help="of the cross-validation")] = 2,
 ) -> None:
-    """Plant known errors on measured sets and score the verdicts; hours, resumes if killed."""
+    """Plant known errors on measured sets and score the verdicts; resumes if killed."""
     from pipeline.known_answers.run import REPORT, TABLE, run_known_answers
 
     root = clone()
@@ -398,9 +398,10 @@ def stale() -> None:
     from pipeline.experiments.everything import step_results
 
     for step in filter(lambda step: step.is_stale, step_results(clone())):
-        changed = "changed: " + ", ".join(step.changed) if step.date else "not made yet"
-        typer.echo(f"{step.folder}: commit {step.commit[:7] or 'unknown'}")
-        typer.echo(fill(changed, 100, initial_indent="    ", subsequent_indent="    "))
+        changed = f" Changed: {', '.join(step.changed)}." if step.changed else ""
+        typer.echo(f"{step.folder}:")
+        text = step.sentence + changed
+        typer.echo(fill(text, 100, initial_indent="    ", subsequent_indent="    "))
 
 
 @app.command("compare-commits", rich_help_panel=MAINTENANCE)

@@ -78,9 +78,10 @@ def test_what_is_installed_has_the_exact_versions_of_the_constraints():
     pinned = dict(line.split("==") for line in lines if not line.startswith("#"))
     versions = {canonical(name): number for name, number in pinned.items()}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    extras = project["optional-dependencies"]
-    for requirement in chain(project["dependencies"], extras["pipeline"], extras["dev"]):
+    for requirement in chain(project["dependencies"], *project["optional-dependencies"].values()):
         name = re.match(r"[\w.-]+", requirement)[0]
+        if name == project["name"]:  # an extra that has others
+            continue
         installed = version(name).split("+")[0]  # +cpu: the same version, built for less
         assert installed == versions[canonical(name)]
 

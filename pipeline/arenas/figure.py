@@ -8,7 +8,7 @@ from matplotlib.ticker import MaxNLocator
 
 from pipeline.arenas.scores import SIMULATORS, found_by_size, ratios
 from pipeline.io.figure_style import FIGURE_WIDTH, INK
-from pipeline.paper.verdicts import rate
+from pipeline.paper.assessments import rate
 
 HORIZON_MS = 300
 COLOURS = ("#0f7fc4", "#d55e00", "#009988")

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from pipeline.arenas.scores import (
     SIMULATORS,
     Share,
@@ -16,13 +17,12 @@ from pipeline.arenas.scores import (
 )
 from pipeline.documentation.cells import (
     HORIZON_HEADS,
-    HORIZONS_MS,
     NONE,
     read_report,
     with_interval,
 )
 from pipeline.io.markdown import markdown_table
-from pipeline.paper.verdicts import rate
+from pipeline.paper.assessments import rate
 
 # Hidden differences that shots hardly tell from a parameter: what is not named of them shifts it.
 SIMILAR = {
@@ -39,6 +39,12 @@ def arena_causes_found(root: Path) -> str:
     rows.append(["named, but not hidden", *_shown(made_up(causes))])
     rows.append(["95 % intervals that contain the true value", *_shown(coverage(causes))])
     return markdown_table(["difference", "named", "share (%)"], rows)
+
+
+def arena_coverage_share(root: Path) -> str:
+    """How many intervals contain the true value, in a part of a sentence."""
+    counted, share = _shown(coverage(read_report(root, "arenas/causes.csv")))
+    return f"{counted} ({share.split()[0]} %)"
 
 
 def arena_coverage(root: Path) -> str:
@@ -60,9 +66,9 @@ def arena_errors(root: Path) -> str:
     errors = read_report(root, "arenas/errors.csv")
     rows = []
     for name, label in SIMULATORS.items():
-        found = (ratios(errors, name, horizon) for horizon in HORIZONS_MS)
+        found = (ratios(errors, name, horizon) for horizon in SHOWN_HORIZONS_MS)
         rows.append([label, *(_spread(one, ".2f") for one in found)])
-    closed = (100 * gap_closed(errors, horizon) for horizon in HORIZONS_MS)
+    closed = (100 * gap_closed(errors, horizon) for horizon in SHOWN_HORIZONS_MS)
     rows.append(
         ["removable gap to the oracle closed (%)", *(_spread(one, ".0f") for one in closed)]
     )

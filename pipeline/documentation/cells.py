@@ -5,12 +5,13 @@ from typing import Any
 
 import pandas as pd
 
+from models.predictors.evaluation import SHOWN_HORIZONS_MS
+from pipeline.io.labels import PREDICTORS
 from pipeline.runtime.errors import InputError
 
 NONE = "–"
 ERRORS = ("before_mm", "after_mm", "floor_mm")
-HORIZONS_MS = (100, 200, 300)
-HORIZON_HEADS = [f"{horizon} ms" for horizon in HORIZONS_MS]
+HORIZON_HEADS = [f"{horizon} ms" for horizon in SHOWN_HORIZONS_MS]
 
 
 def read_report(root: Path, name: str, query: str = "") -> Any:
@@ -42,6 +43,11 @@ def before_after(row: Any, prefix: str = "", digits: int = 0) -> str:
     return f"{before:.{digits}f} → {after:.{digits}f} ({floor:.{digits}f})"
 
 
+def predictor_name(name: str) -> str:
+    """Return what a predictor is called in a table."""
+    return PREDICTORS.get(name, name.replace("_", " "))
+
+
 def number(value: float) -> str:
     """Return four significant digits of a number, a dash for none."""
     return f"{value:.4g}" if pd.notna(value) else NONE
@@ -51,10 +57,7 @@ def with_interval(value: float, low: float, high: float, form: str = ".0f") -> s
     """Return a value with its interval in brackets, a dash for none."""
     if pd.isna(value):
         return NONE
-    texts = (f"{one:{form}}" for one in (value, low, high))
-    # Rounded to whole numbers, a small negative one is written as zero.
-    mean, start, end = (text.replace("-0", "0", 1) if text == "-0" else text for text in texts)
-    return f"{mean} ({start} to {end})"
+    return f"{value:z{form}} ({low:z{form}} to {high:z{form}})"
 
 
 def in_points(row: Any) -> str:

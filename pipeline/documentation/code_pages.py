@@ -51,11 +51,13 @@ def command_page(_: Path) -> str:
     # Typer has no public function for what `typer ... utils docs` prints.
     from typer import Context
     from typer.cli import get_docs_for_click
-    from typer.main import get_command
+    from typer.main import get_group
 
     from pipeline.cli import app
 
-    command = get_command(app)
+    command = get_group(app)
+    for one in command.commands.values():
+        one.short_help = (one.help or "").partition("\n")[0]  # else the list has half sentences
     text = get_docs_for_click(obj=command, ctx=Context(command), name="rallygap")
     return COMMANDS + text.replace("# `rallygap`\n", "", 1)
 

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from models.ball.simulators import shipped
+from models.gap.settings import DEFAULTS
 
 SHOTS = 30
 NOISE, SPIN_NOISE = 0.002, 0.05  # m, and share of a component
@@ -27,7 +28,7 @@ def diagnose_example(root: Path) -> str:
         folder = Path(name) / "recordings"
         write_recordings(folder)
         out = Path(name) / "verdict"
-        findings = diagnose_folder(folder, "csv", "literature", 0.003, out)
+        findings = diagnose_folder(folder, "csv", "literature", DEFAULTS.level, out)
     shown = findings_lines(findings, Path("verdict"))
     return "\n".join(["```console", COMMAND, "…", *shown, "```"])
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import pandas as pd
 
+from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from pipeline.documentation.cells import (
     HORIZON_HEADS,
-    HORIZONS_MS,
     NONE,
     before_after,
     number,
@@ -15,11 +15,11 @@ from pipeline.documentation.cells import (
     with_interval,
 )
 from pipeline.io.artifacts import read_json
+from pipeline.io.labels import SIMULATORS
 from pipeline.io.markdown import markdown_table
 
-NOT_TESTED = ("racket_bounce",)  # the gap workflow's shots touch no racket
+RACKET = "racket_bounce"  # which the gap workflow's shots do not touch
 CAMERA = "camera_distortion"  # stands for a field, which has no single true value
-BASES = {"imperfect_c": "C", "without_magnus": "C without lift", "from_literature": "literature"}
 SETS = ("spindoe", "tt3d", "isr_ball_prediction")
 RATES = {  # what the exam counts: the number of right answers, and of questions
     "clean sets with a false alarm": ("false_alarms", "clean_sets"),
@@ -58,10 +58,10 @@ ROBUSTNESS_RATES = {  # the same of the robustness groups
 }
 
 
-def arena_causes(root: Path) -> str:
-    """Parameters that were wrong or missing in simulator C, from ``retrain_policy``."""
-    table = read_report(root, "retrain_policy/numbers.csv", "source == 'arena'")
-    table = table[~table["effect"].isin(NOT_TESTED)]
+def arena_causes(root: Path, run: str = "") -> str:
+    """Parameters that were wrong or missing in simulator C, from ``retrain_policy`` of a run."""
+    table = read_report(root, f"{run}retrain_policy/numbers.csv", "source == 'arena'")
+    table = table[table["effect"] != RACKET]
     table = table[table["amended"].fillna(0) != table["truth"].fillna(0)]
     table = table[table["low"].notna() | table["truth"].notna()]  # neither named nor hidden
     rows = []
@@ -72,6 +72,19 @@ def arena_causes(root: Path) -> str:
         truth = "camera field" if row.effect == CAMERA else number(row.truth)
         rows.append([parameter, number(row.original), named, truth])
     return markdown_table(["parameter", "simulator C", "named (95 % interval)", "arena"], rows)
+
+
+def arena_verdict(root: Path) -> str:
+    """The verdict on the arena, and causes that its shots cannot tell apart, in a sentence."""
+    verdict = read_report(root, "close_gap/verdicts.csv", "source == 'arena'").iloc[0]["verdict"]
+    causes = read_report(root, "close_gap/causes.csv", "source == 'arena' and role != 'minor'")
+    classes = [one.split(", ") for one in causes["possible"] if ", " in one]
+    others = (f"`{first}` may be {' or '.join(map(_code, rest))}" for first, *rest in classes)
+    return f"The verdict is `{verdict}`" + (f" ({'; '.join(others)})" if classes else "")
+
+
+def _code(identity: str) -> str:
+    return f"`{identity}`"
 
 
 def exam_rates(root: Path) -> str:
@@ -118,11 +131,12 @@ def real_summary(root: Path) -> str:
     for (source, base), some in verdicts.groupby(["source", "simulator"], sort=False):
         chosen = "source == @source and simulator == @base"
         means = errors.query(chosen).groupby("horizon_ms").mean(numeric_only=True)
+        means = means.reindex(SHOWN_HORIZONS_MS)
         gravity = int(gravities.query(chosen)["found"].sum())
         falls, named = (some["reduction_low_mm"] > 0).sum(), (some["verdict"] == "named").sum()
-        cells = [before_after(means.loc[horizon]) for horizon in HORIZONS_MS]
+        cells = [before_after(means.loc[horizon]) for horizon in SHOWN_HORIZONS_MS]
         counts = [f"{count} of {len(some)}" for count in (falls, named, gravity)]
-        rows.append([source, BASES[base], *cells, *counts])
+        rows.append([source, SIMULATORS[base], *cells, *counts])
     head = ["set", "nominal simulator", *HORIZON_HEADS]
     return markdown_table([*head, "error falls", "verdict `named`", "gravity leading"], rows)
 
@@ -133,10 +147,10 @@ def real_errors(root: Path) -> str:
     errors = _real(root, "errors").set_index(keys)
     rows = []
     for _, row in _real(root, "verdicts").iterrows():
-        at = [(*row[keys[:3]], horizon) for horizon in HORIZONS_MS]
+        at = [(*row[keys[:3]], horizon) for horizon in SHOWN_HORIZONS_MS]
         cells = [before_after(errors.loc[one]) if one in errors.index else NONE for one in at]
-        fall = f"{row['reduction_low_mm']:.0f} to {row['reduction_high_mm']:.0f}"
-        case = [row["source"], BASES[row["simulator"]], row["split"], row["verdict"]]
+        fall = f"{row['reduction_low_mm']:z.0f} to {row['reduction_high_mm']:z.0f}"
+        case = [row["source"], SIMULATORS[row["simulator"]], row["split"], row["verdict"]]
         rows.append([*case, *cells, fall, before_after(row, "landing_")])
     head = ["set", "nominal simulator", "split", "verdict", *HORIZON_HEADS]
     return markdown_table([*head, "error falls by (mm)", "landing"], rows)
@@ -149,7 +163,7 @@ def real_causes(root: Path) -> str:
         unit = "" if row.unit == "1" else f" {row.unit}"
         values = f"{row.lowest:.3g} to {row.highest:.3g}{unit}"
         splits = f"{row.found:.0f} of {row.splits}"
-        rows.append([row.source, BASES[row.simulator], f"`{row.cause}`", splits, values])
+        rows.append([row.source, SIMULATORS[row.simulator], f"`{row.cause}`", splits, values])
     return markdown_table(["set", "nominal simulator", "cause", "splits", "estimates"], rows)
 
 

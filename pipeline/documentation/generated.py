@@ -23,16 +23,18 @@ from pipeline.documentation import (
     simulator_tables,
     transfer_tables,
 )
+from pipeline.documentation.cells import NONE
 from pipeline.documentation.diagnose_example import diagnose_example
 from pipeline.documentation.known_answers import known_answers
 from pipeline.exam.page import questions_table
+from pipeline.experiments.everything import COMMITS, STEPS
 from pipeline.experiments.stale import kept_result
+from pipeline.io.artifacts import read_json
+from pipeline.io.markdown import markdown_table
 from pipeline.paper.page import claims_table, paper_page
 from pipeline.runtime.errors import InputError
 
 Writer = Callable[[Path], str]  # takes the repository's root, returns Markdown
-
-KEPT_RUNS = ("paper", "real", "policies", "shots")
 
 
 def age_of(root: Path, run: str) -> str:
@@ -40,9 +42,13 @@ def age_of(root: Path, run: str) -> str:
     return kept_result(root, root / "reports" / run).sentence
 
 
-def kept_runs(root: Path) -> str:
-    """Return a list of the kept runs and their ages."""
-    return "\n".join(f"- `{run}`: {age_of(root, run)}" for run in KEPT_RUNS)
+def commits_table(root: Path) -> str:
+    """Return which commit made the results of each step of ``make everything``."""
+    commits = read_json(root / COMMITS)
+    rows = [
+        [f"`{step.name}`", commits.get(step.name, NONE)[:7], str(step.minutes)] for step in STEPS
+    ]
+    return markdown_table(["step", "commit", "minutes on two cores, about"], rows)
 
 
 PAGES: dict[str, Writer] = {
@@ -61,8 +67,11 @@ BLOCKS: dict[str, Writer] = {
     "scale-extrapolation": cost_tables.extrapolation_table,
     "reproduction-time": cost_tables.reproduction_time,
     "gap-arena": gap_tables.arena_causes,
+    "gap-arena-paper-physics": partial(gap_tables.arena_causes, run="paper_physics/"),
+    "gap-arena-verdict": gap_tables.arena_verdict,
     "arenas-causes": arena_tables.arena_causes_found,
     "arenas-coverage": arena_tables.arena_coverage,
+    "arenas-coverage-share": arena_tables.arena_coverage_share,
     "arenas-errors": arena_tables.arena_errors,
     "gap-exam": gap_tables.exam_rates,
     "gap-exam-robustness": gap_tables.robustness_rates,
@@ -76,6 +85,9 @@ BLOCKS: dict[str, Writer] = {
     "coverage": predictor_tables.coverage,
     "errors-arena": partial(predictor_tables.position_errors, arena=True),
     "errors-arena-paper": partial(predictor_tables.position_errors, run="paper/", arena=True),
+    "errors-arena-paper-physics": partial(
+        predictor_tables.position_errors, run="paper_physics/", arena=True
+    ),
     "errors-real": partial(predictor_tables.position_errors, run="real/", arena=False),
     "learning-curves-short": predictor_tables.learning_curves_short,
     "learning-curves": predictor_tables.learning_curves,
@@ -95,6 +107,7 @@ BLOCKS: dict[str, Writer] = {
     "sim2sim-paper": partial(transfer_tables.sim2sim_returns, run="paper/"),
     "sim2real": transfer_tables.sim2real_counts,
     "sim2real-paper": partial(transfer_tables.sim2real_counts, run="paper/"),
+    "sim2real-paper-physics": partial(transfer_tables.both_readings, run="paper_physics/"),
     "sim2real-real": transfer_tables.real_swap,
     "shot-quality": transfer_tables.shot_quality,
     "shot-quality-shots": partial(transfer_tables.shot_quality, run="shots/"),
@@ -107,7 +120,7 @@ BLOCKS: dict[str, Writer] = {
     "swap-re-anchored": transfer_tables.swap_every_tick,
     "swap-retrained": transfer_tables.swap_retrained,
     "longer-trainings": transfer_tables.longer_trainings,
-    "kept-runs": kept_runs,
+    "commits": commits_table,
     "age-paper": partial(age_of, run="paper"),
     "age-real": partial(age_of, run="real"),
     "paper-claims": claims_table,

@@ -9,7 +9,7 @@ from pipeline.io.artifacts import read_json
 from pipeline.io.markdown import markdown_table
 from pipeline.known_answers.design import SIZES
 from pipeline.known_answers.run import REPORT, SCORES, TABLE
-from pipeline.paper.verdicts import rate
+from pipeline.paper.assessments import rate
 
 RATES = {  # what is counted: the number, and of how many
     "planted error is the leading cause": ("leading", "questions"),
@@ -24,9 +24,9 @@ SECTION = """## How far to trust a verdict
 
 On measured sets nobody knows the true causes. So known errors are planted, in the simulator or in
 the recordings, and verdicts must find them. {age} {folds}-fold cross-validation over recordings:
-each fold is diagnosed, and the verdict on the others amends `{nominal}` to the base simulator. The
-true value of a parameter is not known either: the reference value is the fold's own estimate
-without the planted error. Brackets: 95 % intervals (Wilson).
+the base simulator of a fold is `{nominal}`, amended by the verdict on the other folds, and the fold
+is diagnosed with it. The true value of a parameter is not known either: the reference value is the
+fold's own estimate without the planted error. Brackets: 95 % intervals (Wilson).
 
 {rates}
 

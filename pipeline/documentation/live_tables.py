@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from pipeline.documentation.cells import NONE
+from pipeline.documentation.cells import NONE, predictor_name
 from pipeline.io.artifacts import read_json
-from pipeline.io.labels import PREDICTORS
 from pipeline.io.markdown import markdown_table
 
 LIVE = Path("reports") / "live"
@@ -14,13 +13,13 @@ def latency(root: Path) -> str:
     """Latency of live forecasts, from ``python -m benchmarks.live``."""
     rows = [
         [
-            PREDICTORS[name],
+            predictor_name(name),
             *(f"{one[key]:.2f}" for key in ("p50_ms", "p99_ms", "eager_ms")),
             NONE if one["max_change_mm"] is None else f"{one['max_change_mm']:.2f}",
         ]
         for name, one in read_json(root / LIVE / "latency.json").items()
     ]
-    heads = ["median (ms)", "99th percentile (ms)", "torch's own call, median (ms)"]
+    heads = ["median (ms)", "99th percentile (ms)", "PyTorch without compilation, median (ms)"]
     return markdown_table(["predictor", *heads, "largest change (mm)"], rows)
 
 

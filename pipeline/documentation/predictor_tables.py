@@ -3,14 +3,14 @@
 from pathlib import Path
 from typing import Any
 
+from models.predictors.evaluation import SHOWN_HORIZONS_MS
 from pipeline.documentation.cells import (
     HORIZON_HEADS,
-    HORIZONS_MS,
     NONE,
+    predictor_name,
     read_report,
     with_interval,
 )
-from pipeline.io.labels import PREDICTORS
 from pipeline.io.markdown import markdown_table
 from pipeline.real_forecasts.figure import ADAPTED
 
@@ -37,7 +37,7 @@ def position_errors(root: Path, run: str = "", *, arena: bool) -> str:
     rows = []
     for (name, predictor), some in errors.groupby(["set", "predictor"], sort=False):
         cells = [with_interval(row.mean, row.ci_low, row.ci_high) for row in some.itertuples()]
-        rows.append([name, PREDICTORS[predictor], *cells])
+        rows.append([name, predictor_name(predictor), *cells])
     return markdown_table(["set", "predictor", *HORIZON_HEADS], rows)
 
 
@@ -53,7 +53,7 @@ def errors_by(root: Path, column: str) -> str:
     rows = []
     for predictor, some in errors.groupby("predictor", sort=False):
         cells = _with_medians(some)
-        rows.append([PREDICTORS[predictor], *cells])
+        rows.append([predictor_name(predictor), *cells])
     return markdown_table(["predictor", *errors[column].unique()], rows)
 
 
@@ -75,7 +75,7 @@ def learning_curves(root: Path) -> str:
     for predictor, some in curves.groupby("predictor", sort=False):
         some = some.sort_values("recordings")
         cells = [with_interval(row.mean, row.ci_low, row.ci_high) for row in some.itertuples()]
-        rows.append([PREDICTORS[predictor], *cells, f"{some['of_oracle'].iloc[-1]:.2f}"])
+        rows.append([predictor_name(predictor), *cells, f"{some['of_oracle'].iloc[-1]:.2f}"])
     sizes = [f"{size:,} recordings" for size in sorted(curves["recordings"].unique())]
     return markdown_table(["predictor", *sizes, "error with all / oracle's"], rows)
 
@@ -100,7 +100,7 @@ def coverage(root: Path) -> str:
     query = "set == 'arena' and horizon_ms == 300"
     table = read_report(root, "evaluate_predictor/coverage.csv", query)
     rows = [
-        [PREDICTORS[predictor], *_covered(some)]
+        [predictor_name(predictor), *_covered(some)]
         for predictor, some in table.groupby("predictor", sort=False)
     ]
     return markdown_table(["predictor", *COVERAGE_HEADS], rows)
@@ -161,8 +161,8 @@ def predictor_costs(root: Path) -> str:
             for name in ("parameters", "training_s")
         )
         times = (f"{row[f'latency_ms_{name}']:.2f}" for name in ("median", "p99"))
-        errors = (f"{row[f'position_error_mm_{horizon}ms']:.0f}" for horizon in HORIZONS_MS)
-        rows.append([PREDICTORS[row["predictor"]], size, training, *times, *errors])
+        errors = (f"{row[f'position_error_mm_{horizon}ms']:.0f}" for horizon in SHOWN_HORIZONS_MS)
+        rows.append([predictor_name(row["predictor"]), size, training, *times, *errors])
     head = ["predictor", "parameters", "training (s)", "one forecast, median (ms)"]
-    heads = (f"error at {horizon} ms (mm)" for horizon in HORIZONS_MS)
+    heads = (f"error at {horizon} ms (mm)" for horizon in SHOWN_HORIZONS_MS)
     return markdown_table([*head, "99th percentile (ms)", *heads], rows)

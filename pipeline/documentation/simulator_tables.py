@@ -21,7 +21,7 @@ def published_table(root: Path) -> str:
         sentences = [with_cost(each["sentence"], each["cost_mm"]) for each in one["traps"]]
         place = f"[{name}](https://github.com/{name}), {one['file']}"
         rows.append([place, one["says"], " ".join(sentences), values])
-    return markdown_table(["model", "says", "traps", "does"], rows)
+    return markdown_table(["model", "stated parameters", "traps", "audited parameters"], rows)
 
 
 def larger_spins_table(root: Path) -> str:
@@ -35,11 +35,13 @@ def larger_spins_table(root: Path) -> str:
             rows.append([level, f"{one['factor']:g}", spins, bend, strokes, ends])
     head = [
         "level",
-        "spins times",
+        "factor of the spins",
         "median, 95th percentile (rad/s)",
         "lift moves the ball by (mm)",
     ]
-    return markdown_table([*head, "strokes a point", f"{', '.join(ENDS)} (% of all points)"], rows)
+    return markdown_table(
+        [*head, "strokes per point", f"{', '.join(ENDS)} (% of all points)"], rows
+    )
 
 
 def scenes_table(root: Path) -> str:
@@ -65,7 +67,7 @@ def real_scenes_table(root: Path) -> str:
                 before_after(dict(zip(ERRORS, sizes, strict=True)))
                 for sizes in zip(*(one[key] for key in ERRORS), strict=True)
             ]
-            fall = "{:.0f} to {:.0f}".format(*one["fall_mm"])
+            fall = "{:z.0f} to {:z.0f}".format(*one["fall_mm"])
             shots = ", ".join(map(str, one["shots"]))
             verdicts = ", ".join(one["verdicts"])
             rows.append([name, scene, shots, *errors, fall, verdicts, _code(_always(one))])

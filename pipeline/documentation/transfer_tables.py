@@ -3,13 +3,20 @@
 from pathlib import Path
 from typing import Any
 
-from pipeline.documentation.cells import NONE, in_points, read_report, with_interval
-from pipeline.io.labels import PREDICTORS
+from pipeline.documentation.cells import (
+    NONE,
+    in_points,
+    predictor_name,
+    read_report,
+    with_interval,
+)
+from pipeline.io.labels import SIMULATORS
 from pipeline.io.markdown import markdown_table
 from pipeline.transfer.transfer_table import PROTOCOLS
 
 HORIZONS = ("115-125", "170-180")
 OF_STUDY, SIGNIFICANT = ["observation", "horizons_ms", "predictor"], 0.05
+READ = ("physics", "transformer", "amended", "oracle")
 METRICS = {"speed": ".1f", "spin": ".0f", "clearance": ".2f", "win_probability": ".2f"}
 KINDS = {  # of policies
     "exact": "exact forecasts",
@@ -31,7 +38,7 @@ def sim2sim_returns(root: Path, run: str = "") -> str:
     for gain in read_report(root, f"{run}sim2sim/difference.csv").itertuples():
         setting = (gain.protocol, gain.simulator, gain.horizons_ms)
         shares = [f"{100 * rates[(*setting, one)]:.0f}" for one in ("ground_truth", "imperfect")]
-        simulator = gain.simulator[-1].upper()
+        simulator = SIMULATORS[gain.simulator]
         rows.append([gain.protocol, simulator, gain.horizons_ms, *shares, in_points(gain)])
     head = ["protocol", "trained in", "horizons (ms)", "true simulator", "own simulator"]
     return markdown_table([*head, "difference (points)"], rows)
@@ -53,6 +60,27 @@ def sim2real_counts(root: Path, run: str = "") -> str:
     return markdown_table([*head, "returns, physics", "returns, learned"], rows)
 
 
+def both_readings(root: Path, run: str) -> str:
+    """Returns of replayed shots of a run under both readings of Table I, in %, and the gains."""
+    key = ["set", "horizons_ms", "protocol", "predictor"]
+    rates = read_report(root, f"{run}sim2real/rates.csv").set_index(key)["return_rate"]
+    query = "predictor == 'transformer' and outcome == 'returns' and protocol == 'every_tick'"
+    first, every = (
+        read_report(root, f"{run}sim2real/{name}.csv", query).set_index(key[:2])
+        for name in ("difference_first_window", "difference")
+    )
+    columns = [("first_window", "physics"), *(("every_tick", one) for one in READ)]
+    rows = []
+    for shots in first.index:
+        shares = [f"{100 * rates[(*shots, *column)]:.0f}" for column in columns]
+        rows.append([*shots, *shares, *(in_points(one.loc[shots]) for one in (first, every))])
+    names = [f"{predictor_name(one)}, {PROTOCOLS[protocol]}" for protocol, one in columns]
+    gains = [
+        f"transformer minus physics, {PROTOCOLS[one]}" for one in ("first_window", "every_tick")
+    ]
+    return markdown_table(["shots", "horizons (ms)", *names, *gains], rows)
+
+
 def real_swap(root: Path) -> str:
     """Returns of measured shots by physics and the fine-tuned transformer, from the run `real`."""
     rates = read_report(root, "real/sim2real/rates.csv", "protocol == 'every_tick'")
@@ -65,7 +93,7 @@ def real_swap(root: Path) -> str:
         counts = (f"{one['returns']:.0f}" for one in both)
         shots = f"{gain.set}, {both[0]['balls']:.0f}"
         rows.append([shots, gain.horizons_ms, *counts, in_points(gain)])
-    names = [PREDICTORS["physics_c"], PREDICTORS["transformer_fine_tuned"]]
+    names = [predictor_name("physics_c"), predictor_name("transformer_fine_tuned")]
     return markdown_table(["shots", "horizons (ms)", *names, "difference (points)"], rows)
 
 
@@ -79,7 +107,7 @@ def shot_quality(root: Path, run: str = "") -> str:
             for metric, form in METRICS.items()
         )
         reading = PROTOCOLS[one["protocol"]]
-        named = [one["set"], PREDICTORS[one["predictor"]], reading, f"{one['returns']:.0f}"]
+        named = [one["set"], predictor_name(one["predictor"]), reading, f"{one['returns']:.0f}"]
         rows.append([*named, *medians])
     head = ["shots", "predictor", "forecasts", "returns", "speed (m/s)", "spin (rad/s)"]
     return markdown_table([*head, "net clearance (m)", "winning probability"], rows)
@@ -95,7 +123,8 @@ def spread_policies(root: Path) -> str:
     for (name, predictor), some in rates.groupby(["set", "predictor"], sort=False):
         of_kind = some.set_index("policy")
         shares = [f"{100 * of_kind.loc[kind, 'return_rate']:.0f}" for kind in KINDS]
-        rows.append([name, predictor, *shares, in_points(gains.loc[(name, predictor)])])
+        gain = in_points(gains.loc[(name, predictor)])
+        rows.append([name, predictor_name(predictor), *shares, gain])
     return markdown_table(["shots", "predictor", *KINDS.values(), "difference (points)"], rows)
 
 
@@ -142,7 +171,7 @@ def swap_retrained(root: Path) -> str:
         rows.append(
             [
                 row.horizons_ms,
-                PREDICTORS[row.predictor],
+                predictor_name(row.predictor),
                 *(f"{100 * one:.0f}" for one in both),
                 _gain(row),
             ]
@@ -161,7 +190,7 @@ def _by_policy(shares: Any, gains: Any) -> str:
             key = (*policy, predictor)
             share = f"{100 * shares[key]:.0f}"
             cells.append(f"{share}, {_gain(gains.loc[key])}" if key in gains.index else share)
-        rows.append([PREDICTORS[predictor], *cells])
+        rows.append([predictor_name(predictor), *cells])
     return markdown_table(["predictor", *(f"{one}, {ms} ms" for one, ms in policies)], rows)
 
 

@@ -6,14 +6,15 @@ with their former selves. Kept runs are records of their own commits and are lef
 
 import io
 import json
-from collections.abc import Iterator
-from pathlib import Path, PurePosixPath
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from models.ball.types import Floats
+from pipeline.paper.run_reports import RECORD, is_record_of_run
 from pipeline.runtime.git import git
 
 RESULTS = "reports/"
@@ -54,7 +55,7 @@ def _difference(one: Floats, other: Floats) -> str | None:
 def _files(root: Path, commit: str) -> set[str]:
     """Return the tables and metrics of a commit, those of kept runs left out."""
     listed = git(root, "ls-tree", "-r", "--name-only", commit, RESULTS).splitlines()
-    kept = tuple(f"{PurePosixPath(path).parent}/" for path in listed if path.endswith("/run.json"))
+    kept = tuple(_kept_runs(root, commit, listed))
     return {
         path
         for path in listed
@@ -62,6 +63,14 @@ def _files(root: Path, commit: str) -> set[str]:
         and not path.endswith(NOT_NUMBERS)
         and not path.startswith(kept)
     }
+
+
+def _kept_runs(root: Path, commit: str, listed: Sequence[str]) -> Iterator[str]:
+    """Yield the folders of kept runs, each with a slash at its end."""
+    for path in listed:
+        folder, _, name = path.rpartition("/")
+        if name == RECORD and is_record_of_run(json.loads(git(root, "show", f"{commit}:{path}"))):
+            yield f"{folder}/"
 
 
 def _renamed(root: Path, base: str, new: str) -> dict[str, str]:

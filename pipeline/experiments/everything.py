@@ -8,6 +8,7 @@ killed run goes on where it was: steps that are done are passed over, and the lo
 import os
 import shlex
 import subprocess
+import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from typing import Any
 
 from rich.console import Console
 
+from pipeline.experiments.keep import has_experiment
 from pipeline.experiments.profiles import profile_flags
 from pipeline.experiments.stale import (
     KeptResult,
@@ -26,7 +28,6 @@ from pipeline.experiments.stale import (
 )
 from pipeline.io.artifacts import read_json, write_json
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.git import git_commit
 
 PARAMS = "params.yaml"
 COMMITS = Path("reports") / "commits.json"  # of the code that made each step's results
@@ -55,6 +56,7 @@ class Step:
         entries: modules that make the results, and stages whose outputs these read; all stages if
             there are none.
         profile: that the results depend on, below ``profiles``.
+        experiment: whether an experiment of DVC with the profile comes before the commands.
         measured: whether they need the measured sets.
         root: whether they need a user who may fill disks.
     """
@@ -64,14 +66,14 @@ class Step:
     minutes: int
     entries: tuple[str, ...] = ()
     profile: str = ""
+    experiment: bool = False
     measured: bool = False
     root: bool = False
 
 
 def _kept(profile: str, name: str, minutes: int) -> Step:
     """Return the step that runs and keeps an experiment."""
-    run = f"dvc exp run --temp --name {name} PROFILE:{profile}"
-    return Step(name, (run, f"rallygap keep {name}"), minutes, profile=profile)
+    return Step(name, (f"rallygap keep {name}",), minutes, profile=profile, experiment=True)
 
 
 def _module(
@@ -81,7 +83,8 @@ def _module(
     module = f"pipeline.{name}"
     step = name.removesuffix(".run").replace(".", "_")
     entries = (module, *(f"stages.{one}" for one in stages))
-    return Step(step, (f"{PYTHON} {module}",), minutes, entries, profile, measured)
+    command = f"{PYTHON} {module}"
+    return Step(step, (command,), minutes, entries, profile, measured=measured)
 
 
 STEPS = (
@@ -155,7 +158,6 @@ def make_everything(root: Path, names: Sequence[str] = ()) -> None:
     for name in names:
         if name not in known:
             raise InputError("everything", f"there are {', '.join(known)}", field=name)
-    check_committed(root)
     stale = {one.folder.name for one in step_results(root) if one.is_stale}
     due = [one for one in STEPS if one.name in (names or stale)]
     possible = [one for one in due if not _missing(one)]
@@ -169,30 +171,33 @@ def make_everything(root: Path, names: Sequence[str] = ()) -> None:
 
 
 def _make(root: Path, step: Step) -> None:
-    commit, start = git_commit(root), time.monotonic()
+    commit, start = check_committed(root), time.monotonic()
+    # DVC refuses to run an experiment again that a killed step has made.
+    if step.experiment and not has_experiment(root, step.name, commit):
+        run = ["dvc", "exp", "run", "--temp", "--name", step.name]
+        _run(root, [*run, *profile_flags(root, step.profile)])
     for command in step.commands:
-        _run(root, command)
+        _run(root, shlex.split(command))
     for path, value in ((COMMITS, commit), (DURATIONS, round(time.monotonic() - start))):
         write_json(root / path, {**_noted(root / path), step.name: value})
 
 
-def _run(root: Path, command: str) -> None:
+def _run(root: Path, words: Sequence[str]) -> None:
     """Run a command in the repository.
 
     Raises:
         InputError: it fails.
     """
-    words = []
-    for word in shlex.split(command):
-        profile = word.removeprefix("PROFILE:")
-        words += [word] if profile == word else profile_flags(root, profile)
-    if subprocess.run(words, cwd=root, check=False).returncode:
-        raise InputError(command, "has failed; once that is fixed, `make everything` goes on")
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    environment = {**os.environ, "PATH": path}  # the programs of this installation
+    if subprocess.run(words, cwd=root, env=environment, check=False).returncode:
+        problem = "has failed; once that is fixed, `make everything` goes on"
+        raise InputError(shlex.join(words), problem)
 
 
 def _missing(step: Step) -> str:
     """Return what a step needs and this machine lacks."""
-    if step.measured and not os.environ.get("RALLYGAP_DATA"):
+    if step.measured and not Path(os.environ.get("RALLYGAP_DATA") or "missing").is_dir():
         return "left out, because it needs the measured sets: make everything DATA=~/sets"
     if step.root and os.geteuid() != 0:
         return "left out, because only root can fill disks"

@@ -10,10 +10,10 @@ from models.support.yaml_file import parse_yaml
 from pipeline.experiments.profiles import flags
 from pipeline.io.artifacts import replacing_folder, write_json, write_text
 from pipeline.io.report_manifest import read_contents
-from pipeline.paper.run_reports import RECORD
+from pipeline.paper.run_reports import RECORD, is_kept_run
 from pipeline.runtime.console import warn
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.git import git
+from pipeline.runtime.git import git, git_if_known
 
 PREDICTORS = "artifacts/train_predictor"
 LARGEST_FILE = 30_000_000  # bytes; larger ones would stay in git's history
@@ -72,6 +72,12 @@ def _find_experiment(root: Path, name: str) -> tuple[str, str]:
     raise InputError("dvc", problem, field=name)
 
 
+def has_experiment(root: Path, name: str, commit: str) -> bool:
+    """Return whether an experiment of a name has been run from a commit."""
+    reference = f"refs/exps/{commit[:2]}/{commit[2:]}/{name}"
+    return git_if_known(root, "rev-parse", "--verify", "--quiet", reference) is not None
+
+
 def _keep_files(former: Path, folder: Path) -> None:
     """Copy the files directly in a former folder; the experiment replaces its own among them."""
     for file in former.glob("*"):
@@ -100,7 +106,7 @@ def _check_name(root: Path, name: str, stages: Sequence[str]) -> None:
     if name in stages:
         problem = f"has the name of a stage, whose results are in reports/{name}; rename it"
         raise InputError(f"experiment {name}", problem)
-    if path.exists() and not (path / RECORD).is_file():
+    if path.exists() and not is_kept_run(path):
         problem = f"would take the place of reports/{name}, which is no kept experiment; rename it"
         raise InputError(f"experiment {name}", problem)
 

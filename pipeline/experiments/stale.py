@@ -10,10 +10,10 @@ from pipeline.io.artifacts import read_json
 from pipeline.paper.run_reports import RECORD
 from pipeline.params import read_yaml
 from pipeline.runtime.errors import InputError
-from pipeline.runtime.git import git_if_known
+from pipeline.runtime.git import git, git_commit, git_if_known
 
 SETTINGS = ("params.yaml", "profiles")
-CODE = ("models", "pipeline", "stages", *SETTINGS)
+CODE = ("models", "pipeline", "stages", "benchmarks", "dvc.yaml", *SETTINGS)
 # What only presents results, or describes them: the schema is generated from code, which counts.
 PRESENTATION = (
     *(f"pipeline/{name}" for name in ("documentation", "experiments", "paper", "print", "web")),
@@ -47,6 +47,8 @@ class KeptResult:
     @property
     def sentence(self) -> str:
         """What a page that quotes the results says of their age."""
+        if not self.commit:
+            return "Results of a commit that nobody noted."
         if self.date is None:
             return f"Results of commit {self.commit[:7]}, which this clone does not have."
         age = "the code has changed since" if self.changed else "the code has not changed since"
@@ -121,14 +123,19 @@ def _does_the_same(root: Path, commit: str, name: str) -> bool:
     return do_the_same(name, before, file.read_text(encoding="utf-8").strip())
 
 
-def check_committed(root: Path) -> None:
-    """Refuse to make results of code that no commit has.
+def check_committed(root: Path) -> str:
+    """Return the commit of the code.
 
     Raises:
-        InputError: code is not committed.
+        InputError: no commit has the code as it is.
     """
-    if changed_code(root, "HEAD"):
+    commit = git_commit(root)
+    if commit is None:
+        raise InputError(root, "is no clone of the repository; results name a commit")
+    new = git(root, "ls-files", "--others", "--exclude-standard", "--", *CODE)
+    if new or changed_code(root, commit):
         raise InputError(root, "has code that is not committed; results name a commit")
+    return commit
 
 
 def _package(root: Path, file: Path) -> Path:

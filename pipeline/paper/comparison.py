@@ -1,4 +1,4 @@
-"""The comparison: every number and claim of the paper, what a run has for it, and the verdict."""
+"""The comparison: every number and claim of the paper, ours from a run, and the assessment."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -6,10 +6,7 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict
 
-from pipeline.paper.run_reports import Reading, Reports
-from pipeline.paper.sources import Source, number
-from pipeline.paper.values import group_rows, printed_values
-from pipeline.paper.verdicts import (
+from pipeline.paper.assessments import (
     NO_NUMBER,
     NOT_COMPARABLE,
     NOT_MEASURED,
@@ -21,6 +18,9 @@ from pipeline.paper.verdicts import (
     setting,
     within,
 )
+from pipeline.paper.run_reports import Reading, Reports
+from pipeline.paper.sources import Source, number
+from pipeline.paper.values import group_rows, printed_values
 from pipeline.runtime.errors import InputError
 
 NOTHING = "–"
@@ -31,9 +31,9 @@ CONTEXT = (
 
 
 class Finding(NamedTuple):
-    """What a run has for a number of the paper, with the verdict."""
+    """What a run has for a number of the paper, with the assessment."""
 
-    verdict: str
+    assessment: str
     value: float | str | None = None
     interval: Interval | None = None
     shown: str = NOTHING
@@ -53,7 +53,7 @@ class Value(BaseModel):
     stage: str = NOTHING
     count: int | None = None
     of: int | None = None
-    rule: Literal["same", "rate", "more", "less", "within", "every_horizon", "quoted"]
+    rule: Literal["same", "rate", "more", "less", "within", "every_horizon", "at_least", "quoted"]
     range: tuple[float, float] = (0.0, 0.0)
     ours: Source
 
@@ -80,15 +80,17 @@ class Value(BaseModel):
         try:
             found = self.ours.read(run)
         except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-            problem = f"cannot be compared: {error}; run `rallygap keep` again"
+            problem = f"cannot be compared: {error}; run the stage or `rallygap keep` again"
             raise InputError(run.written_in, problem, field=self.ours.place) from None
         if found is None:
             return Finding(NO_NUMBER if self.rule == "quoted" else NOT_MEASURED)
-        return Finding(self._verdict(found), found.value, found.interval, self._text(found))
+        return Finding(self._assessment(found), found.value, found.interval, self._text(found))
 
-    def _verdict(self, found: Reading) -> str:
-        if found.interval is None or found.verdict:
-            return found.verdict or setting(found.value, self.value or 0.0)
+    def _assessment(self, found: Reading) -> str:
+        if found.interval is None or found.assessment:
+            return found.assessment or setting(
+                found.value, self.value or 0.0, minimum=self.rule == "at_least"
+            )
         if self.rule == "rate":
             return compared(found.interval, rate(self.count or 0, self.of or 0).times(100))
         if self.rule == "within":
@@ -110,7 +112,7 @@ class Group(NamedTuple):
         title: of the group.
         about: what is compared, and by which rule.
         axis: ends of the scale on which values are drawn; ``None`` where they are only written.
-        comparable: whether the verdict may be anything but "not comparable".
+        comparable: whether the assessment may be anything but "not comparable".
         values: in the paper's order.
     """
 
@@ -127,7 +129,7 @@ class Group(NamedTuple):
         if self.comparable:
             return found
         return [
-            (value, one if one.value is None else one._replace(verdict=NOT_COMPARABLE))
+            (value, one if one.value is None else one._replace(assessment=NOT_COMPARABLE))
             for value, one in found
         ]
 
@@ -140,7 +142,7 @@ class Exhibit(BaseModel):
         what: it shows.
         stage: that makes ours.
         ours: the files, relative to the reports; or where else it is.
-        claims: ids of the groups that make its verdict.
+        claims: ids of the groups that make its assessment.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -151,12 +153,12 @@ class Exhibit(BaseModel):
     ours: str
     claims: tuple[str, ...] = ()
 
-    def verdict(self, run: Reports) -> str:
-        """Return the verdict on it, from those on its claims."""
+    def assessment(self, run: Reports) -> str:
+        """Return the assessment of it, from those on its claims."""
         if not self.claims:
             return NO_NUMBER
         claims = [one for one in groups() if one.id in self.claims]
-        return combined(found.verdict for group in claims for _, found in group.findings(run))
+        return combined(found.assessment for group in claims for _, found in group.findings(run))
 
 
 @cache

@@ -1,7 +1,7 @@
 """Claims of the paper's Figure 3: whose forecast errors are smaller, at every horizon."""
 
+from pipeline.paper.assessments import FAILS, HOLDS, OPEN, Interval, claim, combined
 from pipeline.paper.run_reports import Reading, Reports, ReportSource
-from pipeline.paper.verdicts import FAILS, HOLDS, OPEN, Interval, claim, combined
 
 ERRORS = "evaluate_predictor/forecast_error.csv"
 DIFFERENCES = "evaluate_predictor/forecast_error_difference.csv"
@@ -38,7 +38,7 @@ class ErrorDifference(ReportSource):
         if word == HOLDS and min(lower for _, lower in known) < 1:
             word = OPEN
         interval = known[-1][0].times(100 / last)
-        return Reading(interval.value, interval, verdict=word)
+        return Reading(interval.value, interval, assessment=word)
 
     def _difference(self, run: Reports, horizon: int) -> tuple[Interval, float] | None:
         """Return the error minus the rival's, and at which share of horizons it is less.
@@ -82,4 +82,4 @@ class ErrorSpread(ReportSource):
         spread = table.pivot(index="horizon_ms", columns="predictor", values="std")
         best = spread[self.rivals].min(axis=1)
         word = HOLDS if (spread[LEARNED] < best).all() else FAILS
-        return Reading(100 * float((spread[LEARNED] / best).iloc[-1] - 1), verdict=word)
+        return Reading(100 * float((spread[LEARNED] / best).iloc[-1] - 1), assessment=word)

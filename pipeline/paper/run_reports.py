@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict
 
 from pipeline.experiments.profiles import merged
 from pipeline.io.artifacts import read_json
-from pipeline.paper.verdicts import Interval
+from pipeline.paper.assessments import Interval
 from pipeline.params import check_params, load_params, read_yaml, with_current_keys
 from pipeline.runtime.errors import InputError
 
@@ -60,10 +60,16 @@ class Reports:
             raise InputError(path, f"is not a CSV table: {error}; run its stage again") from None
 
     def numbers(self, file: str, names: Sequence[str], **keys: str | int) -> list[float] | None:
-        """Return numbers of the row with these values; ``None`` if one of them does not exist."""
+        """Return numbers of the row with these values; ``None`` if one of them does not exist.
+
+        Raises:
+            ValueError: there are several such rows.
+        """
         table = self.table(file, list(keys), names)
         for column, value in keys.items() if len(table) else ():
             table = table[table[column] == value]
+        if len(table) > 1:
+            raise ValueError(f"{file} has {len(table)} rows with {keys}")
         if table.empty or table.iloc[0][[*names]].isna().any():
             return None
         return [float(table.iloc[0][name]) for name in names]
@@ -81,13 +87,13 @@ class Reading(NamedTuple):
         value: the number; text where it is none.
         interval: of 95 %, where there is one.
         shown: how it is written, if not as value, interval and unit.
-        verdict: where reading it decides the claim.
+        assessment: where reading it decides the claim.
     """
 
     value: float | str
     interval: Interval | None = None
     shown: str = ""
-    verdict: str = ""
+    assessment: str = ""
 
 
 class ReportSource(BaseModel):
@@ -116,6 +122,17 @@ def paper_reports(root: Path) -> Reports:
         return kept_reports(folder)
     params = check_params(merged(read_yaml(root / "params.yaml"), read_yaml(profile)), profile)
     return Reports(folder, params.model_dump(mode="json"), profile)
+
+
+def is_kept_run(folder: Path) -> bool:
+    """Return whether a folder of reports is a kept run; records of studies have the same name."""
+    path = folder / RECORD
+    return path.is_file() and is_record_of_run(read_json(path))
+
+
+def is_record_of_run(record: Any) -> bool:
+    """Return whether a record is of a kept run, whose stages have fingerprints."""
+    return "fingerprints" in record
 
 
 def kept_reports(folder: Path) -> Reports:

@@ -3,10 +3,10 @@
 from pydantic import Field
 
 from models.ball.simulators import shipped
+from pipeline.paper.assessments import Interval, difference
 from pipeline.paper.forecast_errors import ErrorDifference, ErrorSpread
 from pipeline.paper.run_reports import Reading, Reports, ReportSource
 from pipeline.paper.settings import COMPUTED, CONSTANTS
-from pipeline.paper.verdicts import Interval, difference
 
 DIGITS = 4  # of a difference in percentage points: tables have six digits of a share
 
@@ -38,10 +38,10 @@ class Table(ReportSource):
         found = run.numbers(self.file, [name for name in named if name], **self.where)
         if found is None:
             return None
+        value, *ends = (self.scale * (one + self.offset) for one in found[:3])
         if self.low is None:
-            return Reading(found[0])
-        ends = (self.scale * (end + self.offset) for end in found[:3])
-        interval = Interval(*ends)
+            return Reading(value)
+        interval = Interval(value, *ends)
         if self.count is None:
             return Reading(interval.value, interval)
         value, low, high = interval
@@ -50,11 +50,10 @@ class Table(ReportSource):
 
 
 class Difference(ReportSource):
-    """One number minus another; the half-widths add up where the two are not independent."""
+    """One number minus another that is independent of it."""
 
     first: "Source"
     minus: "Source"
-    independent: bool = True
 
     @property
     def place(self) -> str:
@@ -67,25 +66,8 @@ class Difference(ReportSource):
         ends = [one.interval for one in found if one is not None and one.interval is not None]
         if len(ends) < len(found):
             return None
-        ends_apart = difference(*ends, independent=self.independent)
-        interval = Interval(*(round(end, DIGITS) + 0.0 for end in ends_apart))  # no -0
+        interval = Interval(*(round(end, DIGITS) + 0.0 for end in difference(*ends)))  # no -0
         return Reading(interval.value, interval)
-
-
-class FirstOf(ReportSource):
-    """The first of several sources that the reports have."""
-
-    first_of: list["Source"]
-
-    @property
-    def place(self) -> str:
-        """All of them."""
-        return " or ".join(dict.fromkeys(one.place for one in self.first_of))
-
-    def read(self, run: Reports) -> Reading | None:
-        """Return the first number there is."""
-        found = (one.read(run) for one in self.first_of)
-        return next((one for one in found if one is not None), None)
 
 
 class Parameter(ReportSource):
@@ -178,7 +160,6 @@ class Unmeasured(ReportSource):
 Source = (
     Table
     | Difference
-    | FirstOf
     | ErrorDifference
     | ErrorSpread
     | Parameter

@@ -1,5 +1,6 @@
 """From Markdown to Typst: what the documentation's pages use, and no more."""
 
+import json
 from collections.abc import Callable
 
 from markdown_it import MarkdownIt
@@ -62,7 +63,7 @@ WRITERS: dict[str, Callable[[SyntaxTreeNode], str]] = {
     "html_block": lambda node: "",
     "html_inline": lambda node: "",
     "inline": _inside,
-    "code_inline": lambda node: f"#raw({node.content!r})".replace("'", '"'),
+    "code_inline": lambda node: f"#raw({json.dumps(node.content, ensure_ascii=False)})",
     "strong": lambda node: f"#strong[{_inside(node)}]",
     "em": lambda node: f"#emph[{_inside(node)}]",
     "paragraph": lambda node: f"{_inside(node)}\n\n",

@@ -4,15 +4,14 @@ from pathlib import Path
 
 from pipeline.io.artifacts import read_json
 from pipeline.io.report_manifest import read_contents
-from pipeline.paper.run_reports import RECORD, kept_reports
+from pipeline.paper.run_reports import RECORD, is_kept_run, kept_reports
 from pipeline.runtime.errors import InputError
 from pipeline.web.report_page import render_page
 
 
 def kept_runs(root: Path) -> list[str]:
     """Return the names of the kept runs in ``reports``."""
-    records = sorted((root / "reports").glob(f"*/{RECORD}"))
-    return [one.parent.name for one in records if "fingerprints" in read_json(one)]
+    return [one.name for one in sorted((root / "reports").glob("*")) if is_kept_run(one)]
 
 
 def kept_page(root: Path, name: str) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.io.report_manifest import Contents
+from pipeline.paper.assessments import MEANINGS
 from pipeline.paper.comparison import (
     CONTEXT,
     NOTHING,
@@ -18,7 +19,6 @@ from pipeline.paper.comparison import (
     groups,
 )
 from pipeline.paper.run_reports import Reports
-from pipeline.paper.verdicts import MEANINGS
 
 DECADES = 2.0  # of the scale on which sizes are drawn, on each side of the paper's
 
@@ -48,7 +48,7 @@ def paper_section(run: Reports, contents: Sequence[Contents]) -> dict[str, Any]:
             "name": one.name,
             "what": one.what,
             "ours": _linked(one.ours, anchors),
-            "verdict": one.verdict(run),
+            "assessment": one.assessment(run),
             "stage": one.stage,
             "fingerprint": fingerprints.get(one.stage, ""),
         }
@@ -110,7 +110,7 @@ def _group(group: Group, run: Reports, fingerprints: Mapping[str, str]) -> dict[
             "what": value.what,
             "paper": value.printed_text,
             "ours": found.shown,
-            "verdict": found.verdict,
+            "assessment": found.assessment,
             "mark": mark(group, value, found),
             "where": value.ours.place,
         }
@@ -123,7 +123,7 @@ def _group(group: Group, run: Reports, fingerprints: Mapping[str, str]) -> dict[
         "about": group.about,
         "scale": _scale(group),
         "rows": rows,
-        "counts": dict(Counter(row["verdict"] for row in rows)),
+        "counts": dict(Counter(row["assessment"] for row in rows)),
         "runs": [{"stage": one, "fingerprint": fingerprints.get(one, "")} for one in stages],
     }
 

@@ -10,7 +10,6 @@ from pipeline.paper.run_reports import Reports
 
 LAST_MS = 300  # the farthest horizon
 FEW = 300  # recordings
-COUNTED = {"distinguishable_right", "pairs_right", "false_alarms"}  # in the exam, among others
 
 
 @dataclass(frozen=True)
@@ -21,14 +20,14 @@ class Result:
         key: of its place in the page.
         heading: what it is about.
         figure: in the folder of reports; where it is missing, the page leaves the result out.
-        sentence: what the reports say; None where they have no numbers for it.
+        sentence: what the reports say; a LookupError where they lack a number for it.
         command: that makes the figure, if no stage reports it.
     """
 
     key: str
     heading: str
     figure: str
-    sentence: Callable[[Reports], str | None]
+    sentence: Callable[[Reports], str]
     command: str = ""
 
     @property
@@ -45,7 +44,7 @@ def results_section(run: Reports, fingerprints: Mapping[str, str]) -> Iterator[d
         fingerprints: of the stages on the page.
     """
     for one in RESULTS:
-        path, sentence = run.folder / one.figure, one.sentence(run)
+        path, sentence = run.folder / one.figure, _sentence(run, one)
         if not path.is_file() or sentence is None:
             continue
         yield {
@@ -61,11 +60,17 @@ def results_section(run: Reports, fingerprints: Mapping[str, str]) -> Iterator[d
         }
 
 
-def _gap(run: Reports) -> str | None:
+def _sentence(run: Reports, result: Result) -> str | None:
+    """Return what the reports say; None where they lack a number, as other parameters may do."""
+    try:
+        return result.sentence(run)
+    except LookupError:
+        return None
+
+
+def _gap(run: Reports) -> str:
     keys, numbers = ["source", "simulator", "horizon_ms"], ["before_mm", "after_mm", "floor_mm"]
     table = run.table("close_gap/errors.csv", keys, numbers)
-    if table.empty:
-        return None
     row = table[table["horizon_ms"] == LAST_MS].iloc[0]
     return (
         f"The prediction error of the simulator {row['simulator']} on held-out shots of "
@@ -75,11 +80,9 @@ def _gap(run: Reports) -> str | None:
     )
 
 
-def _exam(run: Reports) -> str | None:
+def _exam(run: Reports) -> str:
     path = run.folder / "hidden_effects" / "exam.json"
     exam = read_json(path) if path.is_file() else {}
-    if not set(exam) >= COUNTED:
-        return None
     return (
         f"In blind tests, {exam['distinguishable_right']} of {exam['distinguishable']} hidden "
         f"effects of three detection limits are named, {exam['pairs_right']} of {exam['pairs']} "
@@ -88,11 +91,9 @@ def _exam(run: Reports) -> str | None:
     )
 
 
-def _real(run: Reports) -> str | None:
+def _real(run: Reports) -> str:
     keys = ["set", "predictor", "quantity", "bounce", "horizon_ms"]
     table = run.table("real/forecasts.csv", keys, ["mean"])
-    if table.empty:
-        return None
     kept = (table["quantity"] == "position") & (table["bounce"] == "all")
     rows = table[kept & (table["horizon_ms"] == LAST_MS)].set_index(["set", "predictor"])["mean"]
     errors = "; ".join(
@@ -105,10 +106,8 @@ def _real(run: Reports) -> str | None:
     )
 
 
-def _predictor(run: Reports) -> str | None:
+def _predictor(run: Reports) -> str:
     table = run.table("learning_curves.csv", ["predictor", "recordings", "horizon_ms"], ["mean"])
-    if table.empty:
-        return None
     errors = table[table["horizon_ms"] == LAST_MS].set_index(["predictor", "recordings"])["mean"]
     most = table["recordings"].max()
     return (
@@ -119,11 +118,9 @@ def _predictor(run: Reports) -> str | None:
     )
 
 
-def _swap(run: Reports) -> str | None:
+def _swap(run: Reports) -> str:
     keys = ["set", "horizons_ms", "predictor", "protocol"]
     table = run.table("sim2real/rates.csv", keys, ["balls", "returns"])
-    if table.empty:
-        return None
     counts = table.groupby(["predictor", "protocol"])[["returns", "balls"]].sum()
     shares = 100 * counts["returns"] / counts["balls"]
     return (

@@ -57,18 +57,27 @@ def test_recordings_are_counted_from_which_networks_err_less(tmp_path):
         )
         for name, mean in means.items()
     ]
-    columns = {"quantity": "position", "bounce": "all", "mean": [70.0, 99.0]}
-    arena = {**columns, "set": "arena", "against": ["measured", "truth"], "horizon_ms": 300}
-    real = {**columns, "set": "tt3d", "predictor": ["transformer", "hybrid"], "horizon_ms": 200}
+    columns = {"quantity": "position", "bounce": "all"}
+    arena = pd.DataFrame(
+        {
+            **columns, "set": "arena", "horizon_ms": 300,
+            "against": ["measured", "measured", "truth"], "mean": [95.0, 70.0, 99.0],
+            "predictor": ["physics_c", "physics_c_with_net", "physics_c"],
+        }
+    )  # fmt: skip
+    real = {
+        **columns, "set": "tt3d", "horizon_ms": 200, "mean": [70.0, 99.0],
+        "predictor": ["transformer", "hybrid"],
+    }  # fmt: skip
     tables = {
         "learning_curves.csv": pd.concat(curves),
-        "evaluate_predictor/forecast_error.csv": pd.DataFrame({**arena, "predictor": "physics_c"}),
+        "evaluate_predictor/forecast_error.csv": arena,
         "real/forecasts.csv": pd.DataFrame(real),
     }
     found = when_a_learned_predictor_helps(with_tables(tmp_path, tables))
-    assert "simulator C errs 70 mm" in found
-    assert "errs less with 100 or more of the training recordings" in found
-    assert "of simulator C and a table net, with any number of them." in found
+    assert "is 95 mm with simulator C and 70 mm with simulator C and a net" in found
+    assert "of a transformer with 100 or more training recordings" in found
+    assert "corrects its forecasts, with any number." in found
     assert "than the transformer with any number of them" in found
     assert "than the hybrid with 100 or more. On" in found
     assert "70 mm (transformer, `tt3d`)" in found
@@ -82,7 +91,7 @@ def test_naming_is_measured_on_arenas_measured_sets_and_policies(tmp_path):
         "swap_study/gains_retrained.csv": gains([0.01, 0.07]),
     }
     found = what_naming_buys(with_tables(tmp_path, tables))
-    assert "On 1 fresh arenas, amending takes away 93 % of the error" in found
-    assert "leaves 1.20 times the error" in found
+    assert "On 1 fresh arenas, the median error of the amended simulator is 1.20 times" in found
+    assert "amending closes 93 % of the difference between simulator C and the latter" in found
     assert "in 1 of 2 verdicts" in found
     assert "+1 to +7 points (1 of 2 differences significant)" in found

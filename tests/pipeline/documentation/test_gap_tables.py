@@ -7,12 +7,14 @@ import pytest
 
 from pipeline.documentation.gap_tables import (
     ROBUSTNESS_RATES,
+    arena_verdict,
     exam_rates,
     real_errors,
     real_stability,
     real_summary,
     robustness_rates,
 )
+from pipeline.io.artifacts import write_csv
 
 CASE = {"source": ["tt3d"], "simulator": ["imperfect_c"], "split": [0]}
 SIZES = {"before_mm": [9.0] * 3, "after_mm": [5.0] * 3, "floor_mm": [4.0] * 3}
@@ -37,6 +39,33 @@ def write_exam(root, first, other):
     path = root / "reports/hidden_effects/exam.json"
     path.parent.mkdir(parents=True)
     path.write_text(json.dumps({**first, "compared": {"sindy": other}}))
+
+
+@pytest.mark.parametrize(
+    ("possible", "sentence"),
+    [
+        (["drag.cd", "wind.x"], "The verdict is `named`"),
+        (
+            ["drag.cd, linear_drag.c, wind.y", "net.friction"],
+            "The verdict is `named` (`drag.cd` may be `linear_drag.c` or `wind.y`)",
+        ),
+    ],
+)
+def test_causes_that_shots_cannot_tell_apart_are_named(tmp_path, possible, sentence):
+    folder = tmp_path / "reports/close_gap"
+    verdict = pd.DataFrame({"source": ["arena"], "verdict": ["named"]})
+    write_csv(folder / "verdicts.csv", verdict)
+    causes = pd.DataFrame({"source": "arena", "role": "leading", "possible": possible})
+    minor = pd.DataFrame({"source": ["arena"], "role": ["minor"], "possible": ["a.b, c.d"]})
+    write_csv(folder / "causes.csv", pd.concat([causes, minor]))
+    assert arena_verdict(tmp_path) == sentence
+
+
+def test_a_verdict_without_errors_at_a_horizon_has_a_dash(tmp_path):
+    write_real(tmp_path, None)
+    errors = tmp_path / "reports/real/close_gap/errors.csv"
+    write_csv(errors, pd.read_csv(errors).query("horizon_ms < 300"))
+    assert "9 → 5 (4) | 9 → 5 (4) | – |" in real_summary(tmp_path)
 
 
 def test_a_method_without_records_of_a_rate_has_a_dash(tmp_path):
@@ -71,7 +100,7 @@ def test_results_of_an_exam_without_these_groups_are_dashes(tmp_path):
 def test_measured_sets_have_a_row(tmp_path, cause, gravities):
     write_real(tmp_path, cause)
     sizes = " | ".join(["9 → 5 (4)"] * 3)
-    row = f"| tt3d | C | {sizes} | 1 of 1 | 1 of 1 | {gravities} of 1 |"
+    row = f"| tt3d | simulator C | {sizes} | 1 of 1 | 1 of 1 | {gravities} of 1 |"
     assert real_summary(tmp_path).splitlines()[-1] == row
     assert "| 1 to 3 | 9 → 5 (4) |" in real_errors(tmp_path)
 

@@ -8,7 +8,6 @@ from pipeline.documentation.predictor_tables import (
     measured_coverage,
     measured_differences,
 )
-from pipeline.documentation.transfer_tables import spread_policies
 
 INTERVAL = {"ci_low": 20.6, "ci_high": 30.2}
 
@@ -60,17 +59,7 @@ def test_differences_on_measured_sets_are_those_of_the_hybrid(write):
     ]
 
 
-def test_policies_that_observe_spreads_have_a_difference_to_those_that_do_not(write):
-    one = {"set": "stroke_pro", "predictor": "transformer"}
-    kinds = {"exact": 0.8, "filtered": 0.7, "filtered_with_spread": 0.75}
-    write(
-        "spread_policies.csv", *({**one, "policy": k, "return_rate": v} for k, v in kinds.items())
-    )
-    gain = {**one, "policy": "filtered_with_spread", "difference": 0.05}
-    gains = [
-        {**gain, "outcome": name, "ci_low": 0.01, "ci_high": 0.09} for name in ("hits", "returns")
-    ]
-    root = write("spread_policies_differences.csv", *gains)
-    assert spread_policies(root).splitlines()[2:] == [
-        "| stroke_pro | transformer | 80 | 70 | 75 | 5 (1 to 9) |"
-    ]
+def test_a_predictor_that_nobody_has_labelled_has_its_name(write):
+    row = {"predictor": "my_network", "recordings": 10, "horizon_ms": 300, "mean": 25.4, **INTERVAL}
+    root = write("learning_curves.csv", {**row, "of_oracle": 1.5})
+    assert learning_curves(root).splitlines()[-1] == "| my network | 25 (21 to 30) | 1.50 |"

@@ -49,9 +49,17 @@ def test_names_may_change_and_numbers_may_not(commit, tmp_path):
 
 
 def test_kept_runs_do_not_count(commit, tmp_path):
-    base = commit({"paper/run.json": "{}", "paper/evaluate/errors.csv": TABLE})
-    other = commit({"paper/run.json": "{}", "paper/evaluate/errors.csv": TABLE.replace("1", "2")})
+    record = {"paper/run.json": '{"fingerprints": {}}'}
+    base = commit({**record, "paper/evaluate/errors.csv": TABLE})
+    other = commit({**record, "paper/evaluate/errors.csv": TABLE.replace("1", "2")})
     assert compare_commits(tmp_path, base, other) == (0, {})
+
+
+def test_studies_that_have_a_record_count(commit, tmp_path):
+    record = {"study/run.json": '{"commit": "a"}'}
+    base = commit({**record, "study/errors.csv": TABLE})
+    other = commit({**record, "study/errors.csv": TABLE.replace("2.5", "2.6")})
+    assert list(compare_commits(tmp_path, base, other)[1]) == ["reports/study/errors.csv"]
 
 
 def test_an_unknown_commit_is_refused(commit, tmp_path):

@@ -1,6 +1,7 @@
 """All results are made once by a commit, in their order, and a killed run goes on."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -89,17 +90,64 @@ def test_code_that_is_not_committed_makes_no_results(repository):
     assert ran(repository) == []
 
 
-def test_steps_that_need_measured_sets_are_left_out_without_them(repository, monkeypatch, capsys):
+def test_new_code_that_is_not_committed_makes_no_results(repository):
+    (repository / "models/ball/effect.py").write_text("3")
+    with pytest.raises(InputError, match="not committed"):
+        make_everything(repository)
+    (repository / "models/ball/effect.py").unlink()
+    steps_file = repository / "notes.txt"  # no code
+    steps_file.write_text("a")
+    make_everything(repository)
+    assert ran(repository) == ["a", "b", "c"]
+
+
+def test_code_that_changes_during_a_run_ends_it(repository, monkeypatch):
+    edits = Step("a", ("bash -c 'echo 2 > models/ball/code.py'",), 1)
+    monkeypatch.setattr(everything, "STEPS", [edits, *everything.STEPS[1:]])
+    with pytest.raises(InputError, match="not committed"):
+        make_everything(repository)
+    assert ran(repository) == []
+
+
+def test_without_a_clone_no_results_are_made(tmp_path, monkeypatch):
+    monkeypatch.setattr(everything, "STEPS", [Step("a", ("true",), 1)])
+    (tmp_path / "dvc.yaml").write_text("stages: {segment: {}}")
+    with pytest.raises(InputError, match="no clone"):
+        make_everything(tmp_path)
+
+
+def test_an_experiment_that_a_killed_step_has_run_is_not_run_again(repository, monkeypatch):
+    (repository / "profiles").mkdir()
+    (repository / "profiles/quick.yaml").write_text("{}")
+    (repository / "params.yaml").write_text("{}")
+    commit(repository, "profile")
+    head = run(repository, "git", "rev-parse", "HEAD").strip()
+    run(repository, "git", "update-ref", f"refs/exps/{head[:2]}/{head[2:]}/a", head)
+    kept = Step("a", ("bash -c 'echo kept >> ran'",), 1, profile="quick", experiment=True)
+    monkeypatch.setattr(everything, "STEPS", [kept])
+    make_everything(repository)
+    assert ran(repository) == ["kept"]
+
+
+def test_steps_that_need_measured_sets_are_left_out_without_them(
+    repository, tmp_path, monkeypatch, capsys
+):
     measured = Step("d", ("bash -c 'echo d >> ran'",), 1, measured=True)
     monkeypatch.setattr(everything, "STEPS", [*everything.STEPS, measured])
     monkeypatch.delenv("RALLYGAP_DATA", raising=False)
     make_everything(repository)
     assert ran(repository) == ["a", "b", "c"]
     assert "d: left out, because it needs the measured sets" in capsys.readouterr().out
-    monkeypatch.setenv("RALLYGAP_DATA", "balls")
+    monkeypatch.setenv("RALLYGAP_DATA", str(tmp_path / "missing"))
+    make_everything(repository)
+    assert ran(repository) == ["a", "b", "c"]
+    monkeypatch.setenv("RALLYGAP_DATA", str(tmp_path))
     make_everything(repository)
     assert ran(repository)[-1] == "d"
 
 
-def test_steps_have_names_of_their_own():
+def test_steps_have_names_of_their_own_and_settings_that_exist():
     assert len({one.name for one in STEPS}) == len(STEPS)
+    profiles = Path(__file__).parents[3] / "profiles"
+    for step in STEPS:
+        assert any((profiles / f"{step.profile}{end}").exists() for end in ("", ".yaml"))

@@ -56,8 +56,14 @@ def test_results_without_a_record_are_of_the_commit_that_last_changed_them(repos
     assert kept_result(repository, repository / "reports" / "exam").commit == head
 
 
-@pytest.mark.parametrize("missing", [40 * "0", ""])
-def test_a_commit_that_is_not_there_counts_as_stale(repository, missing):
+@pytest.mark.parametrize(
+    ("missing", "sentence"),
+    [
+        (40 * "0", "Results of commit 0000000, which this clone does not have."),
+        ("", "Results of a commit that nobody noted."),
+    ],
+)
+def test_a_commit_that_is_not_there_counts_as_stale(repository, missing, sentence):
     found = result_of(repository, repository / "reports" / "paper", missing)
     assert found.is_stale
-    assert "which this clone does not have" in found.sentence
+    assert found.sentence == sentence

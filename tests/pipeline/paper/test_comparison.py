@@ -5,21 +5,23 @@ import itertools
 import pandas as pd
 import pytest
 
-from pipeline.paper.comparison import compare, exhibits, groups
-from pipeline.paper.run_reports import Reports
-from pipeline.paper.values import printed_transfer
-from pipeline.paper.verdicts import (
+from pipeline.paper.assessments import (
     FAILS,
     HIGHER,
     HOLDS,
-    LEVEL,
     LOWER,
+    NO_DIFFERENCE,
     NO_NUMBER,
     NOT_COMPARABLE,
     NOT_MEASURED,
     OPEN,
     SAME,
 )
+from pipeline.paper.comparison import compare, exhibits, groups
+from pipeline.paper.run_reports import Reports
+from pipeline.paper.sources import Table
+from pipeline.paper.values import printed_transfer
+from pipeline.runtime.errors import InputError
 
 VALUES = {value.id: value for group in groups() for value in group.values}
 RIVALS = ("physics_c", "physics_literature", "tae", "gru_tae", "amended_imperfect_c", "oracle")
@@ -64,12 +66,12 @@ def differences(predictor="transformer", other="physics_c", mean=-20.0, half=5.0
     ]  # fmt: skip
 
 
-def gains(points, half=0.01, predictor="transformer", protocol="every_tick"):
+def gains(points, half):
     """Rows of gains in returns at 115-125 ms, by set."""
     return [
         {
-            "set": name, "horizons_ms": "115-125", "predictor": predictor, "outcome": "returns",
-            "protocol": protocol, "difference": value, "ci_low": value - half,
+            "set": name, "horizons_ms": "115-125", "predictor": "transformer", "outcome": "returns",
+            "protocol": "every_tick", "difference": value, "ci_low": value - half,
             "ci_high": value + half,
         }
         for name, value in points.items()
@@ -92,8 +94,8 @@ def swap(times, half):
 )
 def test_a_forecast_error_is_smaller_only_if_it_is_at_every_horizon(tmp_path, changes, word):
     found = compare(write_errors(tmp_path, **changes))
-    assert found["accuracy.position.physics_c"].verdict == word
-    assert found["accuracy.spin.gru_tae"].verdict == NOT_MEASURED
+    assert found["accuracy.position.physics_c"].assessment == word
+    assert found["accuracy.spin.gru_tae"].assessment == NOT_MEASURED
 
 
 @pytest.mark.parametrize(
@@ -102,16 +104,16 @@ def test_a_forecast_error_is_smaller_only_if_it_is_at_every_horizon(tmp_path, ch
 )
 def test_a_pair_of_predictors_is_found_in_either_order_and_shown_in_percent(tmp_path, changes):
     found = compare(write_errors(tmp_path, **changes))["accuracy.position.physics_c"]
-    assert found.verdict == HOLDS
+    assert found.assessment == HOLDS
     assert found.interval == pytest.approx((-50.0, -62.5, -37.5))
 
 
 def test_the_spread_is_compared_with_the_papers_predictors_alone(tmp_path):
     found = compare(write_errors(tmp_path, {"oracle": 1.0, "tae": 25.0}))["accuracy.spin.spread"]
-    assert found.verdict == HOLDS
+    assert found.assessment == HOLDS
     assert found.value == pytest.approx(100 * (10 / 25 - 1))  # % of the smallest rival
     found = compare(write_errors(tmp_path, {"tae": 9.0}))["accuracy.spin.spread"]
-    assert found.verdict == FAILS
+    assert found.assessment == FAILS
 
 
 def test_figure_3_is_judged_without_the_contenders_that_the_paper_lacks(tmp_path):
@@ -120,9 +122,9 @@ def test_figure_3_is_judged_without_the_contenders_that_the_paper_lacks(tmp_path
     write_errors(tmp_path)
     file = "evaluate_predictor/forecast_error_difference.csv"
     run = write(tmp_path, file, smaller + larger)
-    assert next(one for one in exhibits() if one.name == "Figure 3").verdict(run) == HOLDS
+    assert next(one for one in exhibits() if one.name == "Figure 3").assessment(run) == HOLDS
     found = compare(run)
-    assert {found[f"accuracy.{name}.oracle"].verdict for name in QUANTITIES} == {FAILS}
+    assert {found[f"accuracy.{name}.oracle"].assessment for name in QUANTITIES} == {FAILS}
 
 
 def test_sim_to_sim_is_judged_from_the_first_state(tmp_path):
@@ -132,11 +134,11 @@ def test_sim_to_sim_is_judged_from_the_first_state(tmp_path):
     run = write(tmp_path, "sim2sim/difference.csv", [{**row, **later}, {**row, **first}])
     found = compare(run)
     gain = found["sim2sim.imperfect_b.170-180"]
-    assert gain.verdict == HOLDS and gain.interval == pytest.approx((20, 10, 30))
-    assert found["sim2sim.imperfect_a.170-180"].verdict == NOT_MEASURED
+    assert gain.assessment == HOLDS and gain.interval == pytest.approx((20, 10, 30))
+    assert found["sim2sim.imperfect_a.170-180"].assessment == NOT_MEASURED
 
 
-@pytest.mark.parametrize(("hits", "word"), [(30, LOWER), (41, LEVEL), (56, HIGHER)])
+@pytest.mark.parametrize(("hits", "word"), [(30, LOWER), (41, NO_DIFFERENCE), (56, HIGHER)])
 @pytest.mark.parametrize(
     ("protocol", "key"), [("every_tick", "physics"), ("first_window", "physics_first_window")]
 )
@@ -147,8 +149,8 @@ def test_counts_are_compared_as_rates(tmp_path, hits, word, protocol, key):
         "hit_rate_low": hits / 60 - 0.1, "hit_rate_high": hits / 60 + 0.1,
     }  # fmt: skip
     found = compare(write(tmp_path, "sim2real/rates.csv", [row]))
-    assert found[f"transfer.stroke_pro.115-125.{key}.hits"].verdict == word
-    assert found[f"transfer.stroke_pro.170-180.{key}.hits"].verdict == NOT_MEASURED
+    assert found[f"transfer.stroke_pro.115-125.{key}.hits"].assessment == word
+    assert found[f"transfer.stroke_pro.170-180.{key}.hits"].assessment == NOT_MEASURED
 
 
 def test_printed_gains_are_the_differences_of_the_printed_counts():
@@ -173,35 +175,45 @@ def test_the_largest_gain_is_judged_between_independent_sets(tmp_path, uni, half
     rows = gains({"stroke_uni": uni, "stroke_pro": 0.2}, half)
     found = compare(write(tmp_path, "sim2real/difference.csv", rows))
     more = found["most.stroke_pro.115-125.returns"]
-    assert more.verdict == word and more.value == pytest.approx(100 * (uni - 0.2))
-    assert found["most.receive.115-125.returns"].verdict == NOT_MEASURED
+    assert more.assessment == word and more.value == pytest.approx(100 * (uni - 0.2))
+    assert found["most.receive.115-125.returns"].assessment == NOT_MEASURED
 
 
-def test_a_gain_over_the_first_window_is_paired_where_the_run_has_it(tmp_path):
-    key = "gain_first_window.stroke_pro.115-125.returns"
-    rows = gains({"stroke_pro": 0.02}) + gains(
-        {"stroke_pro": -0.1}, 0.04, predictor="physics", protocol="first_window"
-    )
-    kept = compare(write(tmp_path, "sim2real/difference.csv", rows))[key]
-    assert kept.interval == pytest.approx((12, 7, 17))  # half-widths of 1 and 4 points
-    paired = gains({"stroke_pro": 0.12}, 0.03)
-    run = write(tmp_path, "sim2real/difference_first_window.csv", paired)
-    assert compare(run)[key].interval == pytest.approx((12, 9, 15))
+def test_a_table_with_several_rows_for_a_number_is_refused(tmp_path):
+    row = {"simulator": "imperfect_b", "horizons_ms": "170-180", "protocol": "first_state"}
+    row |= {"difference": 0.2, "ci_low": 0.1, "ci_high": 0.3}
+    run = write(tmp_path, "sim2sim/difference.csv", [row, row])
+    with pytest.raises(InputError, match="2 rows"):
+        compare(run)
+
+
+def test_a_number_without_an_interval_has_its_unit(tmp_path):
+    none = {"low": None, "high": None}
+    source = Table(file="a.csv", where={"set": "tt3d"}, column="error_m", scale=1000, **none)
+    run = write(tmp_path, "a.csv", [{"set": "tt3d", "error_m": 0.031}])
+    assert source.read(run).value == pytest.approx(31.0)
+
+
+def test_a_gain_over_the_first_window_is_paired_by_shot(tmp_path):
+    rows = gains({"stroke_pro": 0.12}, 0.03)
+    found = compare(write(tmp_path, "sim2real/difference_first_window.csv", rows))
+    gain = found["gain_first_window.stroke_pro.115-125.returns"]
+    assert gain.interval == pytest.approx((12, 9, 15))
 
 
 def test_shot_quality_is_shown_but_not_comparable(tmp_path):
     found = compare(write(tmp_path, "shot_quality/swap.csv", swap(1.25, 0.05)))
     faster = found["quality.speed.stroke_pro.115-125"]
-    assert faster.value == pytest.approx(25.0) and faster.verdict == NOT_COMPARABLE
+    assert faster.value == pytest.approx(25.0) and faster.assessment == NOT_COMPARABLE
     doubled = found["quality.doubled.stroke_pro"]
     assert doubled.interval == pytest.approx((1.25, 1.2, 1.3))
-    assert doubled.verdict == NOT_COMPARABLE
+    assert doubled.assessment == NOT_COMPARABLE
     undefined = compare(write(tmp_path, "shot_quality/swap.csv", swap(float("nan"), 0)))
-    assert undefined["quality.doubled.stroke_pro"].verdict == NOT_MEASURED
+    assert undefined["quality.doubled.stroke_pro"].assessment == NOT_MEASURED
 
 
-def test_without_reports_only_constants_have_a_verdict(tmp_path):
+def test_without_reports_only_constants_have_a_assessment(tmp_path):
     run = Reports(tmp_path, {})
-    words = {found.verdict for found in compare(run).values()}
+    words = {found.assessment for found in compare(run).values()}
     assert words == {NOT_MEASURED, NO_NUMBER, SAME, "differs"}
-    assert {one.verdict(run) for one in exhibits()} == {NOT_MEASURED, NO_NUMBER}
+    assert {one.assessment(run) for one in exhibits()} == {NOT_MEASURED, NO_NUMBER}

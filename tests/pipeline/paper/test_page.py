@@ -10,10 +10,10 @@ from models.predictors.normaliser import INPUTS, OUTPUTS
 from models.predictors.transformer import Transformer
 from pipeline.experiments.profiles import merged
 from pipeline.io.artifacts import write_json
+from pipeline.paper.assessments import DIFFERS, MEANINGS, NOT_MEASURED
 from pipeline.paper.comparison import NOTHING, compare, exhibits, groups
 from pipeline.paper.page import paper_page
 from pipeline.paper.run_reports import Reports, laptop_reports, paper_reports
-from pipeline.paper.verdicts import DIFFERS, MEANINGS, NOT_MEASURED
 from pipeline.params import read_yaml
 from pipeline.runtime.errors import InputError
 from pipeline.sweeps.settings import nested
@@ -30,7 +30,7 @@ def test_every_value_has_its_own_id_and_a_stage_that_exists():
     assert {value.stage for value in VALUES} - {NOTHING} <= STAGES
     assert {one.stage for one in exhibits()} <= STAGES
     found = compare(laptop_reports(ROOT)).values()
-    assert {one.verdict for one in found} <= set(MEANINGS)
+    assert {one.assessment for one in found} <= set(MEANINGS)
 
 
 def test_settings_that_no_parameter_changes_are_those_of_the_network():
@@ -78,7 +78,7 @@ def test_settings_of_the_papers_profile_are_the_papers(tmp_path):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     found = compare(paper_reports(tmp_path))  # no run is kept
-    differ = {key for key, one in found.items() if one.verdict == DIFFERS}
+    differ = {key for key, one in found.items() if one.assessment == DIFFERS}
     settings = {value.id for value in VALUES if "params.yaml" in value.ours.place}
     assert settings and differ & settings == set()
 
@@ -133,4 +133,4 @@ def test_a_table_without_a_column_lacks_its_numbers(tmp_path):
     path.write_text("source,group,episodes\narena,pro,3\n")
     found = compare(Reports(tmp_path, {}))
     assert found["data.all"].value == 3
-    assert found["data.test"].verdict == NOT_MEASURED
+    assert found["data.test"].assessment == NOT_MEASURED

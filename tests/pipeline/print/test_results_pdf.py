@@ -65,6 +65,12 @@ def test_no_text_is_taken_for_markup(text):
     assert "".join(printed(f"x {escaped} y")) == "".join(rendered(f"x {escaped} y"))
 
 
+@given(st.text("ab 12#$*_<>@[]~\"'/=-+\\.(){}!|:;&%^,", min_size=1, max_size=30))
+def test_code_is_printed_as_it_is(text):
+    markdown = f"x `{text}` y"
+    assert "".join(printed(markdown)) == "".join(rendered(markdown))
+
+
 def test_links_lead_out_of_the_repository_only():
     markup = typst_markup(MARKDOWN)
     assert '#link("https://example.org/set")[the set]' in markup

@@ -1,4 +1,4 @@
-"""Verdicts on a number of ours compared with the paper's, each by a rule on the 95 % interval."""
+"""Assessments of our numbers by the paper's, each by a rule on the 95 % interval."""
 
 import math
 from collections.abc import Iterable
@@ -7,19 +7,20 @@ from typing import NamedTuple
 from scipy.stats import binomtest
 
 SAME, DIFFERS = "same", "differs"  # settings and sizes
-LEVEL, HIGHER, LOWER = "level", "higher", "lower"  # measured rates against printed ones
+# Measured rates against printed ones.
+NO_DIFFERENCE, HIGHER, LOWER = "no significant difference", "higher", "lower"
 HOLDS, OPEN, FAILS = "holds", "open", "fails"  # claims
 NOT_COMPARABLE = "not comparable"
 NOT_MEASURED = "not measured"
 NO_NUMBER = "no number"
 
 MEANINGS = {
-    SAME: "a setting or size equal to the paper's within 1 %",
-    DIFFERS: "a setting or size that differs from the paper's",
-    LEVEL: "the 95 % interval of our rate minus the paper's contains zero",
+    SAME: "a setting or size equal to the paper's within 1 %, or not below a minimum",
+    DIFFERS: "any other setting or size",
+    NO_DIFFERENCE: "the 95 % interval of our rate minus the paper's contains zero",
     HIGHER: "the 95 % interval of our rate minus the paper's is above zero",
     LOWER: "the 95 % interval of our rate minus the paper's is below zero",
-    HOLDS: "the whole 95 % interval agrees with the paper's claim; of a figure: in all its rows",
+    HOLDS: "the whole 95 % interval agrees with the claim; of a figure: in all its rows",
     OPEN: "the 95 % interval includes both outcomes; of a figure: in some row, and no row fails",
     FAILS: "the whole 95 % interval contradicts the claim; of a figure: in some row",
     NOT_COMPARABLE: "both numbers exist, but the experiments differ in what decides the outcome",
@@ -41,23 +42,20 @@ class Interval(NamedTuple):
         return Interval(factor * self.value, low, high)
 
 
-def setting(ours: float | str, printed: float | str) -> str:
-    """Return whether a setting equals the paper's."""
+def setting(ours: float | str, printed: float | str, *, minimum: bool = False) -> str:
+    """Return whether a setting equals the paper's, or reaches it where that is a minimum."""
     if isinstance(ours, str) or isinstance(printed, str):
         return SAME if ours == printed else DIFFERS
+    if minimum and ours > printed:
+        return SAME
     return SAME if math.isclose(ours, printed, rel_tol=0.01) else DIFFERS
 
 
-def difference(first: Interval, second: Interval, *, independent: bool = True) -> Interval:
-    """Return the difference of two numbers with its interval.
-
-    Independent numbers: Zou and Donner 2008, for intervals that need not be symmetric. Otherwise
-    the half-widths add up, which covers at least 95 % whatever the correlation.
-    """
-    total = math.hypot if independent else lambda one, other: one + other
+def difference(first: Interval, second: Interval) -> Interval:
+    """Return the difference of two independent numbers with its interval (Zou and Donner 2008)."""
     value = first.value - second.value
-    below = total(first.value - first.low, second.high - second.value)
-    above = total(first.high - first.value, second.value - second.low)
+    below = math.hypot(first.value - first.low, second.high - second.value)
+    above = math.hypot(first.high - first.value, second.value - second.low)
     return Interval(value, value - below, value + above)
 
 
@@ -72,7 +70,7 @@ def compared(ours: Interval, printed: Interval) -> str:
     gap = difference(ours, printed)
     if gap.low > 0:
         return HIGHER
-    return LOWER if gap.high < 0 else LEVEL
+    return LOWER if gap.high < 0 else NO_DIFFERENCE
 
 
 def claim(change: Interval, *, grows: bool = True) -> str:
@@ -91,7 +89,7 @@ def within(ours: Interval, low: float, high: float) -> str:
 
 
 def combined(parts: Iterable[str]) -> str:
-    """Return the verdict on a claim from the verdicts on its parts."""
+    """Return the assessment of a claim from the assessments of its parts."""
     found = set(parts)
     for word in (FAILS, NOT_MEASURED, OPEN, NOT_COMPARABLE):
         if word in found:

@@ -1,0 +1,65 @@
+"""The results that the report page opens with are those that a run has."""
+
+import pandas as pd
+import pytest
+
+from pipeline.io.artifacts import write_csv, write_json
+from pipeline.paper.run_reports import Reports
+from pipeline.web.results_section import RESULTS, results_section
+
+TRANSFER = {"set": "receive", "horizons_ms": "115-125", "balls": 20}
+POLICIES = [
+    {**TRANSFER, "predictor": "physics", "protocol": "first_window", "returns": 8},
+    {**TRANSFER, "predictor": "physics", "protocol": "every_tick", "returns": 15},
+    {**TRANSFER, "predictor": "transformer", "protocol": "every_tick", "returns": 16},
+]
+GAP = {"source": "arena", "simulator": "imperfect_c", "before_mm": 80.4, "after_mm": 30.2}
+FORECAST = {"set": "tt3d", "quantity": "position", "bounce": "all", "horizon_ms": 300}
+EXAM = {
+    "distinguishable_right": 7, "distinguishable": 8, "pairs_right": 2, "pairs": 3,
+    "false_alarms": 0, "clean_sets": 9,
+}  # fmt: skip
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Reports with a figure and numbers for every result but the learning curves."""
+    tables = {
+        "sim2real/rates.csv": POLICIES,
+        "close_gap/errors.csv": [{**GAP, "horizon_ms": 300, "floor_mm": 29.0}],
+        "real/forecasts.csv": [
+            {**FORECAST, "predictor": "physics_literature", "mean": 100.2},
+            {**FORECAST, "predictor": "hybrid_ensemble", "mean": 60.1},
+        ],
+    }
+    for name, rows in tables.items():
+        write_csv(tmp_path / name, pd.DataFrame(rows))
+    write_json(tmp_path / "hidden_effects/exam.json", EXAM)
+    return Reports(tmp_path, {})
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("swap", "40 % of replayed shots with its forecasts from the first window, 75 %"),
+        ("gap", "from 80 to 30 mm"),
+        ("real", "tt3d 100 to 60 mm"),
+        ("exam", "7 of 8 hidden effects of three detection limits are named, 2 of 3 pairs"),
+    ],
+)
+def test_a_result_says_what_the_reports_have(run, key, words):
+    assert words in next(one for one in RESULTS if one.key == key).sentence(run)
+
+
+def test_results_that_lack_a_number_are_left_out(run):
+    for one in RESULTS:
+        (run.folder / one.figure).parent.mkdir(parents=True, exist_ok=True)
+        (run.folder / one.figure).write_bytes(b"\x89PNG\r\n\x1a\n")
+    write_csv(run.folder / "sim2real/rates.csv", pd.DataFrame(POLICIES[:2]))
+    write_json(run.folder / "hidden_effects/exam.json", {"pairs": 3})
+    write_json(run.folder / "real/forecasts.json", {"commit": "0123456"})
+    assert [one["key"] for one in results_section(run, {})] == ["gap", "real"]
+
+
+def test_without_reports_there_is_no_result(tmp_path):
+    assert list(results_section(Reports(tmp_path, {}), {})) == []
