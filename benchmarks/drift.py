@@ -94,7 +94,7 @@ def summary(asked: Sequence[Session], found: Sequence[tuple[int, str] | None]) -
     quiet = by_case["", 0.0]
     return {
         "false_alarms": sum(alarm is not None for alarm in quiet),
-        "shots": QUIET_SESSIONS * QUIET_SHOTS,
+        "shots": sum(QUIET_SHOTS if alarm is None else alarm[0] for alarm in quiet),
         "causes": {
             identity: {f"{size}x": _scores(by_case[identity, size], identity) for size in SIZES}
             for identity in CAUSES

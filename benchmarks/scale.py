@@ -79,7 +79,7 @@ def answer_with_half_the_effects(number: int) -> int:
 
 
 def learn(seed: int) -> int:
-    """Train a policy for a short training iteration; return its control ticks."""
+    """Train a policy for a short training iteration; return its control steps."""
     with tempfile.TemporaryDirectory() as folder:
         learn_iteration(TASK, SHORT, seed, 0, None, Path(folder))
     return SHORT.steps_per_iteration
@@ -87,8 +87,13 @@ def learn(seed: int) -> int:
 
 WORKS = (
     Work(f"verdicts on {SHOTS} shots", "questions of the exam", 2, answer_question),
-    Work("verdicts with half the effects", "such questions", 2, answer_with_half_the_effects),
-    Work("train policies", "control ticks", 1, learn),
+    Work(
+        "verdicts with half the effects",
+        "questions of the exam, half the effects",
+        2,
+        answer_with_half_the_effects,
+    ),
+    Work("train policies", "control steps", 1, learn),
 )
 
 
@@ -114,9 +119,8 @@ def measure_arena(processes: int, times: int) -> dict[str, Any]:
     segment_arena(1)  # warm-up: start, import, compile
     start = time.monotonic()
     done = segment_arena(times)
-    return row(
-        "simulate, write and cut balls", "episodes", processes, done, time.monotonic() - start
-    )
+    work = "simulate, write and segment episodes"
+    return row(work, "episodes", processes, done, time.monotonic() - start)
 
 
 def segment_arena(times: int) -> int:
@@ -139,7 +143,7 @@ def segmented(root: Path, times: int = 1) -> Segmented:
 def measure_training(processes: int, times: int) -> dict[str, Any]:
     """Measure the training of the predictor on a multiple of the episodes, without its start."""
     settings = PARAMS.train_predictor
-    (shape,) = list(settings.networks.values())[:1]
+    shape = settings.networks["transformer"]
     changed = settings.training.model_copy(update={"epochs": EPOCHS, "devices": processes})
     lightning.seed_everything(SEED, verbose=False)
     training = ForecastTraining(build_network(shape), changed)

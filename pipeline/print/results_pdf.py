@@ -1,4 +1,4 @@
-"""The results page as a PDF (``make docs``), set by Typst; equal pages give equal bytes."""
+"""The results page as a PDF (``make docs``), set by Typst; a commit gives the same bytes again."""
 
 import json
 from pathlib import Path

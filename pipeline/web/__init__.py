@@ -1,1 +1,1 @@
-"""Offline pages and the PDF of a run."""
+"""Offline pages of a run."""
