@@ -7,8 +7,10 @@ import pytest
 
 from pipeline.documentation.gap_tables import (
     ROBUSTNESS_RATES,
+    arena_causes,
     arena_verdict,
     exam_rates,
+    real_causes,
     real_errors,
     real_stability,
     real_summary,
@@ -39,6 +41,41 @@ def write_exam(root, first, other):
     path = root / "reports/hidden_effects/exam.json"
     path.parent.mkdir(parents=True)
     path.write_text(json.dumps({**first, "compared": {"sindy": other}}))
+
+
+def test_parameters_are_shown_that_are_hidden_or_named(tmp_path):
+    columns = ["effect", "parameter", "original", "amended", "truth", "low", "high"]
+    none = float("nan")
+    rows = [
+        ["drag", "cd", 0.4, 0.55, 0.551, 0.54, 0.56],  # wrong, and named
+        ["wind", "x", none, none, 0.1, none, none],  # hidden, and not named
+        ["spin_decay", "c", none, 0.2, none, 0.1, 0.3],  # named, and not hidden
+        ["gravity", "g", 9.81, 9.81, 9.81, none, none],
+        ["racket_bounce", "kp", 0.1, 0.1, 0.2, none, none],
+        ["camera_distortion", "amplitude", none, 0.002, none, 0.001, 0.003],
+    ]
+    numbers = pd.DataFrame(rows, columns=columns).assign(source="arena")
+    write_csv(tmp_path / "reports/run/retrain_policy/numbers.csv", numbers)
+    assert arena_causes(tmp_path, "run/").splitlines()[2:] == [
+        "| `drag.cd` | 0.4 | 0.55 (0.54 to 0.56) | 0.551 |",
+        "| `wind.x` | – | – | 0.1 |",
+        "| `spin_decay.c` | – | 0.2 (0.1 to 0.3) | – |",
+        "| `camera_distortion.amplitude` | – | 0.002 (0.001 to 0.003) | camera field |",
+    ]
+
+
+def test_causes_of_a_single_split_are_left_out(tmp_path):
+    one = {"source": "tt3d", "simulator": "imperfect_c", "splits": 3, "unit": "m/s"}
+    causes = [
+        {**one, "cause": "wind.x", "found": 2, "lowest": 0.1234, "highest": 0.5},
+        {**one, "cause": "wind.y", "found": 1, "lowest": 0.1, "highest": 0.1},
+        {**one, "cause": "drag.cd", "found": 3, "lowest": 0.5, "highest": 0.6, "unit": "1"},
+    ]
+    write_csv(tmp_path / "reports/real/close_gap/stability.csv", pd.DataFrame(causes))
+    assert real_causes(tmp_path).splitlines()[2:] == [
+        "| tt3d | simulator C | `wind.x` | 2 of 3 | 0.123 to 0.5 m/s |",
+        "| tt3d | simulator C | `drag.cd` | 3 of 3 | 0.5 to 0.6 |",
+    ]
 
 
 @pytest.mark.parametrize(

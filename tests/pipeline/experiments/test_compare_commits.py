@@ -1,31 +1,29 @@
 """Committed results of two commits compare number by number."""
 
-import subprocess
+import shutil
 
 import pytest
 
 from pipeline.experiments.compare_commits import compare_commits
+from pipeline.io.artifacts import write_text
 from pipeline.runtime.errors import InputError
+from tests import clone
+from tests.clone import run
 
 TABLE = "set,error_mm,low\nspindoe,1.5,\ntt3d,2.5,2\n"
 
 
 @pytest.fixture
 def commit(tmp_path):
-    """Commit files under reports/ and return the commit."""
-    git = ["git", "-c", "user.name=me", "-c", "user.email=me@example.org"]
-    subprocess.run([*git, "init", "--quiet"], cwd=tmp_path, check=True)
+    """Commit files under reports/ in the place of all others, and return the commit."""
+    run(tmp_path, "git", "init", "--quiet")
 
     def write(files):
-        subprocess.run([*git, "rm", "-rq", "--ignore-unmatch", "."], cwd=tmp_path, check=True)
+        shutil.rmtree(tmp_path / "reports", ignore_errors=True)
         for name, text in files.items():
-            path = tmp_path / "reports" / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text)
-        subprocess.run([*git, "add", "."], cwd=tmp_path, check=True)
-        subprocess.run([*git, "commit", "--quiet", "-m", "run"], cwd=tmp_path, check=True)
-        shown = subprocess.run([*git, "rev-parse", "HEAD"], cwd=tmp_path, capture_output=True)
-        return shown.stdout.decode().strip()
+            write_text(tmp_path / "reports" / name, text)
+        clone.commit(tmp_path, "run")
+        return run(tmp_path, "git", "rev-parse", "HEAD").strip()
 
     return write
 
