@@ -8,7 +8,7 @@ from scipy.stats import binomtest
 
 SAME, DIFFERS = "same", "differs"  # settings and sizes
 # Measured rates against printed ones.
-NO_DIFFERENCE, HIGHER, LOWER = "no significant difference", "higher", "lower"
+NOT_DIFFERENT, HIGHER, LOWER = "not different", "higher", "lower"
 HOLDS, OPEN, FAILS = "holds", "open", "fails"  # claims
 NOT_COMPARABLE = "not comparable"
 NOT_MEASURED = "not measured"
@@ -17,7 +17,7 @@ NO_NUMBER = "no number"
 MEANINGS = {
     SAME: "a setting or size equal to the paper's within 1 %, or not below a minimum",
     DIFFERS: "any other setting or size",
-    NO_DIFFERENCE: "the 95 % interval of our rate minus the paper's contains zero",
+    NOT_DIFFERENT: "the 95 % interval of our rate minus the paper's contains zero",
     HIGHER: "the 95 % interval of our rate minus the paper's is above zero",
     LOWER: "the 95 % interval of our rate minus the paper's is below zero",
     HOLDS: "the whole 95 % interval agrees with the claim; of a figure: in all its rows",
@@ -70,7 +70,7 @@ def compared(ours: Interval, printed: Interval) -> str:
     gap = difference(ours, printed)
     if gap.low > 0:
         return HIGHER
-    return LOWER if gap.high < 0 else NO_DIFFERENCE
+    return LOWER if gap.high < 0 else NOT_DIFFERENT
 
 
 def claim(change: Interval, *, grows: bool = True) -> str:

@@ -9,7 +9,7 @@ from pipeline.paper.assessments import (
     HIGHER,
     HOLDS,
     LOWER,
-    NO_DIFFERENCE,
+    NOT_DIFFERENT,
     NOT_MEASURED,
     OPEN,
     SAME,
@@ -58,7 +58,7 @@ def test_a_range_holds_where_the_whole_interval_lies_inside(low, high, word):
 
 def test_rates_do_not_differ_where_the_interval_of_the_difference_has_zero():
     printed = rate(100, 200)
-    assert compared(rate(30, 60), printed) == NO_DIFFERENCE
+    assert compared(rate(30, 60), printed) == NOT_DIFFERENT
     assert compared(rate(55, 60), printed) == HIGHER
     assert compared(rate(5, 60), printed) == LOWER
 

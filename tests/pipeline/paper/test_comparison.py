@@ -10,9 +10,9 @@ from pipeline.paper.assessments import (
     HIGHER,
     HOLDS,
     LOWER,
-    NO_DIFFERENCE,
     NO_NUMBER,
     NOT_COMPARABLE,
+    NOT_DIFFERENT,
     NOT_MEASURED,
     OPEN,
     SAME,
@@ -138,7 +138,7 @@ def test_sim_to_sim_is_judged_from_the_first_state(tmp_path):
     assert found["sim2sim.imperfect_a.170-180"].assessment == NOT_MEASURED
 
 
-@pytest.mark.parametrize(("hits", "word"), [(30, LOWER), (41, NO_DIFFERENCE), (56, HIGHER)])
+@pytest.mark.parametrize(("hits", "word"), [(30, LOWER), (41, NOT_DIFFERENT), (56, HIGHER)])
 @pytest.mark.parametrize(
     ("protocol", "key"), [("every_tick", "physics"), ("first_window", "physics_first_window")]
 )

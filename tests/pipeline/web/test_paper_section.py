@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.io.report_manifest import Contents, read_contents
-from pipeline.paper.assessments import NO_DIFFERENCE, Interval
+from pipeline.paper.assessments import NOT_DIFFERENT, Interval
 from pipeline.paper.comparison import Finding, Group, Value, exhibits, groups
 from pipeline.paper.run_reports import Reports, laptop_reports
 from pipeline.web.paper_section import mark, paper_section
@@ -20,7 +20,7 @@ def group(axis):
 
 
 def test_values_are_drawn_inside_their_axis():
-    found = Finding(NO_DIFFERENCE, 0.0, Interval(0.0, -40.0, 150.0))
+    found = Finding(NOT_DIFFERENT, 0.0, Interval(0.0, -40.0, 150.0))
     drawn = mark(group((-100.0, 100.0)), VALUE, found)
     assert (drawn.zero, drawn.paper, drawn.ours) == (50.0, 75.0, 50.0)
     assert (drawn.low, drawn.high) == (30.0, 100.0)
@@ -31,7 +31,7 @@ def test_values_are_drawn_inside_their_axis():
     [(50.0, 50.0), (5.0, 25.0), (5e-9, 0.0), (5e5, 100.0), ("half a cosine", None)],
 )
 def test_sizes_are_drawn_by_their_ratio(ours, place):
-    assert mark(group(None), VALUE, Finding(NO_DIFFERENCE, ours)).ours == place
+    assert mark(group(None), VALUE, Finding(NOT_DIFFERENT, ours)).ours == place
 
 
 def test_every_value_is_shown_with_the_run_that_it_is_from(tmp_path):
