@@ -1,1 +1,1 @@
-"""The arena: what stands around the table, simulated."""
+"""The arena: simulated players, ball cannon, cameras and hidden physics."""

@@ -51,12 +51,15 @@ class Truth:
 def draw_truth(seed: int, physics: str | None = None) -> Truth:
     """Draw the hidden physics and measurement errors of the arena.
 
-    With ``physics``, the name of a shipped simulator, that one flies the balls; where it has no
-    net, it has the one that is drawn.
+    ``physics`` names a shipped simulator that flies the balls instead of the drawn physics; if it
+    has no net, the drawn net is added.
 
     All ranges of the physics are those of real set-ups (``observed`` in the catalogue of effects).
     Effects that no shipped simulator has are always present and never small, so that the truth
     differs from every shipped simulator in several effects.
+
+    Raises:
+        SimulatorError: there is no shipped simulator named ``physics``.
     """
     random = np.random.default_rng([seed, STREAM])
     scatter = BounceScatter(

@@ -85,7 +85,7 @@ class Audit:
 
     @property
     def has_table(self) -> bool:
-        """Whether it takes the fall of most balls away."""
+        """Whether the engine has a table: most bounce probes lose their downward speed."""
         return "table" in self.unexplained
 
     @property

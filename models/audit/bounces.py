@@ -26,7 +26,7 @@ class Bounces:
     """The contacts of B bounce probes.
 
     Attributes:
-        met: (B,) whether the table takes the ball's fall away.
+        met: (B,) whether the downward speed after is less than ``MET`` times that before.
         bounced: (B,) whether the ball rises above the table afterwards.
         restitution: (B,) normal speed after over before; NaN without a bounce.
         grip: (B,) change of the velocity along the table over the slip; NaN without a bounce, or

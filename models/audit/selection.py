@@ -1,4 +1,4 @@
-"""Which effects an engine has: those that bring our flights closer to its flights, in millimetres.
+"""Which effects an engine has: those that bring a simulator's flights closer to it.
 
 There is no noise, and first states are known. So an effect is not a matter of significance: it is
 named if it matters by more than a threshold in millimetres. Effects are added one after the other,
@@ -26,7 +26,7 @@ CONVERGED = 1e-6  # mm
 
 @dataclass(frozen=True)
 class Flown:
-    """What an engine makes of probe shots.
+    """Flights of probe shots by an engine.
 
     Attributes:
         probes: the B shots.

@@ -19,7 +19,10 @@ from models.support.compilation import compiler
 
 @cache
 def composed() -> dict[str, Any]:
-    """Return a compiled ``function(context, parameters)`` for each quantity but the sensor's."""
+    """Return a compiled ``function(context, parameters)`` for each quantity but the sensor's.
+
+    It is ``function(parameters)`` for a quantity without a context.
+    """
     namespace: dict[str, Any] = {"njit": numba.njit(error_model="numpy")}
     for effect in catalogue().values():
         for number, change in enumerate(effect.changes):

@@ -74,8 +74,9 @@ class Effect:
     def adds(self, quantity: str) -> Callable[[Hook], Hook]:
         """Decorate ``hook(context, *parameters)``, whose value is added to ``quantity``.
 
-        The hook is compiled by numba (hooks of sensor quantities stay numpy). It returns a number,
-        or a tuple where the quantity is a vector. The rows of a table come last.
+        Hooks of quantities without a context, such as ``wind``, take the parameters alone. The hook
+        is compiled by numba (hooks of sensor quantities stay numpy). It returns a number, or a
+        tuple where the quantity is a vector. The rows of a table come last.
         """
         return self._register(quantity, "adds")
 

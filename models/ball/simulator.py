@@ -101,7 +101,11 @@ class Simulator:
         return {name: dict(values) for name, values in self.effects.items()}
 
     def amended(self, effect: str, **parameters: Any) -> "Simulator":
-        """Return this simulator with an effect appended, or with some of its values changed."""
+        """Return this simulator with an effect appended, or with some of its values changed.
+
+        Raises:
+            SimulatorError: an unknown effect or parameter, or a value that is not allowed.
+        """
         current = {**self.effects.get(effect, {}), **parameters}
         return Simulator.from_dict({**self.effects, effect: current})
 

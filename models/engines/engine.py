@@ -11,8 +11,8 @@ from models.ball.state import STATE_SIZE
 from models.ball.types import Floats
 
 Flies = Callable[[Floats, Floats], Floats]
-"""From (B, 9) states and (T,) times in s, rising from zero, to (B, T, 9) states: position (m),
-velocity (m/s) and spin (rad/s) in the table frame (``models/ball/state.py``)."""
+"""From (B, 9) states and (T,) times in s, rising, the first at least zero, to (B, T, 9) states:
+position (m), velocity (m/s) and spin (rad/s) in the table frame (``models/ball/state.py``)."""
 
 
 class EngineError(ValueError):
@@ -24,7 +24,7 @@ class Engine(Protocol):
 
     @property
     def name(self) -> str:
-        """Of the engine, for reports."""
+        """Name of the engine, for reports."""
         ...
 
     def fly(self, states: Floats, times: Floats) -> Floats:

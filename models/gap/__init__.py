@@ -1,1 +1,1 @@
-"""The gap between simulation and measurement: where it is, what causes it, and without it."""
+"""The gap between simulation and measurement: its location, its causes, its amendment."""

@@ -58,8 +58,8 @@ def diagnose(
 ) -> Verdict:
     """Return where shots and a simulator disagree, and why.
 
-    Two shots in three serve for naming, by recordings where there are several; the others are held
-    out for verification.
+    Two shots in three serve for naming, the others are held out for verification: whole recordings
+    if there are at least twice ``settings.verify.held_out`` of them, else single shots.
 
     Args:
         shots: measured.

@@ -79,11 +79,11 @@ class Hypothesis:
         return value == self.declaration.neutral
 
     def is_bound(self, value: float) -> bool:
-        """Whether a value is the bound of plausible ones; that of an absent effect is plausible."""
+        """Whether a value is at a bound of the plausible range; the neutral value never is."""
         return value in self.declaration.bounds and not self.is_neutral(value)
 
     def listed(self, simulator: Simulator) -> bool:
-        """Whether ``simulator`` lists the effect: then a wrong value, else a missing effect."""
+        """Whether ``simulator`` lists the effect (a wrong value if so, else a missing effect)."""
         return self.effect in simulator.effects
 
     def at(self, simulator: Simulator, value: float) -> Simulator:

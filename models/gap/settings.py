@@ -110,7 +110,7 @@ class InferenceSettings:
     folds: int = 5  # of cross-validation
     noise_degrees: float = 8.0  # degrees of freedom that the noise as estimated counts as
     min_detectable_sample_size: float = 4.0  # effective shots behind a minimum detectable effect
-    min_information: float = 1e-7  # share of a hypothesis's information left after its nuisance
+    min_information: float = 1e-7  # share of a hypothesis's information left given the others
     beam_width: int = 150  # sets of one size that the search keeps
     beam_work: int = 750  # columns in all these sets together
     max_variance_inflation: float = 100.0  # of a value by the others of its set
@@ -183,11 +183,12 @@ class VerifySettings:
 
     held_out: int = 3  # one shot in so many is held out; also the least number of shots
     few_shots: int = 20  # below, small effects are not detected
-    one_way_share: float = 0.9  # of the shots in the same direction, above which more is asked for
+    one_way_share: float = 0.9  # of the shots in one direction; above it, a limitation is listed
     horizons: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4)  # s
     min_shots: int = 3  # with samples at a horizon, or that land
     min_inlier: float = 0.5  # probability that a sample is no outlier
-    # Largest error of the nominal simulator's predictions by which amended ones may be worse.
+    # Share of the nominal simulator's prediction error. A cause is harmful if held-out predictions
+    # with it are significantly worse than without it, by more than this.
     worse: float = 0.02
     min_worth: float = 0.02  # of the largest worth; below it, a cause is minor
     max_unexplained: float = 0.1  # of the gap; above it, the verdict is unknown
@@ -259,7 +260,7 @@ class GapSettings:
 
     @property
     def tolerance(self) -> float:
-        """By how much less gain another set explains about as much: one test at ``level``."""
+        """Difference of gains up to which two sets explain about as well: one test at ``level``."""
         return self.critical_value**2
 
     def decisive_gain(self, labels: int) -> float:

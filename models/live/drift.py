@@ -1,4 +1,4 @@
-"""Drift: the world leaves the simulator while balls come in.
+"""Drift: the physics changes during a session, so that the simulator no longer holds.
 
 Every shot is fitted on its own about the simulator, in the noise that reference shots have. Its
 efficient score about a parameter of the catalogue, and its information, say what the value is that
@@ -56,7 +56,7 @@ class DriftMonitor:
     """Watches shot after shot for a change of the world.
 
     Args:
-        reference: shots of the world as it is now.
+        reference: shots before any change.
         simulator: of the ball.
         settings: of the gap workflow.
 
@@ -146,7 +146,7 @@ class Session:
         self._monitor: DriftMonitor | None = None
 
     def add(self, shot: Shot) -> Alarm | None:
-        """Take the next shot; return the alarm that it raises. One that cannot be is left out."""
+        """Take the next shot; return the alarm that it raises. An implausible shot is left out."""
         try:
             if self._monitor is not None:
                 return self._monitor.add(_shots([shot]))[0]

@@ -112,7 +112,7 @@ class Forecaster:
             one.
 
         Raises:
-            ValueError: a time or a position that is not finite.
+            ValueError: a time or a position that is not finite, or a position without 3 numbers.
         """
         place = np.asarray(position, dtype=np.float64)
         if place.shape != (3,) or not np.isfinite(place).all() or not np.isfinite(t):
@@ -164,7 +164,9 @@ class Forecaster:
         return rows[:, :STATE_SIZE], covariances
 
     def bounce(self) -> Event | None:
-        """Return the ball's next contact with the table; None if there is none in a second.
+        """Return the ball's next contact with the table; None without one in the forecast.
+
+        The forecast spans 1 s with a simulator, 0.3 s with a predictor.
 
         Raises:
             ValueError: the predictor was compiled for some horizons alone.
@@ -172,7 +174,9 @@ class Forecaster:
         return self._event(crossings.bounce(self._coming(), self._sensor))
 
     def apex(self) -> Event | None:
-        """Return where the ball next stops rising; None if it does not within a second.
+        """Return where the ball next stops rising; None without one in the forecast.
+
+        The forecast spans 1 s with a simulator, 0.3 s with a predictor.
 
         Raises:
             ValueError: the predictor was compiled for some horizons alone.
@@ -180,7 +184,9 @@ class Forecaster:
         return self._event(crossings.apex(self._coming(), TICK))
 
     def crossing(self, point: ArrayLike, normal: ArrayLike) -> Event | None:
-        """Return where the ball next crosses a plane; None if it does not within a second.
+        """Return where the ball next crosses a plane; None without one in the forecast.
+
+        The forecast spans 1 s with a simulator, 0.3 s with a predictor.
 
         Args:
             point: (3,) m, of the plane, such as the middle of a robot's strike plane.
@@ -193,7 +199,7 @@ class Forecaster:
         return self._event(crossings.plane(self._coming(), TICK, *plane))
 
     def _coming(self) -> Floats:
-        """Return the states of the coming second, a tick apart; nothing without a ball."""
+        """Return the forecast states, a tick apart; nothing without a ball."""
         if not self.ready:
             return np.empty((0, STATE_SIZE))
         if self.predictor is not None:

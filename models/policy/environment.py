@@ -95,13 +95,21 @@ class ReturnVecEnv(VecEnv):
         return [getattr(self, attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Raise: environments have no attributes of their own."""
+        """Refuse to set an attribute.
+
+        Raises:
+            NotImplementedError: always; environments have no attributes of their own.
+        """
         raise NotImplementedError("environments have no attributes of their own")
 
     def env_method(
         self, method_name: str, *args: Any, indices: VecEnvIndices = None, **kwargs: Any
     ) -> list[Any]:
-        """Raise: environments have no methods of their own."""
+        """Refuse to call a method.
+
+        Raises:
+            NotImplementedError: always; environments have no methods of their own.
+        """
         raise NotImplementedError("environments have no methods of their own")
 
     def env_is_wrapped(

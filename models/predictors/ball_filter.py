@@ -50,7 +50,7 @@ STEPS = np.repeat([1e-5, 1e-3, 1e-1], 3)
 
 @dataclass(frozen=True)
 class Filtered:
-    """What B balls' measurements say of their states at the last tick.
+    """Filtered states of B balls at the last tick.
 
     Attributes:
         states: (B, 9) means: position (m), velocity (m/s), spin (rad/s).

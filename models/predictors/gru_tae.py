@@ -49,7 +49,7 @@ class RecurrentAutoencoder(nn.Module):
         self.projection = nn.Linear(decoded, FUTURE * OUTPUTS)
 
     def forward(self, history: Tensor, mask: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
-        """Return (B, 60, 9) normalised future states; ``ForecastNetwork`` describes the inputs."""
+        """Return (B, 60, 9) normalised deviations from the baseline (``ForecastNetwork``)."""
         states = self.encoder(input_rows(history, mask, residual, self.uniform_motion))
         future: Tensor = self.projection(elu(self.decoder(states[:, -1])))
         return future.reshape(len(history), FUTURE, OUTPUTS)

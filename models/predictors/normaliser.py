@@ -9,8 +9,10 @@ Measurements are standardised, with zero where there are none. Before that,
 
 A further input is the residual of each measurement from *uniform motion*: a robust straight line
 through the history at constant velocity, with the mean spin. It shows curvature and noise of the
-path. Outputs are deviations of the future from uniform motion, so that a network need not reproduce
-its input to the millimetre. Uniform motion is not a model of flight; it does not even have gravity.
+path. Outputs are deviations of the future from a *baseline*, so that a network need not reproduce
+its input to the millimetre. The baseline is uniform motion, which has no gravity, or for a hybrid
+the forecast of a simulator. A hybrid's residuals are deviations from the straight line at the
+baseline's first position and velocity.
 """
 
 import torch
@@ -82,15 +84,16 @@ class Normaliser(nn.Module):
         Args:
             history: (B, 12, 6) measurements.
             mask: (B, 12, 6) where they were measured.
-            motion: (B, 60, 9) their uniform motion, here and below.
+            motion: (B, 60, 9) the baseline, here and below.
         """
         viewed = _network_view(history, motion)
         return torch.where(mask, (viewed - self.history_mean) / self.history_spread, 0.0)
 
     def residual(self, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
-        """Return (B, 12, 3) residuals of measured positions from uniform motion; zero without any.
+        """Return (B, 12, 3) residuals of measured positions from the baseline's straight line.
 
-        In units of ``RESIDUAL_SCALE``, saturated at ``MAX_RESIDUAL``.
+        They are in units of ``RESIDUAL_SCALE``, saturated at ``MAX_RESIDUAL``, and zero where
+        nothing is measured.
         """
         times = torch.as_tensor(HISTORY_TIMES, dtype=history.dtype, device=history.device)
         line = _current_position(motion) + times[:, None] * motion[:, :1, 3:6]
@@ -99,7 +102,7 @@ class Normaliser(nn.Module):
         return torch.where(mask[..., :3], limited, 0.0)
 
     def expected(self, motion: Tensor) -> Tensor:
-        """Return (B, 60, 6) standardised positions and spins of uniform motion."""
+        """Return (B, 60, 6) standardised positions and spins of the baseline."""
         states = torch.cat([motion[..., :3], motion[..., 6:]], dim=2)
         return (_rotated(states, motion) - self.history_mean) / self.history_spread
 

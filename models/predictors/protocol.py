@@ -24,6 +24,9 @@ class History:
     Attributes:
         states: (B, 12, 6) position (m) and spin (rad/s); zero where not measured.
         mask: (B, 12, 6) True where measured.
+
+    Raises:
+        ValueError: other shapes, numbers that are not finite, or values where nothing is measured.
     """
 
     states: Floats
@@ -75,10 +78,10 @@ class ProbabilisticPredictor(Predictor, Protocol):
     """A predictor that says how far its forecasts may be off."""
 
     def predict_with_covariances(self, history: History) -> tuple[Forecast, Floats]:
-        """Forecast each ball, and say how sure that is.
+        """Forecast each ball, with covariances of its positions.
 
         Returns:
-            The forecast, and (B, 60, 3, 3) covariances of its positions, m^2. They are what the
-            predictor says; calibration.py makes sets of a given coverage of them.
+            The forecast, and (B, 60, 3, 3) covariances of its positions, m^2. They are not
+            calibrated; calibration.py derives prediction regions of a given coverage from them.
         """
         ...

@@ -82,7 +82,7 @@ NetworkSettings = Annotated[
 
 
 class TrainingSettings(_Settings):
-    """How networks are trained, on the mean squared error of normalised states."""
+    """How networks are trained: on the mean squared error, a hybrid on Huber's loss."""
 
     epochs: Annotated[int, Field(ge=1, le=10_000)]
     """In each epoch, ``windows_per_episode`` new windows are drawn from every training episode."""

@@ -40,7 +40,7 @@ class Spread(nn.Module):
         Args:
             history: (B, 12, 6) normalised measurements.
             mask: (B, 12, 6) where there are any.
-            residual: (B, 12, 3) their deviations from uniform motion.
+            residual: (B, 12, 3) their deviations from the baseline's straight line.
         """
         inputs = torch.cat([history, mask.to(history.dtype), residual], dim=2)
         values = self.layers(inputs.flatten(1)).view(-1, FUTURE, FACTORS)

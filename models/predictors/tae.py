@@ -46,7 +46,7 @@ class TrajectoryAutoencoder(nn.Module):
         self.projection = nn.Linear(decoded, FUTURE * OUTPUTS)
 
     def forward(self, history: Tensor, mask: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
-        """Return (B, 60, 9) normalised future states; ``ForecastNetwork`` describes the inputs."""
+        """Return (B, 60, 9) normalised deviations from the baseline (``ForecastNetwork``)."""
         flat = input_rows(history, mask, residual, self.uniform_motion).flatten(1)
         joined = torch.cat([self.decoder(flat), self.code(self.encoder(flat))], dim=1)
         future: Tensor = self.projection(relu(self.joined(joined)))

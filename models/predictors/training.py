@@ -34,6 +34,8 @@ def cosine(share: float) -> float:
 class ForecastTraining(lightning.LightningModule):
     """Trains a network on the mean squared error of normalised, measured states.
 
+    A hybrid is trained on Huber's loss of the same errors instead.
+
     As in the paper (section IV-A) with Adam and a learning rate that decays by a factor per epoch;
     optionally with Muon for the layers' matrices and a cosine schedule.
 

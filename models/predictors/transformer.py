@@ -166,7 +166,7 @@ class Transformer(nn.Module):
         self.read = slice(states.start // size, -(-states.stop // size))
 
     def forward(self, history: Tensor, mask: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
-        """Return (B, 60, 9) normalised future states; ``ForecastNetwork`` describes the inputs.
+        """Return (B, 60, 9) normalised deviations from the baseline (``ForecastNetwork``).
 
         As in the paper, the network does not read the mask.
         """

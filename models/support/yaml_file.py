@@ -20,7 +20,8 @@ def parse_yaml(text: str) -> Any:
 
     Raises:
         YAMLError: it is not YAML.
-        ValueError: a value is none, or there are too many aliases or too deep a nesting.
+        ValueError: a value is invalid, such as a date in month 99, or there are too many aliases or
+            levels of nesting.
     """
     aliases = depth = 0
     for event in YAML(typ="safe").parse(text):

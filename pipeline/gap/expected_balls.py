@@ -50,7 +50,7 @@ def read_expected(path: Path) -> Expected:
     """Read a file of expected balls.
 
     Raises:
-        InputError: it is missing, or something in it cannot be.
+        InputError: it is missing, or a value in it is invalid.
     """
     content = read_valid(path, _Content, "give the balls.json of a verdict")
     return Expected(**content.model_dump())

@@ -37,7 +37,7 @@ class MeasuredEpisode:
         episode_id: name.
         recording_id: the recording that it is from.
         source: of the recording.
-        split: what it is for.
+        split: train, validation, test or replay.
         unbroken: whether its samples fit the paths between its contacts.
         episode: its samples.
         touched: (C,) s, when the ball touches something else than the table after the first sample.
@@ -54,7 +54,7 @@ class MeasuredEpisode:
     nets: Floats
 
     def between(self, start: float, end: float) -> "MeasuredEpisode":
-        """Return the samples from ``start`` to ``end``, s."""
+        """Return the episode with the samples at ``start`` <= t < ``end``, s; its contacts stay."""
         whole = self.episode
         rows = (whole.times >= start) & (whole.times < end)
         names = ("times", "positions", "velocities", "spins", "outlier", "arc")

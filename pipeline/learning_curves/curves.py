@@ -32,7 +32,8 @@ class Errors:
 def curve_rows(errors: list[Errors], tested: np.ndarray, horizons_ms: list[int]) -> pd.DataFrame:
     """Return one row a predictor, number of recordings and horizon.
 
-    Means are over draws and windows, their 95 % intervals over draws and test recordings.
+    Means, in mm, are over draws and windows, their 95 % intervals over draws and test
+    recordings.
     ``of_oracle`` is the mean divided by that of the oracle, ``median`` that of all windows and
     draws.
 

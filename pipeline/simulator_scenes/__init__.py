@@ -1,1 +1,1 @@
-"""Scenes of MuJoCo and PyBullet: wrong ones are amended, and lists go into one and come back."""
+"""Scenes of MuJoCo and PyBullet: amended, and written from lists of effects and audited."""

@@ -2,7 +2,7 @@
 
 MLflow works in the process of the stage, with short timeouts. Whatever goes wrong with it costs one
 line of warning, and the stage continues. A stage that is killed leaves its run open; the next one
-that is recorded in the same store closes it (``mlflow_run.close_abandoned``).
+that is recorded in the same store closes it (``mlflow_run._close_abandoned``).
 """
 
 import os

@@ -5,6 +5,8 @@
 - *Right*: the answer is ``named``, with exactly the hidden causes. On a clean set: ``no_gap``. With
   a withheld effect: ``unknown``.
 - *Ambiguous*: as many causes as are hidden, each hidden one among the possible ones of another.
+- *Missed*: ``no_gap``, although something is hidden. *Failed*: the method raised an error. *Wrong*:
+  all other answers.
 - *Solved*: each hidden cause is named if it is distinguishable, otherwise it is among the possible
   ones of a cause, and no other cause is named. Clean sets and withheld effects: *right*.
 - *False alarm*: any answer but ``no_gap`` on a set of the group ``clean``. A method that fails is
@@ -12,11 +14,11 @@
 - *Coverage*: of all parameters at 3 detection limits or more that are named correctly, in answers
   without any wrong cause, the share whose 95 % interval contains the true value.
 - The robustness groups have rates of their own (robustness.py).
-- *Removable gap closed*: over all trials with a cause that can be named, the sum of what an amended
-  simulator takes away of the gap, by the sum of the gap (removable_gap.py). A method that fails
-  takes nothing away.
+- *Removable gap closed*: over all trials with a cause that can be named, the sum of the
+  reductions of the gap by amended simulators, divided by the sum of the gaps (removable_gap.py).
+  The reduction of a method that fails is zero.
 
-Rates of nothing are None.
+A rate without any trial is None.
 """
 
 from collections.abc import Callable, Iterable, Sequence

@@ -44,7 +44,11 @@ class SealedTruth:
 
     @property
     def shots(self) -> ScatteredShots:
-        """All shots of a trial whose causes are the same in every shot."""
+        """All shots of a trial whose causes are the same in every shot.
+
+        Raises:
+            ValueError: a parameter varies by shot.
+        """
         (shots,) = self.parts
         return shots
 
@@ -75,7 +79,11 @@ class SealedTruth:
 
 
 def simulate_trial(trial: Trial) -> tuple[tuple[Recording, ...], SealedTruth]:
-    """Return the recordings of a trial, and separately its sealed truth."""
+    """Return the recordings of a trial, and separately its sealed truth.
+
+    Raises:
+        RuntimeError: no constants of the independent dynamics correspond to the causes.
+    """
     drawn = launches(trial.base, trial.shots, trial.directions, _random(trial, LAUNCHES))
     bounces = _random(trial, BOUNCES)
     parts = tuple(
@@ -94,7 +102,11 @@ def simulate_trial(trial: Trial) -> tuple[tuple[Recording, ...], SealedTruth]:
 
 
 def ball_model(trial: Trial, drawn: Launches) -> BallModel:
-    """Return the dynamics of a trial: the simulator with the causes, or the independent ball."""
+    """Return the dynamics of a trial: the simulator with the causes, or the independent ball.
+
+    Raises:
+        RuntimeError: no constants of the independent dynamics correspond to the causes.
+    """
     if trial.dynamics == "independent":
         return IndependentBall(equivalent_physics(trial, drawn))
     return trial.simulator

@@ -82,19 +82,21 @@ class Noise:
         )
 
     def timing_reduction(self, velocities: Floats) -> Floats:
-        """Return (B, N) by how much times v v' rows shrink along (B, N, 3) velocities v."""
+        """Return (B, N) factors c: rows r become r - c v v' r, for (B, N, 3) velocities v."""
         squares = np.einsum("bni,bni->bn", velocities, velocities)
         timing_reduction: Floats = (1 - self.timing_scale(velocities)) / np.maximum(squares, 1e-12)
         return timing_reduction
 
     def scaled(self, factor: float) -> "Noise":
-        """Return noise whose positions err by so many times as much."""
+        """Return the noise with position errors multiplied by ``factor``."""
         return replace(self, white=factor * self.white, slow=factor * self.slow)
 
 
 @dataclass(frozen=True)
 class GramMatrices:
-    """Gram matrices (B, C, C) of linearised shots, C = E + K + 1 columns.
+    """Gram matrices (B, C, C) of linearised shots, C = E + K + F + 1 columns.
+
+    F is the number of shared errors, whose columns are zero in the matrices of labels.
 
     They are separate by what their scale depends on, so that all but the noise of positions can be
     changed at no cost.

@@ -44,7 +44,7 @@ class SharedErrors:
         return cls(system.information.sum(axis=0), system.scores.sum(axis=0), count)
 
     def from_departures(self, changes: Floats) -> "SharedErrors":
-        """Return the same about values of the hypotheses that are (K,) changes lower."""
+        """Return the same, linearised about values of the hypotheses lower by (K,) changes."""
         return replace(self, scores=self.scores + self.information[:, : self.count] @ changes)
 
     def about(self, places: Sequence[int]) -> "SharedErrors":
@@ -81,7 +81,7 @@ class SharedErrors:
 
     @property
     def marginal(self) -> tuple[Floats, Floats]:
-        """(K, K) information and (K,) scores of the hypotheses."""
+        """(K, K) information and (K,) scores of the hypotheses, shared errors integrated out."""
         k = self.count
         information = self.information[:k, :k] - self.mixing @ self.information[k:, :k]
         return information, self.scores[:k] - self.mixing @ self.scores[k:]
@@ -175,8 +175,9 @@ class VarianceLikelihood:
 
 
 def variance_p_value(gain: float) -> float:
-    """Return the probability of so large a likelihood ratio of a variance without any.
+    """Return the p-value of a likelihood ratio against the hypothesis that a variance is zero.
 
-    It has half a chance of being zero, else a chi-squared distribution (Self and Liang 1987).
+    Under it the ratio is zero with probability 1/2, else chi-squared with one degree of freedom
+    (Self and Liang 1987).
     """
     return 0.5 * float(chi2.sf(gain, 1)) if gain > 0.0 else 1.0

@@ -112,7 +112,10 @@ class Shots:
 
 
 def held_out(shots: Shots, settings: GapSettings) -> Bools:
-    """Return (B,) which shots are held out: whole recordings where there are several."""
+    """Return (B,) which shots are held out: one in ``settings.verify.held_out``.
+
+    Whole recordings are held out if there are at least twice ``settings.verify.held_out`` of them.
+    """
     one_in = settings.verify.held_out
     groups, member = np.unique(shots.groups.astype(str), return_inverse=True)
     units = member if len(groups) >= 2 * one_in else np.arange(len(shots))

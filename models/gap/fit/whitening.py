@@ -13,7 +13,7 @@ from models.support.compilation import compiler
 
 @compiler([Path(__file__)])
 def shrink_along(rows: Floats, directions: Floats, reduction: Floats) -> Floats:
-    """Return (B, N, 3, C) rows less, along (B, N, 3) directions d, (B, N) times d d'."""
+    """Return (B, N, 3, C) rows r - c d d' r, for (B, N, 3) directions d and (B, N) reductions c."""
     count, length, _, width = rows.shape
     out = np.empty_like(rows)
     for b in range(count):

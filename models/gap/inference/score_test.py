@@ -38,8 +38,8 @@ class ScoreTest:
 
     Attributes:
         block: places of the block's hypotheses.
-        scores: (B, D) efficient scores of the shots.
-        shares: (B, D, D) of each shot in the information.
+        scores: (B + of_prior, D) efficient scores of the shots, then of the prior.
+        shares: (B + of_prior, D, D) contributions of the same rows to the information.
         settings: of the workflow.
         of_prior: how many of the last rows are not of shots but of the prior of shared errors.
     """
@@ -134,7 +134,7 @@ class ScoreTest:
 
     @cached_property
     def p_value(self) -> float:
-        """Of so large a gain without an effect."""
+        """Probability of a gain at least this large without any effect of the block."""
         total, size = self.scores.sum(axis=0), len(self.block)
         squared = float(total @ np.linalg.solve(regularised(self.variance), total))
         rest = max(self.degrees - size + 1, 1.0)
@@ -151,13 +151,13 @@ class ScoreTest:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What B shots say of K hypotheses.
+    """Scores and information of B shots about K hypotheses.
 
     Attributes:
         columns: the hypotheses.
         listed: (K,) which of them the simulator lists.
-        scores: (B, K) of the shots.
-        information: (B, K, K) of the shots.
+        scores: (B + of_prior, K) of the shots, then of the prior.
+        information: (B + of_prior, K, K) of the same rows.
         settings: of the workflow.
         of_prior: how many of the last rows are not of shots but of the prior of shared errors.
     """

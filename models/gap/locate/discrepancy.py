@@ -52,7 +52,7 @@ def discrepancy(
 
 
 def reliable(linear: Linearised, noise: NoiseEstimate, settings: GapSettings) -> Bools:
-    """Return (B, N) samples that are used and no outliers, of shots that fit as shots do."""
+    """Return (B, N) which samples are used and no outliers, of shots with enough weight."""
     weighty = noise.shot_weights[:, None] > settings.locate.min_shot_weight
     return linear.sampled & (noise.weights > settings.locate.min_inlier) & weighty
 

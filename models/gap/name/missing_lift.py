@@ -29,7 +29,7 @@ from models.gap.settings import GapSettings
 
 @dataclass(frozen=True)
 class LiftTest:
-    """What spins explain.
+    """Test for a missing Magnus force.
 
     Attributes:
         with_lift: the shots about the simulator with Magnus force, its listed parameters refitted.

@@ -80,7 +80,7 @@ def name(
 ) -> Named:
     """Name the causes; ``on_start`` gets the evidence before they are searched for.
 
-    Where there are many shots, some of them come first, which is most of the way.
+    Where there are many shots, causes are first searched for on some of them, to save time.
     """
     base = refit(shots, question.simulator, (), question.settings.fit)
     on_start(evidence_about(base, question))

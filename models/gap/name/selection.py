@@ -68,9 +68,9 @@ class Explainer:
 
     @property
     def tolerance(self) -> float:
-        """By how much less explains about as much, at the level asked for.
+        """Difference of gains up to which two sets explain the shots about as well.
 
-        So no alternative excludes the true cause with a larger probability than the level.
+        The true cause is missing among the alternatives with at most the probability ``level``.
         """
         return self.evidence.settings.tolerance
 

@@ -1,4 +1,4 @@
-"""Variation: parameters that change over the session, by place, or from shot to shot.
+"""Variation: parameters that drift, or differ between sides of the net or between shots.
 
 With the causes in the simulator, each shot has an efficient score about a parameter, and its
 information. A drift makes the scores grow along the session: a score test of the slope. Differences
@@ -31,7 +31,11 @@ KINDS = len(get_args(VariationKind))  # each is tested for every parameter
 
 
 def variations(named: Named) -> tuple[Variation, ...]:
-    """Return the surest drift; without one a difference by place; else one from shot to shot."""
+    """Return the variation of the first kind that is significant; empty without any.
+
+    The kinds are tested in this order: drift, difference between the sides of the net, difference
+    between shots. Of a kind, the most significant parameter is returned.
+    """
     trends, settings = _trends(named), named.explainer.evidence.settings
     in_flight = [one for one in trends if one.hypothesis.phase == "flight"]
     return (

@@ -33,7 +33,10 @@ class NetFinding:
 
 
 def name_net(contacts: NetContacts, named: Named, question: Question) -> NetFinding | None:
-    """Return what contacts say of the net, given the other causes; None where they are too few."""
+    """Return the causes at the net, given the other causes.
+
+    It is None if contacts are too few or the net is withheld.
+    """
     settings = question.settings
     if EFFECT in question.withheld or len(contacts) < settings.net.min_contacts:
         return None

@@ -7,7 +7,10 @@ from models.gap.types import Indices
 
 
 def root_mean_squares(squares: Floats) -> Floats:
-    """Return (3, H) root mean squares of (3, B, H) squares, NaN where a shot has none."""
+    """Return (K, H) root mean squares over B shots of (K, B, H) squares.
+
+    A square that is NaN is left out; the result is zero without any.
+    """
     there = np.isfinite(squares)
     count = np.maximum(there.sum(axis=1), 1)
     roots: Floats = np.sqrt(np.where(there, squares, 0.0).sum(axis=1) / count)
@@ -20,7 +23,7 @@ def drawn_shots(shots: int, draws: int) -> Indices:
 
 
 def resampled(squares: Floats, draws: int) -> Floats:
-    """Return (D, 3, H) root mean squares of (3, B, H) squares, of shots drawn at random D times."""
+    """Return (D, K, H) root mean squares of (K, B, H) squares, of shots drawn at random D times."""
     rows = drawn_shots(squares.shape[1], draws)
     times = np.zeros(rows.shape)
     np.add.at(times, (np.arange(draws)[:, None], rows), 1.0)

@@ -74,7 +74,7 @@ class HeldOut:
     def of(
         cls, fit: RefitResult, measured: Shots, noise: Noise, settings: GapSettings
     ) -> "HeldOut":
-        """Return those of fitted shots, which are corrected, and of the same shots as measured."""
+        """Return the shots that are long enough, corrected by ``fit`` and as ``measured``."""
         long = fit.linear.shots.valid.sum(axis=1) > settings.observed_samples
         inlier = fit.noise_estimate.weights > settings.verify.min_inlier
         return cls(

@@ -1,4 +1,4 @@
-"""Verified causes: what held-out shots say of them."""
+"""Verified causes: their verification on held-out shots."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,7 +21,7 @@ from models.gap.verify.worth import Worths
 
 @dataclass(frozen=True)
 class Verified:
-    """Causes, and what held-out shots say of them.
+    """Causes, with their verification on held-out shots.
 
     Attributes:
         named: the causes.

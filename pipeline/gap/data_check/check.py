@@ -1,4 +1,4 @@
-"""The check of recordings: what cannot be right stops, what is doubtful is said."""
+"""The check of recordings: impossible data raise an error, doubtful data are reported."""
 
 from collections.abc import Sequence
 from pathlib import Path
