@@ -16,6 +16,7 @@ from models.exam.interface import Method
 from models.exam.methods.registry import METHODS, RALLYGAP
 from models.exam.records import ExamRecord
 from models.exam.runner import run_question
+from pipeline.experiments.file_content import effective_content
 from pipeline.io.artifacts import read_as, write_text
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Params
@@ -90,7 +91,7 @@ def _run(question: Question, methods: Mapping[str, Method], file: Path) -> None:
 
 
 def code_of_records(root: Path, params: Params) -> str:
-    """Return a short digest of all that records depend on."""
+    """Return a short digest of all that records depend on: not of comments and docstrings."""
     digest = hashlib.sha256()
     settings = params.hidden_effects
     simulator = load_simulator(settings.simulator).to_dict()
@@ -98,7 +99,8 @@ def code_of_records(root: Path, params: Params) -> str:
     digest.update(json.dumps(values, sort_keys=True).encode())
     for name in PACKAGES:
         for path in sorted((root / name).rglob("*.py")):
-            digest.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
+            code = effective_content(path.name, path.read_text(encoding="utf-8"))
+            digest.update(path.relative_to(root).as_posix().encode() + code.encode())
     for line in _versions(root / "constraints.txt"):
         digest.update(line.encode())
     return short(digest.hexdigest())

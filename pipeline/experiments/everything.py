@@ -23,6 +23,7 @@ from pipeline.experiments.stale import (
     KeptResult,
     check_committed,
     code_of,
+    kept_modules,
     result_of,
     stage_modules,
 )
@@ -145,7 +146,9 @@ def step_results(root: Path) -> list[KeptResult]:
 def _code(root: Path, step: Step) -> tuple[str, ...]:
     """Return what the results of a step depend on."""
     settings = [PARAMS, f"profiles/{step.profile}.yaml", f"profiles/{step.profile}"]
-    return code_of(step.entries or stage_modules(root), settings if step.profile else [PARAMS])
+    if not step.profile:
+        return code_of(step.entries or stage_modules(root), [PARAMS])
+    return code_of(step.entries or kept_modules(root), settings)
 
 
 def make_everything(root: Path, names: Sequence[str] = ()) -> None:

@@ -1,4 +1,4 @@
-"""Whether two versions of a file do the same: comments and docstrings change no result."""
+"""What a file does: comments and docstrings change no result."""
 
 import ast
 from pathlib import PurePath
@@ -14,12 +14,16 @@ def do_the_same(name: str, before: str, after: str) -> bool:
         before: one text.
         after: the other.
     """
+    return effective_content(name, before) == effective_content(name, after)
+
+
+def effective_content(name: str, text: str) -> str:
+    """Return what is the same for all versions of a file that do the same; a text as it is."""
     readers = {".py": _code, ".yaml": _values}
-    read = readers.get(PurePath(name).suffix, str)
     try:
-        return read(before) == read(after)
+        return readers.get(PurePath(name).suffix, str)(text)
     except (SyntaxError, yaml.YAMLError):
-        return before == after
+        return text
 
 
 def _code(text: str) -> str:

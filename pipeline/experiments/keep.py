@@ -8,6 +8,7 @@ from typing import Any
 
 from models.support.yaml_file import parse_yaml
 from pipeline.experiments.profiles import flags
+from pipeline.experiments.stale import EXAM
 from pipeline.io.artifacts import replacing_folder, write_json, write_text
 from pipeline.io.report_manifest import read_contents
 from pipeline.paper.run_reports import RECORD, is_kept_run
@@ -20,7 +21,7 @@ LARGEST_FILE = 30_000_000  # bytes; larger ones would stay in git's history
 
 
 def keep_experiment(root: Path, name: str) -> None:
-    """Copy the reports of the newest experiment of a name into ``reports/<name>``.
+    """Copy the reports of the newest experiment of a name into ``reports/<name>``, but the exam's.
 
     Its trained predictors come with them, into ``predictors/``, but none that is too large for
     git. Files that other commands wrote into ``reports/<name>`` stay, such as the known answers.
@@ -92,6 +93,7 @@ def _copy_outputs(root: Path, revision: str, name: str, folder: Path) -> list[st
     files = DVCFileSystem(str(root), rev=revision)
     stages = list(parse_yaml(files.read_text("dvc.yaml"))["stages"])
     _check_name(root, name, stages)
+    stages = [one for one in stages if one != EXAM]
     for stage in stages:
         files.get(f"reports/{stage}", str(folder / stage), recursive=True)
     if files.exists(PREDICTORS):

@@ -13,6 +13,7 @@ from pipeline.runtime.errors import InputError
 from pipeline.runtime.git import git, git_commit, git_if_known
 
 SETTINGS = ("params.yaml", "profiles")
+EXAM = "hidden_effects"  # the stage whose results are the same in all experiments
 CODE = ("models", "pipeline", "stages", "benchmarks", "dvc.yaml", *SETTINGS)
 # What only presents results, or describes them: the schema is generated from code, which counts.
 PRESENTATION = (
@@ -65,12 +66,17 @@ def kept_result(root: Path, folder: Path) -> KeptResult:
         commit = str(read_json(record)["commit"])
     else:
         commit = git_if_known(root, "log", "-1", "--format=%H", "--", str(folder)) or ""
-    return result_of(root, folder, commit, code_of(stage_modules(root)))
+    return result_of(root, folder, commit, code_of(kept_modules(root)))
 
 
 def stage_modules(root: Path) -> list[str]:
     """Return the modules of the stages."""
     return [f"stages.{name}" for name in read_yaml(root / "dvc.yaml")["stages"]]
+
+
+def kept_modules(root: Path) -> list[str]:
+    """Return the modules of the stages whose results kept runs have."""
+    return [name for name in stage_modules(root) if name != f"stages.{EXAM}"]
 
 
 def code_of(entries: Iterable[str], files: Iterable[str] = SETTINGS) -> tuple[str, ...]:

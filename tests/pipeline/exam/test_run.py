@@ -115,6 +115,8 @@ def test_the_code_of_records_follows_what_records_depend_on_and_nothing_else(roo
     (root / "constraints.txt").write_text("numpy==2\nmlflow==2\n")
     assert code_of_records(root, params()) != before
     (root / "constraints.txt").write_text("numpy==1\n")
+    (root / "models/gap/a.py").write_text("# A number.\na = 1\n")
+    assert code_of_records(root, params()) == before
     (root / "models/gap/a.py").write_text("a = 2\n")
     assert code_of_records(root, params()) != before
 

@@ -52,6 +52,16 @@ def experiment(root, params, table="table", day=2, name="warm", contents=CONTENT
     return start
 
 
+def test_the_exam_is_left_out_because_it_is_the_same_in_all_experiments(repository):
+    stages = {"dvc.yaml": "stages: {segment: {cmd: a}, hidden_effects: {cmd: b}}"}
+    commit(repository, stages)
+    experiment(repository, PARAMS)
+    keep_experiment(repository, "warm")
+    kept = repository / "reports" / "warm"
+    assert json.loads((kept / "run.json").read_text())["fingerprints"] == {"segment": "f00d"}
+    assert not (kept / "hidden_effects").exists()
+
+
 def test_the_report_is_copied_with_the_run_that_made_it(repository):
     start = experiment(repository, "seed: 2\ningest: {folder: null, sources: [a]}")
     keep_experiment(repository, "warm")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeline.experiments.stale import kept_result, result_of
+from pipeline.experiments.stale import kept_modules, kept_result, result_of
 from pipeline.io.artifacts import write_json
 from tests.clone import commit, run
 
@@ -36,6 +36,12 @@ def test_kept_results_are_of_the_code_of_today_until_it_changes(repository):
 def test_what_only_presents_results_makes_none_of_them_stale(repository, file):
     (repository / file).write_text("2")
     assert not kept_result(repository, repository / "reports" / "paper").is_stale
+
+
+def test_the_exam_makes_no_kept_run_stale(repository):
+    stages = "stages: {segment: {}, hidden_effects: {}}"
+    (repository / "dvc.yaml").write_text(stages)
+    assert kept_modules(repository) == ["stages.segment"]
 
 
 def test_comments_and_docstrings_make_no_results_stale(repository):
