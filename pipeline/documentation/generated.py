@@ -155,6 +155,9 @@ def _with_blocks(path: Path, root: Path) -> str:
             problem = f"names an unknown block, {name}; known are {', '.join(sorted(BLOCKS))}"
             raise InputError(path, problem)
         margin = "\n" if block["text"].startswith("\n") else ""
+        if not margin and block.string[: block.start()].endswith("\n"):
+            problem = f"begins a line with the block {name}: Markdown takes the line for HTML"
+            raise InputError(path, problem)
         return f"{block['start']}{margin}{BLOCKS[name](root).strip()}{margin}<!-- end -->"
 
     text, count = _BLOCK.subn(written, path.read_text(encoding="utf-8"))

@@ -39,6 +39,7 @@ def test_blocks_are_written_inside_a_line_and_on_lines_of_their_own(page):
     ("text", "problem"),
     [
         ("<!-- generated: weight --><!-- end -->", "unknown block, weight; known are size"),
+        ("The\n<!-- generated: size -->38 mm<!-- end -->.\n", "begins a line with the block size"),
         ("<!-- generated: size --> 40 mm", "without <!-- end -->"),
     ],
 )
