@@ -107,7 +107,7 @@ STEPS = (
     ),
     _kept("two_cores", "paper", 150),
     _kept("paper_physics", "paper_physics", 30),
-    _kept("shots", "shots", 60),
+    _kept("shots", "shots", 160),
     Step(
         "exam", (f"{PYTHON} pipeline.exam.full_run", "dvc repro"), 240, ("pipeline.exam.full_run",)
     ),
