@@ -175,6 +175,8 @@ def make_everything(root: Path, names: Sequence[str] = ()) -> None:
 
 def _make(root: Path, step: Step) -> None:
     commit, start = check_committed(root), time.monotonic()
+    if commit is None:
+        raise InputError(root, "is no clone of the repository; results name a commit")
     # DVC refuses to run an experiment again that a killed step has made.
     if step.experiment and not has_experiment(root, step.name, commit):
         run = ["dvc", "exp", "run", "--temp", "--name", step.name]

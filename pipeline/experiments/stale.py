@@ -129,15 +129,15 @@ def _does_the_same(root: Path, commit: str, name: str) -> bool:
     return do_the_same(name, before, file.read_text(encoding="utf-8").strip())
 
 
-def check_committed(root: Path) -> str:
-    """Return the commit of the code.
+def check_committed(root: Path) -> str | None:
+    """Return the commit of the code; None outside git.
 
     Raises:
         InputError: no commit has the code as it is.
     """
     commit = git_commit(root)
     if commit is None:
-        raise InputError(root, "is no clone of the repository; results name a commit")
+        return None
     new = git(root, "ls-files", "--others", "--exclude-standard", "--", *CODE)
     if new or changed_code(root, commit):
         raise InputError(root, "has code that is not committed; results name a commit")
