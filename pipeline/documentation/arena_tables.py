@@ -43,8 +43,8 @@ def arena_causes_found(root: Path) -> str:
 
 def arena_coverage_share(root: Path) -> str:
     """How many intervals contain the true value, in a part of a sentence."""
-    counted, share = _shown(coverage(read_report(root, "arenas/causes.csv")))
-    return f"{counted} ({share.split()[0]} %)"
+    found = coverage(read_report(root, "arenas/causes.csv"))
+    return f"{found.count} of {found.of} ({100 * found.count / found.of:.0f} %)"
 
 
 def arena_coverage(root: Path) -> str:

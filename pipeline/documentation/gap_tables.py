@@ -79,12 +79,8 @@ def arena_verdict(root: Path) -> str:
     verdict = read_report(root, "close_gap/verdicts.csv", "source == 'arena'").iloc[0]["verdict"]
     causes = read_report(root, "close_gap/causes.csv", "source == 'arena' and role != 'minor'")
     classes = [one.split(", ") for one in causes["possible"] if ", " in one]
-    others = (f"`{first}` may be {' or '.join(map(_code, rest))}" for first, *rest in classes)
+    others = (f"`{first}` may be `{'` or `'.join(rest)}`" for first, *rest in classes)
     return f"The verdict is `{verdict}`" + (f" ({'; '.join(others)})" if classes else "")
-
-
-def _code(identity: str) -> str:
-    return f"`{identity}`"
 
 
 def exam_rates(root: Path) -> str:

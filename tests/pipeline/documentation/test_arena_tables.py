@@ -5,6 +5,7 @@ import pandas as pd
 from pipeline.documentation.arena_tables import (
     arena_causes_found,
     arena_coverage,
+    arena_coverage_share,
     arena_errors,
 )
 from pipeline.io.artifacts import write_csv
@@ -17,6 +18,7 @@ def test_causes_have_a_row_a_size(tmp_path):
     assert "| hidden, above 4 | 2 of 2 | 100 (34 to 100) |" in lines
     assert "| hidden, 1 to 2 | 0 of 0 | – |" in lines
     assert "| named, but not hidden | 1 of 4 | 25 (5 to 70) |" in lines
+    assert arena_coverage_share(tmp_path) == "2 of 4 (50 %)"
 
 
 def test_intervals_are_counted_by_whether_a_similar_difference_is_named(tmp_path):

@@ -212,7 +212,7 @@ def test_shot_quality_is_shown_but_not_comparable(tmp_path):
     assert undefined["quality.doubled.stroke_pro"].assessment == NOT_MEASURED
 
 
-def test_without_reports_only_constants_have_a_assessment(tmp_path):
+def test_without_reports_only_constants_have_an_assessment(tmp_path):
     run = Reports(tmp_path, {})
     words = {found.assessment for found in compare(run).values()}
     assert words == {NOT_MEASURED, NO_NUMBER, SAME, "differs"}

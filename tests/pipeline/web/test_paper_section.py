@@ -43,7 +43,7 @@ def test_every_value_is_shown_with_the_run_that_it_is_from(tmp_path):
     assert not any(anchor for one in shown["exhibits"] for _, anchor in one["ours"])
 
 
-def test_the_files_of_every_figure_and_table_with_a_assessment_are_linked():
+def test_the_files_of_every_figure_and_table_with_an_assessment_are_linked():
     contents = [read_contents(ROOT / "reports", stage) for stage in STAGES]
     shown = paper_section(laptop_reports(ROOT), contents)["exhibits"]
     linked = {one["name"]: [anchor for _, anchor in one["ours"] if anchor] for one in shown}
