@@ -49,7 +49,7 @@ exam: .venv/ready ## hours: run the whole blind exam and write its records; stop
 learning-curves: .venv/ready ## an hour and a half: predictors by the number of training recordings; after `make reproduce`
 	@python -m pipeline.learning_curves.run
 
-arenas: .venv/ready ## an hour: the gap workflow on twenty fresh arenas; it resumes
+arenas: .venv/ready ## two and a half hours: the gap workflow and networks on twenty fresh arenas; it resumes
 	@python -m pipeline.arenas.run
 
 spread-policies: .venv/ready ## a quarter of an hour: policies that observe how sure forecasts are; after `make reproduce`

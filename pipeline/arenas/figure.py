@@ -6,12 +6,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from pipeline.arenas.scores import SIMULATORS, found_by_size, ratios
-from pipeline.io.figure_style import FIGURE_WIDTH, INK
+from pipeline.arenas.scores import PREDICTORS, found_by_size, ratios
+from pipeline.io.figure_style import FIGURE_WIDTH, INK, predictor_colour
 from pipeline.paper.assessments import rate
 
 HORIZON_MS = 300
-COLOURS = ("#0f7fc4", "#d55e00", "#009988")
+MARKED = "#0f7fc4"
+FORECAST_BY = {"imperfect_c": "physics_c", "imperfect_c_with_net": "physics_c_with_net"}
 
 
 def arenas_figure(causes: pd.DataFrame, errors: pd.DataFrame) -> Figure:
@@ -29,10 +30,11 @@ def arenas_figure(causes: pd.DataFrame, errors: pd.DataFrame) -> Figure:
 
 
 def _draw_ratios(axes: Axes, errors: pd.DataFrame) -> None:
-    """Draw the arenas in the order of their ratios, a line a simulator."""
-    for (name, label), colour in zip(SIMULATORS.items(), COLOURS, strict=True):
+    """Draw the arenas in the order of their ratios, a line a predictor."""
+    for name, label in PREDICTORS.items():
         ordered = np.sort(ratios(errors, name, HORIZON_MS).to_numpy())
         ranks = np.arange(1, len(ordered) + 1)
+        colour = predictor_colour(FORECAST_BY.get(name, name))
         axes.plot(ranks, ordered, color=colour, marker="o", markersize=3, label=label)
     axes.axhline(1.0, color=INK, linewidth=0.8)
     axes.set_yscale("log")
@@ -51,8 +53,8 @@ def _draw_found(axes: Axes, causes: pd.DataFrame) -> None:
         if not share.of:
             continue
         found = rate(share.count, share.of).times(100)
-        axes.plot([place, place], [found.low, found.high], color=COLOURS[0])
-        axes.plot(place, found.value, color=COLOURS[0], marker="o", markersize=5)
+        axes.plot([place, place], [found.low, found.high], color=MARKED)
+        axes.plot(place, found.value, color=MARKED, marker="o", markersize=5)
     axes.set_xticks(range(len(names)), names)
     axes.set_ylim(-3, 103)
     axes.set_xlabel("size (minimum detectable effects)")

@@ -1,8 +1,8 @@
-"""The experiment ``make arenas``: an hour on two cores; writes ``reports/arenas``.
+"""The experiment ``make arenas``: two and a half hours on two cores; writes ``reports/arenas``.
 
 Twenty arenas of other seeds than that of params.yaml, so with other physics, cameras and players.
-Simulator C is amended by training recordings of each, and forecasts its test recordings next to the
-oracle. A killed run resumes.
+Training recordings of each amend simulator C and train networks, which forecast its test recordings
+next to the oracle. A killed run resumes.
 """
 
 from functools import partial

@@ -12,9 +12,11 @@ NOT_SCORED = ("racket_bounce", "camera_distortion")
 CLASSES = {"below 1": (0.0, 1.0), "1 to 2": (1.0, 2.0), "2 to 4": (2.0, 4.0), "above 4": (4.0, inf)}
 NET = "net"  # a class of its own: it has no such unit
 # Whose errors are compared with the oracle's.
-SIMULATORS = {
+PREDICTORS = {
     "imperfect_c": "simulator C",
     "imperfect_c_with_net": "simulator C with a net",
+    "transformer": "transformer",
+    "hybrid": "hybrid",
     "amended": "simulator C, amended",
 }
 

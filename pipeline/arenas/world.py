@@ -1,6 +1,7 @@
-"""One fresh arena: what the gap workflow says of it, and how well simulators predict it."""
+"""One fresh arena: what the gap workflow says of it, and how well it is predicted."""
 
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,9 @@ from models.ball.simulator import Simulator
 from models.gap.amend.simulator import amended
 from models.predictors.errors import HORIZONS_MS, error_norms
 from models.predictors.physics import PhysicsPredictor
+from models.predictors.protocol import ProbabilisticPredictor
+from pipeline.arenas.networks import trained_networks
+from pipeline.arenas.scores import PREDICTORS
 from pipeline.evaluation.forecasts import forecast_windows
 from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
 from pipeline.evaluation.test_windows import read_test_sets
@@ -37,7 +41,7 @@ def arena_result(params: Params, seed: int, scratch: Path) -> dict[str, pd.DataF
 
     Returns:
         ``causes``, as ``number_table`` has them, with the size that can be detected; and
-        ``errors``, the position errors of simulators on test recordings.
+        ``errors``, the position errors of simulators and networks on test recordings.
     """
     scratch.mkdir(parents=True, exist_ok=True)
     # Not by the seed alone: a worker that outlives its killed run may still be at this arena.
@@ -48,7 +52,9 @@ def arena_result(params: Params, seed: int, scratch: Path) -> dict[str, pd.DataF
         found = cases(shots, params.close_gap, seed)
         diagnosed = next(one for one in found if one.simulator_name == NOMINAL).diagnose()
         known = amended(diagnosed.case.simulator, diagnosed.verdict)
-        errors = _errors(params, folder, {AMENDED: known, ORACLE: truth.simulator})
+        simulators = {AMENDED: known, ORACLE: truth.simulator}
+        predictors = {**_physics(simulators), **trained_networks(params, seed, folder)}
+        errors = _errors(params, folder, predictors)
     return {"causes": _causes(diagnosed, known, truth.simulator), "errors": errors}
 
 
@@ -72,14 +78,17 @@ def _causes(diagnosed: Diagnosed, known: Simulator, truth: Simulator) -> pd.Data
     return table.assign(detectable=identities.map(verdict.minimum_detectable))
 
 
-def _errors(params: Params, folder: Path, simulators: dict[str, Simulator]) -> pd.DataFrame:
+def _physics(simulators: Mapping[str, Simulator]) -> dict[str, ProbabilisticPredictor]:
     nominal = {name: load_simulator(name) for name in (NOMINAL, WITH_NET)}
-    predictors = [
-        NamedPredictor(name, PhysicsPredictor(one), name)
-        for name, one in {**nominal, **simulators}.items()
-    ]
+    return {name: PhysicsPredictor(one) for name, one in {**nominal, **simulators}.items()}
+
+
+def _errors(
+    params: Params, folder: Path, predictors: Mapping[str, ProbabilisticPredictor]
+) -> pd.DataFrame:
+    named = [NamedPredictor(name, predictors[name], name) for name in (*PREDICTORS, ORACLE)]
     (test,) = read_test_sets(folder, params.evaluate_predictor.window_every_ms / 1000)
-    forecasts = forecast_windows(test, predictors)
+    forecasts = forecast_windows(test, named)
     means = {
         name: np.nanmean(error_norms(one, test.windows, "position"), axis=0)
         for name, one in forecasts.items()

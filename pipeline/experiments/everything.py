@@ -93,7 +93,7 @@ STEPS = (
     _module("learning_curves.run", 100, ["segment"]),
     _module("spread_policies.run", 15, OF_PREDICTORS),
     _module("swap_study.run", 130, OF_PREDICTORS, "policies"),
-    _module("arenas.run", 60),
+    _module("arenas.run", 150),
     _module("simulator_scenes.run", 10),
     _module("simulator_scenes.real", 12, measured=True),
     Step("real", ("rallygap real",), 60, profile="real", measured=True),

@@ -4,26 +4,35 @@ import joblib
 import pandas as pd
 import pytest
 
+from models.predictors.settings import HybridSettings
 from pipeline.arenas import run
-from pipeline.arenas.scores import coverage, found_by_size, gap_closed, made_up, ratios
+from pipeline.arenas.scores import (
+    PREDICTORS,
+    coverage,
+    found_by_size,
+    gap_closed,
+    made_up,
+    ratios,
+)
 from pipeline.arenas.world import arena_result
 from pipeline.gap import cases
 from pipeline.io.artifacts import read_json
+from tests.models.predictors.small_training import BRIEF, TINY, changed
 from tests.pipeline.arenas.made_up import CAUSES, ERRORS
 from tests.pipeline.known_answers.made_up import cause, found
 from tests.pipeline.measured_shots import params
 
-SMALL = params()
-SMALL = SMALL.model_copy(
-    update={
-        "ingest": SMALL.ingest.model_copy(
-            update={
-                "arena": SMALL.ingest.arena.model_copy(
-                    update={"game_episodes": 40, "cannon_shots": 40}
-                )
-            }
-        ),
-    }
+TINY_HYBRID = HybridSettings.model_validate(
+    {**TINY.model_dump(), "kind": "hybrid", "simulator": "imperfect_c_with_net"}
+)
+FEW = params().ingest.arena.model_copy(update={"game_episodes": 40, "cannon_shots": 40})
+SHORT = {
+    "networks": {"transformer": TINY, "hybrid": TINY_HYBRID},
+    "training": changed(BRIEF, epochs=1),
+}
+SMALL = params(
+    ingest=params().ingest.model_copy(update={"arena": FEW}),
+    train_predictor=params().train_predictor.model_copy(update=SHORT),
 )
 
 
@@ -42,7 +51,8 @@ def test_an_arena_has_causes_and_errors(tmp_path, quick):
     assert (drag["original"], drag["amended"]) == (0.4, 0.47)
     assert drag["truth"] not in (0.4, 0.47)
     errors = result["errors"].query("horizon_ms == 200").set_index("predictor")["mean"]
-    assert errors["oracle"] < errors["amended"] < errors["imperfect_c"]
+    assert errors["oracle"] < errors["amended"] < errors["imperfect_c"] < errors["transformer"]
+    assert set(errors.index) == {*PREDICTORS, "oracle"}
     assert not list(tmp_path.iterdir())
 
 
@@ -85,7 +95,7 @@ def test_a_killed_run_goes_on_with_the_arenas_that_are_missing(tmp_path, monkeyp
     assert made == [2, 3, 3]
     reports = tmp_path / "reports" / "arenas"
     written = pd.read_csv(reports / "errors.csv")
-    assert written["seed"].tolist() == [2] * 4 + [3] * 4
+    assert written["seed"].tolist() == [2] * len(ERRORS) + [3] * len(ERRORS)
     assert read_json(reports / "arenas.json")["seeds"] == [2, 3]
     assert (reports / "arenas.png").exists()
     assert not list((tmp_path / "scratch").rglob("*.json"))

@@ -42,5 +42,6 @@ def test_errors_are_medians_over_arenas(tmp_path):
     ]  # fmt: skip
     write_csv(tmp_path / "reports/arenas/errors.csv", pd.concat(each))
     lines = arena_errors(tmp_path).splitlines()
-    assert lines[4] == f"| simulator C, amended |{' 1.70 (1.20 to 2.20) |' * 3}"
-    assert lines[5] == f"| removable gap to the oracle closed (%) |{' 77 (60 to 93) |' * 3}"
+    assert lines[4] == f"| transformer |{' 1.50 (1.50 to 1.50) |' * 3}"
+    assert lines[6] == f"| simulator C, amended |{' 1.70 (1.20 to 2.20) |' * 3}"
+    assert lines[7] == f"| removable gap to the oracle closed (%) |{' 77 (60 to 93) |' * 3}"
