@@ -110,7 +110,6 @@ BLOCKS: dict[str, Writer] = {
     "sim2real-paper-physics": partial(transfer_tables.both_readings, run="paper_physics/"),
     "sim2real-real": transfer_tables.real_swap,
     "shot-quality": transfer_tables.shot_quality,
-    "shot-quality-shots": partial(transfer_tables.shot_quality, run="shots/"),
     "spread-policies": transfer_tables.spread_policies,
     "when-the-swap-helps": answers.when_the_swap_helps,
     "when-a-learned-predictor-helps": answers.when_a_learned_predictor_helps,

@@ -13,7 +13,6 @@ PICTURES = {  # in docs/images: the figure of a stage
     "coverage_arena.png": "evaluate_predictor/figures/coverage_arena.png",
     "return_rate.png": "sim2sim/figures/return_rate.png",
     "transfer.png": "sim2real/figures/transfer.png",
-    "quality.png": "shot_quality/figures/quality.png",
 }
 
 

@@ -23,10 +23,10 @@ KINDS = {  # of policies
     "filtered": "a filter's forecasts",
     "filtered_with_spread": "a filter's forecasts and standard deviations",
 }
-TRAININGS = (  # what policies observe, the kept run that trained them, their group in it
-    ("landing", "policies", "sim2sim"),
-    ("landing, the paper's inputs only", "policies", "strict"),
-    ("landing, speed and topspin", "shots", "sim2sim"),
+TRAININGS = (  # goals and inputs of policies, the table of their tests, their group in it
+    ("landing", "intercept", "swap_study/policies.csv", "sim2sim"),
+    ("landing", "strict", "swap_study/policies.csv", "strict"),
+    ("landing, speed and topspin", "intercept", "shots/train_policy/policies.csv", "sim2sim"),
 )
 
 
@@ -97,9 +97,10 @@ def real_swap(root: Path) -> str:
     return markdown_table(["shots", "horizons (ms)", *names, "difference (points)"], rows)
 
 
-def shot_quality(root: Path, run: str = "") -> str:
+def shot_quality(root: Path) -> str:
     """Medians of what the paper's Figure 5 shows, over the returns at the nearer horizons."""
-    table = read_report(root, f"{run}shot_quality/quality.csv", f"horizons_ms == '{HORIZONS[0]}'")
+    nearer = f"horizons_ms == '{HORIZONS[0]}'"
+    table = read_report(root, "shots/shot_quality/quality.csv", nearer)
     rows = []
     for one in table.to_dict("records"):
         medians = (
@@ -129,17 +130,18 @@ def spread_policies(root: Path) -> str:
 
 
 def longer_trainings(root: Path) -> str:
-    """Returns of policies trained for longer, from the kept runs `policies` and `shots`."""
+    """Returns of policies of simulator C trained for longer, from the swap study and `shots`."""
     rows = []
-    for observed, run, group in TRAININGS:
-        policies = read_report(root, f"{run}/train_policy/policies.csv", f"group == '{group}'")
+    for goal, inputs, table, group in TRAININGS:
+        query = f"group == '{group}' and simulator == 'imperfect_c'"
+        policies = read_report(root, table, query)
         for horizons, some in policies.groupby("horizons_ms", sort=False):
             means = some.mean(numeric_only=True)
             slopes = means.reindex(["speed_slope", "topspin_slope"]).map("{:.2f}".format)
             rates = ", ".join(f"{100 * rate:.1f}" for rate in some["return_rate"])
-            numbers = [f"{means['ticks']:,.0f}", rates, f"{means['landing_error_m']:.2f}"]
-            rows.append([observed, horizons, *numbers, *slopes.replace("nan", NONE)])
-    head = ["goal", "horizons (ms)", "environment steps", "returns (%), three seeds"]
+            numbers = [f"{means['control_steps']:,.0f}", rates, f"{means['landing_error_m']:.2f}"]
+            rows.append([goal, inputs, horizons, *numbers, *slopes.replace("nan", NONE)])
+    head = ["goal", "inputs", "horizons (ms)", "control steps", "returns (%), three seeds"]
     return markdown_table([*head, "landing error (m)", "slope, speed", "slope, topspin"], rows)
 
 

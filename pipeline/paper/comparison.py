@@ -112,7 +112,7 @@ class Group(NamedTuple):
         title: of the group.
         about: what is compared, and by which rule.
         axis: ends of the scale on which values are drawn; ``None`` where they are only written.
-        comparable: whether the assessment may be anything but "not comparable".
+        needs: parameter that a run sets if it can be compared; empty if all can.
         values: in the paper's order.
     """
 
@@ -120,13 +120,13 @@ class Group(NamedTuple):
     title: str
     about: str
     axis: tuple[float, float] | None
-    comparable: bool
+    needs: str
     values: tuple[Value, ...]
 
     def findings(self, run: Reports) -> list[tuple[Value, Finding]]:
         """Return what a run has for every value."""
         found = [(one, one.find(run)) for one in self.values]
-        if self.comparable:
+        if not self.needs or run.param(self.needs) is not None:
             return found
         return [
             (value, one if one.value is None else one._replace(assessment=NOT_COMPARABLE))
@@ -174,7 +174,7 @@ def _group(one: Mapping[str, Any]) -> Group:
         one["title"],
         one.get("about", ""),
         tuple(axis) if axis else None,
-        not one.get("not_comparable", False),
+        one.get("needs", ""),
         tuple(Value.model_validate(row) for row in group_rows(one)),
     )
 

@@ -201,13 +201,17 @@ def test_a_gain_over_the_first_window_is_paired_by_shot(tmp_path):
     assert gain.interval == pytest.approx((12, 9, 15))
 
 
-def test_shot_quality_is_shown_but_not_comparable(tmp_path):
+def test_shot_quality_is_comparable_where_policies_are_asked_for_speed(tmp_path):
     found = compare(write(tmp_path, "shot_quality/swap.csv", swap(1.25, 0.05)))
     faster = found["quality.speed.stroke_pro.115-125"]
     assert faster.value == pytest.approx(25.0) and faster.assessment == NOT_COMPARABLE
     doubled = found["quality.doubled.stroke_pro"]
     assert doubled.interval == pytest.approx((1.25, 1.2, 1.3))
     assert doubled.assessment == NOT_COMPARABLE
+    goals = {"train_policy": {"groups": {"sim2sim": {"goals": {"speed": [4.5, 6.5]}}}}}
+    asked = compare(Reports(tmp_path / "reports", goals))
+    assert asked["quality.speed.stroke_pro.115-125"].assessment == HOLDS
+    assert asked["quality.doubled.stroke_pro"].assessment == FAILS
     undefined = compare(write(tmp_path, "shot_quality/swap.csv", swap(float("nan"), 0)))
     assert undefined["quality.doubled.stroke_pro"].assessment == NOT_MEASURED
 

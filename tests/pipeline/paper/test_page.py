@@ -73,6 +73,17 @@ def kept_page(root, width):
     return paper_page(root)
 
 
+def test_a_run_with_other_policies_is_shown_for_policies_only(tmp_path):
+    assert "run shots" not in kept_page(tmp_path, width=96)
+    record = {"params": {}, "fingerprints": {"ingest": "0"}}
+    write_json(tmp_path / "reports" / "shots" / "run.json", record)
+    page = paper_page(tmp_path)
+    shown = {part.splitlines()[0] for part in page.split("## ") if "run shots" in part}
+    assert "Figure 5: shot quality" in shown and "The network and its training" not in shown
+    figure_3 = next(line for line in page.splitlines() if line.startswith("| Figure 3 |"))
+    assert figure_3.endswith(f"| {NOTHING} |")
+
+
 def test_settings_of_the_papers_profile_are_the_papers(tmp_path):
     for name in ("params.yaml", "profiles/paper.yaml"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
