@@ -17,31 +17,35 @@ from pipeline.runtime.errors import InputError
 from pipeline.runtime.git import git, git_if_known
 
 PREDICTORS = "artifacts/train_predictor"
+OF_PREDICTORS = ("seed", "ingest", "segment", "train_predictor")  # parameters
 LARGEST_FILE = 30_000_000  # bytes; larger ones would stay in git's history
 
 
 def keep_experiment(root: Path, name: str) -> None:
     """Copy the reports of the newest experiment of a name into ``reports/<name>``, but the exam's.
 
-    Its trained predictors come with them, into ``predictors/``, but none that is too large for
-    git. Files that other commands wrote into ``reports/<name>`` stay, such as the known answers.
-    ``run.json`` names the commit, the command, the parameters and each stage's fingerprint. Nothing
-    in it comes from this machine: the folder of the measured sets is a setting of the environment.
+    Its trained predictors come with them, into ``predictors/``, unless those of ``dvc repro`` are
+    the same, and none that is too large for git. Files that other commands wrote into
+    ``reports/<name>`` stay, such as the known answers. ``run.json`` names the commit, the command,
+    the parameters and each stage's fingerprint. Nothing in it comes from this machine: the folder
+    of the measured sets is a setting of the environment.
 
     Raises:
         InputError: there is no such experiment, its parameters name a folder of this machine, a
             file of it is not to be had, or reports has another folder of that name.
     """
     revision, baseline = _find_experiment(root, name)
-    params = _params_at(root, revision)
+    params, usual = _params_at(root, revision), _params_at(root, baseline)
     if Path(params.get("ingest", {}).get("folder") or "").is_absolute():
         problem = "names a folder of this machine; run it again with RALLYGAP_DATA in its place"
         raise InputError(f"experiment {name}", problem, field="ingest.folder")
     try:
         with replacing_folder(root / "reports" / name) as folder:
             _keep_files(root / "reports" / name, folder)
-            stages = _copy_outputs(root, revision, name, folder)
-            command = ["dvc", "exp", "run", *flags(_params_at(root, baseline), params)]
+            stages = _copy_reports(root, revision, name, folder)
+            if any(params.get(key) != usual.get(key) for key in OF_PREDICTORS):
+                _copy_predictors(root, revision, name, folder / "predictors")
+            command = ["dvc", "exp", "run", *flags(usual, params)]
             prints = {stage: read_contents(folder, stage).fingerprint for stage in stages}
             record = {
                 "experiment": name,
@@ -86,20 +90,29 @@ def _keep_files(former: Path, folder: Path) -> None:
             shutil.copy(file, folder / file.name)
 
 
-def _copy_outputs(root: Path, revision: str, name: str, folder: Path) -> list[str]:
-    """Copy the report of every stage and the trained predictors; return the stages."""
-    from dvc.api import DVCFileSystem
-
-    files = DVCFileSystem(str(root), rev=revision)
+def _copy_reports(root: Path, revision: str, name: str, folder: Path) -> list[str]:
+    """Copy the report of every stage; return the stages."""
+    files = _files(root, revision)
     stages = list(parse_yaml(files.read_text("dvc.yaml"))["stages"])
     _check_name(root, name, stages)
     stages = [one for one in stages if one != EXAM]
     for stage in stages:
         files.get(f"reports/{stage}", str(folder / stage), recursive=True)
-    if files.exists(PREDICTORS):
-        files.get(PREDICTORS, str(folder / "predictors"), recursive=True)
-        _adapt_predictors(folder / "predictors", f"reports/{name}")
     return stages
+
+
+def _copy_predictors(root: Path, revision: str, name: str, folder: Path) -> None:
+    files = _files(root, revision)
+    if files.exists(PREDICTORS):
+        files.get(PREDICTORS, str(folder), recursive=True)
+        _adapt_predictors(folder, f"reports/{name}")
+
+
+def _files(root: Path, revision: str) -> Any:
+    """Return the files of a commit, those that DVC has among them."""
+    from dvc.api import DVCFileSystem
+
+    return DVCFileSystem(str(root), rev=revision)
 
 
 def _check_name(root: Path, name: str, stages: Sequence[str]) -> None:

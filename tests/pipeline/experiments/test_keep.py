@@ -105,7 +105,7 @@ def test_trained_predictors_come_along_unless_they_are_too_large(repository, mon
     commit(
         repository, {f"artifacts/train_predictor/{path}": text for path, text in trained.items()}
     )
-    experiment(repository, PARAMS)
+    experiment(repository, "seed: 1\nsegment: {noise: 0.1}")
     keep_experiment(repository, "warm")
     kept = repository / "reports" / "warm" / "predictors"
     assert {str(path.relative_to(kept)) for path in kept.rglob("*") if path.is_file()} == {
@@ -114,6 +114,13 @@ def test_trained_predictors_come_along_unless_they_are_too_large(repository, mon
     }
     assert (kept / "tae" / "MODEL_CARD.md").read_text() == "see `reports/warm/a.csv`"
     assert "transformer is left out" in capsys.readouterr().err
+
+
+def test_predictors_that_the_pipeline_trains_anyway_are_left_out(repository):
+    commit(repository, {"artifacts/train_predictor/tae/MODEL_CARD.md": "card"})
+    experiment(repository, PARAMS + "train_policy: {repeats: 3}")
+    keep_experiment(repository, "warm")
+    assert not (repository / "reports" / "warm" / "predictors").exists()
 
 
 def test_an_experiment_whose_figures_are_nowhere_is_refused_and_nothing_is_written(repository):
