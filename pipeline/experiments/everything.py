@@ -101,7 +101,7 @@ STEPS = (
     Step(
         "known_answers",
         ("rallygap known-answers",),
-        30,
+        45,
         ("pipeline.known_answers.run",),
         measured=True,
     ),
