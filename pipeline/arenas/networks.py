@@ -4,7 +4,6 @@ from pathlib import Path
 
 from models.predictors.learned import LearnedPredictor
 from models.predictors.settings import NetworkSettings
-from models.predictors.spread_training import fit_spread
 from models.predictors.training import ForecastTraining, WindowData
 from pipeline.evaluation.predictors import ARENA
 from pipeline.params import Params
@@ -33,4 +32,4 @@ def trained_networks(params: Params, seed: int, artifacts: Path) -> dict[str, Le
 def _trained(settings: NetworkSettings, data: WindowData, checkpoints: Path) -> LearnedPredictor:
     network = untrained_network(settings, data)
     train(ForecastTraining(network, data.settings), data, checkpoints)
-    return LearnedPredictor(network, fit_spread(network, data.train, data.seed))
+    return LearnedPredictor(network)  # no spread: only mean errors are compared

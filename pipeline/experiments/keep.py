@@ -42,9 +42,10 @@ def keep_experiment(root: Path, name: str) -> None:
     try:
         with replacing_folder(root / "reports" / name) as folder:
             _keep_files(root / "reports" / name, folder)
-            stages = _copy_reports(root, revision, name, folder)
+            files = _files(root, revision)
+            stages = _copy_reports(files, root, name, folder)
             if any(params.get(key) != usual.get(key) for key in OF_PREDICTORS):
-                _copy_predictors(root, revision, name, folder / "predictors")
+                _copy_predictors(files, name, folder / "predictors")
             command = ["dvc", "exp", "run", *flags(usual, params)]
             prints = {stage: read_contents(folder, stage).fingerprint for stage in stages}
             record = {
@@ -90,9 +91,15 @@ def _keep_files(former: Path, folder: Path) -> None:
             shutil.copy(file, folder / file.name)
 
 
-def _copy_reports(root: Path, revision: str, name: str, folder: Path) -> list[str]:
+def _files(root: Path, revision: str) -> Any:
+    """Return the files of a commit, those that DVC has among them."""
+    from dvc.api import DVCFileSystem
+
+    return DVCFileSystem(str(root), rev=revision)
+
+
+def _copy_reports(files: Any, root: Path, name: str, folder: Path) -> list[str]:
     """Copy the report of every stage; return the stages."""
-    files = _files(root, revision)
     stages = list(parse_yaml(files.read_text("dvc.yaml"))["stages"])
     _check_name(root, name, stages)
     stages = [one for one in stages if one != EXAM]
@@ -101,18 +108,10 @@ def _copy_reports(root: Path, revision: str, name: str, folder: Path) -> list[st
     return stages
 
 
-def _copy_predictors(root: Path, revision: str, name: str, folder: Path) -> None:
-    files = _files(root, revision)
+def _copy_predictors(files: Any, name: str, folder: Path) -> None:
     if files.exists(PREDICTORS):
         files.get(PREDICTORS, str(folder), recursive=True)
         _adapt_predictors(folder, f"reports/{name}")
-
-
-def _files(root: Path, revision: str) -> Any:
-    """Return the files of a commit, those that DVC has among them."""
-    from dvc.api import DVCFileSystem
-
-    return DVCFileSystem(str(root), rev=revision)
 
 
 def _check_name(root: Path, name: str, stages: Sequence[str]) -> None:

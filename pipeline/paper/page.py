@@ -1,6 +1,6 @@
 """docs/paper.md: every number of the paper with ours, in Markdown."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from pipeline.io.markdown import markdown_table
@@ -28,6 +28,11 @@ from pipeline.paper.sources import number
 
 PREDICTORS = "evaluate_predictor/predictors.csv"
 LAPTOP, PAPER, SHOTS = "laptop", "paper", "shots"  # runs
+TITLES = {
+    LAPTOP: "laptop",
+    PAPER: "paper's number of shots",
+    SHOTS: "goals of speed and topspin",
+}
 OF_POLICIES = {"train_policy", "sim2sim", "sim2real", "shot_quality"}  # stages
 
 PREAMBLE = """# Comparison with the paper
@@ -78,13 +83,8 @@ def claims_table(root: Path) -> str:
         InputError: a report is broken.
     """
     runs = _runs(root)
-    titles = {
-        LAPTOP: "laptop",
-        PAPER: "paper's number of shots",
-        SHOTS: "goals of speed and topspin",
-    }
     rows = [[one.name, one.what, *_assessments(one, runs)] for one in exhibits() if one.claims]
-    return markdown_table(["in the paper", "what", *(titles[name] for name in runs)], rows)
+    return markdown_table(["in the paper", "what", *(TITLES[name] for name in runs)], rows)
 
 
 def _runs(root: Path) -> dict[str, Reports]:
@@ -94,9 +94,14 @@ def _runs(root: Path) -> dict[str, Reports]:
     return runs | ({SHOTS: kept_reports(folder)} if is_kept_run(folder) else {})
 
 
+def _is_shown(name: str, stages: Iterable[str]) -> bool:
+    """Return whether a run is shown for numbers of some stages."""
+    return name != SHOTS or not OF_POLICIES.isdisjoint(stages)
+
+
 def _assessments(exhibit: Exhibit, runs: Mapping[str, Reports]) -> list[str]:
     return [
-        exhibit.assessment(run) if name != SHOTS or exhibit.stage in OF_POLICIES else NOTHING
+        exhibit.assessment(run) if _is_shown(name, [exhibit.stage]) else NOTHING
         for name, run in runs.items()
     ]
 
@@ -137,8 +142,8 @@ def _exhibits(runs: Mapping[str, Reports]) -> str:
 
 
 def _group(group: Group, found: Mapping[str, Mapping[str, Finding]]) -> str:
-    of_policies = any(value.stage in OF_POLICIES for value in group.values)
-    runs = {name: one for name, one in found.items() if name != SHOTS or of_policies}
+    stages = [value.stage for value in group.values]
+    runs = {name: one for name, one in found.items() if _is_shown(name, stages)}
     rows = [_row(value, [one[value.id] for one in runs.values()]) for value in group.values]
     ours = [head for name in runs for head in (f"run {name}", "assessment")]
     names = ["what", "stage: source", "printed in the paper", *ours]

@@ -10,6 +10,7 @@ import torch
 from models.predictors.learned import build_network
 from models.predictors.settings import (
     GruTaeSettings,
+    HybridSettings,
     TaeSettings,
     TrainingSettings,
     TransformerSettings,
@@ -26,6 +27,9 @@ TINY = TransformerSettings(
     kind="transformer", width=16, expanded=32, heads=2, encoder_layers=1, decoder_layers=1,
     states_per_row=5, uniform_motion=True,
 )  # fmt: skip
+TINY_HYBRID = HybridSettings.model_validate(
+    {**TINY.model_dump(), "kind": "hybrid", "simulator": "imperfect_c_with_net"}
+)
 TINY_TAE = TaeSettings(
     kind="tae", hidden=32, features=16, latent=8, decoded=32, uniform_motion=True
 )  # fmt: skip

@@ -9,20 +9,16 @@ from models.ball.simulators import shipped
 from models.predictors.learned import LearnedPredictor, build_network
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import History
-from models.predictors.settings import HybridSettings
 from models.predictors.training import ForecastTraining
 from tests.models.predictors.balls import FIRST, TRUTH, observed
-from tests.models.predictors.small_training import BRIEF, TINY, changed, data
+from tests.models.predictors.small_training import BRIEF, TINY_HYBRID, changed, data
 
 WRONG = shipped("imperfect_c_with_net")
-SHAPE = HybridSettings.model_validate(
-    {**TINY.model_dump(), "kind": "hybrid", "simulator": "imperfect_c_with_net"}
-)
 
 
 def untrained(simulator):
     torch.manual_seed(0)
-    network = build_network(SHAPE, simulator)
+    network = build_network(TINY_HYBRID, simulator)
     data().fit_normaliser(network)
     network.normaliser.future_mean.zero_()
     return network

@@ -9,18 +9,14 @@ import pipeline.real_forecasts.run
 from models.ball.simulators import shipped
 from models.predictors.learned import build_network
 from models.predictors.physics import PhysicsPredictor
-from models.predictors.settings import HybridSettings
 from models.predictors.spread import Spread
 from pipeline.io.artifacts import read_json
 from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from pipeline.real_forecasts.adapted import FineTuning
 from pipeline.real_forecasts.run import real_forecasts
-from tests.models.predictors.small_training import BRIEF, TINY, network
+from tests.models.predictors.small_training import BRIEF, TINY, TINY_HYBRID, network
 from tests.pipeline.measured_shots import SIMULATOR, params, write_trained
 
-TINY_HYBRID = HybridSettings(
-    **{**TINY.model_dump(), "kind": "hybrid", "simulator": "imperfect_c_with_net"}
-)
 TIMES = 0.005 * np.arange(90)
 LEARNED = {"hybrid", "hybrid_ensemble", "transformer", "transformer_ensemble"}
 PREDICTORS = {"physics_literature", "amended", *LEARNED}
