@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from models.arena.truth import Truth
 from models.ball.simulator import Simulator
 from models.gap.amend.simulator import amended
 from models.predictors.errors import HORIZONS_MS, error_norms
 from models.predictors.physics import PhysicsPredictor
 from models.predictors.protocol import ProbabilisticPredictor
 from pipeline.arenas.networks import trained_networks
+from pipeline.arenas.recordings import record_arena
 from pipeline.arenas.scores import PREDICTORS
 from pipeline.evaluation.forecasts import forecast_windows
 from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
@@ -21,11 +21,8 @@ from pipeline.evaluation.test_windows import read_test_sets
 from pipeline.gap.cases import Diagnosed, cases
 from pipeline.gap.shots import read_training_shots
 from pipeline.io.amended_simulators import AMENDED
-from pipeline.io.artifacts import write_json
 from pipeline.io.simulators import load_simulator
 from pipeline.params import Params
-from pipeline.segmentation.episode_tables import write_episodes
-from pipeline.sources.gather import gather
 from pipeline.transfer.truth_comparison import NamedCause, number_table
 
 NOMINAL, WITH_NET = "imperfect_c", "imperfect_c_with_net"
@@ -47,7 +44,7 @@ def arena_result(params: Params, seed: int, scratch: Path) -> dict[str, pd.DataF
     # Not by the seed alone: a worker that outlives its killed run may still be at this arena.
     with tempfile.TemporaryDirectory(dir=scratch, prefix=f"{seed}.") as name:
         folder = Path(name)
-        truth = _recorded(params, seed, folder)
+        truth = record_arena(params, seed, folder)
         shots = {ARENA: read_training_shots(folder)[ARENA]}
         found = cases(shots, params.close_gap, seed)
         diagnosed = next(one for one in found if one.simulator_name == NOMINAL).diagnose()
@@ -56,16 +53,6 @@ def arena_result(params: Params, seed: int, scratch: Path) -> dict[str, pd.DataF
         predictors = {**_physics(simulators), **trained_networks(params, seed, folder)}
         errors = _errors(params, folder, predictors)
     return {"causes": _causes(diagnosed, known, truth.simulator), "errors": errors}
-
-
-def _recorded(params: Params, seed: int, folder: Path) -> Truth:
-    """Simulate recordings of an arena, cut them, and return the truth behind them."""
-    settings = params.ingest.model_copy(update={"sources": [ARENA]})
-    gathered = gather(settings, seed, folder / "ingest")
-    write_json(folder / "ingest" / "manifest.json", gathered.manifest.model_dump(mode="json"))
-    write_episodes(folder, params.segment, seed)
-    assert gathered.truth is not None  # the arena has one
-    return Truth.from_dict(gathered.truth)
 
 
 def _causes(diagnosed: Diagnosed, known: Simulator, truth: Simulator) -> pd.DataFrame:
