@@ -17,7 +17,7 @@ export PYTHONDONTWRITEBYTECODE :=
 PIP := .venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real everything exam learning-curves arenas spread-policies swap-study simulators real-scenes test test-naming test-all faults lint audit pictures bench docs ui
+.PHONY: help reproduce real everything exam learning-curves paper-network arenas spread-policies swap-study simulators real-scenes test test-naming test-all faults lint audit pictures bench docs ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
@@ -48,6 +48,9 @@ exam: .venv/ready ## hours: run the whole blind exam and write its records; stop
 
 learning-curves: .venv/ready ## an hour and a half: predictors by the number of training recordings; after `make reproduce`
 	@python -m pipeline.learning_curves.run
+
+paper-network: .venv/ready ## ten minutes on a GPU: the transformer in the paper's size; it resumes
+	@python -m pipeline.paper_network.run
 
 arenas: .venv/ready ## two and a half hours: the gap workflow and networks on twenty fresh arenas; it resumes
 	@python -m pipeline.arenas.run

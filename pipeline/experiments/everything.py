@@ -11,7 +11,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +60,7 @@ class Step:
         experiment: whether an experiment of DVC with the profile comes before the commands.
         measured: whether they need the measured sets.
         root: whether they need a user who may fill disks.
+        gpu: whether they need a GPU.
     """
 
     name: str
@@ -70,6 +71,7 @@ class Step:
     experiment: bool = False
     measured: bool = False
     root: bool = False
+    gpu: bool = False
 
 
 def _kept(profile: str, name: str, minutes: int) -> Step:
@@ -106,6 +108,7 @@ STEPS = (
         measured=True,
     ),
     _kept("two_cores", "paper", 150),
+    replace(_module("paper_network.run", 15, profile="paper"), gpu=True),
     _kept("paper_physics", "paper_physics", 30),
     _kept("shots", "shots", 160),
     Step(
@@ -206,7 +209,15 @@ def _missing(step: Step) -> str:
         return "left out, because it needs the measured sets: make everything DATA=~/sets"
     if step.root and os.geteuid() != 0:
         return "left out, because only root can fill disks"
+    if step.gpu and not _has_gpu():
+        return "left out, because torch finds no GPU here"
     return ""
+
+
+def _has_gpu() -> bool:
+    import torch
+
+    return torch.cuda.is_available()
 
 
 def _seconds(root: Path, step: Step) -> float:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from models.support.suggestion import suggestion
-from pipeline.params import check_params, load_params, read_yaml
+from pipeline.params import Params, check_params, load_params, read_yaml
 from pipeline.runtime.errors import InputError
 
 
@@ -24,15 +24,28 @@ def profile_flags(root: Path, name: str) -> list[str]:
     Raises:
         InputError: there is no such profile, or it does not fit params.yaml.
     """
-    path = root / "profiles" / f"{name}.yaml"
+    changed = _changed(root, name)
+    check_params(changed, _path(root, name))
+    return flags(read_yaml(root / "params.yaml"), changed)
+
+
+def profile_params(root: Path, name: str) -> Params:
+    """The parameters of a profile; arguments and errors as of ``profile_flags``."""
+    return check_params(_changed(root, name), _path(root, name))
+
+
+def _changed(root: Path, name: str) -> Any:
+    """The content of params.yaml with a profile laid over it."""
+    path = _path(root, name)
     if not path.is_file():
         names = [file.stem for file in path.parent.glob("*.yaml")]
         raise InputError(path, f"there is no such profile; {suggestion(name, names)}")
     load_params(root / "params.yaml")
-    params = read_yaml(root / "params.yaml")
-    changed = merged(params, read_yaml(path) or {})
-    check_params(changed, path)
-    return flags(params, changed)
+    return merged(read_yaml(root / "params.yaml"), read_yaml(path) or {})
+
+
+def _path(root: Path, name: str) -> Path:
+    return root / "profiles" / f"{name}.yaml"
 
 
 def merged(params: Any, changes: Any) -> Any:

@@ -151,3 +151,15 @@ def test_steps_have_names_of_their_own_and_settings_that_exist():
     profiles = Path(__file__).parents[3] / "profiles"
     for step in STEPS:
         assert any((profiles / f"{step.profile}{end}").exists() for end in ("", ".yaml"))
+
+
+def test_steps_that_need_a_gpu_are_left_out_without_one(repository, monkeypatch, capsys):
+    trained = Step("d", ("bash -c 'echo d >> ran'",), 1, gpu=True)
+    monkeypatch.setattr(everything, "STEPS", [*everything.STEPS, trained])
+    monkeypatch.setattr("torch.cuda.is_available", lambda: False)
+    make_everything(repository)
+    assert ran(repository) == ["a", "b", "c"]
+    assert "d: left out, because torch finds no GPU here" in capsys.readouterr().out
+    monkeypatch.setattr("torch.cuda.is_available", lambda: True)
+    make_everything(repository)
+    assert ran(repository) == ["a", "b", "c", "d"]

@@ -1,0 +1,112 @@
+"""The experiment ``make paper-network``: the paper's network, trained on a GPU in ten minutes.
+
+The transformer has the paper's size and learns from the paper's number of shots, for the paper's
+number of epochs (profile ``paper``), in larger batches. It forecasts test recordings next to the
+smaller networks of the kept run ``paper``, which have learned from the same shots. A killed run
+resumes.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from models.arena.truth import Truth
+from models.predictors.evaluation import ForecastErrors
+from models.predictors.learned import ForecastNetwork, LearnedPredictor
+from models.predictors.physics import PhysicsPredictor
+from pipeline.arenas.recordings import record_arena
+from pipeline.evaluation.figures.forecast_error import forecast_error_figure
+from pipeline.evaluation.forecasts import evaluate, forecast_windows
+from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, read_trained
+from pipeline.evaluation.test_windows import read_test_sets
+from pipeline.experiments.experiment import running
+from pipeline.experiments.profiles import profile_params
+from pipeline.io.artifacts import read_json, write_json
+from pipeline.io.simulators import load_simulator
+from pipeline.paper_network.training import (
+    RECORD,
+    check_gpu,
+    on_gpu,
+    read_trained_network,
+    write_trained,
+)
+from pipeline.params import Params
+from pipeline.predictors.training_data import TrainingEpisodes
+from pipeline.runtime.console import refuse
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.paths import repository_root
+
+NAME, PROFILE, NETWORK = "paper_network", "paper", "transformer"
+PHYSICS = {"physics_c": "imperfect_c", "physics_c_with_net": "imperfect_c_with_net"}
+SMALLER = "reports/paper/predictors"  # that have learned from the same shots
+INPUTS = (f"profiles/{PROFILE}.yaml", SMALLER)
+
+
+def paper_network(root: Path) -> None:
+    """Write the errors of the paper's network, and its learning curve, to ``reports``.
+
+    Raises:
+        InputError: there is no GPU, or the experiment cannot start.
+    """
+    with running(root, "paper_network.run", INPUTS) as run:
+        params = profile_params(root, PROFILE)
+        check_gpu(run.scratch)
+        truth = _recorded(params, run.scratch)
+        network, record = _trained(params, run.scratch)
+        predictors = [*_others(root, truth), _named(network)]
+        errors = _errors(params, run.scratch, predictors)
+        table = errors.over_horizon()
+        tables = {
+            NAME: table,
+            f"{NAME}_differences": errors.differences([NAME]),
+            f"{NAME}_training": pd.DataFrame(record["curve"]),
+        }
+        figures = {NAME: forecast_error_figure(table.assign(set=ARENA))}
+        known = {key: value for key, value in record.items() if key != "curve"}
+        sample = {"seed": params.seed, "parameters": network.parameter_count, **known}
+        run.publish("", tables, figures, NAME, sample)
+
+
+def _recorded(params: Params, scratch: Path) -> Truth:
+    """Return the truth behind the recordings, which a killed run may have made."""
+    path = scratch / "truth.json"
+    if not path.exists():
+        write_json(path, record_arena(params, params.seed, scratch).to_dict())
+    return Truth.from_dict(read_json(path))
+
+
+def _trained(params: Params, scratch: Path) -> tuple[ForecastNetwork, dict[str, Any]]:
+    settings = params.train_predictor
+    network = settings.networks[NETWORK]
+    if not (scratch / RECORD).exists():
+        episodes = TrainingEpisodes(scratch, params.seed)
+        data = episodes.window_data([ARENA], on_gpu(settings.training))
+        write_trained(NAME, network, data, scratch)
+    return read_trained_network(network, scratch)
+
+
+def _others(root: Path, truth: Truth) -> Iterator[NamedPredictor]:
+    for name, simulator in PHYSICS.items():
+        yield NamedPredictor(name, PhysicsPredictor(load_simulator(simulator)), "physics")
+    yield from read_trained(root / SMALLER)
+    yield NamedPredictor(ORACLE, PhysicsPredictor(truth.simulator), ORACLE)
+
+
+def _named(network: ForecastNetwork) -> NamedPredictor:
+    return NamedPredictor(NAME, LearnedPredictor(network), NETWORK)
+
+
+def _errors(params: Params, scratch: Path, predictors: list[NamedPredictor]) -> ForecastErrors:
+    settings = params.evaluate_predictor
+    (test,) = read_test_sets(scratch, settings.window_every_ms / 1000)
+    forecasts = forecast_windows(test, predictors)
+    return evaluate(forecasts, test.windows, test, settings, params.seed)
+
+
+if __name__ == "__main__":
+    try:
+        paper_network(repository_root())
+    except InputError as error:
+        refuse(error)

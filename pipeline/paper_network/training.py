@@ -1,0 +1,74 @@
+"""Training of the paper's network on a GPU, and the trained network as a file."""
+
+from pathlib import Path
+from typing import Any
+
+import torch
+from safetensors.torch import load_file, save
+
+from models.predictors.learned import ForecastNetwork, build_network
+from models.predictors.settings import NetworkSettings, TrainingSettings
+from models.predictors.training import ForecastTraining, WindowData
+from pipeline.io.artifacts import read_json, replacing, write_json
+from pipeline.predictors.parallel_training import TrainingJob
+from pipeline.predictors.trainer import StepReporter, train
+from pipeline.predictors.training_data import untrained_network
+from pipeline.runtime.errors import InputError
+from pipeline.runtime.progress import progress_bars
+
+WEIGHTS, RECORD = "weights.safetensors", "training.json"
+BATCH, PRECISION = 1024, "bf16-mixed"  # with the paper's batch, a GPU waits for its processor
+
+
+def on_gpu(settings: TrainingSettings) -> TrainingSettings:
+    """Return the paper's settings with batches that keep a GPU busy.
+
+    The learning rate of Adam grows with the square root of the batch, which keeps the noise of its
+    steps (Malladi et al. 2022).
+    """
+    rate = settings.learning_rate * (BATCH / settings.batch) ** 0.5
+    changes = {"batch": BATCH, "learning_rate": rate, "precision": PRECISION}
+    return settings.model_copy(update=changes)
+
+
+def check_gpu(folder: Path) -> None:
+    """Refuse to go on without a GPU and without a trained network in the folder.
+
+    Raises:
+        InputError: there is neither.
+    """
+    if not (folder / RECORD).exists() and not torch.cuda.is_available():
+        raise InputError("the paper's network", "is trained on a GPU; torch finds none here")
+
+
+def write_trained(name: str, settings: NetworkSettings, data: WindowData, folder: Path) -> None:
+    """Train a network and write it to a folder, in which a killed training resumes.
+
+    Args:
+        name: of the progress bar.
+        settings: of the network.
+        data: windows, and the settings of training.
+        folder: of ``WEIGHTS`` and ``RECORD``.
+    """
+    job = TrainingJob(name, untrained_network(settings, data), data, folder / "checkpoints")
+    training, done = ForecastTraining(job.network, data.settings), [0]
+    with progress_bars({name: job.steps}, lambda: done):
+        train(training, data, job.folder, [StepReporter(lambda steps: done.__setitem__(0, steps))])
+    with replacing(folder / WEIGHTS) as temporary:
+        temporary.write_bytes(save(job.network.state_dict()))
+    record = {
+        "gpu": torch.cuda.get_device_name() if torch.cuda.is_available() else None,
+        "training_s": round(training.seconds, 1),
+        "training_episodes": data.train.episodes,
+        "curve": training.curve,
+    }
+    write_json(folder / RECORD, record)
+
+
+def read_trained_network(
+    settings: NetworkSettings, folder: Path
+) -> tuple[ForecastNetwork, dict[str, Any]]:
+    """Return a network that ``write_trained`` has written, and the record of its training."""
+    network = build_network(settings)
+    network.load_state_dict(load_file(folder / WEIGHTS))
+    return network.eval(), dict(read_json(folder / RECORD))
