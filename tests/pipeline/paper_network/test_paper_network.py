@@ -10,16 +10,16 @@ import torch
 from models.predictors.settings import TrainingSettings
 from pipeline.experiments.profiles import profile_params
 from pipeline.io.artifacts import read_json
-from pipeline.paper_network import run
+from pipeline.paper_network import run, training
 from pipeline.paper_network.training import on_gpu, read_trained_network, write_trained
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import repository_root
-from tests.models.predictors.small_training import BRIEF, TINY, changed, data
+from tests.models.predictors.small_training import BRIEF, TINY, data
 from tests.pipeline.measured_shots import params
 from tests.pipeline.measured_shots import write_trained as write_kept
 
 FEW = params().ingest.arena.model_copy(update={"game_episodes": 40, "cannon_shots": 40})
-SHORT = {"networks": {"transformer": TINY}, "training": changed(BRIEF, epochs=2)}
+SHORT = {"networks": {"transformer": TINY}, "training": BRIEF}
 SMALL = params(
     ingest=params().ingest.model_copy(update={"arena": FEW}),
     train_predictor=params().train_predictor.model_copy(update=SHORT),
@@ -37,22 +37,23 @@ def root(tmp_path, monkeypatch):
     (tmp_path / "profiles" / "paper.yaml").touch()
     (tmp_path / "params.yaml").write_text("seed: 1")
     monkeypatch.setattr(run, "profile_params", lambda root, name: SMALL)
+    monkeypatch.setattr(training, "EPOCHS", 3)
     with joblib.parallel_config(backend="sequential"):
         yield tmp_path
 
 
-def test_the_profile_has_the_size_and_the_epochs_of_the_paper():
-    settings = profile_params(repository_root(), run.PROFILE).train_predictor
-    network, training = settings.networks[run.NETWORK], on_gpu(settings.training)
+def test_the_profile_has_the_size_of_the_paper():
+    network = profile_params(repository_root(), run.PROFILE).train_predictor.networks[run.NETWORK]
     assert (network.width, network.encoder_layers, network.decoder_layers) == (512, 3, 2)
-    assert training.epochs == 80
 
 
-def test_steps_have_the_same_noise_with_larger_batches():
+def test_steps_have_the_noise_of_the_paper_and_end_with_its_share_of_the_learning_rate():
     paper = profile_params(repository_root(), run.PROFILE).train_predictor.training
     larger = TrainingSettings.model_validate(on_gpu(paper).model_dump())
     noise = [one.learning_rate / math.sqrt(one.batch) for one in (paper, larger)]
     assert noise[0] == pytest.approx(noise[1])
+    share = [one.decay**one.epochs for one in (paper, larger)]
+    assert share[0] == pytest.approx(share[1])
 
 
 def test_a_trained_network_is_read_as_it_was_trained(tmp_path):
@@ -95,7 +96,7 @@ def test_a_killed_run_resumes_and_publishes_errors(root, monkeypatch):
     assert means["oracle"] < means["physics_c"] < means["paper_network"]
     differences = pd.read_csv(reports / "paper_network_differences.csv")
     assert set(differences["predictor"]) == {"paper_network"}
-    assert pd.read_csv(reports / "paper_network_training.csv")["epoch"].tolist() == [1, 2]
+    assert pd.read_csv(reports / "paper_network_training.csv")["epoch"].tolist() == [*range(1, 4)]
     assert read_json(reports / "paper_network.json")["seed"] == SMALL.seed
     assert (reports / "paper_network.png").exists()
     assert not list((root / "scratch").rglob("*.safetensors"))
