@@ -13,7 +13,7 @@ from typing import Any
 import pandas as pd
 
 from models.arena.truth import Truth
-from models.predictors.evaluation import ForecastErrors
+from models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErrors
 from models.predictors.learned import ForecastNetwork, LearnedPredictor
 from models.predictors.physics import PhysicsPredictor
 from pipeline.arenas.recordings import record_arena
@@ -59,7 +59,7 @@ def paper_network(root: Path) -> None:
         errors = _errors(params, run.scratch, predictors)
         table = errors.over_horizon()
         tables = {
-            NAME: table,
+            NAME: table[table["horizon_ms"].isin(SHOWN_HORIZONS_MS)],
             f"{NAME}_differences": errors.differences([NAME]),
             f"{NAME}_training": pd.DataFrame(record["curve"]),
         }
