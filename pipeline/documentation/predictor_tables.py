@@ -11,10 +11,12 @@ from pipeline.documentation.cells import (
     read_report,
     with_interval,
 )
+from pipeline.io.artifacts import read_json
 from pipeline.io.markdown import markdown_table
 from pipeline.real_forecasts.figure import ADAPTED
 
 SHORT = 300  # recordings
+SMALLER, PAPER_NETWORK = "transformer", "paper_network"  # of the same shots
 # As many networks each.
 HYBRID_PAIRS = {("hybrid", "transformer"), ("hybrid_ensemble", "transformer_ensemble")}
 COVERAGE_HEADS = (
@@ -39,6 +41,49 @@ def position_errors(root: Path, run: str = "", *, arena: bool) -> str:
         cells = [with_interval(row.mean, row.ci_low, row.ci_high) for row in some.itertuples()]
         rows.append([name, predictor_name(predictor), *cells])
     return markdown_table(["set", "predictor", *HORIZON_HEADS], rows)
+
+
+def paper_network(root: Path) -> str:
+    """Mean position errors in mm of the paper's network and of the smaller one, and differences.
+
+    From ``make paper-network``; both are transformers that have learned from the same shots.
+    """
+    query = f"predictor in ('{SMALLER}', '{PAPER_NETWORK}') and quantity == 'position'"
+    errors = read_report(root, "paper_network.csv", f"{query} and bounce == 'all'")
+    query = f"other == '{SMALLER}' and quantity == 'position'"
+    differences = read_report(root, "paper_network_differences.csv", query)
+    parts = {
+        "transformer": errors[errors["predictor"] == SMALLER],
+        "transformer of the paper's size": errors[errors["predictor"] == PAPER_NETWORK],
+        "difference": differences,
+    }
+    rows = []
+    for name, some in parts.items():
+        found = some.sort_values("horizon_ms").itertuples()
+        cells = [with_interval(row.mean, row.ci_low, row.ci_high, ".1f") for row in found]
+        rows.append([name, *cells])
+    return markdown_table(["predictor", *HORIZON_HEADS], rows)
+
+
+def paper_network_training(root: Path) -> str:
+    """How the paper's network was trained, in a sentence."""
+    record = read_json(root / "reports" / "paper_network.json")
+    epochs = len(read_report(root, "paper_network_training.csv"))
+    return (
+        f"{record['parameters'] / 1e6:.1f} million parameters, {epochs} epochs of "
+        f"{record['training_episodes']:,} windows, {record['training_s'] / 60:.0f} minutes on one "
+        f"{record['gpu']}"
+    )
+
+
+def paper_network_short(root: Path) -> str:
+    """The mean position errors of both networks 300 ms ahead, in half a sentence."""
+    query = "quantity == 'position' and bounce == 'all' and horizon_ms == 300"
+    errors = read_report(root, "paper_network.csv", query).set_index("predictor")["mean"]
+    return (
+        f"its mean position error 300 ms ahead is {errors[PAPER_NETWORK]:.0f} mm, that of the "
+        f"smaller transformer {errors[SMALLER]:.0f} mm"
+    )
 
 
 def errors_by(root: Path, column: str) -> str:

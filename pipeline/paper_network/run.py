@@ -17,7 +17,6 @@ from models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErrors
 from models.predictors.learned import ForecastNetwork, LearnedPredictor
 from models.predictors.physics import PhysicsPredictor
 from pipeline.arenas.recordings import record_arena
-from pipeline.evaluation.figures.forecast_error import forecast_error_figure
 from pipeline.evaluation.forecasts import evaluate, forecast_windows
 from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, read_trained
 from pipeline.evaluation.test_windows import read_test_sets
@@ -25,6 +24,7 @@ from pipeline.experiments.experiment import running
 from pipeline.experiments.profiles import profile_params
 from pipeline.io.artifacts import read_json, write_json
 from pipeline.io.simulators import load_simulator
+from pipeline.paper_network.figure import paper_network_figure
 from pipeline.paper_network.training import (
     RECORD,
     check_gpu,
@@ -63,7 +63,7 @@ def paper_network(root: Path) -> None:
             f"{NAME}_differences": errors.differences([NAME]),
             f"{NAME}_training": pd.DataFrame(record["curve"]),
         }
-        figures = {NAME: forecast_error_figure(table.assign(set=ARENA))}
+        figures = {NAME: paper_network_figure(table, tables[f"{NAME}_training"])}
         known = {key: value for key, value in record.items() if key != "curve"}
         sample = {"seed": params.seed, "parameters": network.parameter_count, **known}
         run.publish("", tables, figures, NAME, sample)

@@ -7,6 +7,8 @@ from pipeline.documentation.predictor_tables import (
     learning_curves,
     measured_coverage,
     measured_differences,
+    paper_network,
+    paper_network_short,
 )
 
 INTERVAL = {"ci_low": 20.6, "ci_high": 30.2}
@@ -57,6 +59,30 @@ def test_differences_on_measured_sets_are_those_of_the_hybrid(write):
         "| tt3d | hybrid on the amended simulator | transformer | -1.0 (-2.0 to 0.0) "
         "| -2.0 (-3.0 to 0.0) | -3.0 (-4.0 to 0.0) |"
     ]
+
+
+def test_the_network_of_the_papers_size_is_compared_with_the_smaller_one(write):
+    one = {"quantity": "position", "bounce": "all", **INTERVAL}
+    rows = [
+        {**one, "predictor": name, "horizon_ms": 100 * k, "mean": mean + k}
+        for name, mean in (("paper_network", 30.0), ("transformer", 20.0), ("oracle", 10.0))
+        for k in (3, 1, 2)
+    ]
+    write("paper_network.csv", *rows)
+    pairs = [
+        {**one, "predictor": "paper_network", "other": other, "horizon_ms": 100 * k, "mean": 10.0}
+        for other in ("transformer", "oracle")
+        for k in (1, 2, 3)
+    ]
+    root = write("paper_network_differences.csv", *pairs)
+    interval = "(20.6 to 30.2)"
+    assert paper_network(root).splitlines()[2:] == [
+        f"| transformer | 21.0 {interval} | 22.0 {interval} | 23.0 {interval} |",
+        f"| transformer of the paper's size | 31.0 {interval} | 32.0 {interval} "
+        f"| 33.0 {interval} |",
+        f"| difference | 10.0 {interval} | 10.0 {interval} | 10.0 {interval} |",
+    ]
+    assert "is 33 mm, that of the smaller transformer 23 mm" in paper_network_short(root)
 
 
 def test_a_predictor_that_nobody_has_labelled_has_its_name(write):
