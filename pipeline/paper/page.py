@@ -57,8 +57,9 @@ NOT_RUN = """- `reports/paper/` does not exist: its columns have settings only. 
 
 SMALLER = """- The run *paper* uses the profile `two_cores`: the paper's number of shots, but a
   transformer of width {width} instead of {width_printed} ({parameters} parameters), trained for
-  {epochs} instead of {epochs_printed} epochs. The profile `paper`, with the paper's network and
-  training, has not been run: `dvc exp run --name paper $(rallygap profile paper)`,
+  {epochs} instead of {epochs_printed} epochs. [Results](results.md#the-papers-network) has the
+  errors of a transformer of the paper's size. The profile `paper`, with the paper's network,
+  training and policies, has not been run: `dvc exp run --name paper $(rallygap profile paper)`,
   `rallygap keep paper`.
 """
 
