@@ -21,7 +21,6 @@ from pipeline.documentation.cells import (
     read_report,
     with_interval,
 )
-from pipeline.evaluation.predictors import ORACLE
 from pipeline.io.markdown import markdown_table
 from pipeline.paper.assessments import rate
 
@@ -66,9 +65,9 @@ def arena_errors(root: Path) -> str:
     """Errors divided by the oracle's over all arenas: medians and ranges."""
     errors = read_report(root, "arenas/errors.csv")
     rows = []
-    for name in errors.loc[errors["predictor"] != ORACLE, "predictor"].unique():
+    for name, label in PREDICTORS.items():
         found = (ratios(errors, name, horizon) for horizon in SHOWN_HORIZONS_MS)
-        rows.append([PREDICTORS[name], *(_spread(one, ".2f") for one in found)])
+        rows.append([label, *(_spread(one, ".2f") for one in found)])
     closed = (100 * gap_closed(errors, horizon) for horizon in SHOWN_HORIZONS_MS)
     rows.append(
         ["removable gap to the oracle closed (%)", *(_spread(one, ".0f") for one in closed)]

@@ -73,6 +73,7 @@ def test_recordings_are_counted_from_which_networks_err_less(tmp_path):
         "learning_curves.csv": pd.concat(curves),
         "evaluate_predictor/forecast_error.csv": arena,
         "real/forecasts.csv": pd.DataFrame(real),
+        "arenas/errors.csv": ERRORS,
     }
     found = when_a_learned_predictor_helps(with_tables(tmp_path, tables))
     assert "is 95 mm with simulator C and 70 mm with simulator C and a net" in found
@@ -80,6 +81,9 @@ def test_recordings_are_counted_from_which_networks_err_less(tmp_path):
     assert "corrects its forecasts, with any number." in found
     assert "than the transformer with any number of them" in found
     assert "than the hybrid with 100 or more. On" in found
+    assert (
+        "3.00 times that of the arena's own physics with simulator C and a net, 1.50 with" in found
+    )
     assert "70 mm (transformer, `tt3d`)" in found
 
 
