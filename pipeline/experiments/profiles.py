@@ -24,28 +24,25 @@ def profile_flags(root: Path, name: str) -> list[str]:
     Raises:
         InputError: there is no such profile, or it does not fit params.yaml.
     """
-    changed = _changed(root, name)
-    check_params(changed, _path(root, name))
+    changed, _ = _read(root, name)
     return flags(read_yaml(root / "params.yaml"), changed)
 
 
 def profile_params(root: Path, name: str) -> Params:
     """The parameters of a profile; arguments and errors as of ``profile_flags``."""
-    return check_params(_changed(root, name), _path(root, name))
+    _, params = _read(root, name)
+    return params
 
 
-def _changed(root: Path, name: str) -> Any:
-    """The content of params.yaml with a profile laid over it."""
-    path = _path(root, name)
+def _read(root: Path, name: str) -> tuple[Any, Params]:
+    """The content of params.yaml with a profile laid over it, and the same as parameters."""
+    path = root / "profiles" / f"{name}.yaml"
     if not path.is_file():
         names = [file.stem for file in path.parent.glob("*.yaml")]
         raise InputError(path, f"there is no such profile; {suggestion(name, names)}")
     load_params(root / "params.yaml")
-    return merged(read_yaml(root / "params.yaml"), read_yaml(path) or {})
-
-
-def _path(root: Path, name: str) -> Path:
-    return root / "profiles" / f"{name}.yaml"
+    changed = merged(read_yaml(root / "params.yaml"), read_yaml(path) or {})
+    return changed, check_params(changed, path)
 
 
 def merged(params: Any, changes: Any) -> Any:

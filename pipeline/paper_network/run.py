@@ -1,9 +1,8 @@
 """The experiment ``make paper-network``: the paper's network, trained on a GPU in ten minutes.
 
-The transformer has the paper's size and learns from the paper's number of shots, for the paper's
-number of epochs (profile ``paper``), in larger batches. It forecasts test recordings next to the
-smaller networks of the kept run ``paper``, which have learned from the same shots. A killed run
-resumes.
+The transformer has the paper's size and learns from the paper's number of shots (profile
+``paper``), in larger batches and for fewer epochs. It forecasts test recordings next to the smaller
+networks of the kept run ``paper``, which have learned from the same shots. A killed run resumes.
 """
 
 from collections.abc import Iterator

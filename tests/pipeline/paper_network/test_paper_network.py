@@ -8,10 +8,13 @@ import pytest
 import torch
 
 from models.predictors.settings import TrainingSettings
+from models.predictors.training import ForecastTraining
 from pipeline.experiments.profiles import profile_params
 from pipeline.io.artifacts import read_json
 from pipeline.paper_network import run, training
 from pipeline.paper_network.training import on_gpu, read_trained_network, write_trained
+from pipeline.predictors.trainer import train
+from pipeline.predictors.training_data import untrained_network
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import repository_root
 from tests.models.predictors.small_training import BRIEF, TINY, data
@@ -59,10 +62,11 @@ def test_steps_have_the_noise_of_the_paper_and_end_with_its_share_of_the_learnin
 def test_a_trained_network_is_read_as_it_was_trained(tmp_path):
     write_trained("tiny", TINY, data(), tmp_path)
     network, record = read_trained_network(TINY, tmp_path)
-    again, _ = read_trained_network(TINY, tmp_path)
+    same = untrained_network(TINY, data())
+    train(ForecastTraining(same, BRIEF), data(), tmp_path / "same")
     history, mask, *_ = data().validation.windows(data().validation.anchors[:3])
     with torch.no_grad():
-        forecasts = [one(history, mask) for one in (network, again)]
+        forecasts = [one(history, mask) for one in (network, same.eval())]
     assert torch.equal(*forecasts)
     assert [row["epoch"] for row in record["curve"]] == [1, 2, 3]
     assert record["training_episodes"] == data().train.episodes
