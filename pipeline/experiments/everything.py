@@ -99,7 +99,7 @@ STEPS = (
     _module("simulator_scenes.run", 10),
     _module("simulator_scenes.real", 12, measured=True),
     Step("real", ("rallygap real",), 70, profile="real", measured=True),
-    _module("real_forecasts.run", 60, ["train_predictor"], measured=True),
+    _module("real_forecasts.run", 25, ["train_predictor"], measured=True),
     Step(
         "known_answers",
         ("rallygap known-answers",),
