@@ -27,7 +27,7 @@ from pipeline.documentation.cells import NONE
 from pipeline.documentation.diagnose_example import diagnose_example
 from pipeline.documentation.known_answers import known_answers
 from pipeline.exam.page import questions_table
-from pipeline.experiments.everything import COMMITS, STEPS
+from pipeline.experiments.everything import COMMITS, STEPS, Step
 from pipeline.experiments.stale import kept_result
 from pipeline.io.artifacts import read_json
 from pipeline.io.markdown import markdown_table
@@ -45,10 +45,12 @@ def age_of(root: Path, run: str) -> str:
 def commits_table(root: Path) -> str:
     """Return which commit made the results of each step of ``make everything``."""
     commits = read_json(root / COMMITS)
-    rows = [
-        [f"`{step.name}`", commits.get(step.name, NONE)[:7], str(step.minutes)] for step in STEPS
-    ]
+    rows = [[f"`{step.name}`", commits.get(step.name, NONE)[:7], _minutes(step)] for step in STEPS]
     return markdown_table(["step", "commit", "minutes on two cores, about"], rows)
+
+
+def _minutes(step: Step) -> str:
+    return f"{step.minutes}, with a GPU" if step.gpu else str(step.minutes)
 
 
 PAGES: dict[str, Writer] = {
