@@ -84,7 +84,7 @@ def suffer(repository: Repository, fault: Fault) -> Suffered:
         half = repository.half_written()
         if fault.unlocked:
             (repository.folder / ".dvc/tmp/rwlock").unlink(missing_ok=True)
-        ended = repository.reproduce()
+        ended, _ = repository.recover()
         differences = repository.differences()
         if ended.status:
             differences = [ended.message, *differences]
@@ -212,6 +212,16 @@ def killed_while_dvc_keeps(repository: Repository, stage: str) -> Ended:
     return _ended(repository, dvc)
 
 
+def lock_cut_short(repository: Repository, stage: str) -> Ended:
+    """Leave dvc.lock as a kill while DVC writes it does, and start DVC again."""
+    ended = repository.reproduce(stage)
+    assert ended.status == 0, ended.printed
+    lock = repository.folder / "dvc.lock"
+    text = lock.read_text(encoding="utf-8")
+    lock.write_text(text[: text.rindex("size:") + len("size:")], encoding="utf-8")
+    return repository.reproduce(stage)
+
+
 def first_write_interrupted(repository: Repository, stage: str) -> Ended:
     return _interrupted(repository, stage, 1)
 
@@ -258,6 +268,7 @@ FAULTS = (
     Fault("DVC alone killed, started again", "segment", dvc_alone_killed, borne=True),
     Fault("DVC alone killed, started again", "train_policy", dvc_alone_killed, borne=True),
     Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps, unlocked=True),
+    Fault("dvc.lock cut short", "segment", lock_cut_short, "dvc.lock' validation failed"),
     Fault("first write cut short", "ingest", first_write_interrupted),
     Fault("first write cut short", "segment", first_write_interrupted),
     Fault("third write cut short", "ingest", third_write_interrupted),

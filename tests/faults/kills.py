@@ -30,6 +30,7 @@ class Kill:
         hit: whether it still ran.
         files_left: how many files it had left among its outputs.
         half_written: how many of them stood under their name and were not whole.
+        lock_restored: whether ``dvc.lock`` was damaged, and restored as docs/reliability.md says.
         same_hashes: whether ``dvc repro`` then ended with the undisturbed run's bytes and lock,
             and nothing besides.
         differences: the files that say otherwise.
@@ -42,6 +43,7 @@ class Kill:
     hit: bool
     files_left: int
     half_written: int
+    lock_restored: bool
     same_hashes: bool
     differences: str
 
@@ -70,7 +72,7 @@ def _killed(repository: Repository, stage: str, number: int, share: float) -> Ki
     with repository.without(stage):
         hit, seconds = killed_group(repository, stage, share * repository.seconds[stage])
         left, half = repository.left_by(stage), repository.half_written()
-        ended = repository.reproduce()
+        ended, restored = repository.recover()
         differences = repository.differences()
         if ended.status:
             differences = [ended.message, *differences]
@@ -82,6 +84,7 @@ def _killed(repository: Repository, stage: str, number: int, share: float) -> Ki
         hit=hit,
         files_left=len(left),
         half_written=len(half),
+        lock_restored=restored,
         same_hashes=not differences,
         differences="; ".join(differences),
     )

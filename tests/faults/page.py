@@ -9,20 +9,21 @@ def kills_table(kills: pd.DataFrame) -> str:
     """One row per stage: number, times and results of the kills."""
     lines = [
         "| stage | kills | time of kill (% of the stage) | after its end | half-written files "
-        "| identical hashes |",
-        "|---|---|---|---|---|---|",
+        "| identical hashes | `dvc.lock` restored |",
+        "|---|---|---|---|---|---|---|",
     ]
     for stage, rows in kills.groupby("stage", sort=False):
         hits = rows[rows["hit"]]
         times = ", ".join(f"{100 * share:.0f}" for share in sorted(hits["share"]))
         lines.append(
             f"| {stage} | {len(hits)} | {times} | {len(rows) - len(hits)} "
-            f"| {hits['half_written'].sum()} | {hits['same_hashes'].sum()} of {len(hits)} |"
+            f"| {hits['half_written'].sum()} | {hits['same_hashes'].sum()} of {len(hits)} "
+            f"| {rows['lock_restored'].sum()} |"
         )
     hits = kills[kills["hit"]]
     lines.append(
         f"| all | {len(hits)} | | {len(kills) - len(hits)} | {hits['half_written'].sum()} "
-        f"| {hits['same_hashes'].sum()} of {len(hits)} |"
+        f"| {hits['same_hashes'].sum()} of {len(hits)} | {kills['lock_restored'].sum()} |"
     )
     return "\n".join(lines)
 

@@ -25,6 +25,7 @@ PROFILE = ROOT / "profiles" / "smoke.yaml"
 OUTPUTS = ("artifacts", "reports")
 CACHE = Path(".dvc") / "cache" / "files" / "md5"
 POLL = 0.02  # s
+LOCK_REFUSED = r"'\S*dvc\.lock' (is invalid|validation failed)"
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,13 @@ class Ended:
     def message(self) -> str:
         """The line that says most: ours, an exception's or DVC's."""
         lines = [line.strip() for line in self.printed.splitlines()]
-        for sought in (r"rallygap: (?!warning)", r"rallygap: ", r"\w*Error: ", r"ERROR: "):
+        for sought in (
+            r"rallygap: (?!warning)",
+            r"rallygap: ",
+            r"\w*Error: ",
+            r"ERROR: ",
+            LOCK_REFUSED,
+        ):
             found = [line for line in lines if re.match(sought, line)]
             if found:
                 return found[-1]
@@ -107,6 +114,19 @@ class Repository:
         text = self.log.read_text(encoding="utf-8", errors="replace")
         return text.replace(f"{self.folder}/", "").replace(str(self.folder), ".")
 
+    def recover(self) -> tuple[Ended, bool]:
+        """Run ``dvc repro``, and again with git's dvc.lock where DVC refuses a damaged one.
+
+        Returns:
+            How it ended, and whether dvc.lock was restored, as docs/reliability.md says.
+        """
+        ended = self.reproduce()
+        damaged = re.search(LOCK_REFUSED, ended.printed) is not None
+        if damaged:
+            subprocess.run(["git", "checkout", "--quiet", "dvc.lock"], cwd=self.folder, check=True)
+            ended = self.reproduce()
+        return ended, damaged
+
     def left_by(self, stage: str) -> list[str]:
         """The files among a stage's outputs, temporary ones too."""
         own = tuple(f"{name}/{stage}/" for name in OUTPUTS)
@@ -146,6 +166,7 @@ def undisturbed(folder: Path) -> Repository:
         repository.seconds[running.stage] = time.monotonic() - started
     assert dvc.wait() == 0, repository.printed()
     settle(repository.folder)
+    subprocess.run(["git", "add", "--force", "dvc.lock"], cwd=repository.folder, check=True)
     _copy(repository.folder, repository.spare)
     return repository
 
@@ -279,4 +300,4 @@ def _forget(folder: Path, stage: str) -> None:
     for entry in cached(folder, stage).difference(*others):
         (folder / entry).unlink()
     del known["stages"][stage]
-    (folder / "dvc.lock").write_text(json.dumps(known))  # JSON is YAML
+    (folder / "dvc.lock").write_text(yaml.safe_dump(known, sort_keys=False))
