@@ -39,7 +39,7 @@ class Fault:
         says: what the run must say, so that a fault that never struck is not taken for borne.
         borne: whether that ends well all the same.
         needs_root: whether it mounts disks.
-        unlocked: whether DVC's broken lock is removed before the next ``dvc repro``.
+        strikes_dvc: whether it kills DVC while that copies outputs, which may leave half a file.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Fault:
     says: str = ""
     borne: bool = False
     needs_root: bool = False
-    unlocked: bool = False
+    strikes_dvc: bool = False
 
 
 @dataclass(frozen=True)
@@ -59,8 +59,8 @@ class Suffered:
         fault: its name.
         stage: that it struck.
         happened: how ``dvc repro`` ended.
-        as_expected: whether it ended well exactly where it should, and error_text what it should.
-        message: what it error_text.
+        as_expected: whether it ended well exactly where it should, and said what it should.
+        message: what it said.
         half_written: how many outputs stood under their name and were not whole.
         same_hashes: whether ``dvc repro``, run again without the fault, ended with the undisturbed
             run's bytes and lock, and nothing besides.
@@ -82,8 +82,6 @@ def suffer(repository: Repository, fault: Fault) -> Suffered:
     with repository.without(fault.stage):
         struck, kept = _struck(repository, fault)
         half = repository.half_written()
-        if fault.unlocked:
-            (repository.folder / ".dvc/tmp/rwlock").unlink(missing_ok=True)
         ended, _ = repository.recover()
         differences = repository.differences()
         if ended.status:
@@ -267,7 +265,7 @@ FAULTS = (
     Fault("stage told to stop (SIGTERM)", "train_predictor", stage_stopped),
     Fault("DVC alone killed, started again", "segment", dvc_alone_killed, borne=True),
     Fault("DVC alone killed, started again", "train_policy", dvc_alone_killed, borne=True),
-    Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps, unlocked=True),
+    Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps, strikes_dvc=True),
     Fault("dvc.lock cut short", "segment", lock_cut_short, "dvc.lock' validation failed"),
     Fault("first write cut short", "ingest", first_write_interrupted),
     Fault("first write cut short", "segment", first_write_interrupted),

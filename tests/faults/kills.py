@@ -30,7 +30,7 @@ class Kill:
         hit: whether it still ran.
         files_left: how many files it had left among its outputs.
         half_written: how many of them stood under their name and were not whole.
-        lock_restored: whether ``dvc.lock`` was damaged, and restored as docs/reliability.md says.
+        repaired: a file of DVC's that was damaged, and repaired as docs/reliability.md says.
         same_hashes: whether ``dvc repro`` then ended with the undisturbed run's bytes and lock,
             and nothing besides.
         differences: the files that say otherwise.
@@ -43,7 +43,7 @@ class Kill:
     hit: bool
     files_left: int
     half_written: int
-    lock_restored: bool
+    repaired: str
     same_hashes: bool
     differences: str
 
@@ -72,7 +72,7 @@ def _killed(repository: Repository, stage: str, number: int, share: float) -> Ki
     with repository.without(stage):
         hit, seconds = killed_group(repository, stage, share * repository.seconds[stage])
         left, half = repository.left_by(stage), repository.half_written()
-        ended, restored = repository.recover()
+        ended, repaired = repository.recover()
         differences = repository.differences()
         if ended.status:
             differences = [ended.message, *differences]
@@ -84,7 +84,7 @@ def _killed(repository: Repository, stage: str, number: int, share: float) -> Ki
         hit=hit,
         files_left=len(left),
         half_written=len(half),
-        lock_restored=restored,
+        repaired=repaired,
         same_hashes=not differences,
         differences="; ".join(differences),
     )

@@ -9,7 +9,7 @@ def kills_table(kills: pd.DataFrame) -> str:
     """One row per stage: number, times and results of the kills."""
     lines = [
         "| stage | kills | time of kill (% of the stage) | after its end | half-written files "
-        "| identical hashes | `dvc.lock` restored |",
+        "| identical hashes | DVC's files repaired |",
         "|---|---|---|---|---|---|---|",
     ]
     for stage, rows in kills.groupby("stage", sort=False):
@@ -18,12 +18,12 @@ def kills_table(kills: pd.DataFrame) -> str:
         lines.append(
             f"| {stage} | {len(hits)} | {times} | {len(rows) - len(hits)} "
             f"| {hits['half_written'].sum()} | {hits['same_hashes'].sum()} of {len(hits)} "
-            f"| {rows['lock_restored'].sum()} |"
+            f"| {rows['repaired'].count()} |"
         )
     hits = kills[kills["hit"]]
     lines.append(
         f"| all | {len(hits)} | | {len(kills) - len(hits)} | {hits['half_written'].sum()} "
-        f"| {hits['same_hashes'].sum()} of {len(hits)} | {kills['lock_restored'].sum()} |"
+        f"| {hits['same_hashes'].sum()} of {len(hits)} | {kills['repaired'].count()} |"
     )
     return "\n".join(lines)
 
@@ -32,10 +32,10 @@ def faults_table(faults: pd.DataFrame) -> str:
     """One row per fault: result and message of the run."""
     lines = ["| fault | stage | result | message | identical hashes |", "|---|---|---|---|---|"]
     for row in faults.fillna("").itertuples():
-        error_text = row.message.replace("|", "\\|")
-        error_text = f"`{error_text}`" if error_text else "–"
+        message = row.message.replace("|", "\\|")
+        message = f"`{message}`" if message else "–"
         same = "yes" if row.same_hashes else "no"
-        lines.append(f"| {row.fault} | {row.stage} | {row.happened} | {error_text} | {same} |")
+        lines.append(f"| {row.fault} | {row.stage} | {row.happened} | {message} | {same} |")
     return "\n".join(lines)
 
 

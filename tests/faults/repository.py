@@ -25,7 +25,11 @@ PROFILE = ROOT / "profiles" / "smoke.yaml"
 OUTPUTS = ("artifacts", "reports")
 CACHE = Path(".dvc") / "cache" / "files" / "md5"
 POLL = 0.02  # s
-LOCK_REFUSED = r"'\S*dvc\.lock' (is invalid|validation failed)"
+# DVC's own files, which it writes in place: a kill may damage them. What DVC then says.
+REFUSALS = {
+    "dvc.lock": r"'\S*dvc\.lock' (is invalid|validation failed)",
+    "rwlock": r".*RWLock-file '\S*'(\. JSON structure is corrupted| format error)",
+}
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,7 @@ class Ended:
             r"rallygap: ",
             r"\w*Error: ",
             r"ERROR: ",
-            LOCK_REFUSED,
+            *REFUSALS.values(),
         ):
             found = [line for line in lines if re.match(sought, line)]
             if found:
@@ -114,18 +118,24 @@ class Repository:
         text = self.log.read_text(encoding="utf-8", errors="replace")
         return text.replace(f"{self.folder}/", "").replace(str(self.folder), ".")
 
-    def recover(self) -> tuple[Ended, bool]:
-        """Run ``dvc repro``, and again with git's dvc.lock where DVC refuses a damaged one.
+    def recover(self) -> tuple[Ended, str]:
+        """Run ``dvc repro``; where DVC refuses a file of its own, repair that and run it again.
 
         Returns:
-            How it ended, and whether dvc.lock was restored, as docs/reliability.md says.
+            How it ended, and the file that was repaired, as docs/reliability.md says; "" if none.
         """
         ended = self.reproduce()
-        damaged = re.search(LOCK_REFUSED, ended.printed) is not None
-        if damaged:
-            subprocess.run(["git", "checkout", "--quiet", "dvc.lock"], cwd=self.folder, check=True)
-            ended = self.reproduce()
-        return ended, damaged
+        for name, refusal in REFUSALS.items():
+            if re.search(refusal, ended.printed):
+                self._repair(name)
+                return self.reproduce(), name
+        return ended, ""
+
+    def _repair(self, name: str) -> None:
+        if name == "rwlock":
+            (self.folder / ".dvc" / "tmp" / name).unlink()
+        else:
+            subprocess.run(["git", "checkout", "--quiet", name], cwd=self.folder, check=True)
 
     def left_by(self, stage: str) -> list[str]:
         """The files among a stage's outputs, temporary ones too."""

@@ -35,11 +35,11 @@ def test_every_fault_was_tried_and_ended_as_it_should():
 
 def test_kills_that_came_too_late_do_not_count():
     rows = [
-        ("a", 0.25, True, 0, True, False),
-        ("a", 0.9, False, 0, True, True),
-        ("a", 0.7, True, 1, False, False),
+        ("a", 0.25, True, 0, True, None),
+        ("a", 0.9, False, 0, True, "rwlock"),
+        ("a", 0.7, True, 1, False, None),
     ]
-    columns = ["stage", "share", "hit", "half_written", "same_hashes", "lock_restored"]
+    columns = ["stage", "share", "hit", "half_written", "same_hashes", "repaired"]
     *_, own, whole = kills_table(pd.DataFrame(rows, columns=columns)).splitlines()
     assert own == "| a | 2 | 25, 70 | 1 | 1 | 1 of 2 | 1 |"
     assert whole == "| all | 2 | | 1 | 1 | 1 of 2 | 1 |"
