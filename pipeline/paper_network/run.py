@@ -1,7 +1,7 @@
 """The experiment ``make paper-network``: the paper's network, trained on a GPU in ten minutes.
 
 The transformer has the paper's size and learns from the paper's number of shots (profile
-``paper``), in larger batches and for fewer epochs. It forecasts test recordings next to the smaller
+``paper``), for fewer epochs and with fewer bits. It forecasts test recordings next to the smaller
 networks of the kept run ``paper``, which have learned from the same shots. A killed run resumes.
 """
 

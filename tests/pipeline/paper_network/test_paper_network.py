@@ -1,7 +1,5 @@
 """The paper's network: its settings, its training and what is published of it."""
 
-import math
-
 import joblib
 import pandas as pd
 import pytest
@@ -11,13 +9,13 @@ from models.predictors.settings import TrainingSettings
 from models.predictors.training import ForecastTraining
 from pipeline.experiments.profiles import profile_params
 from pipeline.io.artifacts import read_json
-from pipeline.paper_network import run, training
+from pipeline.paper_network import prepared, run, training
 from pipeline.paper_network.training import on_gpu, read_trained_network, write_trained
 from pipeline.predictors.trainer import train
 from pipeline.predictors.training_data import untrained_network
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.paths import repository_root
-from tests.models.predictors.small_training import BRIEF, TINY, data
+from tests.models.predictors.small_training import BRIEF, TINY, changed, data, small_training
 from tests.pipeline.measured_shots import params
 from tests.pipeline.measured_shots import write_trained as write_kept
 
@@ -50,13 +48,26 @@ def test_the_profile_has_the_size_of_the_paper():
     assert (network.width, network.encoder_layers, network.decoder_layers) == (512, 3, 2)
 
 
-def test_steps_have_the_noise_of_the_paper_and_end_with_its_share_of_the_learning_rate():
+def test_batches_and_learning_rates_are_those_of_the_paper():
+    """Section IV-A: batches of 128, Adam from 0.0001, which decays by 0.95 per epoch."""
     paper = profile_params(repository_root(), run.PROFILE).train_predictor.training
-    larger = TrainingSettings.model_validate(on_gpu(paper).model_dump())
-    noise = [one.learning_rate / math.sqrt(one.batch) for one in (paper, larger)]
-    assert noise[0] == pytest.approx(noise[1])
-    share = [one.decay**one.epochs for one in (paper, larger)]
-    assert share[0] == pytest.approx(share[1])
+    ours = TrainingSettings.model_validate(on_gpu(paper).model_dump())
+    assert (ours.batch, ours.learning_rate, ours.decay) == (128, 1e-4, 0.95)
+    assert ours.matrix_learning_rate is None and ours.max_gradient_norm is None
+
+
+@pytest.mark.parametrize("batch", [8, 7, 23])
+def test_prepared_batches_train_the_same_network(tmp_path, monkeypatch, batch):
+    """Bit for bit: the same windows, in the same batches and groups of any size."""
+    monkeypatch.setattr(prepared, "AT_ONCE", 2)
+    settings = changed(BRIEF, batch=batch)
+    plain, windows = small_training(settings)
+    training, _ = small_training(settings, kind=prepared.PreparedTraining)
+    train(plain, windows, tmp_path / "plain")
+    train(training, prepared.PreparedData(windows, training.network), tmp_path / "prepared")
+    assert training.curve == plain.curve
+    pairs = zip(training.network.parameters(), plain.network.parameters(), strict=True)
+    assert all(torch.equal(*pair) for pair in pairs)
 
 
 def test_a_trained_network_is_read_as_it_was_trained(tmp_path):
