@@ -125,7 +125,7 @@ STEPS = (
         ("pipeline.sweeps.worker", "pipeline.sweeps.confirm"),
         "sweeps",
     ),
-    Step("reliability", ("pytest -m faults -v --tables",), 90, root=True),
+    Step("reliability", ("pytest -m faults -v --tables",), 75, root=True),
     Step("costs", ("rallygap costs",), 20, ("pipeline.evaluation.costs", "stages.train_predictor")),
     *(
         Step(

@@ -31,7 +31,7 @@ def kills_table(kills: pd.DataFrame) -> str:
 def faults_table(faults: pd.DataFrame) -> str:
     """One row per fault: result and message of the run."""
     lines = ["| fault | stage | result | message | identical hashes |", "|---|---|---|---|---|"]
-    for row in faults.fillna("").itertuples():
+    for row in faults.fillna({"message": ""}).itertuples():
         message = row.message.replace("|", "\\|")
         message = f"`{message}`" if message else "–"
         same = "yes" if row.same_hashes else "no"
