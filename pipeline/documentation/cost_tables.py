@@ -36,12 +36,12 @@ def extrapolation_table(root: Path) -> str:
     windows = SHOTS * training.windows_per_episode
     group = params.train_policy.groups["sim2sim"]
     policies = len(group.simulators) * len(group.horizons_ms) * group.repeats
-    ticks = policies * group.learning.iterations * group.learning.steps_per_iteration
+    steps = policies * group.learning.iterations * group.learning.steps_per_iteration
     works = (
         ("simulate, write and segment them", SHOTS, "episodes", "yes"),
         (EPOCH, windows, "windows", "yes"),
         (f"its {training.epochs} epochs", training.epochs * windows, "windows", "yes"),
-        ("the laptop's policies", ticks, "control ticks", "no"),
+        ("the laptop's policies", steps, "control steps", "no"),
         ("1,000 verdicts on 100 shots", 1000, "questions of the exam", "no"),
     )
     hours = {name: units / rates[unit] / 3600 for name, units, unit, _ in works}

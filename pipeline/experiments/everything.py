@@ -41,7 +41,7 @@ BENCHMARKS = {  # minutes
     "learning": 30,
     "live": 7,
     "drift": 30,
-    "scale": 20,
+    "scale": 7,
     "precision": 10,
 }
 

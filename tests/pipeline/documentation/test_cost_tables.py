@@ -11,7 +11,7 @@ from pipeline.io.artifacts import write_json
 from pipeline.params import load_params
 
 ROOT = Path(__file__).parents[3]
-UNITS = ("episodes", "questions of the exam", "control ticks", "windows")
+UNITS = ("episodes", "questions of the exam", "control steps", "windows")
 
 
 @pytest.fixture
