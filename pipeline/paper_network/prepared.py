@@ -35,7 +35,7 @@ class PreparedTraining(ForecastTraining):
 
 
 class PreparedData(WindowData):
-    """The windows of ``WindowData`` in the same batches, normalised for a network.
+    """The windows of ``WindowData`` in the same batches, normalised for a network, on one device.
 
     Args:
         data: tracks, settings and seed.

@@ -10,7 +10,7 @@ from rich.table import Table
 from pipeline.experiments.profiles import merged
 from pipeline.io.artifacts import write_csv, write_json
 from pipeline.io.metrics import rounded
-from pipeline.params import Params, check_params, read_yaml
+from pipeline.params import Params, as_json, check_params, read_yaml, with_current_keys
 from pipeline.runtime.errors import InputError
 from pipeline.runtime.provenance import short
 from pipeline.sweeps.comparison import SEEDS
@@ -56,7 +56,8 @@ def compared_params(sweep: Sweep) -> list[Params]:
     path = sweep.report / BEST
     if not path.is_file():
         raise InputError(path, f"there is no such file; run `rallygap sweep {sweep.name}`")
-    best = merged(sweep.params, read_yaml(path))
+    plain = json.loads(as_json(read_yaml(path), path))  # no alias that holds itself
+    best = merged(sweep.params, with_current_keys(plain))
     settings = [check_params(content, path) for content in (sweep.params, best)]
     if settings[0] == settings[1]:
         raise InputError(path, "equals params.yaml: there is nothing to confirm")

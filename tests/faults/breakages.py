@@ -39,7 +39,7 @@ class Fault:
         says: what the run must say, so that a fault that never struck is not taken for borne.
         borne: whether that ends well all the same.
         needs_root: whether it mounts disks.
-        strikes_dvc: whether it kills DVC while that copies outputs, which may leave half a file.
+        damages: a file of DVC's that it may damage, which is then repaired; "" if none.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Fault:
     says: str = ""
     borne: bool = False
     needs_root: bool = False
-    strikes_dvc: bool = False
+    damages: str = ""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,8 @@ class Suffered:
         fault: its name.
         stage: that it struck.
         happened: how ``dvc repro`` ended.
-        as_expected: whether it ended well exactly where it should, and said what it should.
+        as_expected: whether it ended well exactly where it should, said what it should, and damaged
+            no file of DVC's but the one that it may.
         message: what it said.
         half_written: how many outputs stood under their name and were not whole.
         same_hashes: whether ``dvc repro``, run again without the fault, ended with the undisturbed
@@ -82,7 +83,7 @@ def suffer(repository: Repository, fault: Fault) -> Suffered:
     with repository.without(fault.stage):
         struck, kept = _struck(repository, fault)
         half = repository.half_written()
-        ended, _ = repository.recover()
+        ended, repaired = repository.recover()
         differences = repository.differences()
         if ended.status:
             differences = [ended.message, *differences]
@@ -90,7 +91,10 @@ def suffer(repository: Repository, fault: Fault) -> Suffered:
         fault=fault.name,
         stage=fault.stage,
         happened="went on" if struck.status == 0 else "stopped",
-        as_expected=kept and fault.borne == (struck.status == 0) and fault.says in struck.printed,
+        as_expected=kept
+        and fault.borne == (struck.status == 0)
+        and fault.says in struck.printed
+        and repaired in ("", fault.damages),
         message=struck.message,
         half_written=len(half),
         same_hashes=not differences,
@@ -265,8 +269,14 @@ FAULTS = (
     Fault("stage told to stop (SIGTERM)", "train_predictor", stage_stopped),
     Fault("DVC alone killed, started again", "segment", dvc_alone_killed, borne=True),
     Fault("DVC alone killed, started again", "train_policy", dvc_alone_killed, borne=True),
-    Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps, strikes_dvc=True),
-    Fault("dvc.lock cut short", "segment", lock_cut_short, "dvc.lock' validation failed"),
+    Fault("killed while DVC keeps outputs", "segment", killed_while_dvc_keeps, damages="rwlock"),
+    Fault(
+        "dvc.lock cut short",
+        "segment",
+        lock_cut_short,
+        "dvc.lock' validation failed",
+        damages="dvc.lock",
+    ),
     Fault("first write cut short", "ingest", first_write_interrupted),
     Fault("first write cut short", "segment", first_write_interrupted),
     Fault("third write cut short", "ingest", third_write_interrupted),

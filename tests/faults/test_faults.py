@@ -29,4 +29,4 @@ def test_a_fault_is_borne_or_named_and_then_forgotten(repository, tables, fault)
     tables.add("faults", [suffered])
     assert suffered.same_hashes, suffered.differences
     assert suffered.as_expected, suffered
-    assert suffered.half_written == 0 or fault.strikes_dvc
+    assert suffered.half_written == 0 or fault.damages == "rwlock"  # DVC was killed while it copied

@@ -17,7 +17,7 @@ from pipeline.policies import training as policy_training
 from pipeline.policies.training import TrainingJob, train_policies
 from pipeline.runtime.errors import InputError
 from pipeline.sweeps.comparison import Comparison
-from pipeline.sweeps.confirm import run_confirm
+from pipeline.sweeps.confirm import compared_params, run_confirm
 from pipeline.sweeps.policy import described
 from pipeline.sweeps.predictor import PredictorTraining
 from pipeline.sweeps.settings import load_sweep
@@ -134,6 +134,21 @@ def small(root, **changes):
     params = root / "params.yaml"
     settings = YAML(typ="safe").load(params.read_text())
     write_yaml(params, merged(settings, changes))
+
+
+def test_best_parameters_of_an_earlier_sweep_are_read_under_todays_names(tmp_path):
+    sweep = predictor_sweep(tmp_path)
+    best = {"train_predictor": {"training": {"longest_gradient": 4.31}}}
+    write_yaml(sweep.report / "best_params.yaml", best)
+    assert compared_params(sweep)[1].train_predictor.training.max_gradient_norm == 4.31
+
+
+def test_best_parameters_that_hold_themselves_are_one_error(tmp_path):
+    sweep = predictor_sweep(tmp_path)
+    write_yaml(sweep.report / "best_params.yaml", {})
+    (sweep.report / "best_params.yaml").write_text("a: &a {b: *a}")
+    with pytest.raises(InputError, match=r"best_params\.yaml: is not plain YAML"):
+        compared_params(sweep)
 
 
 def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
