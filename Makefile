@@ -22,6 +22,9 @@ PIP := .venv/bin/python -m pip install --no-compile --quiet --disable-pip-versio
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
 
+# Runs what needs the predictors of `make reproduce`, or says that it is left out.
+if_trained = if test -d artifacts/train_predictor; then $(1); else echo "left out, run make reproduce first: $(1)"; fi
+
 # Written last: an environment without this file is incomplete and is created again.
 .venv/ready: pyproject.toml constraints.txt
 	@test -e $@ || $(PYTHON) -m venv --clear .venv
@@ -37,7 +40,7 @@ reproduce: .venv/ready ## run the whole pipeline on simulated data
 
 real: .venv/ready ## run the pipeline on the measured sets in DATA and keep the results in reports/real
 	@rallygap real
-	@test ! -d artifacts/train_predictor || python -m pipeline.real_forecasts.run
+	@$(call if_trained,python -m pipeline.real_forecasts.run)
 
 everything: .venv/ready ## a day: all results that the repository keeps, by this commit; it resumes
 	@rallygap everything
@@ -64,7 +67,7 @@ swap-study: .venv/ready ## hours: when swapping the predictor helps; after `make
 simulators: .venv/ready ## minutes: scenes of MuJoCo and PyBullet with something wrong, diagnosed and amended
 	@python -m pipeline.simulator_scenes.run
 
-real-scenes: .venv/ready ## half an hour: published scenes of MuJoCo on the measured sets in DATA, before and after
+real-scenes: .venv/ready ## minutes: published scenes of MuJoCo on the measured sets in DATA, before and after
 	@python -m pipeline.simulator_scenes.real
 
 test: .venv/ready ## the quick tests, in parallel on all cores
@@ -94,8 +97,8 @@ pictures: .venv/ready ## take the screenshots of MLflow for docs/compare.md; nee
 bench: .venv/ready ## one to two hours: compare speed with other programs; write reports/costs
 	@python -m benchmarks.ball_simulator
 	@python -m benchmarks.policy_training
-	@test ! -d artifacts/train_predictor || rallygap costs
-	@test ! -d artifacts/train_predictor || python -m benchmarks.live
+	@$(call if_trained,rallygap costs)
+	@$(call if_trained,python -m benchmarks.live)
 	@python -m benchmarks.drift
 	@python -m benchmarks.learning
 

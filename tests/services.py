@@ -8,6 +8,7 @@ import tempfile
 import time
 import urllib.request
 import uuid
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
@@ -35,24 +36,23 @@ def free_port():
         return server.getsockname()[1]
 
 
-def listening(process):
-    """Addresses on which a process and its children listen."""
-    family = [psutil.Process(process.pid), *psutil.Process(process.pid).children(recursive=True)]
-    return {
-        one.laddr.ip
-        for member in family
-        for one in member.net_connections("inet")
-        if one.status == psutil.CONN_LISTEN
-    }
+def listening(pid):
+    """Addresses on which a process or one below it listens; processes that have ended have none."""
+    found = set()
+    for process in [psutil.Process(pid), *psutil.Process(pid).children(recursive=True)]:
+        with suppress(psutil.Error):
+            connections = process.net_connections("inet")
+            found |= {one.laddr.ip for one in connections if one.status == psutil.CONN_LISTEN}
+    return found
 
 
 def await_answer(url):
-    """Wait until a server that was just started answers."""
+    """Wait until a server that was just started answers; return its answer."""
     deadline = time.monotonic() + PATIENCE
     while True:
         try:
-            urllib.request.urlopen(url, timeout=5)
-            return
+            with urllib.request.urlopen(url, timeout=5) as answer:
+                return answer.read()
         except OSError:
             assert time.monotonic() < deadline
             time.sleep(0.2)

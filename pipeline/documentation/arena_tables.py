@@ -44,7 +44,8 @@ def arena_causes_found(root: Path) -> str:
 def arena_coverage_share(root: Path) -> str:
     """How many intervals contain the true value, in a part of a sentence."""
     found = coverage(read_report(root, "arenas/causes.csv"))
-    return f"{found.count} of {found.of} ({100 * found.count / found.of:.0f} %)"
+    share = f" ({100 * found.count / found.of:.0f} %)" if found.of else ""
+    return f"{found.count} of {found.of}{share}"
 
 
 def arena_coverage(root: Path) -> str:
@@ -57,7 +58,8 @@ def arena_coverage(root: Path) -> str:
         also = found[(identities == similar) & found["hidden"]].set_index("seed")["named"]
         pairs = pd.concat([covered, also], axis=1).dropna()
         cells = [_shown(_covered(pairs[pairs["named"] == named])) for named in (True, False)]
-        rows.append([identity, similar, *(": ".join(cell) + " %" for cell in cells)])
+        shown = (": ".join(cell) + (" %" if cell[1] != NONE else "") for cell in cells)
+        rows.append([identity, similar, *shown])
     return markdown_table(["interval of", "hidden as well", "named", "not named"], rows)
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from pipeline.documentation.cells import read_report, with_interval
+from pipeline.documentation.transfer_tables import points
 from pipeline.io.artifacts import read_json
 
 MEASURED = ["isr_ball_prediction", "spindoe", "tt3d"]
@@ -53,10 +54,10 @@ def _truth(root: Path) -> str:
 
 def _first_window(root: Path) -> str:
     query = "predictor == 'physics' and outcome == 'returns' and protocol == 'first_window'"
-    lost = -100 * read_report(root, "sim2real/difference.csv", query)["difference"]
+    gains = read_report(root, "sim2real/difference.csv", query)
     return (
-        f"physics from the first window returns {_ends(lost)} points fewer than physics at every "
-        "control step (`reports/sim2real/difference.csv`)"
+        "physics from the first window instead of physics at every control step changes returns by "
+        f"{points(gains)} (`reports/sim2real/difference.csv`)"
     )
 
 

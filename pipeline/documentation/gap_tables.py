@@ -76,11 +76,12 @@ def arena_causes(root: Path, run: str = "") -> str:
 
 def arena_verdict(root: Path) -> str:
     """The verdict on the arena, and causes that its shots cannot tell apart, in a sentence."""
-    verdict = read_report(root, "close_gap/verdicts.csv", "source == 'arena'").iloc[0]["verdict"]
-    causes = read_report(root, "close_gap/causes.csv", "source == 'arena' and role != 'minor'")
+    case = read_report(root, "close_gap/verdicts.csv", "source == 'arena'").iloc[0]
+    query = "source == 'arena' and simulator == @case.simulator and split == @case.split"
+    causes = read_report(root, "close_gap/causes.csv").query(f"{query} and role != 'minor'")
     classes = [one.split(", ") for one in causes["possible"] if ", " in one]
     others = (f"`{first}` may be `{'` or `'.join(rest)}`" for first, *rest in classes)
-    return f"The verdict is `{verdict}`" + (f" ({'; '.join(others)})" if classes else "")
+    return f"The verdict is `{case['verdict']}`" + (f" ({'; '.join(others)})" if classes else "")
 
 
 def exam_rates(root: Path) -> str:
@@ -167,10 +168,10 @@ def real_stability(root: Path) -> str:
     """Verdicts on the measured sets, and how many of their leading causes all splits have."""
     verdicts, causes = _real(root, "verdicts"), _real(root, "causes")
     splits = verdicts["split"].nunique()
-    stable = _stable_causes(causes[causes["role"] == "leading"])
+    leading_causes = _leading_causes(causes[causes["role"] == "leading"])
     rows = []
     for source, some in verdicts.groupby("source", sort=False):
-        leading = stable[stable["source"] == source]
+        leading = leading_causes[leading_causes["source"] == source]
         everywhere = leading[leading["found"] == splits]
         better, worse = some["reduction_low_mm"] > 0, some["reduction_high_mm"] < 0
         counts = [
@@ -184,11 +185,14 @@ def real_stability(root: Path) -> str:
     return markdown_table([*head, "of these, with a value in all intervals"], rows)
 
 
-def _stable_causes(leading: Any) -> Any:
-    """Return leading causes with the number of splits that have them, and whether these agree."""
+def _leading_causes(leading: Any) -> Any:
+    """Return the causes of each simulator: in how many splits they lead, and whether these agree.
+
+    Splits agree if one value is in all their intervals.
+    """
     groups = leading.groupby(["source", "simulator", "cause"])
-    agree = groups["low"].transform("max") <= groups["high"].transform("min")
-    return leading.assign(found=groups["split"].transform("size"), agree=agree)
+    ends = groups.agg(found=("split", "size"), low=("low", "max"), high=("high", "min"))
+    return ends.assign(agree=ends["low"] <= ends["high"]).reset_index()
 
 
 def _real(root: Path, name: str) -> Any:

@@ -31,7 +31,7 @@ fold's own estimate without the planted error. Brackets: 95 % intervals (Wilson)
 {rates}
 
 *New cause*: the verdict without the planted error does not have it, or has it with another value;
-camera distortion, which all these recordings have, is left out.
+camera distortion is left out.
 A new cause that these shots cannot separate from the planted error counts as the planted error.
 How often the planted error is the leading cause, by its size in minimum detectable effects of the
 fold:

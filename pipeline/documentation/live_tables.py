@@ -31,7 +31,7 @@ def drift(root: Path) -> str:
         cells = []
         for one in sizes.values():
             soon = one["median_shots"]
-            shots = NONE if soon is None else f"{soon:.0f}"
+            shots = NONE if soon is None else f"{soon:g}"
             cells.append(f"{shots}, {100 * one['named_right']:.0f} %")
         rows.append([f"`{cause}`", *cells])
     heads = [f"{size}: shots, named right" for size in next(iter(found["causes"].values()))]

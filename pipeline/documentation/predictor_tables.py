@@ -71,7 +71,7 @@ def paper_network_training(root: Path) -> str:
     epochs = len(read_report(root, "paper_network_training.csv"))
     return (
         f"{record['parameters'] / 1e6:.1f} million parameters, {epochs} epochs of "
-        f"{record['training_episodes']:,} windows, {record['training_s'] / 60:.0f} minutes on one "
+        f"{record['training_episodes']:,} episodes, {record['training_s'] / 60:.0f} minutes on one "
         f"{record['gpu']}"
     )
 

@@ -30,6 +30,15 @@ TRAININGS = (  # goals and inputs of policies, the table of their tests, their g
 )
 
 
+def points(gains: Any) -> str:
+    """Return the range of differences in points, and how many are significant after Holm."""
+    low, high = 100 * gains["difference"].min(), 100 * gains["difference"].max()
+    least, most = f"{low:+z.0f}", f"{high:+z.0f}"
+    shown = least if least == most else f"{least} to {most}"
+    significant = (gains["p_holm"] < SIGNIFICANT).sum()
+    return f"{shown} points ({significant} of {len(gains)} differences significant)"
+
+
 def sim2sim_returns(root: Path, run: str = "") -> str:
     """Return rates with the true and with the policy's own simulator, from ``sim2sim``."""
     rates = read_report(root, f"{run}sim2sim/return_rate.csv")
@@ -51,7 +60,7 @@ def sim2real_counts(root: Path, run: str = "") -> str:
         shots = [f"{row['set']}, {row['shots']}", row["learned_predictor"]]
         for horizons in HORIZONS:
             counts = (
-                f"{row[f'{horizons} ms: {predictor} {outcome}']:.0f}"
+                f"{round(row[f'{horizons} ms: {predictor} {outcome}'], 1):g}"
                 for outcome in ("hits", "returns")
                 for predictor in ("physics", "learned")
             )
@@ -141,7 +150,7 @@ def longer_trainings(root: Path) -> str:
             rates = ", ".join(f"{100 * rate:.1f}" for rate in some["return_rate"])
             numbers = [f"{means['control_steps']:,.0f}", rates, f"{means['landing_error_m']:.2f}"]
             rows.append([goal, inputs, horizons, *numbers, *slopes.replace("nan", NONE)])
-    head = ["goal", "inputs", "horizons (ms)", "control steps", "returns (%), three seeds"]
+    head = ["goal", "inputs", "horizons (ms)", "control steps", "returns (%), each training"]
     return markdown_table([*head, "landing error (m)", "slope, speed", "slope, topspin"], rows)
 
 

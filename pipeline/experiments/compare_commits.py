@@ -83,7 +83,7 @@ def _renamed(root: Path, base: str, new: str) -> dict[str, str]:
 def _numbers(root: Path, commit: str, path: str) -> Floats:
     content = git(root, "show", f"{commit}:{path}")
     if path.endswith(".csv"):
-        table = pd.read_csv(io.StringIO(content)).select_dtypes("number")
+        table = pd.read_csv(io.StringIO(content)).select_dtypes(["number", "bool"])
         return np.asarray(table.to_numpy(np.float64).ravel())
     lines = content.splitlines() if path.endswith(".jsonl") else [content]
     return np.array([number for line in lines for number in _in_json(json.loads(line))])

@@ -68,7 +68,7 @@ class Value(BaseModel):
     def printed_text(self) -> str:
         """The paper's value as text."""
         if self.count is not None:
-            return f"{self.count} of {self.of}: {self.printed:.0f} %"
+            return f"{self.count} of {self.of}: {_with_unit(self.printed, '%')}"
         return self.shown or _with_unit(self.value, self.unit)
 
     def find(self, run: Reports) -> Finding:

@@ -58,7 +58,7 @@ class ErrorDifference(ReportSource):
 
 
 class ErrorSpread(ReportSource):
-    """The standard deviation of the transformer's forecast error compared with all rivals'."""
+    """The standard deviation of the transformer's forecast error compared with its rivals'."""
 
     smallest_spread: str
     rivals: list[str]
@@ -69,16 +69,17 @@ class ErrorSpread(ReportSource):
         return f"{ERRORS}: std"
 
     def read(self, run: Reports) -> Reading | None:
-        """Return whether it is the smallest at all horizons.
+        """Return whether it is smaller than every rival's at all horizons.
 
         The number is the excess over the smallest of the rivals at the last horizon in percent.
         """
         keys = ["quantity", "horizon_ms", "predictor", *CASE]
         table = run.table(ERRORS, keys, ["std"])
+        case = {**CASE, "quantity": self.smallest_spread}
+        for column, value in case.items() if len(table) else ():
+            table = table[table[column] == value]
         if not {LEARNED, *self.rivals} <= set(table.get("predictor", ())):
             return None
-        for column, value in {**CASE, "quantity": self.smallest_spread}.items():
-            table = table[table[column] == value]
         spread = table.pivot(index="horizon_ms", columns="predictor", values="std")
         best = spread[self.rivals].min(axis=1)
         word = HOLDS if (spread[LEARNED] < best).all() else FAILS

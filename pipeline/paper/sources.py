@@ -45,8 +45,8 @@ class Table(ReportSource):
         if self.count is None:
             return Reading(interval.value, interval)
         value, low, high = interval
-        shown = f"{number(found[3])} of {found[4]:.0f}: {value:.0f} % ({low:.0f} to {high:.0f})"
-        return Reading(value, interval, shown)
+        counts = f"{round(found[3], 1):g} of {found[4]:.0f}"
+        return Reading(value, interval, f"{counts}: {number(value)} % ({low:.0f} to {high:.0f})")
 
 
 class Difference(ReportSource):

@@ -13,7 +13,8 @@ def typst_markup(markdown: str) -> str:
     """Return a Markdown page as Typst markup.
 
     Comments and the page's title are left out, links into the repository are plain text, and
-    pictures and tables call the template's functions.
+    pictures and tables call the template's functions. A semicolon ends each call, so that a bracket
+    that follows in the text is not taken for an argument.
 
     Raises:
         ValueError: the page has something that is not printed, such as a block of code.
@@ -44,11 +45,11 @@ def _heading(node: SyntaxTreeNode) -> str:
 def _link(node: SyntaxTreeNode) -> str:
     address = str(node.attrs["href"])
     within = "://" not in address
-    return _inside(node) if within else f'#link("{address}")[{_inside(node)}]'
+    return _inside(node) if within else f'#link("{address}")[{_inside(node)}];'
 
 
 def _picture(node: SyntaxTreeNode) -> str:
-    return f'#picture("{node.attrs["src"]}")[{_inside(node)}]'
+    return f'#picture("{node.attrs["src"]}")[{_inside(node)}];'
 
 
 def _table(node: SyntaxTreeNode) -> str:
@@ -63,9 +64,9 @@ WRITERS: dict[str, Callable[[SyntaxTreeNode], str]] = {
     "html_block": lambda node: "",
     "html_inline": lambda node: "",
     "inline": _inside,
-    "code_inline": lambda node: f"#raw({json.dumps(node.content, ensure_ascii=False)})",
-    "strong": lambda node: f"#strong[{_inside(node)}]",
-    "em": lambda node: f"#emph[{_inside(node)}]",
+    "code_inline": lambda node: f"#raw({json.dumps(node.content, ensure_ascii=False)});",
+    "strong": lambda node: f"#strong[{_inside(node)}];",
+    "em": lambda node: f"#emph[{_inside(node)}];",
     "paragraph": lambda node: f"{_inside(node)}\n\n",
     "heading": _heading,
     "link": _link,

@@ -3,30 +3,12 @@
 import ipaddress
 import os
 import socket
-import subprocess
-import sys
 import time
-from pathlib import Path
 
-import psutil
 import pytest
 
-from tests.faults.repository import descendants, stages
-
-ROOT = Path(__file__).parents[2]
-SECONDS = 300.0  # that the pages may take to come up on a busy machine
-
-
-def listening(pid):
-    """Addresses on which a process or one below it listens."""
-    found = set()
-    for process in [psutil.Process(pid), *descendants(pid)]:
-        try:
-            connections = process.net_connections("inet")
-        except psutil.Error:
-            continue
-        found |= {one.laddr.ip for one in connections if one.status == psutil.CONN_LISTEN}
-    return found
+from tests.faults.repository import stages
+from tests.services import listening
 
 
 def beyond_loopback(addresses):
@@ -36,32 +18,6 @@ def beyond_loopback(addresses):
 def test_the_probe_sees_who_listens_beyond_loopback():
     with socket.create_server(("0.0.0.0", 0)), socket.create_server(("127.0.0.1", 0)):
         assert beyond_loopback(listening(os.getpid())) == {"0.0.0.0"}
-
-
-@pytest.mark.slow
-def test_the_pages_listen_on_loopback_alone(tmp_path):
-    (tmp_path / "pyproject.toml").touch()
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port = server.getsockname()[1]
-    program = "from pipeline.cli import main; main()"
-    pages = subprocess.Popen(
-        [sys.executable, "-c", program, "ui", "--port", str(port)],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "DVC_ROOT": str(tmp_path)},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
-    try:
-        deadline = time.monotonic() + SECONDS
-        while not (addresses := listening(pages.pid)):
-            assert time.monotonic() < deadline and pages.poll() is None
-            time.sleep(0.2)
-        time.sleep(2)  # what else comes up
-        assert beyond_loopback(addresses | listening(pages.pid)) == set()
-    finally:
-        for process in [*descendants(pages.pid), pages]:
-            process.terminate()
-        pages.wait()
 
 
 @pytest.mark.faults

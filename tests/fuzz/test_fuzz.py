@@ -120,7 +120,9 @@ def test_what_works_too_long_or_runs_code_is_a_fault(tmp_path, monkeypatch):
         assert kind == "fault" and error_text in message
 
 
-@pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda mutation: mutation.__name__)
+@pytest.mark.parametrize(
+    "mutation", dict.fromkeys(MUTATIONS), ids=lambda mutation: mutation.__name__
+)
 def test_every_mutation_takes_every_content(mutation):
     for content in (b"", b"7", b"a: 1\nb: 2\n", bytes(range(256))):
         for seed in range(20):

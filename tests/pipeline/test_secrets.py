@@ -12,6 +12,7 @@ from pipeline.runtime.errors import InputError
 from pipeline.runtime.provenance import Provenance
 from pipeline.tracking.lineage import origin_of
 from pipeline.tracking.recording import Results, recorded, stage_start, without_secrets
+from tests.services import free_port
 
 ROOT = Path(__file__).parents[2]
 ORIGIN = Provenance("python -m stages.segment", "f" * 64)
@@ -75,7 +76,7 @@ def test_the_pages_of_mlflow_are_lean_and_asked_to_listen_on_loopback(monkeypatc
     for name in cli.LEAN:
         monkeypatch.setenv(name, "")
     monkeypatch.setattr(os, "execv", lambda program, words: started.update(words=words))
-    cli.ui(5000)
+    cli.ui(free_port())
     words = started["words"]
     assert words[words.index("--host") + 1] == "127.0.0.1"
     assert words[words.index("--workers") + 1] == "1"

@@ -158,7 +158,7 @@ def test_runs_and_figures_are_kept_by_a_server_on_postgresql(
         origin = Provenance("python -m stages.segment", "f" * 64)
         with recorded("segment", origin, {"seed": 1}, lambda: results):
             pass
-        assert listening(process) == {"127.0.0.1"}
+        assert listening(process.pid) == {"127.0.0.1"}
     assert [path.read_bytes() for path in store.rglob("cuts.png")] == [b"drawn"]
 
     with tracking_server(postgres_url, store) as (url, _):

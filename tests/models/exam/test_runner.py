@@ -51,7 +51,7 @@ def test_the_record_has_the_truth_and_is_reproducible():
     assert abs(truth.value) > 0.0
     assert record.parameters == ("wind.x",)
     assert record.answers["no_gap"].gap_after_mm == record.gap_before_mm > 0.0
-    assert seconds["no_gap"] >= 0.0
+    assert seconds.keys() == {"no_gap"}
     assert run_question(asked, {"no_gap": no_gap})[0] == record
 
 

@@ -77,10 +77,10 @@ def test_recordings_are_counted_from_which_networks_err_less(tmp_path):
     }
     found = when_a_learned_predictor_helps(with_tables(tmp_path, tables))
     assert "is 95 mm with simulator C and 70 mm with simulator C and a net" in found
-    assert "of a transformer with 100 or more training recordings" in found
+    assert "of a transformer with 100 to 1,000 training recordings" in found
     assert "corrects its forecasts, with any number." in found
     assert "than the transformer with any number of them" in found
-    assert "than the hybrid with 100 or more. On" in found
+    assert "than the hybrid with 100 to 1,000 of them. On" in found
     assert (
         "3.00 times that of the arena's own physics with simulator C and a net, 1.50 with" in found
     )
@@ -88,14 +88,18 @@ def test_recordings_are_counted_from_which_networks_err_less(tmp_path):
 
 
 def test_naming_is_measured_on_arenas_measured_sets_and_policies(tmp_path):
-    verdicts = {"source": ["tt3d", "spindoe", "arena"], "reduction_low_mm": [1.0, -1.0, 2.0]}
+    verdicts = {
+        "source": ["tt3d", "tt3d", "spindoe", "arena"],
+        "reduction_low_mm": [1.0, -1.0, -3.0, 2.0],
+        "reduction_high_mm": [2.0, 1.0, -2.0, 3.0],
+    }
     tables = {
         "arenas/errors.csv": ERRORS,
         "real/close_gap/verdicts.csv": pd.DataFrame(verdicts),
         "swap_study/gains_retrained.csv": gains([0.01, 0.07]),
     }
     found = what_naming_buys(with_tables(tmp_path, tables))
-    assert "On 1 fresh arenas, the median error of the amended simulator is 1.20 times" in found
+    assert "median error of the amended simulator 300 ms ahead is 1.20 times" in found
     assert "amending closes 93 % of the difference between simulator C and the latter" in found
-    assert "in 1 of 2 verdicts" in found
+    assert "is above zero in 1 and below zero in 1 of 3 verdicts" in found
     assert "+1 to +7 points (1 of 2 differences significant)" in found

@@ -90,11 +90,15 @@ def test_causes_of_a_single_split_are_left_out(tmp_path):
 )
 def test_causes_that_shots_cannot_tell_apart_are_named(tmp_path, possible, sentence):
     folder = tmp_path / "reports/close_gap"
-    verdict = pd.DataFrame({"source": ["arena"], "verdict": ["named"]})
-    write_csv(folder / "verdicts.csv", verdict)
-    causes = pd.DataFrame({"source": "arena", "role": "leading", "possible": possible})
-    minor = pd.DataFrame({"source": ["arena"], "role": ["minor"], "possible": ["a.b, c.d"]})
-    write_csv(folder / "causes.csv", pd.concat([causes, minor]))
+    case = {"source": "arena", "simulator": "imperfect_c"}
+    verdicts = [{**case, "split": k, "verdict": one} for k, one in enumerate(("named", "unknown"))]
+    write_csv(folder / "verdicts.csv", pd.DataFrame(verdicts))
+    causes = [
+        *({**case, "split": 0, "role": "leading", "possible": one} for one in possible),
+        {**case, "split": 0, "role": "minor", "possible": "a.b, c.d"},
+        {**case, "split": 1, "role": "leading", "possible": "e.f, g.h"},
+    ]
+    write_csv(folder / "causes.csv", pd.DataFrame(causes))
     assert arena_verdict(tmp_path) == sentence
 
 
@@ -163,5 +167,5 @@ def test_leading_causes_that_all_splits_have_are_counted(tmp_path):
     minor = [{**one, "cause": "wind.y", "role": "minor"} for one in causes[:3]]
     pd.DataFrame([*causes, once, *minor]).to_csv(folder / "causes.csv", index=False)
 
-    row = "| tt3d | 2 named, 1 unknown | 1, 1 | 6 of 7 | 3 of 6 |"
+    row = "| tt3d | 2 named, 1 unknown | 1, 1 | 2 of 3 | 1 of 2 |"
     assert real_stability(tmp_path).splitlines()[-1] == row

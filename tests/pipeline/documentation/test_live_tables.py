@@ -27,4 +27,4 @@ def test_drift_that_is_seldom_named_has_no_median(tmp_path):
     first, _, head, _, row = drift(tmp_path).splitlines()
     assert first == "False alarms: 1 in 9,630 shots without a change."
     assert head == "| changed | 1x: shots, named right | 2x: shots, named right |"
-    assert row == "| `drag.cd` | –, 25 % | 38, 90 % |"
+    assert row == "| `drag.cd` | –, 25 % | 38.5, 90 % |"

@@ -81,7 +81,7 @@ def test_a_killed_run_resumes(tmp_path):
 
     assert again.calls == 1
     assert [result.record.name for result in results] == NAMES
-    assert all(result.seconds["m"] >= 0.0 for result in results)
+    assert all(result.seconds.keys() == {"m"} for result in results)
     assert results == run(Counting(), tmp_path)
 
 

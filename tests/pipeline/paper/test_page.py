@@ -62,13 +62,19 @@ def test_a_run_with_the_papers_network_is_not_described_as_smaller(tmp_path):
     assert "has not been run" not in kept_page(tmp_path, width=512)
     smaller = kept_page(tmp_path, width=96)
     assert "has not been run" in smaller
-    assert "of width 96 instead of 512 (– parameters)" in smaller
+    assert "differs from the paper's: width of the layers 96 instead of 512.\n" in smaller
 
 
-def kept_page(root, width):
+def test_a_run_of_the_papers_network_with_fewer_epochs_is_described_as_such(tmp_path):
+    page = kept_page(tmp_path, width=512, epochs=16)
+    assert "differs from the paper's: epochs 16 instead of 80." in page
+
+
+def kept_page(root, width, epochs=80):
     """The page of a repository that keeps a run with networks of a width."""
     shutil.copy(ROOT / "params.yaml", root)
-    params = {"train_predictor": {"networks": {"transformer": {"width": width}}}}
+    networks = {"transformer": {"width": width}}
+    params = {"train_predictor": {"networks": networks, "training": {"epochs": epochs}}}
     write_json(root / "reports" / "paper" / "run.json", {"params": params})
     return paper_page(root)
 

@@ -112,7 +112,7 @@ def test_an_error_in_a_task_on_a_cluster_is_the_caller_s(on_cluster):
 @pytest.mark.slow
 def test_a_cluster_listens_on_loopback_alone(on_cluster):
     for process in (on_cluster.scheduler, *on_cluster.workers):
-        assert listening(process) == {"127.0.0.1"}
+        assert listening(process.pid) == {"127.0.0.1"}
 
 
 @pytest.mark.slow

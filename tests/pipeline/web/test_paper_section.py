@@ -16,7 +16,7 @@ VALUE = Value(id="id", what="what", place="Table I", value=50.0, rule="more", ou
 
 
 def group(axis):
-    return Group("id", "title", "about", axis, True, (VALUE,))
+    return Group("id", "title", "about", axis, "", (VALUE,))
 
 
 def test_values_are_drawn_inside_their_axis():

@@ -42,9 +42,9 @@ def run(tmp_path):
     ("key", "words"),
     [
         ("swap", "40 % of replayed shots with its forecasts from the first window, 75 %"),
-        ("gap", "from 80 to 30 mm"),
+        ("gap", "is 80 mm before and 30 mm after it is amended"),
         ("real", "tt3d 100 to 60 mm"),
-        ("exam", "7 of 8 hidden effects of three detection limits are named, 2 of 3 pairs"),
+        ("exam", "7 of 8 distinguishable hidden effects of three detection limits are named"),
     ],
 )
 def test_a_result_says_what_the_reports_have(run, key, words):
@@ -59,6 +59,14 @@ def test_results_that_lack_a_number_are_left_out(run):
     write_json(run.folder / "hidden_effects/exam.json", {"pairs": 3})
     write_json(run.folder / "real/forecasts.json", {"commit": "0123456"})
     assert [one["key"] for one in results_section(run, {})] == ["gap", "real"]
+
+
+def test_a_figure_that_was_made_outside_git_names_no_commit(run):
+    figure = run.folder / "real/forecasts.png"
+    figure.parent.mkdir(parents=True, exist_ok=True)
+    figure.write_bytes(b"\x89PNG\r\n\x1a\n")
+    write_json(figure.with_suffix(".json"), {"commit": None})
+    assert [one["commit"] for one in results_section(run, {})] == ["unknown"]
 
 
 def test_without_reports_there_is_no_result(tmp_path):
