@@ -14,29 +14,43 @@ from pipeline.runtime.git import git_commit
 
 ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "reports" / "reliability"
+NAMES = ("kills", "faults", "fuzz")  # of the tables
 
 
 class Tables:
-    """Tables that grow row by row, each written whole after every row.
+    """What a run of the suite has tried, a row each."""
 
-    Args:
-        folder: where they are written; None leaves nothing.
-    """
-
-    def __init__(self, folder: Path | None) -> None:
-        self.folder = folder
+    def __init__(self) -> None:
         self.rows: dict[str, list[Any]] = defaultdict(list)
 
     def add(self, name: str, rows: Iterable[Any]) -> None:
-        """Add dataclasses to a table, a row each."""
+        """Add dataclasses to a table."""
         self.rows[name].extend(rows)
-        if self.folder is not None:
-            table = pd.DataFrame([asdict(row) for row in self.rows[name]])
-            write_csv(self.folder / f"{name}.csv", table)
-            write_json(self.folder / "run.json", {"commit": git_commit(ROOT)})
+
+    def write(self, folder: Path) -> None:
+        """Replace the tables of an earlier run.
+
+        Raises:
+            UsageError: a table has no row, because only some tests were chosen.
+        """
+        if missing := [name for name in NAMES if name not in self.rows]:
+            raise pytest.UsageError(f"--tables needs the whole suite; no row of {missing}")
+        for name in NAMES:
+            write_csv(folder / f"{name}.csv", pd.DataFrame(map(asdict, self.rows[name])))
+        write_json(folder / "run.json", {"commit": git_commit(ROOT)})
+
+
+COLLECTED = pytest.StashKey[Tables]()
+
+
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    """Write the tables of a run that has come to its end."""
+    ended = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
+    if ended and session.config.getoption("--tables"):
+        session.config.stash.get(COLLECTED, Tables()).write(REPORT)
 
 
 @pytest.fixture(scope="session")
 def tables(request: pytest.FixtureRequest) -> Tables:
-    """What the suite has tried; written with ``--tables``."""
-    return Tables(REPORT if request.config.getoption("--tables") else None)
+    """What the suite has tried; ``--tables`` writes it at the end."""
+    return request.config.stash.setdefault(COLLECTED, Tables())

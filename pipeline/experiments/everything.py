@@ -57,6 +57,7 @@ class Step:
         entries: modules that make the results, and stages whose outputs these read; all stages if
             there are none.
         profile: that the results depend on, below ``profiles``.
+        files: other paths that the results depend on.
         experiment: whether an experiment of DVC with the profile comes before the commands.
         measured: whether they need the measured sets.
         root: whether they need a user who may fill disks.
@@ -68,6 +69,7 @@ class Step:
     minutes: int
     entries: tuple[str, ...] = ()
     profile: str = ""
+    files: tuple[str, ...] = ()
     experiment: bool = False
     measured: bool = False
     root: bool = False
@@ -125,7 +127,13 @@ STEPS = (
         ("pipeline.sweeps.worker", "pipeline.sweeps.confirm"),
         "sweeps",
     ),
-    Step("reliability", ("pytest -m faults -v --tables",), 75, root=True),
+    Step(
+        "reliability",
+        ("pytest -m faults -v --tables",),
+        75,
+        files=("tests/faults", "tests/fuzz"),
+        root=True,
+    ),
     Step("costs", ("rallygap costs",), 20, ("pipeline.evaluation.costs", "stages.train_predictor")),
     *(
         Step(
@@ -150,7 +158,7 @@ def _code(root: Path, step: Step) -> tuple[str, ...]:
     """Return what the results of a step depend on."""
     settings = [PARAMS, f"profiles/{step.profile}.yaml", f"profiles/{step.profile}"]
     if not step.profile:
-        return code_of(step.entries or stage_modules(root), [PARAMS])
+        return code_of(step.entries or stage_modules(root), [PARAMS, *step.files])
     return code_of(step.entries or kept_modules(root), settings)
 
 

@@ -65,6 +65,16 @@ def test_settings_that_a_step_depends_on_make_it_run_again(repository, monkeypat
     assert [one.is_stale for one in step_results(repository)] == [True, False, False]
 
 
+def test_files_that_no_module_imports_can_make_a_step_run_again(repository, monkeypatch):
+    steps = [replace(everything.STEPS[0], files=("tests/faults",)), *everything.STEPS[1:]]
+    monkeypatch.setattr(everything, "STEPS", steps)
+    make_everything(repository)
+    (repository / "tests/faults").mkdir(parents=True)
+    (repository / "tests/faults/kills.py").write_text("1")
+    commit(repository, "change")
+    assert [one.folder.name for one in step_results(repository) if one.is_stale] == ["a"]
+
+
 def test_what_has_failed_goes_on_where_it_was(repository, monkeypatch):
     whole = everything.STEPS
     monkeypatch.setattr(everything, "STEPS", [whole[0], Step("b", ("false",), 1), whole[2]])
