@@ -10,6 +10,7 @@ from pipeline.io.artifacts import read_json
 
 MEASURED = ["isr_ball_prediction", "spindoe", "tt3d"]
 ARENA = ["stroke_pro", "stroke_uni", "receive"]
+ERRORS = "reports/evaluate_predictor/forecast_error.csv"
 
 
 def _errors(root: Path, against: str = "measured", bounce: str = "all") -> pd.Series:
@@ -38,17 +39,18 @@ def _unbroken(root: Path) -> str:
 
 def _bounces(root: Path) -> str:
     within, without = (_errors(root, bounce=name) for name in ("with", "without"))
-    return ", ".join(
-        f"{within[name]:.0f} mm with a bounce and {without[name]:.0f} mm without ({name})"
+    parts = (
+        f"{name} {within[name]:.0f} mm with a bounce and {without[name]:.0f} mm without"
         for name in ("transformer", "oracle")
     )
+    return f"{', '.join(parts)} (`{ERRORS}`)"
 
 
 def _truth(root: Path) -> str:
     measured, true = (_errors(root, name)["transformer"] for name in ("measured", "truth"))
     return (
-        f"{measured:.1f} mm against the measured state, {true:.1f} mm against the true state "
-        "(transformer)"
+        f"transformer: {measured:.1f} mm against the measured state, "
+        f"{true:.1f} mm against the true state (`{ERRORS}`)"
     )
 
 

@@ -33,7 +33,7 @@ def test_errors_are_those_of_positions_on_the_arena(tmp_path):
     ]
     write_csv(tmp_path / "reports/evaluate_predictor/forecast_error.csv", pd.DataFrame(rows))
     found = BLOCKS["deviations.truth"](tmp_path)
-    assert found.startswith("40.0 mm against the measured state, 39.0 mm against the true state")
+    assert "40.0 mm against the measured state, 39.0 mm against the true state" in found
 
 
 def test_shots_in_reach_are_those_of_the_arena(tmp_path):
