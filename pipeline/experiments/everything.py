@@ -114,7 +114,7 @@ STEPS = (
     _kept("paper_physics", "paper_physics", 30),
     _kept("shots", "shots", 160),
     Step(
-        "exam", (f"{PYTHON} pipeline.exam.full_run", "dvc repro"), 240, ("pipeline.exam.full_run",)
+        "exam", (f"{PYTHON} pipeline.exam.full_run", "dvc repro"), 190, ("pipeline.exam.full_run",)
     ),
     Step(
         "sweeps",
