@@ -1,24 +1,24 @@
 """The whole exam: ``make exam`` runs every question and writes the records and the costs.
 
 That takes hours, so the stage hidden_effects reads the records and runs only a few questions again.
-A run that is stopped with Ctrl-C leaves the records of the questions that were asked, among those
-of earlier runs; every record has a fingerprint of all that it depends on, and the next run asks
-only questions whose record has another. For development, some of the questions can be run into
-another file::
+A run that is stopped with Ctrl-C leaves the records that it has made in a file of their own, and
+the next run continues from it. Every record has a fingerprint of all that it depends on: records
+with another fingerprint are made again, and no table mixes the two. For development, some of the
+questions can be run into another file::
 
     python -m pipeline.exam.full_run --groups distortion several --every 6 --out records.jsonl
 """
 
 import argparse
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pandas as pd
 
 from models.exam.records import ExamRecord
 from pipeline.evaluation.costs import machine
-from pipeline.exam.records import RECORDS, read_records, write_records
+from pipeline.exam.records import RECORDS, UNFINISHED, read_records, write_records
 from pipeline.exam.run import Assignment, assignments, code_of_records, finished, run_questions
 from pipeline.io.artifacts import write_csv, write_json
 from pipeline.params import Params, load_params
@@ -32,35 +32,39 @@ SCRATCH = Path("scratch") / "exam"  # results of questions, in folders by the co
 def run_exam(root: Path) -> None:
     """Run the questions without a record of this code; write records, and the costs of verdicts.
 
-    Questions without any record come first: a stopped run has asked what was never asked before.
+    A run that is stopped writes the unfinished records only, for the next run to continue from.
     """
     params = load_params(root / "params.yaml")
     asked, folder = assignments(params), _scratch(root, params)
-    records = _kept_records(root)
-    stale = [one for one in asked if _code(records, one) != folder.name]
-    stale.sort(key=lambda one: one[0].trial.name in records)
+    records = _kept_records(root, folder.name)
+    pending = [one for one in asked if one[0].trial.name not in records]
     try:
-        run_questions(stale, folder)
+        run_questions(pending, folder)
     finally:
-        records |= {record.name: record for record in _made(stale, folder)}
-        names = (question.trial.name for question, _ in asked)
-        write_records(root / RECORDS, [records[name] for name in names if name in records])
+        records |= {record.name: record for record in _made(pending, folder)}
+        _write(root, asked, records)
     costs = root / "reports" / "costs"
     write_csv(costs / "verdicts.csv", verdict_costs(list(records.values())), digits=3)
     write_json(costs / "verdicts.json", machine(root))
     shutil.rmtree(root / SCRATCH, ignore_errors=True)
 
 
-def _kept_records(root: Path) -> dict[str, ExamRecord]:
-    if not (root / RECORDS).exists():
-        return {}
-    return {record.name: record for record in read_records(root / RECORDS)}
+def _kept_records(root: Path, code: str) -> dict[str, ExamRecord]:
+    """Return the records of this code by name."""
+    files = (root / RECORDS, root / UNFINISHED)
+    kept = [record for file in files if file.exists() for record in read_records(file)]
+    return {record.name: record for record in kept if record.code == code}
 
 
-def _code(records: Mapping[str, ExamRecord], assignment: Assignment) -> str | None:
-    """Return what made the record of a question; None without a record."""
-    record = records.get(assignment[0].trial.name)
-    return record.code if record else None
+def _write(root: Path, asked: Sequence[Assignment], records: dict[str, ExamRecord]) -> None:
+    """Write all records, or those of an unfinished exam; they are in the order of the exam."""
+    names = [question.trial.name for question, _ in asked]
+    made = [records[name] for name in names if name in records]
+    if len(made) == len(names):
+        write_records(root / RECORDS, made)
+        (root / UNFINISHED).unlink(missing_ok=True)
+    elif made:
+        write_records(root / UNFINISHED, made)
 
 
 def _made(assignments: Sequence[Assignment], folder: Path) -> Iterator[ExamRecord]:

@@ -10,6 +10,7 @@ from pipeline.io.artifacts import write_text
 from pipeline.runtime.errors import InputError
 
 RECORDS = Path("reports") / "exam" / "records.jsonl"  # of the whole exam, in the repository
+UNFINISHED = RECORDS.with_name("unfinished.jsonl")  # of a run that was stopped
 
 
 def write_records(path: Path, records: Sequence[ExamRecord]) -> None:

@@ -16,7 +16,7 @@ from models.exam.interface import Answer
 from models.exam.methods.registry import METHODS, RALLYGAP
 from models.exam.simulate.trial import Trial
 from pipeline.exam.full_run import main, run_exam, run_sample, verdict_costs
-from pipeline.exam.records import RECORDS, read_records, write_records
+from pipeline.exam.records import RECORDS, UNFINISHED, read_records, write_records
 from pipeline.exam.run import Result, assignments, code_of_records, run_questions
 from pipeline.io.artifacts import write_text
 from pipeline.io.simulators import load_simulator
@@ -170,19 +170,37 @@ def test_the_exam_leaves_records_and_costs(root, few, monkeypatch):
     assert json.loads((root / "reports/costs/verdicts.json").read_text())["cores"] >= 1
 
 
-def test_a_stopped_exam_leaves_its_records_and_the_next_run_asks_the_others_new_ones_first(
+def test_the_next_run_continues_a_stopped_exam_and_no_file_mixes_records_of_two_codes(
     root, few, monkeypatch
 ):
-    write_records(root / RECORDS, [record(name=few[0]), record(name="of another exam")])
+    earlier = [record(name=few[0]), record(name="of another exam")]
+    write_records(root / RECORDS, earlier)
     with pytest.raises(KeyboardInterrupt):
         run_exam_with(Asked(monkeypatch, stopped_after=2), root)
     code = code_of_records(root, params())
-    kept = [(one.name, one.code) for one in read_records(root / RECORDS)]
-    assert kept == [(few[0], ""), (few[1], code), (few[2], code)]
-    shutil.rmtree(root / "scratch")  # records are enough to resume from
+    kept = [(one.name, one.code) for one in read_records(root / UNFINISHED)]
+    assert kept == [(few[0], code), (few[1], code)]
+    assert read_records(root / RECORDS) == earlier
+    shutil.rmtree(root / "scratch")  # records are enough to continue from
 
-    assert run_exam_with(Asked(monkeypatch), root) == [*few[3:], few[0]]
+    assert run_exam_with(Asked(monkeypatch), root) == few[2:]
+    assert [one.name for one in read_records(root / RECORDS)] == few
     assert {one.code for one in read_records(root / RECORDS)} == {code}
+    assert not (root / UNFINISHED).exists()
+
+
+def test_unfinished_records_of_earlier_code_are_made_again(root, few, monkeypatch):
+    write_records(root / UNFINISHED, [record(name=few[0])])
+
+    assert run_exam_with(Asked(monkeypatch), root) == few
+    assert run_exam_with(Asked(monkeypatch), root) == []
+
+
+def test_an_exam_that_is_stopped_before_its_first_answer_can_be_continued(root, few, monkeypatch):
+    with pytest.raises(KeyboardInterrupt):
+        run_exam_with(Asked(monkeypatch, stopped_after=0), root)
+
+    assert run_exam_with(Asked(monkeypatch), root) == few
 
 
 def run_exam_with(asked, root):
