@@ -5,7 +5,7 @@ from typing import Any
 
 from pipeline.arenas.scores import gap_closed, ratios
 from pipeline.documentation.cells import read_report
-from pipeline.documentation.gap_tables import SETS
+from pipeline.documentation.gap_tables import SETS, changes
 from pipeline.documentation.transfer_tables import points
 from pipeline.real_forecasts.figure import ADAPTED
 
@@ -60,14 +60,14 @@ def what_naming_buys(root: Path) -> str:
     verdicts = read_report(root, "real/close_gap/verdicts.csv")
     verdicts = verdicts[verdicts["source"].isin(SETS)]
     retrained = read_report(root, "swap_study/gains_retrained.csv", "outcome == 'returns'")
-    falls, rises = verdicts["reduction_low_mm"] > 0, verdicts["reduction_high_mm"] < 0
+    falls, rises = changes(verdicts)
     return (
         f"On {errors['seed'].nunique()} fresh arenas, the median error of the amended simulator "
         f"300 ms ahead is {of_oracle:.2f} times that of the arena's own physics, and amending "
         f"closes {closed:.0f} % of the difference between simulator C and the latter (more than "
         "100 % is possible: the amended simulator corrects the error of the cameras, too). On "
         "measured sets the 95 % interval of the fall of the held-out error is above zero in "
-        f"{falls.sum()} and below zero in {rises.sum()} of {len(verdicts)} verdicts. "
+        f"{falls} and below zero in {rises} of {len(verdicts)} verdicts. "
         "Training policies in the amended simulator instead of simulator C changes returns by "
         f"{points(retrained)}."
     )

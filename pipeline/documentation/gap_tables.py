@@ -130,12 +130,18 @@ def real_summary(root: Path) -> str:
         means = errors.query(chosen).groupby("horizon_ms").mean(numeric_only=True)
         means = means.reindex(SHOWN_HORIZONS_MS)
         gravity = int(gravities.query(chosen)["found"].sum())
-        falls, named = (some["reduction_low_mm"] > 0).sum(), (some["verdict"] == "named").sum()
+        falls, named = changes(some)[0], (some["verdict"] == "named").sum()
         cells = [before_after(means.loc[horizon]) for horizon in SHOWN_HORIZONS_MS]
         counts = [f"{count} of {len(some)}" for count in (falls, named, gravity)]
         rows.append([source, SIMULATORS[base], *cells, *counts])
     head = ["set", "nominal simulator", *HORIZON_HEADS]
     return markdown_table([*head, "error falls", "verdict `named`", "gravity leading"], rows)
+
+
+def changes(verdicts: Any) -> tuple[int, int]:
+    """Return in how many verdicts the held-out error falls, and rises, with its whole interval."""
+    falls, rises = verdicts["reduction_low_mm"] > 0, verdicts["reduction_high_mm"] < 0
+    return int(falls.sum()), int(rises.sum())
 
 
 def real_errors(root: Path) -> str:
@@ -173,10 +179,10 @@ def real_stability(root: Path) -> str:
     for source, some in verdicts.groupby("source", sort=False):
         leading = leading_causes[leading_causes["source"] == source]
         everywhere = leading[leading["found"] == splits]
-        better, worse = some["reduction_low_mm"] > 0, some["reduction_high_mm"] < 0
+        better, worse = changes(some)
         counts = [
             ", ".join(f"{count} {name}" for name, count in some["verdict"].value_counts().items()),
-            f"{better.sum()}, {worse.sum()}",
+            f"{better}, {worse}",
             f"{len(everywhere)} of {len(leading)}",
             f"{everywhere['agree'].sum()} of {len(everywhere)}",
         ]

@@ -156,10 +156,9 @@ def step_results(root: Path) -> list[KeptResult]:
 
 def _code(root: Path, step: Step) -> tuple[str, ...]:
     """Return what the results of a step depend on."""
-    settings = [PARAMS, f"profiles/{step.profile}.yaml", f"profiles/{step.profile}"]
-    if not step.profile:
-        return code_of(step.entries or stage_modules(root), [PARAMS, *step.files])
-    return code_of(step.entries or kept_modules(root), settings)
+    modules = kept_modules(root) if step.profile else stage_modules(root)
+    profile = [f"profiles/{step.profile}.yaml", f"profiles/{step.profile}"] if step.profile else []
+    return code_of(step.entries or modules, [PARAMS, *profile, *step.files])
 
 
 def make_everything(root: Path, names: Sequence[str] = ()) -> None:

@@ -52,6 +52,7 @@ def assert_same(results, others):
 def test_every_policy_goes_through_its_own_iterations(undisturbed):
     assert [one.description for one in undisturbed] == DESCRIPTIONS
     assert [one.curve["control_steps"].tolist() for one in undisturbed] == [[48, 96, 144], [48, 96]]
+    assert all(one.seconds > 0 for one in undisturbed)
     assert not same(undisturbed[0].policy, undisturbed[1].policy)
 
 
