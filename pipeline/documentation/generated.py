@@ -108,6 +108,7 @@ BLOCKS: dict[str, Writer] = {
     "latency": live_tables.latency,
     "drift": live_tables.drift,
     "costs": predictor_tables.predictor_costs,
+    "sim2sim-gains": transfer_tables.sim2sim_gains,
     "sim2sim": transfer_tables.sim2sim_returns,
     "sim2sim-paper": partial(transfer_tables.sim2sim_returns, run="paper/"),
     "sim2real": transfer_tables.sim2real_counts,

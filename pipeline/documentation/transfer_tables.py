@@ -53,6 +53,22 @@ def sim2sim_returns(root: Path, run: str = "") -> str:
     return markdown_table([*head, "difference (points)"], rows)
 
 
+def sim2sim_gains(root: Path) -> str:
+    """By how much forecasts of the true simulator change returns, by protocol and run."""
+    parts = []
+    for run, name in (("", "laptop"), ("paper/", "paper")):
+        gains = read_report(root, f"{run}sim2sim/difference.csv").set_index("protocol")
+        first, again = (points(gains.loc[one]) for one in ("first_state", "re_anchored"))
+        parts.append(
+            f"in the run `{name}` by {first} where forecasts start from the first state, and by "
+            f"{again} where they start from the true state at every control step"
+        )
+    return (
+        "Forecasts of the true simulator instead of the policy's own change returns "
+        f"{'; '.join(parts)}."
+    )
+
+
 def sim2real_counts(root: Path, run: str = "") -> str:
     """Hits and returns of replayed shots of a run and of the paper, from ``sim2real``."""
     rows = []

@@ -93,7 +93,7 @@ def _module(
 
 
 STEPS = (
-    Step("reproduce", ("dvc repro",), 30),
+    Step("reproduce", ("dvc repro",), 18),
     _module("learning_curves.run", 100, ["segment"]),
     _module("spread_policies.run", 15, OF_PREDICTORS),
     _module("swap_study.run", 130, OF_PREDICTORS, "policies"),
@@ -114,7 +114,7 @@ STEPS = (
     _kept("paper_physics", "paper_physics", 30),
     _kept("shots", "shots", 160),
     Step(
-        "exam", (f"{PYTHON} pipeline.exam.full_run", "dvc repro"), 190, ("pipeline.exam.full_run",)
+        "exam", (f"{PYTHON} pipeline.exam.full_run", "dvc repro"), 165, ("pipeline.exam.full_run",)
     ),
     Step(
         "sweeps",
