@@ -30,6 +30,14 @@ def when_the_swap_helps(root: Path) -> str:
     )
 
 
+def table_one_gain(root: Path) -> str:
+    """The difference between the columns of the paper's Table I, in the swap study."""
+    rates = read_report(root, "swap_study/readings_all.csv")
+    rates = rates.set_index(["protocol", "predictor"])["return_rate"].sort_index()
+    gains = 100 * (rates["every_tick", NETWORK].to_numpy() - rates["first_window", C].to_numpy())
+    return f"{gains.min():.0f} to {gains.max():.0f} points"
+
+
 def when_a_learned_predictor_helps(root: Path) -> str:
     """From how many recordings on networks err less than simulators, and on which measured sets."""
     query = "horizon_ms == 300 and set == 'arena' and quantity == 'position' and bounce == 'all'"

@@ -41,6 +41,37 @@ def arena_causes_found(root: Path) -> str:
     return markdown_table(["difference", "named", "share (%)"], rows)
 
 
+def by_arena(root: Path) -> str:
+    """What is named in an arena, over the fresh arenas and in the arena of the development."""
+    causes = scored(read_report(root, "arenas/causes.csv"))
+    known = scored(read_report(root, "retrain_policy/numbers.csv").assign(detectable=1.0))
+    arenas = [one for _, one in causes.groupby("seed")]
+    rows = []
+    for what, measure in OF_AN_ARENA.items():
+        fresh = pd.Series([measure(one) for one in arenas])
+        rows.append([what, _spread(fresh, ".0f"), f"{measure(known):.0f}"])
+    return markdown_table(["in an arena", "fresh arenas", "arena of the development"], rows)
+
+
+def _share_named(rows: pd.DataFrame) -> float:
+    return float(100 * rows[rows["hidden"]]["named"].mean())
+
+
+def _not_hidden(rows: pd.DataFrame) -> float:
+    return float((rows["named"] & ~rows["hidden"]).sum())
+
+
+def _share_covered(rows: pd.DataFrame) -> float:
+    return float(100 * rows[rows["named"]]["covered"].mean())
+
+
+OF_AN_ARENA = {
+    "hidden differences that are named (%)": _share_named,
+    "named causes that are not hidden": _not_hidden,
+    "95 % intervals that contain the true value (%)": _share_covered,
+}
+
+
 def arena_coverage_share(root: Path) -> str:
     """How many intervals contain the true value, in a part of a sentence."""
     found = coverage(read_report(root, "arenas/causes.csv"))

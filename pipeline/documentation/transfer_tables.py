@@ -32,11 +32,17 @@ TRAININGS = (  # goals and inputs of policies, the table of their tests, their g
 
 def points(gains: Any) -> str:
     """Return the range of differences in points, and how many are significant after Holm."""
+    return f"{_range(gains)} points ({_significant(gains)} differences significant)"
+
+
+def _range(gains: Any) -> str:
     low, high = 100 * gains["difference"].min(), 100 * gains["difference"].max()
     least, most = f"{low:+z.0f}", f"{high:+z.0f}"
-    shown = least if least == most else f"{least} to {most}"
-    significant = (gains["p_holm"] < SIGNIFICANT).sum()
-    return f"{shown} points ({significant} of {len(gains)} differences significant)"
+    return least if least == most else f"{least} to {most}"
+
+
+def _significant(gains: Any) -> str:
+    return f"{(gains['p_holm'] < SIGNIFICANT).sum()} of {len(gains)}"
 
 
 def sim2sim_returns(root: Path, run: str = "") -> str:
@@ -184,6 +190,26 @@ def swap_every_tick(root: Path) -> str:
     gains = read_report(root, "swap_study/gains_every_tick.csv", query).set_index(OF_STUDY)
     shares = read_report(root, "swap_study/readings_all.csv", "protocol == 'every_tick'")
     return _by_policy(shares.set_index(OF_STUDY)["return_rate"], gains)
+
+
+def swap_mechanism(root: Path) -> str:
+    """Gains over simulator C by label error and time between forecasts, without latency."""
+    query = "outcome == 'returns' and latency_ms == 0"
+    gains = read_report(root, "swap_study/gains_mechanism.csv", query)
+    gains = gains.assign(first=gains["every_ms"] == "first window")
+    rows = []
+    for (error, predictor), some in gains.groupby(["label_error", "predictor"]):
+        ages = (some[some["first"]], some[~some["first"]])
+        cells = (f"{_range(one)} ({_significant(one)})" for one in ages)
+        rows.append([f"{100 * error:.0f}", predictor_name(predictor), *cells])
+    head = ["label error (%)", "predictor", "from the first window (points)"]
+    return markdown_table([*head, "every 40 to 320 ms (points)"], rows)
+
+
+def swap_latency(root: Path) -> str:
+    """The most returns with a latency of 100 ms, by any predictor, in %."""
+    rates = read_report(root, "swap_study/mechanism.csv", "latency_ms == 100")
+    return f"{100 * rates['return_rate'].max():.0f} %"
 
 
 def swap_retrained(root: Path) -> str:

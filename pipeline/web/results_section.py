@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.io.artifacts import read_json
+from pipeline.io.labels import simulator_label
 from pipeline.io.report_manifest import read_figure
-from pipeline.paper.run_reports import Reports
+from pipeline.paper.run_reports import RECORD, Reports
 
 LAST_MS = 300  # the farthest horizon
+NEARER_MS = "115-125"  # horizons of the policies
 FEW = 300  # recordings
 
 
@@ -62,8 +64,12 @@ def results_section(run: Reports, fingerprints: Mapping[str, str]) -> Iterator[d
 
 
 def _commit(figure: Path) -> str:
-    """Return the commit that made a figure, from its record; an experiment outside git has none."""
-    return read_json(figure.with_suffix(".json")).get("commit") or "unknown"
+    """Return the commit that made a figure, from its record or that of the whole experiment.
+
+    An experiment outside git has no commit.
+    """
+    records = (figure.with_suffix(".json"), figure.with_name(RECORD))
+    return read_json(next(one for one in records if one.is_file())).get("commit") or "unknown"
 
 
 def _sentence(run: Reports, result: Result) -> str | None:
@@ -78,8 +84,9 @@ def _gap(run: Reports) -> str:
     keys, numbers = ["source", "simulator", "horizon_ms"], ["before_mm", "after_mm", "floor_mm"]
     table = run.table("close_gap/errors.csv", keys, numbers)
     row = table[(table["source"] == "arena") & (table["horizon_ms"] == LAST_MS)].iloc[0]
+    simulator = simulator_label(row["simulator"])
     return (
-        f"The prediction error of the simulator {row['simulator']} on held-out shots of the arena, "
+        f"The prediction error of {simulator} on held-out shots of the arena, "
         f"{LAST_MS} ms ahead, is {row['before_mm']:.0f} mm before and {row['after_mm']:.0f} mm "
         "after it is amended by the effects that are named. The prediction floor is "
         f"{row['floor_mm']:.0f} mm."
@@ -125,15 +132,19 @@ def _predictor(run: Reports) -> str:
 
 
 def _swap(run: Reports) -> str:
-    keys = ["set", "horizons_ms", "predictor", "protocol"]
-    table = run.table("sim2real/rates.csv", keys, ["balls", "returns"])
-    counts = table.groupby(["predictor", "protocol"])[["returns", "balls"]].sum()
-    shares = 100 * counts["returns"] / counts["balls"]
+    keys = ["observation", "horizons_ms", "predictor", "protocol"]
+    rate = ["return_rate", "return_rate_low", "return_rate_high"]
+    table = run.table("swap_study/readings_all.csv", keys, rate)
+    table = table[(table["observation"] == "intercept") & (table["horizons_ms"] == NEARER_MS)]
+    rates = (100 * table.set_index(["predictor", "protocol"])[rate]).T
+    shown = {one: "{:.0f} % ({:.0f} to {:.0f})".format(*rates[one]) for one in rates}
+    first, every = "first_window", "every_tick"
     return (
-        f"Policies trained in a wrong simulator return {shares['physics', 'first_window']:.0f} % "
-        f"of replayed shots with its forecasts from the first window, "
-        f"{shares['physics', 'every_tick']:.0f} % with its forecasts at every control step, and "
-        f"{shares['transformer', 'every_tick']:.0f} % with a transformer's."
+        "Policies trained in simulator C return, with one forecast from the first window, "
+        f"{shown['physics_c', first]} of replayed shots by simulator C, "
+        f"{shown['transformer', first]} by a transformer and {shown['amended', first]} by the "
+        f"amended simulator; with a forecast at every control step, {shown['physics_c', every]}, "
+        f"{shown['transformer', every]} and {shown['amended', every]}."
     )
 
 
@@ -142,5 +153,5 @@ RESULTS = (
     Result("exam", "The exam", "hidden_effects/figures/accuracy.png", _exam),
     Result("real", "Measured recordings", "real/forecasts.png", _real, "make real"),
     Result("predictor", "Predictors", "learning_curves.png", _predictor, "make learning-curves"),
-    Result("swap", "The predictor swap", "sim2real/figures/transfer.png", _swap),
+    Result("swap", "The predictor swap", "swap_study/readings.png", _swap, "make swap-study"),
 )

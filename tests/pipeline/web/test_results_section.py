@@ -7,12 +7,15 @@ from pipeline.io.artifacts import write_csv, write_json
 from pipeline.paper.run_reports import Reports
 from pipeline.web.results_section import RESULTS, results_section
 
-TRANSFER = {"set": "receive", "horizons_ms": "115-125", "balls": 20}
 POLICIES = [
-    {**TRANSFER, "predictor": "physics", "protocol": "first_window", "returns": 8},
-    {**TRANSFER, "predictor": "physics", "protocol": "every_tick", "returns": 15},
-    {**TRANSFER, "predictor": "transformer", "protocol": "every_tick", "returns": 16},
-]
+    {
+        "observation": "intercept", "horizons_ms": "115-125", "predictor": predictor,
+        "protocol": protocol, "return_rate": rate, "return_rate_low": rate - 0.1,
+        "return_rate_high": rate + 0.1,
+    }
+    for predictor in ("physics_c", "transformer", "amended")
+    for protocol, rate in (("first_window", 0.4), ("every_tick", 0.75))
+]  # fmt: skip
 GAP = {"source": "arena", "simulator": "imperfect_c", "before_mm": 80.4, "after_mm": 30.2}
 FORECAST = {"set": "tt3d", "quantity": "position", "bounce": "all", "horizon_ms": 300}
 EXAM = {
@@ -25,7 +28,7 @@ EXAM = {
 def run(tmp_path):
     """Reports with a figure and numbers for every result but the learning curves."""
     tables = {
-        "sim2real/rates.csv": POLICIES,
+        "swap_study/readings_all.csv": POLICIES,
         "close_gap/errors.csv": [{**GAP, "horizon_ms": 300, "floor_mm": 29.0}],
         "real/forecasts.csv": [
             {**FORECAST, "predictor": "physics_literature", "mean": 100.2},
@@ -41,8 +44,8 @@ def run(tmp_path):
 @pytest.mark.parametrize(
     ("key", "words"),
     [
-        ("swap", "40 % of replayed shots with its forecasts from the first window, 75 %"),
-        ("gap", "is 80 mm before and 30 mm after it is amended"),
+        ("swap", "one forecast from the first window, 40 % (30 to 50) of replayed shots"),
+        ("gap", "simulator C on held-out shots of the arena, 300 ms ahead, is 80 mm before"),
         ("real", "tt3d 100 to 60 mm"),
         ("exam", "7 of 8 distinguishable hidden effects of three detection limits are named"),
     ],
@@ -55,10 +58,17 @@ def test_results_that_lack_a_number_are_left_out(run):
     for one in RESULTS:
         (run.folder / one.figure).parent.mkdir(parents=True, exist_ok=True)
         (run.folder / one.figure).write_bytes(b"\x89PNG\r\n\x1a\n")
-    write_csv(run.folder / "sim2real/rates.csv", pd.DataFrame(POLICIES[:2]))
+    write_csv(run.folder / "swap_study/readings_all.csv", pd.DataFrame(POLICIES[:2]))
     write_json(run.folder / "hidden_effects/exam.json", {"pairs": 3})
     write_json(run.folder / "real/forecasts.json", {"commit": "0123456"})
     assert [one["key"] for one in results_section(run, {})] == ["gap", "real"]
+
+
+def test_a_figure_without_a_record_of_its_own_has_the_commit_of_its_experiment(run):
+    figure = run.folder / "swap_study/readings.png"
+    figure.write_bytes(b"\x89PNG\r\n\x1a\n")
+    write_json(figure.with_name("run.json"), {"commit": "0123456"})
+    assert [one["commit"] for one in results_section(run, {})] == ["0123456"]
 
 
 def test_a_figure_that_was_made_outside_git_names_no_commit(run):
