@@ -198,7 +198,12 @@ def measured_differences(root: Path) -> str:
 
 
 def predictor_costs(root: Path) -> str:
-    """Size, training time, latency and errors of predictors, from ``rallygap costs``."""
+    """Size, training time and latency of predictors, from ``rallygap costs``, and their errors."""
+    query = "against == 'measured' and quantity == 'position' and bounce == 'all'"
+    table = read_report(
+        root, "evaluate_predictor/forecast_error.csv", f"{query} and set == 'arena'"
+    )
+    means = table.set_index(["predictor", "horizon_ms"])["mean"]
     rows = []
     for row in read_report(root, "costs/costs.csv").to_dict("records"):
         size, training = (
@@ -206,8 +211,9 @@ def predictor_costs(root: Path) -> str:
             for name in ("parameters", "training_s")
         )
         times = (f"{row[f'latency_ms_{name}']:.2f}" for name in ("median", "p99"))
-        errors = (f"{row[f'position_error_mm_{horizon}ms']:.0f}" for horizon in SHOWN_HORIZONS_MS)
-        rows.append([predictor_name(row["predictor"]), size, training, *times, *errors])
+        name = row["predictor"]
+        errors = (f"{means[name, horizon]:.0f}" for horizon in SHOWN_HORIZONS_MS)
+        rows.append([predictor_name(name), size, training, *times, *errors])
     head = ["predictor", "parameters", "training (s)", "one forecast, median (ms)"]
     heads = (f"error at {horizon} ms (mm)" for horizon in SHOWN_HORIZONS_MS)
     return markdown_table([*head, "99th percentile (ms)", *heads], rows)
