@@ -12,6 +12,7 @@ from pipeline.paper.run_reports import RECORD, Reports
 
 LAST_MS = 300  # the farthest horizon
 NEARER_MS = "115-125"  # horizons of the policies
+COMPARED = ["physics_c", "transformer", "amended"]  # predictors
 FEW = 300  # recordings
 
 
@@ -136,15 +137,16 @@ def _swap(run: Reports) -> str:
     rate = ["return_rate", "return_rate_low", "return_rate_high"]
     table = run.table("swap_study/readings_all.csv", keys, rate)
     table = table[(table["observation"] == "intercept") & (table["horizons_ms"] == NEARER_MS)]
-    rates = (100 * table.set_index(["predictor", "protocol"])[rate]).T
-    shown = {one: "{:.0f} % ({:.0f} to {:.0f})".format(*rates[one]) for one in rates}
-    first, every = "first_window", "every_tick"
+    rates = 100 * table.set_index(["protocol", "predictor"])[rate]
+    first, every = (
+        "{:.0f}, {:.0f} and {:.0f} %".format(*rates.loc[protocol, "return_rate"].loc[COMPARED])
+        for protocol in ("first_window", "every_tick")
+    )
+    half = (rates["return_rate_high"] - rates["return_rate_low"]).max() / 2
     return (
-        "Policies trained in simulator C return, with one forecast from the first window, "
-        f"{shown['physics_c', first]} of replayed shots by simulator C, "
-        f"{shown['transformer', first]} by a transformer and {shown['amended', first]} by the "
-        f"amended simulator; with a forecast at every control step, {shown['physics_c', every]}, "
-        f"{shown['transformer', every]} and {shown['amended', every]}."
+        f"Policies return {first} of replayed shots with one forecast from the first window by "
+        f"simulator C, a transformer and the amended simulator, and {every} with a forecast at "
+        f"every control step (95 % intervals: at most ± {half:.0f} points)."
     )
 
 
