@@ -12,7 +12,7 @@ from pipeline.paper.run_reports import RECORD, Reports
 
 LAST_MS = 300  # the farthest horizon
 NEARER_MS = "115-125"  # horizons of the policies
-COMPARED = ["physics_c", "transformer", "amended"]  # predictors
+COMPARED = ("physics_c", "transformer", "amended")  # predictors
 FEW = 300  # recordings
 
 
@@ -139,7 +139,9 @@ def _swap(run: Reports) -> str:
     table = table[(table["observation"] == "intercept") & (table["horizons_ms"] == NEARER_MS)]
     rates = 100 * table.set_index(["protocol", "predictor"])[rate]
     first, every = (
-        "{:.0f}, {:.0f} and {:.0f} %".format(*rates.loc[protocol, "return_rate"].loc[COMPARED])
+        "{:.0f}, {:.0f} and {:.0f} %".format(
+            *(rates["return_rate"][protocol, predictor] for predictor in COMPARED)
+        )
         for protocol in ("first_window", "every_tick")
     )
     half = (rates["return_rate_high"] - rates["return_rate_low"]).max() / 2
