@@ -79,7 +79,7 @@ test-naming: .venv/ready ## minutes: the slow tests of naming causes
 test-all: .venv/ready ## all tests but the fault injection, the slow ones included
 	@pytest -m 'not faults'
 
-faults: .venv/ready ## an hour and a quarter, as root: damage files, kill every stage, fill disks; write reports/reliability
+faults: .venv/ready ## an hour, as root: damage files, kill every stage, fill disks; write reports/reliability
 	@pytest -m faults -v --tables
 
 lint: .venv/ready ## style, types, import contracts

@@ -130,7 +130,7 @@ STEPS = (
     Step(
         "reliability",
         ("pytest -m faults -v --tables",),
-        75,
+        53,
         files=("tests/faults", "tests/fuzz"),
         root=True,
     ),
