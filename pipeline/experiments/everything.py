@@ -38,9 +38,9 @@ OF_PREDICTORS = ("segment", "train_predictor", "close_gap")  # stages
 BENCHMARKS = {  # minutes
     "ball_simulator": 1,
     "policy_training": 1,
-    "learning": 30,
+    "learning": 19,
     "live": 7,
-    "drift": 30,
+    "drift": 11,
     "scale": 7,
     "precision": 10,
 }
