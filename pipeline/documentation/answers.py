@@ -6,6 +6,7 @@ from typing import Any
 from pipeline.arenas.scores import gap_closed, ratios
 from pipeline.documentation.cells import read_report
 from pipeline.documentation.gap_tables import SETS, changes
+from pipeline.documentation.predictor_tables import errors_over_windows
 from pipeline.documentation.transfer_tables import points
 from pipeline.real_forecasts.figure import ADAPTED
 
@@ -30,19 +31,10 @@ def when_the_swap_helps(root: Path) -> str:
     )
 
 
-def table_one_gain(root: Path) -> str:
-    """The difference between the columns of the paper's Table I, in the swap study."""
-    rates = read_report(root, "swap_study/readings_all.csv")
-    rates = rates.set_index(["protocol", "predictor"])["return_rate"].sort_index()
-    gains = 100 * (rates["every_tick", NETWORK].to_numpy() - rates["first_window", C].to_numpy())
-    return f"{gains.min():.0f} to {gains.max():.0f} points"
-
-
 def when_a_learned_predictor_helps(root: Path) -> str:
     """From how many recordings on networks err less than simulators, and on which measured sets."""
-    query = "horizon_ms == 300 and set == 'arena' and quantity == 'position' and bounce == 'all'"
-    errors = read_report(root, "evaluate_predictor/forecast_error.csv", query)
-    errors = errors.query("against == 'measured'").set_index("predictor")["mean"]
+    errors = errors_over_windows(root).query("horizon_ms == 300 and set == 'arena'")
+    errors = errors.set_index("predictor")["mean"]
     net = errors[C_WITH_NET]
     curves = read_report(root, "learning_curves.csv", "horizon_ms == 300")
     means = curves.pivot(index="recordings", columns="predictor", values="mean")

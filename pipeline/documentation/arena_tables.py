@@ -1,5 +1,7 @@
 """Tables of fresh arenas, from ``make arenas``."""
 
+from collections.abc import Callable
+from math import nan
 from pathlib import Path
 
 import pandas as pd
@@ -43,39 +45,36 @@ def arena_causes_found(root: Path) -> str:
 
 def by_arena(root: Path) -> str:
     """What is named in an arena, over the fresh arenas and in the arena of the development."""
-    causes = scored(read_report(root, "arenas/causes.csv"))
-    known = scored(read_report(root, "retrain_policy/numbers.csv").assign(detectable=1.0))
-    arenas = [one for _, one in causes.groupby("seed")]
+    fresh = [one for _, one in read_report(root, "arenas/causes.csv").groupby("seed")]
+    known = read_report(root, "retrain_policy/numbers.csv").assign(detectable=nan)  # not there
     rows = []
     for what, measure in OF_AN_ARENA.items():
-        fresh = pd.Series([measure(one) for one in arenas])
-        rows.append([what, _spread(fresh, ".0f"), f"{measure(known):.0f}"])
+        spread = _spread(pd.Series([measure(one) for one in fresh]), ".0f")
+        rows.append([what, spread, f"{measure(known):.0f}"])
     return markdown_table(["in an arena", "fresh arenas", "arena of the development"], rows)
 
 
-def _share_named(rows: pd.DataFrame) -> float:
-    return float(100 * rows[rows["hidden"]]["named"].mean())
+def _found(causes: pd.DataFrame) -> Share:
+    """Return how many of the hidden differences of any size are named."""
+    shares = [share for _, share in found_by_size(causes)]
+    return Share(sum(one.count for one in shares), sum(one.of for one in shares))
 
 
-def _not_hidden(rows: pd.DataFrame) -> float:
-    return float((rows["named"] & ~rows["hidden"]).sum())
+def _percent(share: Share) -> float:
+    return 100 * share.count / share.of
 
 
-def _share_covered(rows: pd.DataFrame) -> float:
-    return float(100 * rows[rows["named"]]["covered"].mean())
-
-
-OF_AN_ARENA = {
-    "hidden differences that are named (%)": _share_named,
-    "named causes that are not hidden": _not_hidden,
-    "95 % intervals that contain the true value (%)": _share_covered,
+OF_AN_ARENA: dict[str, Callable[[pd.DataFrame], float]] = {
+    "hidden differences that are named (%)": lambda causes: _percent(_found(causes)),
+    "named causes that are not hidden": lambda causes: made_up(causes).count,
+    "95 % intervals that contain the true value (%)": lambda causes: _percent(coverage(causes)),
 }
 
 
 def arena_coverage_share(root: Path) -> str:
     """How many intervals contain the true value, in a part of a sentence."""
     found = coverage(read_report(root, "arenas/causes.csv"))
-    share = f" ({100 * found.count / found.of:.0f} %)" if found.of else ""
+    share = f" ({_percent(found):.0f} %)" if found.of else ""
     return f"{found.count} of {found.of}{share}"
 
 

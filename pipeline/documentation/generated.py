@@ -125,7 +125,7 @@ BLOCKS: dict[str, Writer] = {
     "swap-every-tick": partial(transfer_tables.swap_readings, protocol="every_tick"),
     "swap-mechanism": transfer_tables.swap_mechanism,
     "swap-latency": transfer_tables.swap_latency,
-    "swap-table-one": answers.table_one_gain,
+    "swap-table-one": transfer_tables.swap_table_one,
     "swap-re-anchored": transfer_tables.swap_every_tick,
     "swap-retrained": transfer_tables.swap_retrained,
     "longer-trainings": transfer_tables.longer_trainings,

@@ -25,6 +25,17 @@ COVERAGE_HEADS = (
 )
 
 
+def errors_over_windows(root: Path, run: str = "") -> Any:
+    """Return the position errors against measured states, over all windows of each set.
+
+    Args:
+        root: of the repository.
+        run: a kept run, such as ``paper/``; the present reports where empty.
+    """
+    query = "against == 'measured' and quantity == 'position' and bounce == 'all'"
+    return read_report(root, f"{run}evaluate_predictor/forecast_error.csv", query)
+
+
 def position_errors(root: Path, run: str = "", *, arena: bool) -> str:
     """Mean position errors in mm with 95 % intervals, from ``evaluate_predictor``.
 
@@ -33,8 +44,7 @@ def position_errors(root: Path, run: str = "", *, arena: bool) -> str:
         run: a kept run, such as ``paper/``; the present reports where empty.
         arena: whether the rows are those of the arena, or of the measured sets.
     """
-    query = "against == 'measured' and quantity == 'position' and bounce == 'all'"
-    errors = read_report(root, f"{run}evaluate_predictor/forecast_error.csv", query)
+    errors = errors_over_windows(root, run)
     errors = errors[(errors["set"] == "arena") == arena].sort_values("horizon_ms", kind="stable")
     rows = []
     for (name, predictor), some in errors.groupby(["set", "predictor"], sort=False):
@@ -199,11 +209,8 @@ def measured_differences(root: Path) -> str:
 
 def predictor_costs(root: Path) -> str:
     """Size, training time and latency of predictors, from ``rallygap costs``, and their errors."""
-    query = "against == 'measured' and quantity == 'position' and bounce == 'all'"
-    table = read_report(
-        root, "evaluate_predictor/forecast_error.csv", f"{query} and set == 'arena'"
-    )
-    means = table.set_index(["predictor", "horizon_ms"])["mean"]
+    errors = errors_over_windows(root).query("set == 'arena'")
+    means = errors.set_index(["predictor", "horizon_ms"])["mean"]
     rows = []
     for row in read_report(root, "costs/costs.csv").to_dict("records"):
         size, training = (
@@ -212,8 +219,8 @@ def predictor_costs(root: Path) -> str:
         )
         times = (f"{row[f'latency_ms_{name}']:.2f}" for name in ("median", "p99"))
         name = row["predictor"]
-        errors = (f"{means[name, horizon]:.0f}" for horizon in SHOWN_HORIZONS_MS)
-        rows.append([predictor_name(name), size, training, *times, *errors])
+        shown = (f"{means[name, horizon]:.0f}" for horizon in SHOWN_HORIZONS_MS)
+        rows.append([predictor_name(name), size, training, *times, *shown])
     head = ["predictor", "parameters", "training (s)", "one forecast, median (ms)"]
     heads = (f"error at {horizon} ms (mm)" for horizon in SHOWN_HORIZONS_MS)
     return markdown_table([*head, "99th percentile (ms)", *heads], rows)

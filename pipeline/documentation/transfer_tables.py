@@ -192,6 +192,15 @@ def swap_every_tick(root: Path) -> str:
     return _by_policy(shares.set_index(OF_STUDY)["return_rate"], gains)
 
 
+def swap_table_one(root: Path) -> str:
+    """The difference between the columns of the paper's Table I, in the swap study."""
+    shares = read_report(root, "swap_study/readings_all.csv")
+    keys = ["protocol", "predictor", *OF_STUDY[:2]]
+    shares = shares.set_index(keys)["return_rate"].sort_index()
+    gains = shares["every_tick", "transformer"] - shares["first_window", "physics_c"]
+    return f"{_range(gains.to_frame('difference'))} points"
+
+
 def swap_mechanism(root: Path) -> str:
     """Gains over simulator C by label error and time between forecasts, without latency."""
     query = "outcome == 'returns' and latency_ms == 0"

@@ -69,8 +69,9 @@ def _commit(figure: Path) -> str:
 
     An experiment outside git has no commit.
     """
-    records = (figure.with_suffix(".json"), figure.with_name(RECORD))
-    return read_json(next(one for one in records if one.is_file())).get("commit") or "unknown"
+    own = figure.with_suffix(".json")
+    record = own if own.is_file() else figure.with_name(RECORD)
+    return read_json(record).get("commit") or "unknown"
 
 
 def _sentence(run: Reports, result: Result) -> str | None:
@@ -136,7 +137,8 @@ def _swap(run: Reports) -> str:
     keys = ["observation", "horizons_ms", "predictor", "protocol"]
     rate = ["return_rate", "return_rate_low", "return_rate_high"]
     table = run.table("swap_study/readings_all.csv", keys, rate)
-    table = table[(table["observation"] == "intercept") & (table["horizons_ms"] == NEARER_MS)]
+    chosen = (table["observation"] == "intercept") & (table["horizons_ms"] == NEARER_MS)
+    table = table[chosen & table["predictor"].isin(COMPARED)]
     rates = 100 * table.set_index(["protocol", "predictor"])[rate]
     first, every = (
         "{:.0f}, {:.0f} and {:.0f} %".format(

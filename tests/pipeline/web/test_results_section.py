@@ -5,6 +5,7 @@ import pytest
 
 from pipeline.io.artifacts import write_csv, write_json
 from pipeline.paper.run_reports import Reports
+from pipeline.runtime.errors import InputError
 from pipeline.web.results_section import RESULTS, results_section
 
 POLICIES = [
@@ -45,7 +46,9 @@ def run(tmp_path):
     ("key", "words"),
     [
         ("swap", "Policies return 40, 50 and 60 % of replayed shots with one forecast"),
-        ("gap", "simulator C on held-out shots of the arena, 300 ms ahead, is 80 mm before"),
+        ("swap", "40, 50 and 60 % with a forecast at every control step (95 % intervals: at most"),
+        ("gap", "The prediction error of simulator C on held-out shots"),
+        ("gap", "is 80 mm before and 30 mm after it is amended"),
         ("real", "tt3d 100 to 60 mm"),
         ("exam", "7 of 8 distinguishable hidden effects of three detection limits are named"),
     ],
@@ -69,6 +72,12 @@ def test_a_figure_without_a_record_of_its_own_has_the_commit_of_its_experiment(r
     figure.write_bytes(b"\x89PNG\r\n\x1a\n")
     write_json(figure.with_name("run.json"), {"commit": "0123456"})
     assert [one["commit"] for one in results_section(run, {})] == ["0123456"]
+
+
+def test_a_figure_without_any_record_is_refused(run):
+    (run.folder / "swap_study/readings.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    with pytest.raises(InputError, match=r"run\.json"):
+        list(results_section(run, {}))
 
 
 def test_a_figure_that_was_made_outside_git_names_no_commit(run):
