@@ -247,7 +247,11 @@ def confirm(
     from pipeline.sweeps.settings import load_sweep
 
     loaded = load_sweep(clone(), name)
-    show(confirmed_table(run_confirm(loaded)))
+    table = run_confirm(loaded)
+    if table is None:
+        typer.echo("params.yaml has the best parameters of the sweep: there is nothing to confirm.")
+        return
+    show(confirmed_table(table))
     typer.echo(f"Report: {loaded.report}")
 
 

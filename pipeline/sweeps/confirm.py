@@ -18,18 +18,21 @@ from pipeline.sweeps.report import BEST, CONFIRMED, CONFIRMED_SUMMARY
 from pipeline.sweeps.settings import PredictorSweep, Sweep
 
 
-def run_confirm(sweep: Sweep) -> pd.DataFrame:
+def run_confirm(sweep: Sweep) -> pd.DataFrame | None:
     """Train with params.yaml and with the best parameters, with seeds and shots new to both.
 
     A killed run resumes. params.yaml does not change.
 
     Returns:
-        The table of ``Comparison``, also written to ``reports/sweeps/NAME``.
+        The table of ``Comparison``, also written to ``reports/sweeps/NAME``; none, and nothing is
+        trained, if params.yaml has the best parameters.
 
     Raises:
-        InputError: the sweep was not run, or params.yaml has its best parameters already.
+        InputError: the sweep was not run.
     """
     settings = compared_params(sweep)
+    if settings[0] == settings[1]:
+        return None
     content = json.dumps([sweep.study, *(one.model_dump(mode="json") for one in settings)])
     folder = sweep.scratch / "confirm" / short(hashlib.sha256(content.encode()).hexdigest())
     if isinstance(sweep.settings, PredictorSweep):
@@ -51,17 +54,14 @@ def compared_params(sweep: Sweep) -> list[Params]:
     """Return the parameters of params.yaml, and the same with the best of the sweep.
 
     Raises:
-        InputError: the sweep was not run, its file is invalid, or the two are equal.
+        InputError: the sweep was not run, or its file is invalid.
     """
     path = sweep.report / BEST
     if not path.is_file():
         raise InputError(path, f"there is no such file; run `rallygap sweep {sweep.name}`")
     plain = json.loads(as_json(read_yaml(path), path))  # no alias that holds itself
     best = merged(sweep.params, with_current_keys(plain))
-    settings = [check_params(content, path) for content in (sweep.params, best)]
-    if settings[0] == settings[1]:
-        raise InputError(path, "equals params.yaml: there is nothing to confirm")
-    return settings
+    return [check_params(content, path) for content in (sweep.params, best)]
 
 
 def _summary(sweep: Sweep, table: pd.DataFrame) -> dict[str, object]:

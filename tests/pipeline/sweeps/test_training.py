@@ -184,13 +184,17 @@ def test_policies_are_confirmed_on_unseen_shots_with_three_seeds(tmp_path):
     assert table["params"].between(0, 1).all()
 
 
-def test_there_is_nothing_to_confirm_before_a_sweep_nor_once_it_was_adopted(tmp_path):
-    sweep = small_sweep(tmp_path)
+def test_a_sweep_is_confirmed_after_it_was_run(tmp_path):
     with pytest.raises(InputError, match="run `rallygap sweep tiny`"):
-        run_confirm(sweep)
+        run_confirm(small_sweep(tmp_path))
+
+
+def test_there_is_nothing_to_confirm_if_no_trial_is_better_than_params(tmp_path):
+    sweep = small_sweep(tmp_path)
     rate = load_params(ROOT / "params.yaml").train_predictor.training.learning_rate
-    with pytest.raises(InputError, match=r"equals params\.yaml"):
-        confirmed(sweep, {"train_predictor": {"training": {"learning_rate": rate}}})
+    assert confirmed(sweep, {"train_predictor": {"training": {"learning_rate": rate}}}) is None
+    assert not (sweep.report / "confirmed.csv").exists()
+    assert not sweep.scratch.exists()
 
 
 def sweep_with_two_workers(root, **environment):
