@@ -1,15 +1,12 @@
-"""The report of a sweep: best parameters as params.yaml takes them, all trials, two figures."""
+"""The report of a sweep: best parameters as params.yaml takes them, all trials, a figure."""
 
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import optuna
 import pandas as pd
 import yaml
-from matplotlib import pyplot
+from optuna.importance import PedAnovaImportanceEvaluator, get_param_importances
 from optuna.trial import TrialState
-from optuna.visualization.matplotlib import plot_optimization_history, plot_param_importances
 
 from pipeline.experiments.profiles import flags, merged
 from pipeline.io.artifacts import write_csv, write_json, write_text
@@ -17,11 +14,13 @@ from pipeline.io.figure_style import save_figure
 from pipeline.io.metrics import rounded
 from pipeline.params import read_yaml
 from pipeline.runtime.errors import InputError
+from pipeline.sweeps.figure import sweep_figure
 from pipeline.sweeps.settings import Sweep, nested
 
 BEST, TRIALS, SUMMARY = "best_params.yaml", "trials.csv", "sweep.json"
-HISTORY, IMPORTANCE = "history.png", "importance.png"
+FIGURE = "trials.png"
 CONFIRMED, CONFIRMED_SUMMARY = "confirmed.csv", "confirmed.json"  # of `rallygap confirm`
+MIN_COMPLETED = 20  # trials; importance compares their best tenth with all
 OUTCOMES = {TrialState.COMPLETE: "completed", TrialState.PRUNED: "pruned"}
 
 
@@ -44,12 +43,14 @@ def write_report(sweep: Sweep, study: optuna.Study) -> list[str]:
     ) + str(yaml.safe_dump(best, sort_keys=False))
     path = sweep.report / BEST
     if path.is_file() and read_yaml(path) != best:
-        for name in (IMPORTANCE, CONFIRMED, CONFIRMED_SUMMARY):  # of an earlier result
+        for name in (CONFIRMED, CONFIRMED_SUMMARY):  # of an earlier result
             (sweep.report / name).unlink(missing_ok=True)
     write_text(path, text)
     write_csv(sweep.report / TRIALS, trials)
     write_json(sweep.report / SUMMARY, _summary(sweep, study, trials))
-    _draw(sweep.report, study, sweep.settings.score)
+    importance = _importance(study)
+    score, default = sweep.settings.score, _params_score(sweep, trials)
+    save_figure(sweep.report / FIGURE, sweep_figure(trials, importance, score, default))
     return flags(sweep.params, merged(sweep.params, best))
 
 
@@ -95,16 +96,8 @@ def _params_score(sweep: Sweep, trials: pd.DataFrame) -> float | None:
     return None
 
 
-def _draw(folder: Path, study: optuna.Study, score: str) -> None:
-    """Write Optuna's figures; that of the importance only if enough trials were completed."""
-    pyplot.switch_backend("agg")
-    for name, plot in ((HISTORY, plot_optimization_history), (IMPORTANCE, plot_param_importances)):
-        with matplotlib.rc_context():  # Optuna changes the style of all figures
-            try:
-                plot(study, target_name=score)
-            except (ValueError, RuntimeError):
-                continue
-            pyplot.title("")
-            pyplot.gcf().set_layout_engine("tight")
-            save_figure(folder / name, pyplot.gcf())
-            pyplot.close()
+def _importance(study: optuna.Study) -> dict[str, float]:
+    """Return the importance of the parameters; none if too few trials were completed."""
+    if len(study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))) < MIN_COMPLETED:
+        return {}
+    return get_param_importances(study, evaluator=PedAnovaImportanceEvaluator())

@@ -10,6 +10,7 @@ from pipeline.experiments.profiles import merged
 from pipeline.io.artifacts import read_json
 from pipeline.params import check_params, read_yaml
 from pipeline.runtime.errors import InputError
+from pipeline.sweeps import report
 from pipeline.sweeps import trial as trials
 from pipeline.sweeps.report import write_report
 from pipeline.sweeps.settings import load_sweep
@@ -56,9 +57,20 @@ def test_another_run_writes_the_same_bytes(swept, tmp_path):
     files = {path.name: path.read_bytes() for path in swept[0].report.iterdir()}
     again, _, _ = _swept(tmp_path / "again")
     assert set(files) == {
-        "best_params.yaml", "trials.csv", "sweep.json", "history.png", "importance.png"
+        "best_params.yaml", "trials.csv", "sweep.json", "trials.png"
     }  # fmt: skip
     assert {path.name: path.read_bytes() for path in again.report.iterdir()} == files
+
+
+@pytest.mark.parametrize(("trials", "panels"), [(1, 1), (30, 2)])
+def test_the_figure_has_the_importance_once_enough_trials_were_completed(
+    tmp_path, monkeypatch, trials, panels
+):
+    drawn = []
+    monkeypatch.setattr(report, "save_figure", lambda _, figure: drawn.append(figure))
+    sweep = small_sweep(tmp_path, pruning={"first_trials": 30, "first_steps": 1})
+    write_report(sweep, run(sweep, trials))
+    assert [len(figure.axes) for figure in drawn] == [panels]
 
 
 def test_another_result_removes_the_confirmation_of_the_old_one(swept):
