@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from pipeline.io.figure_style import FIGURE_WIDTH, MUTED, apply_style
 
@@ -43,6 +44,7 @@ def _draw_scores(axes: Axes, trials: pd.DataFrame, score: str, params_score: flo
     if params_score is not None:
         axes.axhline(params_score, color=BEST, lw=1.2, ls="--", label="params.yaml")
     axes.set(xlabel="trial", ylabel=score)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.legend(fontsize=8)
 
 
