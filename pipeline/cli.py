@@ -426,7 +426,7 @@ def compare_commits(
 def docs() -> None:
     """Write the generated pages, blocks and pictures of the documentation."""
     from pipeline.documentation.generated import regenerate
-    from pipeline.documentation.pictures import renewed_pictures
+    from pipeline.documentation.pictures import redrawn_figures, renewed_pictures
     from pipeline.io.artifacts import write_text
 
     root = clone()
@@ -434,7 +434,7 @@ def docs() -> None:
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             write_text(path, text)
             typer.echo(f"written: {path}")
-    for path in renewed_pictures(root):
+    for path in (*renewed_pictures(root), *redrawn_figures(root)):
         typer.echo(f"written: {path}")
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.documentation.pictures import PICTURES, renewed_pictures
+from pipeline.documentation.pictures import DRAWN, PICTURES, redrawn_figures, renewed_pictures
 from tests.clone import run
 
 ROOT = Path(__file__).parents[1]
@@ -40,6 +40,19 @@ def test_pictures_are_renewed_where_figures_differ(tmp_path):
     drawn.write_bytes(b"another")
     (copied,) = renewed_pictures(tmp_path)
     assert copied.read_bytes() == b"another"
+
+
+def test_figures_of_kept_results_are_drawn_from_their_tables(tmp_path):
+    for table, _ in DRAWN.values():
+        copy = tmp_path / "reports" / table
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes((ROOT / "reports" / table).read_bytes())
+    drawn = redrawn_figures(tmp_path)
+    assert [path.relative_to(tmp_path / "reports").as_posix() for path in drawn] == list(DRAWN)
+    for path in drawn:
+        kept = ROOT / path.relative_to(tmp_path)
+        assert path.read_bytes() == kept.read_bytes(), "run `rallygap docs`"
+    assert redrawn_figures(tmp_path) == []
 
 
 def test_every_picture_of_a_page_is_in_git():

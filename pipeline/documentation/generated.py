@@ -21,6 +21,7 @@ from pipeline.documentation import (
     live_tables,
     predictor_tables,
     simulator_tables,
+    sweep_tables,
     transfer_tables,
 )
 from pipeline.documentation.cells import NONE
@@ -129,6 +130,7 @@ BLOCKS: dict[str, Writer] = {
     "swap-re-anchored": transfer_tables.swap_every_tick,
     "swap-retrained": transfer_tables.swap_retrained,
     "longer-trainings": transfer_tables.longer_trainings,
+    "sweeps": sweep_tables.committed_sweeps,
     "commits": commits_table,
     "age-paper": partial(age_of, run="paper"),
     "age-real": partial(age_of, run="real"),

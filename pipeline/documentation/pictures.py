@@ -1,8 +1,20 @@
-"""Pictures of the documentation, which are figures of stages: git keeps no other copy of these."""
+"""Pictures that `rallygap docs` writes.
 
+Those of the documentation are figures of stages: git keeps no other copy of these. Figures of kept
+results are drawn from the tables next to them, so that a better figure needs no other results.
+"""
+
+from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pandas as pd
+from matplotlib.figure import Figure
 
 from pipeline.io.artifacts import replacing
+from pipeline.io.figure_style import apply_style, save_figure
+from pipeline.swap_study.figures import mechanism_figure, readings_figure
+from pipeline.transfer.figures.sim2real import tolerance_figure, transfer_figure
 
 PICTURES = {  # in docs/images: the figure of a stage
     "causes_arena.png": "close_gap/figures/causes_arena.png",
@@ -14,6 +26,37 @@ PICTURES = {  # in docs/images: the figure of a stage
     "return_rate.png": "sim2sim/figures/return_rate.png",
     "transfer.png": "sim2real/figures/transfer.png",
 }
+DRAWN: dict[str, tuple[str, Callable[[pd.DataFrame], Figure]]] = {  # below reports: from a table
+    "swap_study/readings.png": ("swap_study/readings_all.csv", readings_figure),
+    "swap_study/mechanism.png": ("swap_study/gains_mechanism.csv", mechanism_figure),
+    **{
+        f"{run}/sim2real/figures/{name}.png": (f"{run}/sim2real/{table}.csv", draw)
+        for run in ("paper", "paper_physics", "real", "shots")
+        for name, table, draw in (
+            ("transfer", "rates", transfer_figure),
+            ("tolerance", "tolerance", tolerance_figure),
+        )
+    },
+}
+
+
+def redrawn_figures(root: Path) -> list[Path]:
+    """Draw the figures of kept results from their tables; return those that have changed."""
+    apply_style()
+    reports = root / "reports"
+    return [
+        reports / name
+        for name, (table, draw) in DRAWN.items()
+        if (reports / table).is_file()
+        and _replace(reports / name, _drawn(draw(pd.read_csv(reports / table))))
+    ]
+
+
+def _drawn(figure: Figure) -> bytes:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "figure.png"
+        save_figure(path, figure)
+        return path.read_bytes()
 
 
 def renewed_pictures(root: Path) -> list[Path]:
@@ -24,12 +67,15 @@ def renewed_pictures(root: Path) -> list[Path]:
     renewed = []
     for name, figure in PICTURES.items():
         picture, drawn = root / "docs" / "images" / name, root / "reports" / figure
-        if drawn.exists() and not _equal(picture, drawn):
-            with replacing(picture) as temporary:
-                temporary.write_bytes(drawn.read_bytes())
+        if drawn.exists() and _replace(picture, drawn.read_bytes()):
             renewed.append(picture)
     return renewed
 
 
-def _equal(picture: Path, drawn: Path) -> bool:
-    return picture.exists() and picture.read_bytes() == drawn.read_bytes()
+def _replace(picture: Path, content: bytes) -> bool:
+    """Write a picture that has another content; return whether it had."""
+    if picture.exists() and picture.read_bytes() == content:
+        return False
+    with replacing(picture) as temporary:
+        temporary.write_bytes(content)
+    return True

@@ -42,7 +42,7 @@ BENCHMARKS = {  # minutes
     "live": 7,
     "drift": 11,
     "scale": 7,
-    "precision": 10,
+    "precision": 8,
 }
 
 
@@ -123,7 +123,7 @@ STEPS = (
             for name in ("predictor", "policy")
             for verb, workers in (("sweep", " --workers 2"), ("confirm", ""))
         ),
-        120,
+        20,
         ("pipeline.sweeps.worker", "pipeline.sweeps.confirm"),
         "sweeps",
     ),

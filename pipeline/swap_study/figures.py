@@ -14,7 +14,8 @@ from pipeline.transfer.transfer_table import PROTOCOLS
 MARKERS = {"first_window": "o", "every_tick": "s"}
 APART = 0.16  # of the two readings of a predictor
 ROW, HEADROOM = 0.28, 1.5  # inch a predictor, and for titles and axes
-LARGEST, DARK = 40, 25  # points: ends of the colour scale, and where text on it is white
+STEP = 5  # points; the colour scale ends at a multiple
+DARK = 0.6  # share of the scale beyond which text is white
 POLICY = ["observation", "horizons_ms"]
 OBSERVED = {"intercept": "intercept features", "strict": "the paper's inputs"}
 
@@ -66,7 +67,8 @@ def mechanism_figure(gains: pd.DataFrame) -> Figure:
 
     A row of panels a predictor, a column an observation and error of labels, at the nearer
     horizons. Differences that are significant with all comparisons allowed for are bold. Frames
-    mark the setting of sim2real, and the paper's physics, whose latency is not stated.
+    mark the setting of sim2real, and the paper's physics, whose latency is not stated. The scale
+    of colours ends at the largest difference.
 
     Args:
         gains: one row per setting, ``predictor`` and ``outcome``, with ``difference`` and
@@ -76,38 +78,40 @@ def mechanism_figure(gains: pd.DataFrame) -> Figure:
     shown = gains[(gains["outcome"] == "returns") & (gains["horizons_ms"] == nearest)]
     predictors = sorted(shown["predictor"].unique(), key=predictor_order)
     columns = list(shown.groupby(["observation", "label_error"], sort=False))
+    largest = STEP * max(1.0, np.ceil(100 * shown["difference"].abs().max() / STEP))
     figure = Figure(figsize=(FIGURE_WIDTH, 1.0 + 1.7 * len(predictors)))
     grid = figure.subplots(len(predictors), len(columns), sharex=True, sharey=True, squeeze=False)
     for row, name in zip(grid, predictors, strict=True):
         for axes, (_, cell) in zip(row, columns, strict=True):
-            image = _draw_surface(axes, cell[cell["predictor"] == name])
+            image = _draw_surface(axes, cell[cell["predictor"] == name], largest)
         row[0].set_ylabel(f"{predictor_label(name)}\nlatency (ms)")
     for axes, ((observation, error), _) in zip(grid[0], columns, strict=True):
         labels = f"label error {100 * error:.0f} %" if error else "correct labels"
         axes.set_title(f"{OBSERVED[observation]},\n{labels}", fontsize="medium")
     figure.supxlabel("time between forecasts (ms)", fontsize="medium")
-    label = f"returns minus simulator C's (points), {nearest} ms"
-    figure.colorbar(image, ax=grid, label=label, extend="both")
+    label = f"returns minus simulator C's (points), horizons {nearest.replace('-', '–')} ms"
+    figure.colorbar(image, ax=grid, label=label)
     frames = [
         Patch(fill=False, linestyle="solid", label="sim2real"),
-        Patch(fill=False, linestyle="dashed", label="the paper's physics"),
+        Patch(fill=False, linestyle="dashed", label="the paper's physics (latency not stated)"),
     ]
-    figure.legend(handles=frames, loc="outside upper center", ncols=2)
+    title = "bold: significant at 5 % after Holm's correction"
+    figure.legend(handles=frames, loc="outside upper center", ncols=2, title=title)
     return figure
 
 
-def _draw_surface(axes: Axes, cell: pd.DataFrame) -> AxesImage:
+def _draw_surface(axes: Axes, cell: pd.DataFrame, largest: float) -> AxesImage:
     times, latencies = list(cell["every_ms"].unique()), list(cell["latency_ms"].unique())
     table = cell.pivot(index="latency_ms", columns="every_ms", values="difference")
     gain = 100 * table.loc[latencies, times].to_numpy()
     known = cell.pivot(index="latency_ms", columns="every_ms", values="p_holm")
     image = axes.imshow(
-        gain, origin="lower", aspect="auto", cmap="RdBu", vmin=-LARGEST, vmax=LARGEST
+        gain, origin="lower", aspect="auto", cmap="RdBu", vmin=-largest, vmax=largest
     )
     for (y, x), value in np.ndenumerate(gain):
         sure = known.loc[latencies[y], times[x]] < 0.05
         weight = "bold" if sure else "normal"
-        colour = "white" if abs(value) > DARK else INK
+        colour = "white" if abs(value) > DARK * largest else INK
         axes.text(
             x, y, f"{round(value):+d}", color=colour, weight=weight,
             ha="center", va="center", fontsize=7,

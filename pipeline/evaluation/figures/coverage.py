@@ -10,17 +10,21 @@ from pipeline.io.labels import predictor_label
 
 HEIGHT = 5.5  # inches
 EVERY_MS = 25
+# More lines than these would hide one another; the table has all predictors.
+SHOWN = ("physics_c", "oracle", "hybrid", "transformer", "amended_imperfect_c")
 
 
 def coverage_figure(rows: pd.DataFrame) -> Figure:
     """Draw a column of panels for each level: coverage above, size below, every 25 ms.
 
     Args:
-        rows: of one set, with columns predictor, level, horizon_ms, coverage, size_mm.
+        rows: of one set, with columns predictor, level, horizon_ms, coverage, size_mm. Of the
+            predictors, ``SHOWN`` are drawn, or all if the set has none of them.
     """
     rows = rows[rows["horizon_ms"] % EVERY_MS == 0]
     levels = sorted(rows["level"].unique())
-    predictors = sorted(rows["predictor"].unique(), key=predictor_order)
+    known = sorted(rows["predictor"].unique(), key=predictor_order)
+    predictors = [name for name in known if name in SHOWN] or known
     figure = Figure(figsize=(FIGURE_WIDTH, HEIGHT))
     grid = figure.subplots(2, len(levels), sharex=True, squeeze=False)
     for (above, below), level in zip(grid.T, levels, strict=True):

@@ -11,6 +11,7 @@ from matplotlib.patches import Patch
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour, predictor_order
 from pipeline.io.labels import predictor_label
+from pipeline.transfer.figures.sample import sample, trainings
 from pipeline.transfer.transfer_table import PROTOCOLS
 
 Forecaster = tuple[str, str]  # predictor and protocol
@@ -29,7 +30,8 @@ def transfer_figure(rates: pd.DataFrame) -> Figure:
 
     Args:
         rates: one row per ``set``, ``horizons_ms``, ``predictor`` and ``protocol``, with ``balls``,
-            ``hit_rate``, ``return_rate``, ``return_rate_low`` and ``return_rate_high``.
+            ``trainings``, ``hit_rate``, ``return_rate``, ``return_rate_low`` and
+            ``return_rate_high``.
     """
     horizons = list(rates["horizons_ms"].unique())
     sets = rates.groupby("set", sort=False)["balls"].first()
@@ -42,7 +44,7 @@ def transfer_figure(rates: pd.DataFrame) -> Figure:
         axes.set_title(f"horizons {ahead.replace('-', '–')} ms")
     names = [f"{fill(_words(str(name)), LABEL)}\nn = {count}" for name, count in sets.items()]
     grid[-1].set_xticks(range(len(names)), names)
-    _add_legends(figure, forecasters)
+    _add_legends(figure, forecasters, trainings(rates))
     return figure
 
 
@@ -51,7 +53,8 @@ def tolerance_figure(rates: pd.DataFrame) -> Figure:
 
     Args:
         rates: one row per ``error`` (``bias``, ``noise`` or ``no_spin``), ``size_cm`` and
-            ``horizons_ms``, with ``return_rate``, ``return_rate_low`` and ``return_rate_high``.
+            ``horizons_ms``, with ``balls``, ``trainings``, ``return_rate``, ``return_rate_low`` and
+            ``return_rate_high``.
     """
     figure = Figure(figsize=(FIGURE_WIDTH, 3.4))
     panels = figure.subplots(1, len(ERRORS), sharey=True)
@@ -63,7 +66,10 @@ def tolerance_figure(rates: pd.DataFrame) -> Figure:
         axes.set(title=title, xlabel="forecast position error (cm)", ylim=(0, 104))
         axes.set_xlim(left=0)
     panels[0].set_ylabel("return rate (%)")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=4)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(
+        handles, labels, loc="outside upper left", ncols=4, title=sample(rates), alignment="left"
+    )
     return figure
 
 
@@ -101,7 +107,7 @@ def _draw_line(axes: Axes, rows: pd.DataFrame, colour: str, ahead: str) -> None:
     axes.plot(rows["size_cm"], 100 * rows["return_rate"], ".-", color=colour, label=f"{ahead} ms")
 
 
-def _add_legends(figure: Figure, forecasters: list[Forecaster]) -> None:
+def _add_legends(figure: Figure, forecasters: list[Forecaster], count: str) -> None:
     bars = [
         Patch(
             color=_colour((name, protocol)), label=f"{predictor_label(name)}, {PROTOCOLS[protocol]}"
@@ -111,7 +117,7 @@ def _add_legends(figure: Figure, forecasters: list[Forecaster]) -> None:
     parts = [
         Patch(color=MUTED, label="returned"),
         Patch(color=MUTED, alpha=HITS, lw=0, label="hit"),
-        Line2D([], [], color=INK, lw=0.9, label="95 % interval of the return rate"),
+        Line2D([], [], color=INK, lw=0.9, label=f"95 % interval of the return rate, {count}"),
     ]
     figure.legend(handles=bars, loc="outside upper left", ncols=2)
     figure.legend(handles=parts, loc="outside lower center", ncols=3)

@@ -11,9 +11,11 @@ from matplotlib.patches import Patch
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK
 from pipeline.io.labels import simulator_label
+from pipeline.transfer.figures.sample import sample
 
 GROUND_TRUTH, IMPERFECT = "ground_truth", "imperfect"
 COLOURS = {GROUND_TRUTH: "#0f7fc4", IMPERFECT: "#d55e00"}
+LABELS = {GROUND_TRUTH: "the ground truth", IMPERFECT: "the policy's own simulator"}
 # What predictions start from.
 PROTOCOLS = {
     "first_state": "one prediction from the ball's first state, as in the paper",
@@ -30,8 +32,8 @@ def sim2sim_figure(rates: pd.DataFrame) -> Figure:
 
     Args:
         rates: one row per protocol, simulator, horizons_ms and predictor (``GROUND_TRUTH`` or
-            ``IMPERFECT``), with return_rate, ci_low and ci_high as shares, and per_seed, the list
-            of the single policies' return rates.
+            ``IMPERFECT``), with return_rate, ci_low and ci_high as shares, numbers of balls and of
+            trainings, and per_seed, the list of the single policies' return rates.
     """
     protocols = list(rates["protocol"].unique())
     places = _places(rates)
@@ -39,9 +41,9 @@ def sim2sim_figure(rates: pd.DataFrame) -> Figure:
     grid = figure.subplots(len(protocols), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
     for axes, protocol in zip(grid, protocols, strict=True):
         _draw_panel(axes, rates[rates["protocol"] == protocol], places)
-        axes.set_title(f"{protocol}: {PROTOCOLS[protocol]}")
+        axes.set_title(PROTOCOLS[protocol])
     _label_places(grid[-1], places)
-    _add_legend(figure, several=rates["per_seed"].map(len).max() > 1)
+    _add_legend(figure, rates)
     return figure
 
 
@@ -95,12 +97,14 @@ def _label_places(axes: Axes, places: dict[tuple[str, str], float]) -> None:
     below.spines["bottom"].set_visible(False)
 
 
-def _add_legend(figure: Figure, *, several: bool) -> None:
+def _add_legend(figure: Figure, rates: pd.DataFrame) -> None:
+    several = rates["per_seed"].map(len).max() > 1
     bars = [
-        Patch(color=colour, label=f"predictions: {name.replace('_', ' ')}")
+        Patch(color=colour, label=f"predictions of {LABELS[name]}")
         for name, colour in COLOURS.items()
     ]
-    whisker = Line2D([], [], color=INK, ls="", marker="|", ms=9, mew=1.0, label="95 % interval")
+    whisker = Line2D([], [], color=INK, ls="", marker="|", ms=9, mew=1.0)
+    whisker.set_label(f"95 % interval, {sample(rates)}")
     dots = [Line2D([], [], **DOTS, label="single policy")] if several else []
     handles = [*bars, whisker, *dots]
-    figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))
+    figure.legend(handles=handles, loc="outside upper left", ncols=2)

@@ -29,7 +29,7 @@ def made_up():
     rows = pd.DataFrame(keys, columns=["set", "horizons_ms", "predictor", "protocol"])
     rate = 0.8 - 0.03 * np.arange(len(rows))
     ends = {"return_rate_low": rate - 0.05, "return_rate_high": rate + 0.04}
-    return rows.assign(balls=20, hit_rate=rate + 0.1, return_rate=rate, **ends)
+    return rows.assign(balls=20, trainings=2, hit_rate=rate + 0.1, return_rate=rate, **ends)
 
 
 def bars(axes, colour):
@@ -61,7 +61,8 @@ def tolerated(horizons=HORIZONS):
     keys = [(*one, ahead) for ahead, one in product(horizons, sizes)]
     rows = pd.DataFrame(keys, columns=["error", "size_cm", "horizons_ms"])
     rate = 0.9 - 0.04 * np.arange(len(rows))
-    return rows.assign(return_rate=rate, return_rate_low=rate - 0.05, return_rate_high=rate + 0.05)
+    ends = {"return_rate_low": rate - 0.05, "return_rate_high": rate + 0.05}
+    return rows.assign(balls=20, trainings=2, return_rate=rate, **ends)
 
 
 def test_every_kind_of_error_has_a_panel_with_a_line_for_each_horizons():

@@ -1,0 +1,18 @@
+"""What return rates in a figure are means of, in words."""
+
+import pandas as pd
+
+
+def sample(rates: pd.DataFrame) -> str:
+    """Return such as ``300 shots, 2 trainings``.
+
+    Args:
+        rates: with columns ``balls`` and ``trainings``.
+    """
+    return f"{rates['balls'].iloc[0]:,} shots, {trainings(rates)}"
+
+
+def trainings(rates: pd.DataFrame) -> str:
+    """Return such as ``2 trainings``."""
+    count = rates["trainings"].max()
+    return f"{count} training{'s' if count > 1 else ''}"
