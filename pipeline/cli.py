@@ -424,7 +424,7 @@ def compare_commits(
 
 @app.command(rich_help_panel=MAINTENANCE)
 def docs() -> None:
-    """Write the generated pages, blocks and pictures of the documentation."""
+    """Write the generated pages, blocks and pictures of the documentation, and kept figures."""
     from pipeline.documentation.generated import regenerate
     from pipeline.documentation.pictures import redrawn_figures, renewed_pictures
     from pipeline.io.artifacts import write_text

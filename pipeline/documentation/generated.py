@@ -131,6 +131,7 @@ BLOCKS: dict[str, Writer] = {
     "swap-retrained": transfer_tables.swap_retrained,
     "longer-trainings": transfer_tables.longer_trainings,
     "sweeps": sweep_tables.committed_sweeps,
+    "sweeps-confirmed": sweep_tables.confirmed_sweeps,
     "commits": commits_table,
     "age-paper": partial(age_of, run="paper"),
     "age-real": partial(age_of, run="real"),

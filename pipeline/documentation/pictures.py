@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from pipeline.io.artifacts import replacing
 from pipeline.io.figure_style import apply_style, save_figure
 from pipeline.swap_study.figures import mechanism_figure, readings_figure
+from pipeline.transfer.figures.retraining import retraining_figure
 from pipeline.transfer.figures.sim2real import tolerance_figure, transfer_figure
 
 PICTURES = {  # in docs/images: the figure of a stage
@@ -26,15 +27,23 @@ PICTURES = {  # in docs/images: the figure of a stage
     "return_rate.png": "sim2sim/figures/return_rate.png",
     "transfer.png": "sim2real/figures/transfer.png",
 }
+
+
+def _returns_of_arena(table: pd.DataFrame) -> Figure:
+    """Draw the arena without the groups of its shots, as the stage does."""
+    return retraining_figure(table[table["set"] == "arena"])
+
+
 DRAWN: dict[str, tuple[str, Callable[[pd.DataFrame], Figure]]] = {  # below reports: from a table
     "swap_study/readings.png": ("swap_study/readings_all.csv", readings_figure),
     "swap_study/mechanism.png": ("swap_study/gains_mechanism.csv", mechanism_figure),
     **{
-        f"{run}/sim2real/figures/{name}.png": (f"{run}/sim2real/{table}.csv", draw)
+        f"{run}/{stage}/figures/{name}.png": (f"{run}/{stage}/{table}.csv", draw)
         for run in ("paper", "paper_physics", "real", "shots")
-        for name, table, draw in (
-            ("transfer", "rates", transfer_figure),
-            ("tolerance", "tolerance", tolerance_figure),
+        for stage, name, table, draw in (
+            ("sim2real", "transfer", "rates", transfer_figure),
+            ("sim2real", "tolerance", "tolerance", tolerance_figure),
+            ("retrain_policy", "returns", "returns", _returns_of_arena),
         )
     },
 }
@@ -43,16 +52,15 @@ DRAWN: dict[str, tuple[str, Callable[[pd.DataFrame], Figure]]] = {  # below repo
 def redrawn_figures(root: Path) -> list[Path]:
     """Draw the figures of kept results from their tables; return those that have changed."""
     apply_style()
-    reports = root / "reports"
-    return [
-        reports / name
-        for name, (table, draw) in DRAWN.items()
-        if (reports / table).is_file()
-        and _replace(reports / name, _drawn(draw(pd.read_csv(reports / table))))
-    ]
+    reports, redrawn = root / "reports", []
+    for name, (table, draw) in DRAWN.items():
+        picture = _content(draw(pd.read_csv(reports / table)))
+        if _replace(reports / name, picture):
+            redrawn.append(reports / name)
+    return redrawn
 
 
-def _drawn(figure: Figure) -> bytes:
+def _content(figure: Figure) -> bytes:
     with TemporaryDirectory() as folder:
         path = Path(folder) / "figure.png"
         save_figure(path, figure)

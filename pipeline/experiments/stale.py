@@ -16,7 +16,7 @@ SETTINGS = ("params.yaml", "profiles")
 EXAM = "hidden_effects"  # the stage whose results are the same in all experiments
 CODE = ("models", "pipeline", "stages", "benchmarks", "dvc.yaml", *SETTINGS)
 # What only presents results, or describes them: the schema is generated from code, which counts.
-# Figures are drawn from tables, and `rallygap docs` draws those that a page shows.
+# These figures are drawn from tables: those of `pictures.DRAWN` by `rallygap docs`.
 FIGURES = ("evaluation/figures", "swap_study/figures.py", "transfer/figures")
 PRESENTATION = (
     *(f"pipeline/{name}" for name in ("documentation", "experiments", "paper", "print", "web")),

@@ -9,6 +9,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, predictor_colour, predictor_order
 from pipeline.io.labels import predictor_label
+from pipeline.transfer.figures.sample import sample
 from pipeline.transfer.transfer_table import PROTOCOLS
 
 MARKERS = {"first_window": "o", "every_tick": "s"}
@@ -40,8 +41,7 @@ def readings_figure(rates: pd.DataFrame) -> Figure:
     grid[0].set_yticks(range(len(predictors)), [predictor_label(one) for one in predictors])
     grid[0].set_ylim(len(predictors) - 0.5, -0.5)
     handles, labels = grid[0].get_legend_handles_labels()
-    count, trainings = rates["balls"].iloc[0], rates["trainings"].iloc[0]
-    title = f"{count} shots, {trainings} trainings, 95 % intervals"
+    title = f"{sample(rates)}, 95 % intervals"
     figure.legend(handles, labels, loc="outside lower center", ncols=2, title=title)
     return figure
 
@@ -68,11 +68,11 @@ def mechanism_figure(gains: pd.DataFrame) -> Figure:
     A row of panels a predictor, a column an observation and error of labels, at the nearer
     horizons. Differences that are significant with all comparisons allowed for are bold. Frames
     mark the setting of sim2real, and the paper's physics, whose latency is not stated. The scale
-    of colours ends at the largest difference.
+    of colours ends at the multiple of 5 points above the largest difference.
 
     Args:
-        gains: one row per setting, ``predictor`` and ``outcome``, with ``difference`` and
-            ``p_holm``.
+        gains: one row per ``observation``, ``horizons_ms``, ``label_error``, ``every_ms``,
+            ``latency_ms``, ``predictor`` and ``outcome``, with ``difference`` and ``p_holm``.
     """
     nearest = gains["horizons_ms"].iloc[0]
     shown = gains[(gains["outcome"] == "returns") & (gains["horizons_ms"] == nearest)]

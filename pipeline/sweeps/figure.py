@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from pipeline.io.figure_style import FIGURE_WIDTH, MUTED, apply_style
 
 HEIGHT = 3.4  # inch
-COMPLETED, BEST = "#0f7fc4", "#d55e00"
+COMPLETED, PARAMS = "#0f7fc4", "#d55e00"
 
 
 def sweep_figure(
@@ -26,11 +26,11 @@ def sweep_figure(
     """
     apply_style()
     figure = Figure(figsize=(FIGURE_WIDTH, HEIGHT))
-    left, *right = figure.subplots(1, 2 if importance else 1, squeeze=False)[0]
-    _draw_scores(left, trials, score, params_score)
-    for axes in right:
+    panels = figure.subplots(1, 2 if importance else 1, squeeze=False)[0]
+    _draw_scores(panels[0], trials, score, params_score)
+    if importance:
         count = int((trials["outcome"] == "completed").sum())
-        _draw_importance(axes, importance, count)
+        _draw_importance(panels[1], importance, count)
     return figure
 
 
@@ -42,7 +42,7 @@ def _draw_scores(axes: Axes, trials: pd.DataFrame, score: str, params_score: flo
         rows = trials[trials["outcome"] == outcome]
         axes.plot(rows["trial"], rows["score"], marker, color=colour, ms=5, label=label)
     if params_score is not None:
-        axes.axhline(params_score, color=BEST, lw=1.2, ls="--", label="params.yaml")
+        axes.axhline(params_score, color=PARAMS, lw=1.2, ls="--", label="params.yaml")
     axes.set(xlabel="trial", ylabel=score)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.legend(fontsize=8)

@@ -4,13 +4,13 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.evaluation.figures.forecast_error import LEGEND_COLUMNS, line_style
+from pipeline.evaluation.figures.forecast_error import FINE_TUNED, LEGEND_COLUMNS, line_style
 from pipeline.io.figure_style import FIGURE_WIDTH, MUTED, predictor_order
 from pipeline.io.labels import predictor_label
 
 HEIGHT = 5.5  # inches
 EVERY_MS = 25
-# More lines than these would hide one another; the table has all predictors.
+# More lines than these, and fine-tuned ones, would hide one another; the table has all predictors.
 SHOWN = ("physics_c", "oracle", "hybrid", "transformer", "amended_imperfect_c")
 
 
@@ -19,12 +19,12 @@ def coverage_figure(rows: pd.DataFrame) -> Figure:
 
     Args:
         rows: of one set, with columns predictor, level, horizon_ms, coverage, size_mm. Of the
-            predictors, ``SHOWN`` are drawn, or all if the set has none of them.
+            predictors, ``SHOWN`` are drawn, also fine-tuned, or all if the set has none of them.
     """
     rows = rows[rows["horizon_ms"] % EVERY_MS == 0]
     levels = sorted(rows["level"].unique())
-    known = sorted(rows["predictor"].unique(), key=predictor_order)
-    predictors = [name for name in known if name in SHOWN] or known
+    every = sorted(rows["predictor"].unique(), key=predictor_order)
+    predictors = [name for name in every if name.removesuffix(FINE_TUNED) in SHOWN] or every
     figure = Figure(figsize=(FIGURE_WIDTH, HEIGHT))
     grid = figure.subplots(2, len(levels), sharex=True, squeeze=False)
     for (above, below), level in zip(grid.T, levels, strict=True):

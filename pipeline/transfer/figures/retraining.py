@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 
 from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour
 from pipeline.io.labels import predictor_label
+from pipeline.transfer.figures.sample import sample
 
 ROW = 0.3  # inch per bar
 HEADROOM = 1.0  # inch, for the title and the axis
@@ -16,7 +17,7 @@ def retraining_figure(table: pd.DataFrame) -> Figure:
 
     Args:
         table: one row per ``set``, ``horizons_ms``, ``policy`` and ``predictor``, with ``balls``,
-            ``return_rate``, ``return_rate_low`` and ``return_rate_high``.
+            ``trainings``, ``return_rate``, ``return_rate_low`` and ``return_rate_high``.
     """
     sets, horizons = list(table["set"].unique()), list(table["horizons_ms"].unique())
     bars = len(table[["policy", "predictor"]].drop_duplicates())
@@ -27,8 +28,7 @@ def retraining_figure(table: pd.DataFrame) -> Figure:
         for axes, name in zip(axes_row, sets, strict=True):
             rows = table[(table["set"] == name) & (table["horizons_ms"] == label)]
             _draw_panel(axes, rows)
-            balls = rows["balls"].iloc[0]
-            axes.set_title(f"{name}, horizons {label.replace('-', '–')} ms, n = {balls}")
+            axes.set_title(f"{name}, horizons {label.replace('-', '–')} ms, {sample(rows)}")
     for axes in grid[-1]:
         axes.set_xlabel("return rate (%)")
     return figure

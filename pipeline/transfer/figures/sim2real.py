@@ -107,7 +107,7 @@ def _draw_line(axes: Axes, rows: pd.DataFrame, colour: str, ahead: str) -> None:
     axes.plot(rows["size_cm"], 100 * rows["return_rate"], ".-", color=colour, label=f"{ahead} ms")
 
 
-def _add_legends(figure: Figure, forecasters: list[Forecaster], count: str) -> None:
+def _add_legends(figure: Figure, forecasters: list[Forecaster], per_bar: str) -> None:
     bars = [
         Patch(
             color=_colour((name, protocol)), label=f"{predictor_label(name)}, {PROTOCOLS[protocol]}"
@@ -117,10 +117,10 @@ def _add_legends(figure: Figure, forecasters: list[Forecaster], count: str) -> N
     parts = [
         Patch(color=MUTED, label="returned"),
         Patch(color=MUTED, alpha=HITS, lw=0, label="hit"),
-        Line2D([], [], color=INK, lw=0.9, label=f"95 % interval of the return rate, {count}"),
+        Line2D([], [], color=INK, lw=0.9, label="95 % interval of the return rate"),
     ]
     figure.legend(handles=bars, loc="outside upper left", ncols=2)
-    figure.legend(handles=parts, loc="outside lower center", ncols=3)
+    figure.legend(handles=parts, loc="outside lower center", ncols=3, title=f"{per_bar} per bar")
 
 
 def _colour(forecaster: Forecaster) -> str:

@@ -100,7 +100,7 @@ def _label_places(axes: Axes, places: dict[tuple[str, str], float]) -> None:
 def _add_legend(figure: Figure, rates: pd.DataFrame) -> None:
     several = rates["per_seed"].map(len).max() > 1
     bars = [
-        Patch(color=colour, label=f"predictions of {LABELS[name]}")
+        Patch(color=colour, label=f"predictions by {LABELS[name]}")
         for name, colour in COLOURS.items()
     ]
     whisker = Line2D([], [], color=INK, ls="", marker="|", ms=9, mew=1.0)

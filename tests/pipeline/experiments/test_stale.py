@@ -2,16 +2,23 @@
 
 import pytest
 
-from pipeline.experiments.stale import kept_modules, kept_result, result_of
+from pipeline.experiments.stale import changed_code, kept_modules, kept_result, result_of
 from pipeline.io.artifacts import write_json
 from tests.clone import commit, run
+
+PRESENTED = (
+    "models/gap/verdict.schema.json",
+    "pipeline/swap_study/figures.py",
+    "pipeline/transfer/figures/code.py",
+    "pipeline/web/code.py",
+)
 
 
 @pytest.fixture
 def repository(tmp_path):
     """A repository with code and a kept run."""
     run(tmp_path, "git", "init", "--quiet")
-    for file in ("models/ball/code.py", "models/gap/verdict.schema.json", "pipeline/web/code.py"):
+    for file in ("models/ball/code.py", *PRESENTED):
         (tmp_path / file).parent.mkdir(parents=True)
         (tmp_path / file).write_text("1")
     (tmp_path / "dvc.yaml").write_text("stages: {segment: {}}")
@@ -32,10 +39,11 @@ def test_kept_results_are_of_the_code_of_today_until_it_changes(repository):
     assert kept.sentence.endswith("the code has changed since.")
 
 
-@pytest.mark.parametrize("file", ["pipeline/web/code.py", "models/gap/verdict.schema.json"])
+@pytest.mark.parametrize("file", PRESENTED)
 def test_what_only_presents_results_makes_none_of_them_stale(repository, file):
     (repository / file).write_text("2")
     assert not kept_result(repository, repository / "reports" / "paper").is_stale
+    assert changed_code(repository, "HEAD") == ()
 
 
 def test_the_exam_makes_no_kept_run_stale(repository):

@@ -29,5 +29,6 @@ def test_the_gain_of_every_setting_is_written():
     rows.loc[rows["every_ms"] == "320", "difference"] = -0.2
     figure = mechanism_figure(rows)
     panels = figure.axes[: len(predictors) * 4]
+    assert {axes.images[0].get_clim() for axes in panels} == {(-20, 20)}
     for axes in panels:
         assert sorted(text.get_text() for text in axes.texts) == ["+10"] * 16 + ["-20"] * 4

@@ -12,6 +12,7 @@ from pipeline.params import check_params, read_yaml
 from pipeline.runtime.errors import InputError
 from pipeline.sweeps import report
 from pipeline.sweeps import trial as trials
+from pipeline.sweeps.figure import sweep_figure
 from pipeline.sweeps.report import write_report
 from pipeline.sweeps.settings import load_sweep
 from pipeline.tracking import recording as tracking
@@ -62,15 +63,25 @@ def test_another_run_writes_the_same_bytes(swept, tmp_path):
     assert {path.name: path.read_bytes() for path in again.report.iterdir()} == files
 
 
-@pytest.mark.parametrize(("trials", "panels"), [(1, 1), (30, 2)])
+@pytest.mark.parametrize(("trials", "panels"), [(19, 1), (20, 2)])
 def test_the_figure_has_the_importance_once_enough_trials_were_completed(
     tmp_path, monkeypatch, trials, panels
 ):
     drawn = []
     monkeypatch.setattr(report, "save_figure", lambda _, figure: drawn.append(figure))
-    sweep = small_sweep(tmp_path, pruning={"first_trials": 30, "first_steps": 1})
+    sweep = small_sweep(tmp_path, pruning={"first_trials": 20, "first_steps": 1})
     write_report(sweep, run(sweep, trials))
     assert [len(figure.axes) for figure in drawn] == [panels]
+
+
+def test_the_figure_has_every_trial_and_the_score_of_params():
+    outcomes = ["completed", "pruned", "completed"]
+    trials = pd.DataFrame({"trial": range(3), "outcome": outcomes, "score": [0.3, 0.6, 0.2]})
+    (axes,) = sweep_figure(trials, {}, "loss", 0.3).axes
+    drawn = {line.get_label(): line.get_xydata().tolist() for line in axes.lines}
+    assert drawn["completed"] == [[0, 0.3], [2, 0.2]]
+    assert drawn["pruned, at its last step"] == [[1, 0.6]]
+    assert [y for _, y in drawn["params.yaml"]] == [0.3, 0.3]
 
 
 def test_another_result_removes_the_confirmation_of_the_old_one(swept):
@@ -148,12 +159,12 @@ class FakeTrial:
 
 
 @pytest.mark.parametrize("name", ["predictor", "policy"])
-def test_the_committed_sweep_has_all_its_trials(name):
+def test_the_committed_sweep_has_all_its_trials_and_is_confirmed_if_one_is_better(name):
     sweep = load_sweep(ROOT, name)
     summary = read_json(sweep.report / "sweep.json")
     assert sum(summary["trials"].values()) == sweep.settings.trials
-    better = summary["best_score"] != summary["params_score"]
-    assert (sweep.report / "confirmed.json").exists() == better
+    best = merged(sweep.params, read_yaml(sweep.report / "best_params.yaml"))
+    assert (sweep.report / "confirmed.json").exists() == (best != sweep.params)
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "reports" / "sweeps").glob("*/confirmed.json")))

@@ -9,7 +9,9 @@ import pandas as pd
 import pytest
 from optuna import TrialPruned
 from ruamel.yaml import YAML
+from typer.testing import CliRunner
 
+from pipeline.cli import app
 from pipeline.experiments.profiles import merged
 from pipeline.io.artifacts import read_json
 from pipeline.params import load_params
@@ -189,12 +191,17 @@ def test_a_sweep_is_confirmed_after_it_was_run(tmp_path):
         run_confirm(small_sweep(tmp_path))
 
 
-def test_there_is_nothing_to_confirm_if_no_trial_is_better_than_params(tmp_path):
+def test_there_is_nothing_to_confirm_if_no_trial_is_better_than_params(tmp_path, monkeypatch):
     sweep = small_sweep(tmp_path)
     rate = load_params(ROOT / "params.yaml").train_predictor.training.learning_rate
     assert confirmed(sweep, {"train_predictor": {"training": {"learning_rate": rate}}}) is None
     assert not (sweep.report / "confirmed.csv").exists()
     assert not sweep.scratch.exists()
+    (tmp_path / "pyproject.toml").touch()
+    monkeypatch.chdir(tmp_path)
+    said = CliRunner().invoke(app, ["confirm", "tiny"])
+    assert said.exit_code == 0
+    assert "there is nothing to confirm" in said.output
 
 
 def sweep_with_two_workers(root, **environment):

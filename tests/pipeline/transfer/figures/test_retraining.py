@@ -14,7 +14,7 @@ def made_up():
     rows = pd.DataFrame(keys, columns=["set", "horizons_ms", "policy", "predictor"])
     rate = 0.5 + 0.05 * np.arange(len(rows))
     ends = {"return_rate_low": rate - 0.1, "return_rate_high": rate + 0.1}
-    return rows.assign(balls=20, return_rate=rate, **ends)
+    return rows.assign(balls=20, trainings=1, return_rate=rate, **ends)
 
 
 def test_every_policy_and_predictor_has_a_bar_in_the_panel_of_its_horizons():
@@ -28,4 +28,6 @@ def test_every_policy_and_predictor_has_a_bar_in_the_panel_of_its_horizons():
         "original policy, oracle",
         "retrained policy, own simulator amended",
     ]
-    assert figure.axes[1].get_title(loc="left") == "arena, horizons 170–180 ms, n = 20"
+    assert (
+        figure.axes[1].get_title(loc="left") == "arena, horizons 170–180 ms, 20 shots, 1 training"
+    )

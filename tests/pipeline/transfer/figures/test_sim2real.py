@@ -44,7 +44,9 @@ def matches(colour, code):
 
 def test_hits_and_returns_of_every_set_are_drawn_in_the_predictor_s_colour():
     rates = made_up()
-    panels = transfer_figure(rates).axes
+    figure = transfer_figure(rates)
+    assert "2 trainings per bar" in [one.get_title().get_text() for one in figure.legends]
+    panels = figure.axes
     assert [axes.get_title(loc="left") for axes in panels] == [
         f"horizons {horizons.replace('-', '–')} ms" for horizons in HORIZONS
     ]
@@ -68,6 +70,7 @@ def tolerated(horizons=HORIZONS):
 def test_every_kind_of_error_has_a_panel_with_a_line_for_each_horizons():
     rates = tolerated()
     figure = tolerance_figure(rates)
+    assert figure.legends[0].get_title().get_text() == "20 shots, 2 trainings"
     for axes, error in zip(figure.axes, ("bias", "noise"), strict=True):
         drawn = {line.get_label(): line.get_xydata() for line in axes.lines}
         for horizons, rows in rates[rates["error"] == error].groupby("horizons_ms"):
