@@ -141,7 +141,7 @@ STEPS = (
         )
         for name, minutes in BENCHMARKS.items()
     ),
-    Step("reproduce_benchmark", (f"{PYTHON} benchmarks.reproduce",), 30),
+    Step("reproduce_benchmark", (f"{PYTHON} benchmarks.reproduce",), 20),
 )
 
 
