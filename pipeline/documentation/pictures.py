@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 import pandas as pd
 from matplotlib.figure import Figure
 
+from pipeline.documentation.cells import read_report
 from pipeline.io.artifacts import replacing
 from pipeline.io.figure_style import apply_style, save_figure
 from pipeline.swap_study.figures import mechanism_figure, readings_figure
@@ -50,13 +51,17 @@ DRAWN: dict[str, tuple[str, Callable[[pd.DataFrame], Figure]]] = {  # below repo
 
 
 def redrawn_figures(root: Path) -> list[Path]:
-    """Draw the figures of kept results from their tables; return those that have changed."""
+    """Draw the figures of kept results from their tables; return those that have changed.
+
+    Raises:
+        InputError: a table is missing.
+    """
     apply_style()
-    reports, redrawn = root / "reports", []
+    redrawn = []
     for name, (table, draw) in DRAWN.items():
-        picture = _content(draw(pd.read_csv(reports / table)))
-        if _replace(reports / name, picture):
-            redrawn.append(reports / name)
+        picture = root / "reports" / name
+        if _replace(picture, _content(draw(read_report(root, table)))):
+            redrawn.append(picture)
     return redrawn
 
 

@@ -57,9 +57,7 @@ def test_the_table_has_every_trial(swept):
 def test_another_run_writes_the_same_bytes(swept, tmp_path):
     files = {path.name: path.read_bytes() for path in swept[0].report.iterdir()}
     again, _, _ = _swept(tmp_path / "again")
-    assert set(files) == {
-        "best_params.yaml", "trials.csv", "sweep.json", "trials.png"
-    }  # fmt: skip
+    assert set(files) == {"best_params.yaml", "trials.csv", "sweep.json", "trials.png"}
     assert {path.name: path.read_bytes() for path in again.report.iterdir()} == files
 
 
