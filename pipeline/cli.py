@@ -51,9 +51,18 @@ def main() -> None:
         with disks_named("output"):
             app()
     except InputError as error:
+        _drop_unwritable_output()
         refuse(error)
     except ModuleNotFoundError as error:
         refuse(_not_installed(error))
+
+
+def _drop_unwritable_output() -> None:
+    """Drop buffered output that a full disk refuses: Python would write it again when it ends."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _not_installed(error: ModuleNotFoundError) -> InputError:

@@ -1,5 +1,6 @@
 """The command line says what it does, quickly, and what is wrong in one line."""
 
+import os
 import shutil
 import socket
 import subprocess
@@ -96,13 +97,17 @@ def test_where_nothing_has_run_what_needs_a_run_says_how_to_run(elsewhere, words
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
-def test_a_full_disk_is_one_line():
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_full_disk_is_one_line(unbuffered):
+    environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
+    command = [*RALLYGAP, "simulators"]
     with Path("/dev/full").open("w") as full:
         finished = subprocess.run(
-            [*RALLYGAP, "simulators"], cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True
+            command, cwd=ROOT, env=environment, stdout=full, stderr=subprocess.PIPE, text=True
         )
     assert finished.returncode == 2
     assert finished.stderr.startswith("rallygap: output: the disk is full")
+    assert len(finished.stderr.splitlines()) == 1
 
 
 @pytest.mark.parametrize("port", ["0", "65536"])
