@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from models.exam.interface import rounded
 from tests.clone import ROOT, environment
 
 pytestmark = pytest.mark.slow
@@ -15,7 +16,7 @@ BLOCK = re.compile(
 )
 INSTALL = "pip install"
 LEFT_OUT = "…\n"
-LAST_DIGITS = re.compile(r"\d+\.\d{6,}")  # depend on the processor
+UNROUNDED = re.compile(r"\d+\.\d{9,}")  # whose last digits depend on the processor
 RALLYGAP = """rallygap() { python -c "from pipeline.cli import main; main()" "$@"; }\n"""
 
 
@@ -65,9 +66,9 @@ def run(folder: Path, command: str) -> str:
 
 def shows(text: str, printed: str) -> bool:
     """Whether a text is what was printed, but for the lines that it leaves out."""
-    parts = (re.escape(part) for part in rounded(text).split(LEFT_OUT))
-    return re.fullmatch("(.*\n)?".join(parts), rounded(printed), re.S) is not None
+    parts = (re.escape(part) for part in compared(text).split(LEFT_OUT))
+    return re.fullmatch("(.*\n)?".join(parts), compared(printed), re.S) is not None
 
 
-def rounded(text: str) -> str:
-    return LAST_DIGITS.sub(lambda number: f"{float(number[0]):.4g}", text)
+def compared(text: str) -> str:
+    return UNROUNDED.sub(lambda number: str(rounded(float(number[0]))), text)
