@@ -40,35 +40,35 @@ reproduce: .venv/ready ## run the whole pipeline on simulated data
 
 real: .venv/ready ## run the pipeline on the measured sets in DATA and keep the results in reports/real
 	@rallygap real
-	@$(call if_trained,python -m pipeline.real_forecasts.run)
+	@$(call if_trained,python -m rallygap.pipeline.real_forecasts.run)
 
 everything: .venv/ready ## a day: all results that the repository keeps, by this commit; it resumes
 	@rallygap everything
 
 exam: .venv/ready ## hours: run the whole blind exam and write its records; stop it with Ctrl-C, it resumes
-	@python -m pipeline.exam.full_run
+	@python -m rallygap.pipeline.exam.full_run
 	@dvc repro hidden_effects
 
 learning-curves: .venv/ready ## an hour and a half: predictors by the number of training recordings; after `make reproduce`
-	@python -m pipeline.learning_curves.run
+	@python -m rallygap.pipeline.learning_curves.run
 
 paper-network: .venv/ready ## ten minutes on a GPU: the transformer in the paper's size; it resumes
-	@python -m pipeline.paper_network.run
+	@python -m rallygap.pipeline.paper_network.run
 
 arenas: .venv/ready ## two and a half hours: the gap workflow and networks on twenty fresh arenas; it resumes
-	@python -m pipeline.arenas.run
+	@python -m rallygap.pipeline.arenas.run
 
 spread-policies: .venv/ready ## a quarter of an hour: policies that observe how sure forecasts are; after `make reproduce`
-	@python -m pipeline.spread_policies.run
+	@python -m rallygap.pipeline.spread_policies.run
 
 swap-study: .venv/ready ## hours: when swapping the predictor helps; after `make reproduce`; it resumes
-	@python -m pipeline.swap_study.run
+	@python -m rallygap.pipeline.swap_study.run
 
 simulators: .venv/ready ## minutes: scenes of MuJoCo and PyBullet with something wrong, diagnosed and amended
-	@python -m pipeline.simulator_scenes.run
+	@python -m rallygap.pipeline.simulator_scenes.run
 
 real-scenes: .venv/ready ## minutes: published scenes of MuJoCo on the measured sets in DATA, before and after
-	@python -m pipeline.simulator_scenes.real
+	@python -m rallygap.pipeline.simulator_scenes.real
 
 test: .venv/ready ## the quick tests, in parallel on all cores
 	@pytest --numprocesses logical --dist loadfile
@@ -104,7 +104,7 @@ bench: .venv/ready ## one to two hours: compare speed with other programs; write
 
 docs: .venv/ready ## build the documentation site and results.pdf in docs/_build; a warning is an error
 	@rallygap docs
-	@python -m pipeline.print.results_pdf
+	@python -m rallygap.pipeline.print.results_pdf
 	@sphinx-build --fail-on-warning --keep-going --quiet --builder html docs docs/_build/html
 	@echo "docs/_build/html/index.html docs/_build/results.pdf"
 

@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.comparison import faster, rate, report
-from models.ball.simulator import Simulator
-from models.ball.state import BALL_RADIUS, DRAG_FACTOR, MAGNUS_FACTOR
-from pipeline.evaluation.costs import one_core
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import BALL_RADIUS, DRAG_FACTOR, MAGNUS_FACTOR
+from rallygap.pipeline.evaluation.costs import one_core
 from tests.models.ball.reference import Physics
 
 TIMES = np.arange(1, 161) * 0.005  # 0.8 s at 200 Hz

@@ -12,8 +12,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from pipeline.evaluation.costs import machine
-from pipeline.io.artifacts import read_json, write_json
+from rallygap.pipeline.evaluation.costs import machine
+from rallygap.pipeline.io.artifacts import read_json, write_json
 
 ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "reports" / "costs" / "benchmarks.json"

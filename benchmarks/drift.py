@@ -15,17 +15,17 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 from benchmarks.comparison import ROOT
-from models.exam.design.detection_limits import DetectionLimits
-from models.exam.design.question import seed_of
-from models.exam.interface import shots_of
-from models.exam.simulate.recordings import simulate_trial
-from models.exam.simulate.trial import Trial
-from models.gap.hypotheses import Hypothesis
-from models.live.drift import REFERENCE, DriftMonitor
-from pipeline.io.artifacts import write_json
-from pipeline.io.figure_style import FIGURE_WIDTH, apply_style, save_figure
-from pipeline.io.simulators import load_simulator
-from pipeline.runtime.parallel import parallel
+from rallygap.models.exam.design.detection_limits import DetectionLimits
+from rallygap.models.exam.design.question import seed_of
+from rallygap.models.exam.interface import shots_of
+from rallygap.models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.simulate.trial import Trial
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.live.drift import REFERENCE, DriftMonitor
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, apply_style, save_figure
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.runtime.parallel import parallel
 
 SIMULATOR = load_simulator("literature")
 QUIET_SESSIONS, QUIET_SHOTS = 25, 400  # without a change

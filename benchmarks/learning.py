@@ -17,11 +17,11 @@ import typer
 
 from benchmarks.comparison import Comparison, report
 from benchmarks.policy_training import LEARNING, PEER, TASK, default_learner
-from models.policy.learning import learn_iteration, trained_policy
-from models.policy.policy import Policy
-from models.policy.random_streams import validation_stream
-from models.policy.trial import play
-from pipeline.evaluation.costs import one_core
+from rallygap.models.policy.learning import learn_iteration, trained_policy
+from rallygap.models.policy.policy import Policy
+from rallygap.models.policy.random_streams import validation_stream
+from rallygap.models.policy.trial import play
+from rallygap.pipeline.evaluation.costs import one_core
 
 GOAL = 0.95  # return rate
 SEEDS = (1, 2, 3)

@@ -18,22 +18,22 @@ import torch
 from rich.console import Console
 
 from benchmarks.comparison import ROOT
-from models.live.compiled import CompiledPredictor
-from models.live.forecaster import Forecaster
-from models.live.history import history_of
-from models.predictors.learned import LearnedPredictor, build_network
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import FUTURE_TIMES, Floats, ProbabilisticPredictor
-from models.predictors.settings import TransformerSettings
-from models.predictors.spread import Spread
-from pipeline.evaluation.costs import machine, one_core
-from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, read_predictors
-from pipeline.io.artifacts import read_table, write_json
-from pipeline.io.simulators import load_simulator
-from pipeline.live.messages import Measurement
-from pipeline.live.replay import measurements
-from pipeline.params import load_params, read_yaml
-from pipeline.runtime.progress import progress
+from rallygap.models.live.compiled import CompiledPredictor
+from rallygap.models.live.forecaster import Forecaster
+from rallygap.models.live.history import history_of
+from rallygap.models.predictors.learned import LearnedPredictor, build_network
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import FUTURE_TIMES, Floats, ProbabilisticPredictor
+from rallygap.models.predictors.settings import TransformerSettings
+from rallygap.models.predictors.spread import Spread
+from rallygap.pipeline.evaluation.costs import machine, one_core
+from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, read_predictors
+from rallygap.pipeline.io.artifacts import read_table, write_json
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.live.messages import Measurement
+from rallygap.pipeline.live.replay import measurements
+from rallygap.pipeline.params import load_params, read_yaml
+from rallygap.pipeline.runtime.progress import progress
 
 FRAMES = 20_000
 AHEAD = np.array([0.115, 0.12, 0.125])  # s, the horizons of a policy

@@ -13,13 +13,13 @@ from stable_baselines3 import SAC
 from stable_baselines3.common.logger import Logger
 
 from benchmarks.comparison import ROOT, faster, rate, report
-from models.policy.batch_simulation import ACTIONS
-from models.policy.environment import ReturnVecEnv
-from models.policy.learning import LEARNER, REPLAY, learn_iteration, skip_critic_gradients
-from models.policy.task import Task
-from pipeline.evaluation.costs import one_core
-from pipeline.io.simulators import load_simulator
-from pipeline.params import load_params
+from rallygap.models.policy.batch_simulation import ACTIONS
+from rallygap.models.policy.environment import ReturnVecEnv
+from rallygap.models.policy.learning import LEARNER, REPLAY, learn_iteration, skip_critic_gradients
+from rallygap.models.policy.task import Task
+from rallygap.pipeline.evaluation.costs import one_core
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import load_params
 
 PARAMS = load_params(ROOT / "params.yaml")
 GROUP = PARAMS.train_policy.groups["sim2sim"]

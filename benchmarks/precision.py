@@ -11,10 +11,10 @@ import pandas as pd
 from rich.console import Console
 
 from benchmarks.comparison import ROOT
-from pipeline.io.artifacts import write_csv
-from pipeline.params import Params, load_params
-from pipeline.sweeps.predictor import compare_predictors
-from pipeline.sweeps.settings import PredictorSweep, load_sweep
+from rallygap.pipeline.io.artifacts import write_csv
+from rallygap.pipeline.params import Params, load_params
+from rallygap.pipeline.sweeps.predictor import compare_predictors
+from rallygap.pipeline.sweeps.settings import PredictorSweep, load_sweep
 
 MEASURED = ROOT / "reports" / "costs" / "precision.csv"
 EPOCHS = 8

@@ -17,8 +17,8 @@ import pandas as pd
 from rich.console import Console
 
 from benchmarks.comparison import ROOT
-from pipeline.evaluation.costs import machine
-from pipeline.io.artifacts import write_csv, write_json
+from rallygap.pipeline.evaluation.costs import machine
+from rallygap.pipeline.io.artifacts import write_csv, write_json
 
 MEASURED = ROOT / "reports" / "costs" / "reproduce.csv"
 SET_UP = "set-up"

@@ -23,23 +23,23 @@ from rich.console import Console
 
 from benchmarks.comparison import ROOT
 from benchmarks.policy_training import LEARNING, PARAMS, SEED, TASK
-from models.ball.catalogue import catalogue
-from models.exam.design.question import Question
-from models.exam.methods.registry import METHODS, RALLYGAP
-from models.exam.runner import run_question
-from models.exam.simulate.trial import Trial
-from models.policy.learning import learn_iteration
-from models.predictors.learned import build_network
-from models.predictors.training import ForecastTraining, WindowData
-from models.predictors.window_dataset import build_tracks
-from models.segmentation.tables import Segmented
-from pipeline.evaluation.costs import machine
-from pipeline.io.artifacts import read_table, write_csv, write_json
-from pipeline.io.episodes import as_episode
-from pipeline.predictors.trainer import train
-from pipeline.runtime.parallel import parallel
-from pipeline.segmentation.cut_recordings import cut_recordings
-from pipeline.sources.gather import gather
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.exam.design.question import Question
+from rallygap.models.exam.methods.registry import METHODS, RALLYGAP
+from rallygap.models.exam.runner import run_question
+from rallygap.models.exam.simulate.trial import Trial
+from rallygap.models.policy.learning import learn_iteration
+from rallygap.models.predictors.learned import build_network
+from rallygap.models.predictors.training import ForecastTraining, WindowData
+from rallygap.models.predictors.window_dataset import build_tracks
+from rallygap.models.segmentation.tables import Segmented
+from rallygap.pipeline.evaluation.costs import machine
+from rallygap.pipeline.io.artifacts import read_table, write_csv, write_json
+from rallygap.pipeline.io.episodes import as_episode
+from rallygap.pipeline.predictors.trainer import train
+from rallygap.pipeline.runtime.parallel import parallel
+from rallygap.pipeline.segmentation.cut_recordings import cut_recordings
+from rallygap.pipeline.sources.gather import gather
 from tests.models.predictors.small_training import tracks
 from tests.pipeline.sources.made_up import ARENA
 

@@ -1,5 +1,5 @@
 """The experiment pipeline: stages' parameters, files, runs, results and the command line."""
 
-from pipeline.runtime.determinism import hold_arithmetic
+from rallygap.pipeline.runtime.determinism import hold_arithmetic
 
 hold_arithmetic()

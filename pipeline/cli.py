@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.benchmark.command import app as benchmark
-from pipeline.runtime.console import refuse, show
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.extras import missing_extra, require
-from pipeline.runtime.guard import disks_named
-from pipeline.runtime.paths import clone, clone_with_run
+from rallygap.pipeline.benchmark.command import app as benchmark
+from rallygap.pipeline.runtime.console import refuse, show
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.extras import missing_extra, require
+from rallygap.pipeline.runtime.guard import disks_named
+from rallygap.pipeline.runtime.paths import clone, clone_with_run
 
 if TYPE_CHECKING:
-    from pipeline.gap.summary import Findings
+    from rallygap.pipeline.gap.summary import Findings
 
 # Of MLflow's server: no telemetry, and none of the processes that run jobs, which nobody submits.
 LEAN = {
@@ -110,7 +110,7 @@ def diagnose(
     ] = False,
 ) -> None:
     """Say where recordings and a simulator disagree, why, and by how much."""
-    from pipeline.gap.diagnose_folder import diagnose_folder
+    from rallygap.pipeline.gap.diagnose_folder import diagnose_folder
 
     findings = diagnose_folder(data, source, simulator, level, out, typer.echo, everything)
     typer.echo()
@@ -133,7 +133,7 @@ def audit(
     ] = None,
 ) -> None:
     """Say which effects a simulator really has, by probe shots; no measurements are needed."""
-    from pipeline.engines.audit_folder import audit_folder
+    from rallygap.pipeline.engines.audit_folder import audit_folder
 
     for line in audit_folder(simulator, out, against):
         typer.echo(line)
@@ -152,8 +152,8 @@ def export(
     ] = None,
 ) -> None:
     """Write a simulator's flight and bounce for another engine: as code, or as a scene as well."""
-    from pipeline.engines.export.code import CODE
-    from pipeline.engines.export.command import export, export_scene
+    from rallygap.pipeline.engines.export.code import CODE
+    from rallygap.pipeline.engines.export.command import export, export_scene
 
     if scene is not None:
         folder = out or Path("amended")
@@ -171,7 +171,7 @@ def simulators() -> None:
     """List the shipped simulators: their names, and their effects as YAML."""
     from textwrap import indent
 
-    from models.ball.simulators import shipped_names, shipped_text
+    from rallygap.models.ball.simulators import shipped_names, shipped_text
 
     typer.echo("\n".join(f"{name}\n{indent(shipped_text(name), '  ')}" for name in shipped_names()))
 
@@ -179,7 +179,7 @@ def simulators() -> None:
 @app.command(rich_help_panel=RUNS)
 def check() -> None:
     """Check params.yaml, without running anything."""
-    from pipeline.params import load_params
+    from rallygap.pipeline.params import load_params
 
     path = clone() / "params.yaml"
     load_params(path)
@@ -189,7 +189,7 @@ def check() -> None:
 @app.command(rich_help_panel=RUNS)
 def profile(name: Annotated[str, typer.Argument(help="a file of the folder profiles")]) -> None:
     """Print a profile as flags, for `dvc exp run $(rallygap profile smoke)`."""
-    from pipeline.experiments.profiles import profile_flags
+    from rallygap.pipeline.experiments.profiles import profile_flags
 
     typer.echo(" ".join(profile_flags(clone(), name)))
 
@@ -199,7 +199,7 @@ def run_of(path: Annotated[Path, typer.Argument(help="a file under reports or ar
     """Say which run wrote a file: stage, commit, DVC experiment, and its page in MLflow."""
     from dataclasses import asdict
 
-    from pipeline.tracking.lineage import origin_of
+    from rallygap.pipeline.tracking.lineage import origin_of
 
     for name, value in asdict(origin_of(clone(), path)).items():
         typer.echo(f"{name:<12}{value or '–'}")
@@ -210,8 +210,8 @@ def ui(
     port: Annotated[int, typer.Option(min=1, max=65535, help="on this machine only")] = 5000,
 ) -> None:
     """Serve the MLflow pages of this repository's runs, until interrupted."""
-    from pipeline.tracking.lineage import runs_page
-    from pipeline.tracking.recording import store_uri
+    from rallygap.pipeline.tracking.lineage import runs_page
+    from rallygap.pipeline.tracking.recording import store_uri
 
     require("mlflow")
     root = clone()
@@ -238,8 +238,8 @@ def sweep(
     ] = None,
 ) -> None:
     """Search hyperparameters with Optuna; write the best to reports/sweeps/NAME."""
-    from pipeline.sweeps.settings import load_sweep
-    from pipeline.sweeps.worker import run_sweep
+    from rallygap.pipeline.sweeps.settings import load_sweep
+    from rallygap.pipeline.sweeps.worker import run_sweep
 
     loaded = load_sweep(clone(), name)
     best = run_sweep(loaded, study, workers, trials or loaded.settings.trials)
@@ -252,8 +252,8 @@ def confirm(
     name: Annotated[str, typer.Argument(help="a sweep that was run, such as predictor")],
 ) -> None:
     """Train with the best parameters of a sweep and params.yaml; compare on unseen shots."""
-    from pipeline.sweeps.confirm import confirmed_table, run_confirm
-    from pipeline.sweeps.settings import load_sweep
+    from rallygap.pipeline.sweeps.confirm import confirmed_table, run_confirm
+    from rallygap.pipeline.sweeps.settings import load_sweep
 
     loaded = load_sweep(clone(), name)
     table = run_confirm(loaded)
@@ -275,8 +275,8 @@ def real(
     ] = None,
 ) -> None:
     """Run the pipeline on the measured sets in FOLDER and keep the results as `real`."""
-    from pipeline.experiments.keep import keep_experiment
-    from pipeline.experiments.profiles import profile_flags
+    from rallygap.pipeline.experiments.keep import keep_experiment
+    from rallygap.pipeline.experiments.profiles import profile_flags
 
     require("dvc")
     if folder is None:
@@ -323,8 +323,8 @@ def live(
     view_port: Annotated[int, typer.Option(help="of the view, on this machine only")] = 7662,
 ) -> None:
     """Forecast the ball while it is measured; Ctrl-C ends with a histogram of latencies."""
-    from pipeline.live.command import forecaster, replay, serve
-    from pipeline.live.latency import summary
+    from rallygap.pipeline.live.command import forecaster, replay, serve
+    from rallygap.pipeline.live.latency import summary
 
     ready = forecaster(simulator, predictor, balls)
     port = view_port if view else None
@@ -348,7 +348,7 @@ def known_answers(
     folds: Annotated[int, typer.Option(min=2, help="of the cross-validation")] = 2,
 ) -> None:
     """Plant known errors on measured sets and score the verdicts; resumes if killed."""
-    from pipeline.known_answers.run import REPORT, TABLE, run_known_answers
+    from rallygap.pipeline.known_answers.run import REPORT, TABLE, run_known_answers
 
     root = clone()
     for name, score in run_known_answers(root, folder, sets, folds).items():
@@ -360,7 +360,7 @@ def known_answers(
 @app.command(rich_help_panel=MAINTENANCE)
 def keep(name: Annotated[str, typer.Argument(help="as `dvc exp list` shows it")]) -> None:
     """Copy the results of a DVC experiment into reports/NAME, to be committed."""
-    from pipeline.experiments.keep import keep_experiment
+    from rallygap.pipeline.experiments.keep import keep_experiment
 
     root = clone()
     keep_experiment(root, name)
@@ -370,8 +370,8 @@ def keep(name: Annotated[str, typer.Argument(help="as `dvc exp list` shows it")]
 @app.command(rich_help_panel=MAINTENANCE)
 def page(name: Annotated[str, typer.Argument(help="of the folder in reports")]) -> None:
     """Write the page of a kept run, reports/NAME/index.html, from its figures and tables."""
-    from pipeline.io.artifacts import write_text
-    from pipeline.web.kept_page import kept_page
+    from rallygap.pipeline.io.artifacts import write_text
+    from rallygap.pipeline.web.kept_page import kept_page
 
     root = clone()
     file = root / "reports" / name / "index.html"
@@ -382,7 +382,7 @@ def page(name: Annotated[str, typer.Argument(help="of the folder in reports")]) 
 @app.command(rich_help_panel=MAINTENANCE)
 def costs() -> None:
     """Measure what the predictors of the last run cost on this machine; write reports/costs."""
-    from pipeline.evaluation.costs import costs_table, machine, measure_costs, write_costs
+    from rallygap.pipeline.evaluation.costs import costs_table, machine, measure_costs, write_costs
 
     root = clone_with_run()
     folder = root / "reports" / "costs"
@@ -399,7 +399,7 @@ def everything(
     ] = None,
 ) -> None:
     """Make all kept results that are older than the code; a day on two cores, resumes."""
-    from pipeline.experiments.everything import make_everything
+    from rallygap.pipeline.experiments.everything import make_everything
 
     require("dvc")
     make_everything(clone(), names or [])
@@ -408,7 +408,7 @@ def everything(
 @app.command(rich_help_panel=MAINTENANCE)
 def stale() -> None:
     """List the steps of `everything` whose code has changed since, with what differs."""
-    from pipeline.experiments.everything import step_results
+    from rallygap.pipeline.experiments.everything import step_results
 
     for step in filter(lambda step: step.is_stale, step_results(clone())):
         changed = f" Changed: {', '.join(step.changed)}." if step.changed else ""
@@ -423,7 +423,7 @@ def compare_commits(
     new: Annotated[str, typer.Argument(help="another one")] = "HEAD",
 ) -> None:
     """List the numbers in which the committed tables and metrics of two commits differ."""
-    from pipeline.experiments.compare_commits import compare_commits
+    from rallygap.pipeline.experiments.compare_commits import compare_commits
 
     count, differences = compare_commits(clone(), base, new)
     for path, what in differences.items():
@@ -434,9 +434,9 @@ def compare_commits(
 @app.command(rich_help_panel=MAINTENANCE)
 def docs() -> None:
     """Write the generated pages, blocks and pictures of the documentation, and kept figures."""
-    from pipeline.documentation.generated import regenerate
-    from pipeline.documentation.pictures import redrawn_figures, renewed_pictures
-    from pipeline.io.artifacts import write_text
+    from rallygap.pipeline.documentation.generated import regenerate
+    from rallygap.pipeline.documentation.pictures import redrawn_figures, renewed_pictures
+    from rallygap.pipeline.io.artifacts import write_text
 
     root = clone()
     for path, text in regenerate(root).items():

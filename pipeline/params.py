@@ -15,19 +15,19 @@ from pydantic import (
     model_validator,
 )
 
-from models.arena.settings import ArenaSettings
-from models.policy.settings import (
+from rallygap.models.arena.settings import ArenaSettings
+from rallygap.models.policy.settings import (
     GoalSettings,
     HorizonsMs,
     LearningSettings,
     SensorNoise,
 )
-from models.predictors.settings import NetworkSettings, TrainingSettings
-from models.segmentation.settings import ScoringSettings, SegmentSettings
-from models.shot_quality.settings import ForestSettings
-from models.support.suggestion import suggestion
-from models.support.yaml_file import YamlFileError, load_yaml
-from pipeline.runtime.errors import InputError
+from rallygap.models.predictors.settings import NetworkSettings, TrainingSettings
+from rallygap.models.segmentation.settings import ScoringSettings, SegmentSettings
+from rallygap.models.shot_quality.settings import ForestSettings
+from rallygap.models.support.suggestion import suggestion
+from rallygap.models.support.yaml_file import YamlFileError, load_yaml
+from rallygap.pipeline.runtime.errors import InputError
 
 # A name that is also a key of metrics, a folder, a file name and a legend entry.
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]

@@ -2,17 +2,21 @@
 
 from collections.abc import Sequence
 
-from models.gap.amend.simulator import amended_yaml
-from models.gap.settings import DEFAULTS
-from pipeline.gap.cases import Diagnosed, cases
-from pipeline.gap.figures.stability import closing_figure, detectable_causes, stability_figure
-from pipeline.gap.shots import SourceShots, read_training_shots
-from pipeline.gap.tables import metrics, report_tables
-from pipeline.io.artifacts import write_text
-from pipeline.runtime.console import warn
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import parallel
-from pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.models.gap.amend.simulator import amended_yaml
+from rallygap.models.gap.settings import DEFAULTS
+from rallygap.pipeline.gap.cases import Diagnosed, cases
+from rallygap.pipeline.gap.figures.stability import (
+    closing_figure,
+    detectable_causes,
+    stability_figure,
+)
+from rallygap.pipeline.gap.shots import SourceShots, read_training_shots
+from rallygap.pipeline.gap.tables import metrics, report_tables
+from rallygap.pipeline.io.artifacts import write_text
+from rallygap.pipeline.runtime.console import warn
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.parallel import parallel
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 
 
 def close_gap(run: StageRun) -> None:

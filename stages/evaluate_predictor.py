@@ -1,10 +1,10 @@
 """Evaluate the predictors: forecast error over the horizon, on every set of measured balls."""
 
-from pipeline.evaluation.coverage import coverage_figures, coverage_rows, coverage_table
-from pipeline.evaluation.example_shots import write_shots
-from pipeline.evaluation.forecasts import draw_shots, evaluate, forecast_windows
-from pipeline.evaluation.predictors import ARENA, read_predictors
-from pipeline.evaluation.report import (
+from rallygap.pipeline.evaluation.coverage import coverage_figures, coverage_rows, coverage_table
+from rallygap.pipeline.evaluation.example_shots import write_shots
+from rallygap.pipeline.evaluation.forecasts import draw_shots, evaluate, forecast_windows
+from rallygap.pipeline.evaluation.predictors import ARENA, read_predictors
+from rallygap.pipeline.evaluation.report import (
     MEASURED,
     TRUTH,
     difference_table,
@@ -16,10 +16,10 @@ from pipeline.evaluation.report import (
     net_table,
     predictor_table,
 )
-from pipeline.evaluation.test_windows import read_sets, read_test_sets
-from pipeline.io.ground_truth import net_contacts, read_contacts, read_truth, true_windows
-from pipeline.runtime.stage_run import StageRun, run_stage
-from pipeline.runtime.torch_threads import one_thread
+from rallygap.pipeline.evaluation.test_windows import read_sets, read_test_sets
+from rallygap.pipeline.io.ground_truth import net_contacts, read_contacts, read_truth, true_windows
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.runtime.torch_threads import one_thread
 
 
 @one_thread()

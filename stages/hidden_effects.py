@@ -4,17 +4,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.exam.records import ExamRecord
-from models.exam.scoring.rates import rates
-from models.exam.scoring.robustness import of_robustness, of_sweeps
-from models.gap.fit.shots import spread_evenly
-from pipeline.exam.figures import exam_figures
-from pipeline.exam.records import RECORDS, read_records
-from pipeline.exam.run import assignments, code_of_records, run_questions
-from pipeline.exam.tables import different_answers, exam_tables, methods_of, rerun_table
-from pipeline.io.artifacts import write_json
-from pipeline.runtime.console import warn
-from pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.models.exam.records import ExamRecord
+from rallygap.models.exam.scoring.rates import rates
+from rallygap.models.exam.scoring.robustness import of_robustness, of_sweeps
+from rallygap.models.gap.fit.shots import spread_evenly
+from rallygap.pipeline.exam.figures import exam_figures
+from rallygap.pipeline.exam.records import RECORDS, read_records
+from rallygap.pipeline.exam.run import assignments, code_of_records, run_questions
+from rallygap.pipeline.exam.tables import different_answers, exam_tables, methods_of, rerun_table
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.runtime.console import warn
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 
 
 def hidden_effects(run: StageRun) -> None:

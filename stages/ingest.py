@@ -1,9 +1,9 @@
 """Read the recordings of every source into tables."""
 
-from pipeline.io.artifacts import write_json
-from pipeline.runtime.stage_run import StageRun, run_stage
-from pipeline.sources.gather import gather
-from pipeline.sources.report import launch_items, source_items, source_metrics
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.sources.gather import gather
+from rallygap.pipeline.sources.report import launch_items, source_items, source_metrics
 
 
 def ingest(run: StageRun) -> None:

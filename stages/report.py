@@ -1,13 +1,13 @@
 """Write the report page from the reports of all other stages."""
 
-from pipeline.evaluation.example_shots import read_shots
-from pipeline.io.artifacts import write_text
-from pipeline.io.report_manifest import read_contents
-from pipeline.paper.run_reports import Reports
-from pipeline.params import Params
-from pipeline.runtime.stage_run import StageRun, run_stage
-from pipeline.transfer.example_returns import read_returns
-from pipeline.web.report_page import render_page
+from rallygap.pipeline.evaluation.example_shots import read_shots
+from rallygap.pipeline.io.artifacts import write_text
+from rallygap.pipeline.io.report_manifest import read_contents
+from rallygap.pipeline.paper.run_reports import Reports
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.transfer.example_returns import read_returns
+from rallygap.pipeline.web.report_page import render_page
 
 STAGES = [name for name in Params.model_fields if name not in ("seed", "report")]
 

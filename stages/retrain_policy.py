@@ -4,23 +4,23 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from models.ball.simulator import Simulator
-from pipeline.evaluation.predictors import read_learned
-from pipeline.io.amended_simulators import amended_by
-from pipeline.io.artifacts import read_as, read_table, write_table
-from pipeline.params import Sim2RealSettings
-from pipeline.policies.storage import save_policy
-from pipeline.policies.training import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.pipeline.evaluation.predictors import read_learned
+from rallygap.pipeline.io.amended_simulators import amended_by
+from rallygap.pipeline.io.artifacts import read_as, read_table, write_table
+from rallygap.pipeline.params import Sim2RealSettings
+from rallygap.pipeline.policies.storage import save_policy
+from rallygap.pipeline.policies.training import (
     TEST_TRIALS,
     TrainingJob,
     TrainingResult,
     play_test_shots,
     train_policies,
 )
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun, run_stage
-from pipeline.transfer.replay_sets import read_replay_sets
-from pipeline.transfer.replay_trials import (
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.transfer.replay_sets import read_replay_sets
+from rallygap.pipeline.transfer.replay_trials import (
     EveryStep,
     Policies,
     informed_forecasters,
@@ -28,9 +28,9 @@ from pipeline.transfer.replay_trials import (
     replay_trials,
     source_of,
 )
-from pipeline.transfer.retraining import ORIGINAL, RETRAINED, amended_name, in_simulator
-from pipeline.transfer.retraining_report import report_parameters, report_retraining
-from pipeline.transfer.trials import joined, run_trials
+from rallygap.pipeline.transfer.retraining import ORIGINAL, RETRAINED, amended_name, in_simulator
+from rallygap.pipeline.transfer.retraining_report import report_parameters, report_retraining
+from rallygap.pipeline.transfer.trials import joined, run_trials
 
 
 def retrain_policy(run: StageRun) -> None:

@@ -1,14 +1,14 @@
 """Score the contacts that segmentation detects against the truth of simulated recordings."""
 
-from pipeline.io.schemas import TRUE_CONTACTS, read_checked
-from pipeline.runtime.console import warn
-from pipeline.runtime.stage_run import StageRun, run_stage
-from pipeline.segmentation.contact_scores import (
+from rallygap.pipeline.io.schemas import TRUE_CONTACTS, read_checked
+from rallygap.pipeline.runtime.console import warn
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.segmentation.contact_scores import (
     contact_metrics,
     contacts_table,
     score_test_recordings,
 )
-from pipeline.segmentation.figures.contact_scores import contact_scores_figure
+from rallygap.pipeline.segmentation.figures.contact_scores import contact_scores_figure
 
 
 def score_segmentation(run: StageRun) -> None:

@@ -1,12 +1,12 @@
 """Cut recordings into episodes: contacts, gaps, ends of rallies, velocities; split them."""
 
-from pipeline.io.source_manifest import read_manifest
-from pipeline.runtime.console import warn
-from pipeline.runtime.stage_run import StageRun, run_stage
-from pipeline.segmentation.cut_recordings import count_samples, draw_recordings
-from pipeline.segmentation.cut_report import segmentation_metrics, splits_table
-from pipeline.segmentation.episode_tables import write_episodes
-from pipeline.segmentation.figures.cuts import cuts_figure
+from rallygap.pipeline.io.source_manifest import read_manifest
+from rallygap.pipeline.runtime.console import warn
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.segmentation.cut_recordings import count_samples, draw_recordings
+from rallygap.pipeline.segmentation.cut_report import segmentation_metrics, splits_table
+from rallygap.pipeline.segmentation.episode_tables import write_episodes
+from rallygap.pipeline.segmentation.figures.cuts import cuts_figure
 
 
 def segment(run: StageRun) -> None:

@@ -1,19 +1,24 @@
 """Shot quality: speed, spin, clearance and winning probability of the returns of sim2real."""
 
-from models.shot_quality.forest import Forest
-from models.shot_quality.shots import Shots
-from pipeline.io.artifacts import write_table
-from pipeline.runtime.console import warn
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun, run_stage
-from pipeline.shot_quality.professionals import read_professionals
-from pipeline.shot_quality.receivers import (
+from rallygap.models.shot_quality.forest import Forest
+from rallygap.models.shot_quality.shots import Shots
+from rallygap.pipeline.io.artifacts import write_table
+from rallygap.pipeline.runtime.console import warn
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.shot_quality.professionals import read_professionals
+from rallygap.pipeline.shot_quality.receivers import (
     median_win_probabilities,
     order_agreement,
     receiver_forests,
 )
-from pipeline.shot_quality.report import metrics, receiver_items, return_items, validation_items
-from pipeline.shot_quality.returns import (
+from rallygap.pipeline.shot_quality.report import (
+    metrics,
+    receiver_items,
+    return_items,
+    validation_items,
+)
+from rallygap.pipeline.shot_quality.returns import (
     experiments,
     out_of_range_table,
     quality_table,
@@ -21,14 +26,14 @@ from pipeline.shot_quality.returns import (
     returns_table,
     swap_table,
 )
-from pipeline.shot_quality.validation import (
+from rallygap.pipeline.shot_quality.validation import (
     Validations,
     calibration_table,
     importance_table,
     score_table,
     validate,
 )
-from pipeline.transfer.returns import read_played
+from rallygap.pipeline.transfer.returns import read_played
 
 
 def shot_quality(run: StageRun) -> None:

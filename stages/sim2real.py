@@ -1,15 +1,15 @@
 """Sim-to-real: policies from an imperfect simulator play replayed measured shots."""
 
-from models.predictors.physics import PhysicsPredictor
-from pipeline.evaluation.predictors import NamedPredictor, read_learned
-from pipeline.io.amended_simulators import amended_by
-from pipeline.io.artifacts import write_json, write_table
-from pipeline.io.simulators import load_simulator
-from pipeline.runtime.stage_run import StageRun, run_stage
-from pipeline.transfer.example_returns import write_returns
-from pipeline.transfer.recorded_returns import example_returns
-from pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
-from pipeline.transfer.replay_trials import (
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_learned
+from rallygap.pipeline.io.amended_simulators import amended_by
+from rallygap.pipeline.io.artifacts import write_json, write_table
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.transfer.example_returns import write_returns
+from rallygap.pipeline.transfer.recorded_returns import example_returns
+from rallygap.pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
+from rallygap.pipeline.transfer.replay_trials import (
     EveryStep,
     FirstWindow,
     Forecaster,
@@ -20,10 +20,10 @@ from pipeline.transfer.replay_trials import (
     replay_trials,
     source_of,
 )
-from pipeline.transfer.sim2real_report import report_sets, report_transfer
-from pipeline.transfer.tolerance import report_tolerance, tolerance_trials
-from pipeline.transfer.transfer_table import PHYSICS
-from pipeline.transfer.trials import joined, run_trials
+from rallygap.pipeline.transfer.sim2real_report import report_sets, report_transfer
+from rallygap.pipeline.transfer.tolerance import report_tolerance, tolerance_trials
+from rallygap.pipeline.transfer.transfer_table import PHYSICS
+from rallygap.pipeline.transfer.trials import joined, run_trials
 
 
 def sim2real(run: StageRun) -> None:

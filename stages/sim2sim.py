@@ -1,10 +1,10 @@
 """Sim-to-sim: policies from imperfect simulators play in another, which counts as the truth."""
 
-from pipeline.policies.storage import load_policies
-from pipeline.runtime.stage_run import StageRun, run_stage
-from pipeline.transfer.sim2sim_report import report_sim2sim
-from pipeline.transfer.sim2sim_trials import sim2sim_trials
-from pipeline.transfer.trials import joined, run_trials
+from rallygap.pipeline.policies.storage import load_policies
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.transfer.sim2sim_report import report_sim2sim
+from rallygap.pipeline.transfer.sim2sim_trials import sim2sim_trials
+from rallygap.pipeline.transfer.trials import joined, run_trials
 
 
 def sim2sim(run: StageRun) -> None:

@@ -2,17 +2,17 @@
 
 import pandas as pd
 
-from pipeline.io.artifacts import write_table
-from pipeline.policies.descriptions import described_policies
-from pipeline.policies.report import report_training
-from pipeline.policies.storage import save_policy
-from pipeline.policies.training import (
+from rallygap.pipeline.io.artifacts import write_table
+from rallygap.pipeline.policies.descriptions import described_policies
+from rallygap.pipeline.policies.report import report_training
+from rallygap.pipeline.policies.storage import save_policy
+from rallygap.pipeline.policies.training import (
     TEST_TRIALS,
     TrainingJob,
     play_test_shots,
     train_policies,
 )
-from pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 
 RECORDED = 32  # test shots of the first policy, one of which is shown
 

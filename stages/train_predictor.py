@@ -5,13 +5,17 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from models.predictors.learned import ForecastNetwork
-from models.predictors.training import WindowData
-from pipeline.predictors.parallel_training import TrainingJob, TrainingResult, train_networks
-from pipeline.predictors.report import training_items, training_metrics
-from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
-from pipeline.predictors.training_data import TrainingEpisodes, untrained_network
-from pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.models.predictors.learned import ForecastNetwork
+from rallygap.models.predictors.training import WindowData
+from rallygap.pipeline.predictors.parallel_training import (
+    TrainingJob,
+    TrainingResult,
+    train_networks,
+)
+from rallygap.pipeline.predictors.report import training_items, training_metrics
+from rallygap.pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
+from rallygap.pipeline.predictors.training_data import TrainingEpisodes, untrained_network
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 
 FINE_TUNED = "_fine_tuned"  # suffix of fine-tuned predictors
 

@@ -24,9 +24,9 @@ def cloned(folder: Path) -> Path:
     ).stdout  # fmt: skip
     for name in listed.split("\0"):
         result = name.startswith(("reports/", "dvc.lock")) and not name.startswith(KEPT)
-        if (ROOT / name).is_file() and not result:
+        if ((ROOT / name).is_file() or (ROOT / name).is_symlink()) and not result:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(ROOT / name, folder / name)
+            shutil.copy(ROOT / name, folder / name, follow_symlinks=False)
     run(folder, "git", "init", "--quiet")
     commit(folder, "start")
     return folder
@@ -57,5 +57,5 @@ def environment(folder: Path) -> dict[str, str]:
 
 def rallygap(folder: Path, *words: str, below: str = ".") -> str:
     """Run our command line in the repository, or in a folder below; return what it printed."""
-    program = "from pipeline.cli import main; main()"
+    program = "from rallygap.pipeline.cli import main; main()"
     return run(folder, "python", "-c", program, *words, below=below)

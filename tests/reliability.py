@@ -9,8 +9,8 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from pipeline.io.artifacts import write_csv, write_json
-from pipeline.runtime.git import git_commit
+from rallygap.pipeline.io.artifacts import write_csv, write_json
+from rallygap.pipeline.runtime.git import git_commit
 
 ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "reports" / "reliability"

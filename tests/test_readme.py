@@ -5,7 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.documentation.pictures import DRAWN, PICTURES, redrawn_figures, renewed_pictures
+from rallygap.pipeline.documentation.pictures import (
+    DRAWN,
+    PICTURES,
+    redrawn_figures,
+    renewed_pictures,
+)
 from tests.clone import run
 
 ROOT = Path(__file__).parents[1]

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.experiments.imports import imported_packages
-from pipeline.params import Params, read_yaml
+from rallygap.pipeline.experiments.imports import imported_packages
+from rallygap.pipeline.params import Params, read_yaml
 
 ROOT = Path(__file__).parents[1]
 PIPELINE = read_yaml(ROOT / "dvc.yaml")
@@ -25,7 +25,7 @@ def outputs(stage):
 
 def packages_of(stage):
     """Folders of the packages whose modules a stage imports, directly or not."""
-    return imported_packages([f"stages.{stage}"]) - {f"stages/{stage}"}
+    return imported_packages([f"rallygap.stages.{stage}"]) - {f"stages/{stage}"}
 
 
 def test_a_stage_has_one_name_in_four_places():
@@ -34,7 +34,7 @@ def test_a_stage_has_one_name_in_four_places():
     assert set(STAGES) == scripts == groups
     for stage in STAGES:
         entry = PIPELINE["stages"][stage]
-        assert entry["cmd"] == f"python -m stages.{stage}"
+        assert entry["cmd"] == f"python -m rallygap.stages.{stage}"
         assert entry["params"] == ["seed", stage]
         assert f"reports/{stage}/contents.json" in outputs(stage)
 

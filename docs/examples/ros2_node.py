@@ -14,9 +14,9 @@ from nav_msgs.msg import Path
 from rclpy.node import Node
 from rclpy.time import Time
 
-from models.ball.types import Floats
-from models.live.forecaster import Forecaster
-from pipeline.io.simulators import load_simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.live.forecaster import Forecaster
+from rallygap.pipeline.io.simulators import load_simulator
 
 AHEAD = 0.01 * np.arange(1, 31)  # s
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import BALL_RADIUS, NET_HEIGHT, STATE_SIZE
-from models.ball.types import Floats
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import BALL_RADIUS, NET_HEIGHT, STATE_SIZE
+from rallygap.models.ball.types import Floats
 
 CORRECTIONS = 5  # iterations; millimetres remain, less than the players' errors
 PATH_SAMPLES = 16  # points of a flight at which its height over the net is taken

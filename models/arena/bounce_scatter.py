@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.contact_laws import ROLLING
-from models.ball.simulator import Simulator
-from models.ball.state import (
+from rallygap.models.ball.contact_laws import ROLLING
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import (
     BALL_RADIUS,
     POSITION,
     SPIN,
@@ -19,7 +19,7 @@ from models.ball.state import (
     TABLE_HALF_WIDTH,
     VELOCITY,
 )
-from models.ball.types import Floats
+from rallygap.models.ball.types import Floats
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.types import Floats
+from rallygap.models.ball.types import Floats
 
 FEATURES = 64  # cosines per axis
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
-from models.arena.camera_field import CameraField
-from models.ball.state import POSITION, SPIN
-from models.ball.types import Bools, Floats, Integers
+from rallygap.models.arena.camera_field import CameraField
+from rallygap.models.ball.state import POSITION, SPIN
+from rallygap.models.ball.types import Bools, Floats, Integers
 
 OUTLIER_DISTANCE = (0.05, 0.30)  # m between the ball and a false detection
 

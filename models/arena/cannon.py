@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from models.arena.contacts import KINDS, ContactSequence, follow_contacts
-from models.arena.observation import TrackedBall
-from models.arena.recording import TrueContacts
-from models.arena.truth import Truth
-from models.ball.contact_laws import TABLE
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
-from models.ball.types import Bools, Floats
+from rallygap.models.arena.contacts import KINDS, ContactSequence, follow_contacts
+from rallygap.models.arena.observation import TrackedBall
+from rallygap.models.arena.recording import TrueContacts
+from rallygap.models.arena.truth import Truth
+from rallygap.models.ball.contact_laws import TABLE
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
+from rallygap.models.ball.types import Bools, Floats
 
 MUZZLE_ACROSS = (-0.5, 0.0, 0.5)  # m
 MUZZLE_ALONG = (1.3, 2.0)  # m

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.arena.truth import Truth
-from models.ball.contact_laws import NET, NONE, ROLLING, TABLE
-from models.ball.state import BALL_RADIUS, POSITION, SPIN, STATE_SIZE, VELOCITY
-from models.ball.types import Bools, Floats, Integers
+from rallygap.models.arena.truth import Truth
+from rallygap.models.ball.contact_laws import NET, NONE, ROLLING, TABLE
+from rallygap.models.ball.state import BALL_RADIUS, POSITION, SPIN, STATE_SIZE, VELOCITY
+from rallygap.models.ball.types import Bools, Floats, Integers
 
 # The surfaces of models.ball.contact_laws, and the floor, which ball simulators do not have.
 FLOOR_SURFACE = 3

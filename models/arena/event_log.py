@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from models.arena.contacts import KINDS, ContactSequence
-from models.arena.recording import TrueContacts
-from models.ball.types import Floats, Integers
+from rallygap.models.arena.contacts import KINDS, ContactSequence
+from rallygap.models.arena.recording import TrueContacts
+from rallygap.models.ball.types import Floats, Integers
 
 
 class EventLog:

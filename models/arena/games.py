@@ -5,15 +5,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from models.arena.cameras import Cameras
-from models.arena.event_log import EventLog
-from models.arena.levels import Players
-from models.arena.observation import TrackedBall, observe
-from models.arena.rallies import Rallies
-from models.arena.recording import ArenaRecording, Point, TrueContacts
-from models.arena.sides import SIDES
-from models.arena.truth import Truth
-from models.ball.types import Floats, Integers
+from rallygap.models.arena.cameras import Cameras
+from rallygap.models.arena.event_log import EventLog
+from rallygap.models.arena.levels import Players
+from rallygap.models.arena.observation import TrackedBall, observe
+from rallygap.models.arena.rallies import Rallies
+from rallygap.models.arena.recording import ArenaRecording, Point, TrueContacts
+from rallygap.models.arena.sides import SIDES
+from rallygap.models.arena.truth import Truth
+from rallygap.models.ball.types import Floats, Integers
 
 POINTS = 2  # per recording
 SERVES = 2  # in a row (ITTF Law 2.13.3)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from models.ball.types import Floats, Integers
+from rallygap.models.ball.types import Floats, Integers
 
 PERSONAL_SPREAD = 0.08  # standard deviation of log(trait of a player / trait of the level)
 

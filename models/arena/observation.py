@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.arena.cameras import Cameras
-from models.arena.recording import TrueContacts
-from models.arena.truth import Truth
-from models.arena.truth_path import along_arcs
-from models.ball.types import Floats
+from rallygap.models.arena.cameras import Cameras
+from rallygap.models.arena.recording import TrueContacts
+from rallygap.models.arena.truth import Truth
+from rallygap.models.arena.truth_path import along_arcs
+from rallygap.models.ball.types import Floats
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.arena.levels import Players
-from models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.ball.types import Bools, Floats
+from rallygap.models.arena.levels import Players
+from rallygap.models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from rallygap.models.ball.types import Bools, Floats
 
 READY = np.array([0.0, -1.7])  # m, ready position
 CONTACT_TIMES = np.arange(0.03, 0.8, 0.01)  # s after the bounce, possible racket contacts

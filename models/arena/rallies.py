@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from models.arena import player_motion, serves, strokes, umpire
-from models.arena.aim import aim_launches
-from models.arena.contacts import ContactSequence, follow_contacts
-from models.arena.event_log import EventLog
-from models.arena.levels import Players
-from models.arena.sides import DIRECTIONS, switch_frame
-from models.arena.truth import Truth
-from models.ball.types import Bools, Floats, Integers
+from rallygap.models.arena import player_motion, serves, strokes, umpire
+from rallygap.models.arena.aim import aim_launches
+from rallygap.models.arena.contacts import ContactSequence, follow_contacts
+from rallygap.models.arena.event_log import EventLog
+from rallygap.models.arena.levels import Players
+from rallygap.models.arena.sides import DIRECTIONS, switch_frame
+from rallygap.models.arena.truth import Truth
+from rallygap.models.ball.types import Bools, Floats, Integers
 
 MAX_CONTACTS = 6  # simulated per stroke
 MIN_CLEARANCE, CLEARANCE_RANGE = 0.01, 0.08  # m above the net that players aim at

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.types import Floats, Integers
+from rallygap.models.ball.types import Floats, Integers
 
 
 class TrueContacts(NamedTuple):

@@ -6,13 +6,13 @@ table frame for simulation, because the physics (wind, tilt) depends on the dire
 
 import numpy as np
 
-from models.arena.levels import Players
-from models.arena.sides import switch_frame
-from models.arena.strokes import SIDE_TAIL, add_execution_errors, spin_vectors
-from models.ball.contact_laws import TABLE
-from models.ball.simulator import Simulator
-from models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.ball.types import Bools, Floats
+from rallygap.models.arena.levels import Players
+from rallygap.models.arena.sides import switch_frame
+from rallygap.models.arena.strokes import SIDE_TAIL, add_execution_errors, spin_vectors
+from rallygap.models.ball.contact_laws import TABLE
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from rallygap.models.ball.types import Bools, Floats
 
 # Where serves are struck: public but for y, which the rules want behind the end line.
 STRIKE_SIDE = (0.34, 0.17)  # m from the middle, mean and spread

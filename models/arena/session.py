@@ -12,14 +12,14 @@ from math import ceil
 
 import numpy as np
 
-from models.arena.cameras import Cameras
-from models.arena.cannon import cannon_balls
-from models.arena.games import games
-from models.arena.levels import LEVELS
-from models.arena.observation import observe
-from models.arena.recording import ArenaRecording
-from models.arena.settings import ArenaSettings
-from models.arena.truth import Truth
+from rallygap.models.arena.cameras import Cameras
+from rallygap.models.arena.cannon import cannon_balls
+from rallygap.models.arena.games import games
+from rallygap.models.arena.levels import LEVELS
+from rallygap.models.arena.observation import observe
+from rallygap.models.arena.recording import ArenaRecording
+from rallygap.models.arena.settings import ArenaSettings
+from rallygap.models.arena.truth import Truth
 
 CANNON_STREAM = 0
 CANNON_BATCH = 250  # shots

@@ -4,8 +4,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from models.ball.simulator import SimulatorError
-from models.ball.simulators import shipped
+from rallygap.models.ball.simulator import SimulatorError
+from rallygap.models.ball.simulators import shipped
 
 
 def _shipped(name: str) -> str:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from models.ball.types import Floats
+from rallygap.models.ball.types import Floats
 
 SIDES = ("near", "far")  # near is y < 0
 DIRECTIONS = np.array([1.0, -1.0])  # sign of the direction along y in which each side plays

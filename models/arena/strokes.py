@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from models.arena.levels import Players
-from models.ball.state import SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH, VELOCITY
-from models.ball.types import Bools, Floats
+from rallygap.models.arena.levels import Players
+from rallygap.models.ball.state import SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH, VELOCITY
+from rallygap.models.ball.types import Bools, Floats
 
 # Mean speed along the table (m/s) of public rally launches: regression of its logarithm on y and z
 # of the launch and y of the landing, with a residual standard deviation of 0.17.

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from models.arena.bounce_scatter import BounceScatter
-from models.arena.camera_field import CameraField
-from models.arena.cameras import SlowError
-from models.ball.quantities import TYPICAL_IMPACT, TYPICAL_SPIN_RATIO
-from models.ball.simulator import Simulator
-from models.ball.simulators import shipped
+from rallygap.models.arena.bounce_scatter import BounceScatter
+from rallygap.models.arena.camera_field import CameraField
+from rallygap.models.arena.cameras import SlowError
+from rallygap.models.ball.quantities import TYPICAL_IMPACT, TYPICAL_SPIN_RATIO
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.simulators import shipped
 
 STREAM = 1_000_000  # random stream of the truth, apart from those of the recordings
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from models.arena.contacts import fly_to_contact
-from models.arena.recording import TrueContacts
-from models.arena.truth import Truth
-from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats, Integers
+from rallygap.models.arena.contacts import fly_to_contact
+from rallygap.models.arena.recording import TrueContacts
+from rallygap.models.arena.truth import Truth
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats, Integers
 
 ARCS_PER_BATCH = 256  # arcs flown at once; arcs of similar length share their padding
 ROUNDING = 1e-9  # s

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arena.contacts import ContactSequence
-from models.ball.contact_laws import NET, NONE, TABLE
-from models.ball.types import Bools, Floats, Integers
+from rallygap.models.arena.contacts import ContactSequence
+from rallygap.models.ball.contact_laws import NET, NONE, TABLE
+from rallygap.models.ball.types import Bools, Floats, Integers
 
 
 @dataclass(frozen=True)

@@ -7,14 +7,14 @@ from time import monotonic
 
 import numpy as np
 
-from models.audit.bounces import Bounces
-from models.audit.probes import Probes, bounce_probes, flight_probes
-from models.audit.selection import Flown, selected, without
-from models.ball.simulator import Simulator
-from models.ball.state import SPIN
-from models.engines.engine import Engine, EngineError
-from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.types import Phase
+from rallygap.models.audit.bounces import Bounces
+from rallygap.models.audit.probes import Probes, bounce_probes, flight_probes
+from rallygap.models.audit.selection import Flown, selected, without
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import SPIN
+from rallygap.models.engines.engine import Engine, EngineError
+from rallygap.models.gap.hypotheses import Hypothesis, hypotheses
+from rallygap.models.gap.types import Phase
 
 # What every engine has; the values are those to begin with.
 BASE = Simulator.from_dict(

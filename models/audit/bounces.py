@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.audit.probes import GRAVITY
-from models.audit.selection import Flown
-from models.ball.simulator import Simulator
-from models.ball.state import BALL_RADIUS, SPIN, VELOCITY
-from models.ball.types import Bools, Floats
+from rallygap.models.audit.probes import GRAVITY
+from rallygap.models.audit.selection import Flown
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import BALL_RADIUS, SPIN, VELOCITY
+from rallygap.models.ball.types import Bools, Floats
 
 # Share of the slip that the velocity changes by where the contact point comes to rest, by the
 # moment of inertia: 1 / (1 + m r^2 / I).

@@ -9,9 +9,9 @@ from itertools import product
 
 import numpy as np
 
-from models.ball.state import BALL_RADIUS
-from models.ball.types import Floats
-from models.gap.types import Phase
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.types import Phase
 
 FLIGHT_TIMES: Floats = 0.05 * np.arange(1.0, 9.0)  # s
 BOUNCE_TIMES = np.array([0.03, 0.06, 0.1, 0.15])  # s, all after the contact

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.audit.probes import Probes
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN
-from models.ball.types import Floats
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.audit.probes import Probes
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, SPIN
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.hypotheses import Hypothesis
 
 MM = 1e3  # in a metre
 MM_PER_SPIN = 0.2  # mm that a rad/s counts as; about its Magnus effect on the rest of a flight

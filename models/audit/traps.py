@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.audit.audit import Audit
-from models.audit.bounces import SHELL, SOLID
-from models.audit.probes import flight_probes
-from models.ball.simulator import Simulator
-from models.ball.simulators import shipped
-from models.ball.state import POSITION
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.audit.audit import Audit
+from rallygap.models.audit.bounces import SHELL, SOLID
+from rallygap.models.audit.probes import flight_probes
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.ball.state import POSITION
+from rallygap.models.gap.hypotheses import Hypothesis
 
 LITERATURE = shipped("literature")
 DRAG, LIFT = Hypothesis("drag", "cd"), Hypothesis("magnus", "cm")

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from models.ball.types import Floats
+from rallygap.models.ball.types import Floats
 
 BLOCK = 2048  # places at once, so that their covariances stay in the processor's cache
 

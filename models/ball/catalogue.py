@@ -6,10 +6,10 @@ a module with an ``effect``, like the modules of ``effects/``.
 
 from functools import cache
 
-from models.ball import effects
-from models.ball.effect import Effect
-from models.ball.quantities import QUANTITIES
-from models.support.discovery import discovered
+from rallygap.models.ball import effects
+from rallygap.models.ball.effect import Effect
+from rallygap.models.ball.quantities import QUANTITIES
+from rallygap.models.support.discovery import discovered
 
 ENTRY_POINT_GROUP = "rallygap.effects"
 

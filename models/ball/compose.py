@@ -11,10 +11,10 @@ from typing import Any
 
 import numba
 
-from models.ball.catalogue import catalogue, parameter_columns
-from models.ball.effect import Effect
-from models.ball.quantities import QUANTITIES, Quantity
-from models.support.compilation import compiler
+from rallygap.models.ball.catalogue import catalogue, parameter_columns
+from rallygap.models.ball.effect import Effect
+from rallygap.models.ball.quantities import QUANTITIES, Quantity
+from rallygap.models.support.compilation import compiler
 
 
 @cache

@@ -7,11 +7,11 @@ accuracy of the flight.
 
 import math
 
-from models.ball.compose import compiled
-from models.ball.contact_laws import NET, NONE, TABLE, net_gap, table_gap
-from models.ball.flight import step
-from models.ball.state import BALL_RADIUS, NET_HEIGHT, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.ball.types import Environment, Parameters, Scene, State, Vector
+from rallygap.models.ball.compose import compiled
+from rallygap.models.ball.contact_laws import NET, NONE, TABLE, net_gap, table_gap
+from rallygap.models.ball.flight import step
+from rallygap.models.ball.state import BALL_RADIUS, NET_HEIGHT, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from rallygap.models.ball.types import Environment, Parameters, Scene, State, Vector
 
 SCAN_DISTANCE = 0.002  # m, shortest distance between two samples of the scan
 SCAN_SAMPLES = 1000  # most samples within a step of flight; enough below 400 m/s

@@ -11,16 +11,16 @@ table and net slide until they roll, the racket's rubber grips.
 
 import math
 
-from models.ball.compose import compiled, composed
-from models.ball.quantities import Impact
-from models.ball.state import (
+from rallygap.models.ball.compose import compiled, composed
+from rallygap.models.ball.quantities import Impact
+from rallygap.models.ball.state import (
     BALL_RADIUS,
     NET_HEIGHT,
     NET_OVERHANG,
     TABLE_HALF_LENGTH,
     TABLE_HALF_WIDTH,
 )
-from models.ball.types import Parameters, Scene, State, Vector
+from rallygap.models.ball.types import Parameters, Scene, State, Vector
 
 _table_restitution = composed()["table_restitution"]
 _table_friction = composed()["table_friction"]

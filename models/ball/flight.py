@@ -5,10 +5,10 @@ A state is a tuple of nine floats here ``(p, v, w)``: tuples stay in registers.
 
 import math
 
-from models.ball.compose import compiled, composed
-from models.ball.quantities import Air
-from models.ball.state import BALL_RADIUS, DRAG_FACTOR, MAGNUS_FACTOR
-from models.ball.types import Environment, Parameters, State
+from rallygap.models.ball.compose import compiled, composed
+from rallygap.models.ball.quantities import Air
+from rallygap.models.ball.state import BALL_RADIUS, DRAG_FACTOR, MAGNUS_FACTOR
+from rallygap.models.ball.types import Environment, Parameters, State
 
 _wind = composed()["wind"]
 _gravity = composed()["gravity"]

@@ -7,7 +7,7 @@ surface lets the ball through unchanged.
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from models.ball.types import Floats, Vector
+from rallygap.models.ball.types import Floats, Vector
 
 # Of a typical ball: effects that change a coefficient leave it unchanged there.
 TYPICAL_SPIN_RATIO = 0.5

@@ -2,11 +2,11 @@
 
 import math
 
-from models.ball.compose import compiled
-from models.ball.contact_detection import approach, gap_to, squared_speed
-from models.ball.contact_laws import NET, TABLE
-from models.ball.flight import advance, derivative
-from models.ball.types import Environment, Parameters, Scene, State, Vector
+from rallygap.models.ball.compose import compiled
+from rallygap.models.ball.contact_detection import approach, gap_to, squared_speed
+from rallygap.models.ball.contact_laws import NET, TABLE
+from rallygap.models.ball.flight import advance, derivative
+from rallygap.models.ball.types import Environment, Parameters, Scene, State, Vector
 
 REST_SPEED = 5e-4  # m/s: a slower rebound comes back within 0.1 ms and counts as resting
 SLIDE_DISTANCE = 0.005  # m, longest slide of a resting ball per step

@@ -4,12 +4,27 @@ import math
 
 import numpy as np
 
-from models.ball.compose import compiled
-from models.ball.contact_detection import approach, enters, first_contact, first_touch, gap_to, near
-from models.ball.contact_laws import NET, TABLE, bounce, racket_contact, surfaces
-from models.ball.flight import flight_environment, step
-from models.ball.resting_contact import REST_SPEED, is_resting, slide
-from models.ball.types import Environment, Floats, Integers, Parameters, Record, Scene, State
+from rallygap.models.ball.compose import compiled
+from rallygap.models.ball.contact_detection import (
+    approach,
+    enters,
+    first_contact,
+    first_touch,
+    gap_to,
+    near,
+)
+from rallygap.models.ball.contact_laws import NET, TABLE, bounce, racket_contact, surfaces
+from rallygap.models.ball.flight import flight_environment, step
+from rallygap.models.ball.resting_contact import REST_SPEED, is_resting, slide
+from rallygap.models.ball.types import (
+    Environment,
+    Floats,
+    Integers,
+    Parameters,
+    Record,
+    Scene,
+    State,
+)
 
 MAX_STEP = 0.005  # s; with Runge-Kutta 5e-9 m at 20 m/s and 600 rad/s
 MAX_REBOUNDS = 100  # within a step; a ball pressed to a surface that hard counts as resting, too

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from models.ball.quantities import QUANTITIES, View
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN, VELOCITY
-from models.ball.types import Floats
+from rallygap.models.ball.quantities import QUANTITIES, View
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, SPIN, VELOCITY
+from rallygap.models.ball.types import Floats
 
 MAX_DELAY = 1.0  # s, where trial values make a ball ever faster
 

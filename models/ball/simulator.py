@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.ball.catalogue import catalogue, parameter_columns
-from models.ball.effect import Change, Effect, Parameter
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats, Integers
-from models.support.suggestion import suggestion
-from models.support.yaml_file import YamlFileError, load_yaml
+from rallygap.models.ball.catalogue import catalogue, parameter_columns
+from rallygap.models.ball.effect import Change, Effect, Parameter
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.support.suggestion import suggestion
+from rallygap.models.support.yaml_file import YamlFileError, load_yaml
 
 NODES = "nodes"  # the rows of an effect's table
 
@@ -151,7 +151,7 @@ class Simulator:
         Raises:
             ValueError: shapes that do not fit, numbers that are not finite, or times that fall.
         """
-        from models.ball import rollout
+        from rallygap.models.ball import rollout
 
         first = _rows(states)
         moments = np.atleast_2d(np.asarray(times, dtype=np.float64))
@@ -178,7 +178,7 @@ class Simulator:
         Raises:
             ValueError: shapes that do not fit, or numbers that are not finite.
         """
-        from models.ball import rollout
+        from rallygap.models.ball import rollout
 
         first, towards, moving = (_rows(part) for part in (states, normals, velocities))
         wanted = ((len(first), STATE_SIZE), (len(first), 3), (len(first), 3))

@@ -6,9 +6,9 @@ from typing import Protocol
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
 
 Flies = Callable[[Floats, Floats], Floats]
 """From (B, 9) states and (T,) times in s, rising, the first at least zero, to (B, T, 9) states:

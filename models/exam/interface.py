@@ -6,11 +6,11 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.gap.fit.shots import Shots
-from models.gap.verdict import Answer as Conclusion
-from models.gap.verdict import Role
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.verdict import Answer as Conclusion
+from rallygap.models.gap.verdict import Role
 
 
 def rounded(value: float) -> float:

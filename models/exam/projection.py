@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from models.ball.types import Floats
+from rallygap.models.ball.types import Floats
 
 
 def projected_out(rows: Floats, nuisance: Floats, precision: Floats) -> Floats:

@@ -8,9 +8,9 @@ from typing import Literal
 
 from pydantic import Field
 
-from models.exam.interface import NamedCause, Number, Record
-from models.exam.simulate.trial import Dynamics, SpinLabels
-from models.gap.verdict import Answer as Conclusion
+from rallygap.models.exam.interface import NamedCause, Number, Record
+from rallygap.models.exam.simulate.trial import Dynamics, SpinLabels
+from rallygap.models.gap.verdict import Answer as Conclusion
 
 
 class HiddenCause(Record):

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from models.exam.design.detection_limits import DetectionLimits
-from models.exam.design.question import Question
-from models.exam.interface import Answer, Method, Recording
-from models.exam.records import AnswerRecord, ExamRecord, HiddenCause
-from models.exam.scoring.removable_gap import RemovableGap
-from models.exam.simulate.recordings import simulate_trial
-from models.exam.simulate.trial import Trial
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.exam.design.detection_limits import DetectionLimits
+from rallygap.models.exam.design.question import Question
+from rallygap.models.exam.interface import Answer, Method, Recording
+from rallygap.models.exam.records import AnswerRecord, ExamRecord, HiddenCause
+from rallygap.models.exam.scoring.removable_gap import RemovableGap
+from rallygap.models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.simulate.trial import Trial
+from rallygap.models.gap.hypotheses import Hypothesis
 
 NOT_DETECTABLE = "these shots do not show it at any value that makes sense"
 

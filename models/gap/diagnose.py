@@ -6,11 +6,11 @@ from typing import get_args
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.gap.fit.shots import Shots, held_out
-from models.gap.locate.attribution import locate
-from models.gap.location import Located
-from models.gap.name.causes import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.fit.shots import Shots, held_out
+from rallygap.models.gap.locate.attribution import locate
+from rallygap.models.gap.location import Located
+from rallygap.models.gap.name.causes import (
     camera_cause,
     camera_nodes,
     cause,
@@ -18,18 +18,18 @@ from models.gap.name.causes import (
     detection_limits,
     label_signs_cause,
 )
-from models.gap.name.distortion import CAMERA
-from models.gap.name.label_readings import all_as_read
-from models.gap.name.naming import Named, name
-from models.gap.name.parts import UNEXPLAINED, parts
-from models.gap.name.selection import evidence_about
-from models.gap.name.unexplained import UnexplainedStructure, find_unexplained
-from models.gap.name.variation import variations
-from models.gap.net.contacts import NetContacts
-from models.gap.net.naming import name_net
-from models.gap.settings import DEFAULTS, GapSettings, Question
-from models.gap.types import PHASES
-from models.gap.verdict import (
+from rallygap.models.gap.name.distortion import CAMERA
+from rallygap.models.gap.name.label_readings import all_as_read
+from rallygap.models.gap.name.naming import Named, name
+from rallygap.models.gap.name.parts import UNEXPLAINED, parts
+from rallygap.models.gap.name.selection import evidence_about
+from rallygap.models.gap.name.unexplained import UnexplainedStructure, find_unexplained
+from rallygap.models.gap.name.variation import variations
+from rallygap.models.gap.net.contacts import NetContacts
+from rallygap.models.gap.net.naming import name_net
+from rallygap.models.gap.settings import DEFAULTS, GapSettings, Question
+from rallygap.models.gap.types import PHASES
+from rallygap.models.gap.verdict import (
     Answer,
     Cause,
     DetectionLimits,
@@ -39,8 +39,8 @@ from models.gap.verdict import (
     Verdict,
     Worth,
 )
-from models.gap.verify.limitations import limitations, of_labels
-from models.gap.verify.verified import Verified
+from rallygap.models.gap.verify.limitations import limitations, of_labels
+from rallygap.models.gap.verify.verified import Verified
 
 ROLES: tuple[Role, ...] = get_args(Role)  # in the order of a verdict
 # Share of the work that is done when causes are named, the gap is located, and roles are found.

@@ -7,10 +7,10 @@ A hypothesis is identified by its effect and parameter, written ``effect.paramet
 import difflib
 from dataclasses import dataclass
 
-from models.ball.catalogue import catalogue, parameter_columns
-from models.ball.effect import Parameter
-from models.ball.simulator import Simulator
-from models.gap.types import Phase
+from rallygap.models.ball.catalogue import catalogue, parameter_columns
+from rallygap.models.ball.effect import Parameter
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.types import Phase
 
 # Share of a parameter's range, for finite differences. It is small because a path has a kink where
 # it bounces: the fewer samples lie between the two bounces that are compared, the better.

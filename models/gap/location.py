@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from models.ball.types import Floats
-from models.gap.types import PHASES, Phase
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.types import PHASES, Phase
 
 
 @dataclass(frozen=True)

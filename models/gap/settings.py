@@ -12,7 +12,7 @@ from types import MappingProxyType
 import numpy as np
 from scipy.stats import norm
 
-from models.ball.simulator import Simulator
+from rallygap.models.ball.simulator import Simulator
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 Importing this module loads no inference code. Read a file from Python with::
 
-    from models.gap.verdict import Verdict
+    from rallygap.models.gap.verdict import Verdict
 
     verdict = Verdict.load("verdict.json")
 
@@ -17,9 +17,9 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf, ValidationError
 
-from models.gap.hypotheses import Hypothesis
-from models.gap.location import Located
-from models.gap.types import Phase
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.location import Located
+from rallygap.models.gap.types import Phase
 
 VERSION = 2  # of the file (see ``Verdict.version``); grows when a field changes
 

@@ -24,8 +24,8 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from models.predictors.learned import ForecastNetwork, LearnedPredictor
-from models.predictors.protocol import (
+from rallygap.models.predictors.learned import ForecastNetwork, LearnedPredictor
+from rallygap.models.predictors.protocol import (
     FUTURE,
     FUTURE_TIMES,
     HISTORY,
@@ -34,8 +34,8 @@ from models.predictors.protocol import (
     Forecast,
     History,
 )
-from models.predictors.spread import Spread
-from models.predictors.transformer import Transformer
+from rallygap.models.predictors.spread import Spread
+from rallygap.models.predictors.transformer import Transformer
 
 OPSET = 23  # the first with an operator for attention
 SLOWER = ["MatMulAddFusion", "SkipLayerNormFusion"]  # for the few rows of one window

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.state import BALL_RADIUS, POSITION, STATE_SIZE, VELOCITY
-from models.ball.types import Floats
-from models.predictors.sensor import Sensor
+from rallygap.models.ball.state import BALL_RADIUS, POSITION, STATE_SIZE, VELOCITY
+from rallygap.models.ball.types import Floats
+from rallygap.models.predictors.sensor import Sensor
 
 GRAVITY = 9.81  # m/s^2; only within a step of a path, and for the error of an apex
 NEAR_TABLE = 0.15  # m, height below which a ball that turns upwards has bounced

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats, Integers
-from models.gap.fit.projection import eliminate_nuisance
-from models.gap.fit.refit import RefitResult, fit_nuisance, refit
-from models.gap.fit.shots import Shots
-from models.gap.hypotheses import Hypothesis
-from models.gap.inference.score_test import Evidence
-from models.gap.settings import DEFAULTS, GapSettings
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.gap.fit.projection import eliminate_nuisance
+from rallygap.models.gap.fit.refit import RefitResult, fit_nuisance, refit
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.inference.score_test import Evidence
+from rallygap.models.gap.settings import DEFAULTS, GapSettings
 
 REFERENCE = 100  # shots, at least as many as most windows have
 WINDOWS = (5, 7, 10, 14, 20, 28, 40, 57, 80, 113, 160)  # lengths, in shots

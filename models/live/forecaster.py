@@ -12,17 +12,17 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, STATE_SIZE
-from models.ball.types import Floats
-from models.live import crossings
-from models.live.crossings import Crossing
-from models.live.history import history_of
-from models.live.track import Track
-from models.predictors.ball_filter import ANY_BALL, Expected
-from models.predictors.propagation import propagated
-from models.predictors.protocol import FUTURE_TIMES, TICK, ProbabilisticPredictor
-from models.predictors.sensor import Sensor
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.live import crossings
+from rallygap.models.live.crossings import Crossing
+from rallygap.models.live.history import history_of
+from rallygap.models.live.track import Track
+from rallygap.models.predictors.ball_filter import ANY_BALL, Expected
+from rallygap.models.predictors.propagation import propagated
+from rallygap.models.predictors.protocol import FUTURE_TIMES, TICK, ProbabilisticPredictor
+from rallygap.models.predictors.sensor import Sensor
 
 Seen = Literal["used", "unused", "new ball"]
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from models.ball.compose import compiled
-from models.ball.types import Bools, Floats
-from models.live.track import Track
-from models.predictors.protocol import HISTORY_TIMES, History
+from rallygap.models.ball.compose import compiled
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.live.track import Track
+from rallygap.models.predictors.protocol import HISTORY_TIMES, History
 
 LONGEST_GAP = 3  # ticks between measurements, across which positions are interpolated
 ROUNDING = 0.01  # ticks, by which two times may differ by rounding

@@ -6,10 +6,10 @@ by the systematic errors of the simulator's sensor.
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
-from models.predictors.ball_filter import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.predictors.ball_filter import (
     ANY_BALL,
     OUTLIER_DISTANCE,
     Expected,
@@ -19,8 +19,8 @@ from models.predictors.ball_filter import (
     label_noise,
     updated,
 )
-from models.predictors.protocol import TICK
-from models.predictors.sensor import Sensor
+from rallygap.models.predictors.protocol import TICK
+from rallygap.models.predictors.sensor import Sensor
 
 Belief = tuple[Floats, Floats]  # (9,) mean and (9, 9) covariance
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from models.ball.types import Bools, Integers
-from models.policy.batch_simulation import BatchSimulation
-from models.policy.task import Task
+from rallygap.models.ball.types import Bools, Integers
+from rallygap.models.policy.batch_simulation import BatchSimulation
+from rallygap.models.policy.task import Task
 
 BATCH = 256  # balls generated at once, which makes a new episode cheap
 

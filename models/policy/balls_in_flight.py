@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from models.ball.types import Bools, Floats, Integers
-from models.policy.incoming_balls import CONTROL_STEP, PATH_STEP, IncomingBalls
+from rallygap.models.ball.types import Bools, Floats, Integers
+from rallygap.models.policy.incoming_balls import CONTROL_STEP, PATH_STEP, IncomingBalls
 
 PATH_STEPS_PER_CONTROL = round(CONTROL_STEP / PATH_STEP)
 

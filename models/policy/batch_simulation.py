@@ -5,10 +5,10 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.simulator import Simulator
-from models.ball.types import Bools, Floats, Integers
-from models.policy.balls_in_flight import PATH_STEPS_PER_CONTROL, BallsInFlight
-from models.policy.episodes import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Bools, Floats, Integers
+from rallygap.models.policy.balls_in_flight import PATH_STEPS_PER_CONTROL, BallsInFlight
+from rallygap.models.policy.episodes import (
     ARM_ON_TABLE,
     BEFORE_BOUNCE,
     HIT,
@@ -16,18 +16,23 @@ from models.policy.episodes import (
     Episodes,
     conclude,
 )
-from models.policy.following import following_actions
-from models.policy.goals import Goals
-from models.policy.incoming_balls import CONTROL_STEP, PATH_STEP, IncomingBalls
-from models.policy.observation import Observations, observe
-from models.policy.outcome import with_net
-from models.policy.racket_contact import RacketContacts, distances, find_contacts, racket_path
-from models.policy.reward import effort_reward
-from models.policy.settings import ObservationKind
-from models.robot.arms import Arms
-from models.robot.constants import BULLET_STEP, COMMAND_STEP
-from models.robot.control import joint_speeds
-from models.robot.kinematics import racket
+from rallygap.models.policy.following import following_actions
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.incoming_balls import CONTROL_STEP, PATH_STEP, IncomingBalls
+from rallygap.models.policy.observation import Observations, observe
+from rallygap.models.policy.outcome import with_net
+from rallygap.models.policy.racket_contact import (
+    RacketContacts,
+    distances,
+    find_contacts,
+    racket_path,
+)
+from rallygap.models.policy.reward import effort_reward
+from rallygap.models.policy.settings import ObservationKind
+from rallygap.models.robot.arms import Arms
+from rallygap.models.robot.constants import BULLET_STEP, COMMAND_STEP
+from rallygap.models.robot.control import joint_speeds
+from rallygap.models.robot.kinematics import racket
 
 # Racket motion for an action of one: m/s across, along and up; rad/s of its two turning rates.
 VELOCITY = np.array([2.5, 1.5, 2.0])
@@ -118,7 +123,7 @@ class BatchSimulation:
 
         Args:
             actions: (B, 5) in [-1, 1]: velocity of the racket across, along and up, and its two
-                turning rates, as ``models.robot.control`` defines them.
+                turning rates, as ``rallygap.models.robot.control`` defines them.
         """
         clipped = np.clip(actions, -1.0, 1.0)
         self._actions = np.concatenate([self._actions[1:], clipped[None]])

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
 
-from models.ball.types import Floats, Integers
-from models.policy.ball_supply import BallSupply
-from models.policy.batch_simulation import ACTIONS, BatchSimulation
-from models.policy.episodes import Episodes
-from models.policy.observation import LIMIT, Observations, observation_size
-from models.policy.task import Task
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.policy.ball_supply import BallSupply
+from rallygap.models.policy.batch_simulation import ACTIONS, BatchSimulation
+from rallygap.models.policy.episodes import Episodes
+from rallygap.models.policy.observation import LIMIT, Observations, observation_size
+from rallygap.models.policy.task import Task
 
 # In the info of an ended episode, with its landing, its goal and its ball's number.
 REPORTED = (

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.simulator import Simulator
-from models.ball.types import Bools, Floats, Integers
-from models.policy.goals import Goals
-from models.policy.outcome import judge
-from models.policy.racket_contact import RacketContacts
-from models.policy.reward import FAULT, contact_reward, goal_reward, miss_reward
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Bools, Floats, Integers
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.outcome import judge
+from rallygap.models.policy.racket_contact import RacketContacts
+from rallygap.models.policy.reward import FAULT, contact_reward, goal_reward, miss_reward
 
 Strings = NDArray[np.str_]
 

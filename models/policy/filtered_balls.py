@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE
-from models.ball.types import Bools, Floats
-from models.policy.incoming_balls import FIRST_WINDOW, IncomingBalls, control_times
-from models.policy.measurements import Measurements, measure
-from models.policy.settings import HorizonsMs, SensorNoise
-from models.predictors.ball_filter import filtered
-from models.predictors.propagation import propagated
-from models.predictors.protocol import HISTORY, TICK, History
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.policy.incoming_balls import FIRST_WINDOW, IncomingBalls, control_times
+from rallygap.models.policy.measurements import Measurements, measure
+from rallygap.models.policy.settings import HorizonsMs, SensorNoise
+from rallygap.models.predictors.ball_filter import filtered
+from rallygap.models.predictors.propagation import propagated
+from rallygap.models.predictors.protocol import HISTORY, TICK, History
 
 NOISE = SensorNoise(position=0.003, spin=0.05)  # the paper's cameras
 

@@ -6,9 +6,9 @@ six, uniformly drawn actions hit one in fifty.
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.policy.observation import plane_crossing
-from models.robot.kinematics import Racket
+from rallygap.models.ball.types import Floats
+from rallygap.models.policy.observation import plane_crossing
+from rallygap.models.robot.kinematics import Racket
 
 GAIN = 8.0  # of the racket's velocity across and up, 1/m: full speed at an eighth of a metre
 NEAR = 0.075  # s from the nearest forecast to the crossing, from when rackets move ahead

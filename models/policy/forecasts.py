@@ -6,16 +6,16 @@
 - ``re_anchored``: a simulator flies the ball from its true state at each control step.
 
 Control steps start at the launch. All return the ``forecasts`` of ``IncomingBalls``, (B, T, H, 9).
-Forecasts from measurements are in ``models.replay.replayed_balls``.
+Forecasts from measurements are in ``rallygap.models.replay.replayed_balls``.
 """
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
-from models.policy.incoming_balls import PATH_STEP, IncomingBalls, control_times
-from models.policy.settings import HorizonsMs
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.policy.incoming_balls import PATH_STEP, IncomingBalls, control_times
+from rallygap.models.policy.settings import HorizonsMs
 
 
 def exact(path: Floats, horizons: HorizonsMs, start: float = 0.0) -> Floats:

@@ -13,10 +13,10 @@ from stable_baselines3.common.buffers import ReplayBuffer
 from stable_baselines3.common.type_aliases import ReplayBufferSamples
 from stable_baselines3.common.vec_env import VecNormalize
 
-from models.ball.types import Integers
-from models.policy.goals import draw_goals
-from models.policy.reward import goal_reward
-from models.policy.settings import GoalSettings
+from rallygap.models.ball.types import Integers
+from rallygap.models.policy.goals import draw_goals
+from rallygap.models.policy.reward import goal_reward
+from rallygap.models.policy.settings import GoalSettings
 
 Floating = NDArray[np.floating]
 

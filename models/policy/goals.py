@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.types import Floats
-from models.policy.settings import GoalSettings
+from rallygap.models.ball.types import Floats
+from rallygap.models.policy.settings import GoalSettings
 
 Rows = slice | NDArray[np.bool_] | NDArray[np.integer]
 

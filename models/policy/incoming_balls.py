@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.ball.contact_laws import TABLE
-from models.ball.simulator import Flight, Simulator
-from models.ball.state import BALL_RADIUS
-from models.ball.types import Floats
+from rallygap.models.ball.contact_laws import TABLE
+from rallygap.models.ball.simulator import Flight, Simulator
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.ball.types import Floats
 
 Rows = slice | NDArray[np.bool_] | NDArray[np.integer]
 

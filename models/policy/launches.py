@@ -18,8 +18,8 @@ About half of the strokes are rejected: slow ones that fall short, fast ones tha
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import (
     BALL_RADIUS,
     DRAG_FACTOR,
     MAGNUS_FACTOR,
@@ -29,8 +29,8 @@ from models.ball.state import (
     STATE_SIZE,
     VELOCITY,
 )
-from models.ball.types import Bools, Floats
-from models.policy.incoming_balls import MAX_DURATION, playable
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.policy.incoming_balls import MAX_DURATION, playable
 
 STRUCK_ACROSS = (-0.5, 0.5)  # m
 STRUCK_ALONG = (0.6, 2.2)  # m

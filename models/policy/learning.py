@@ -19,13 +19,13 @@ from stable_baselines3.sac.policies import Actor
 from torch import Tensor, nn
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
-from models.policy.environment import ReturnVecEnv
-from models.policy.goal_relabelling import RelabellingReplayBuffer
-from models.policy.observation import goal_slice
-from models.policy.policy import Policy, Singles
-from models.policy.random_streams import iteration_seed
-from models.policy.settings import LearningSettings
-from models.policy.task import Task
+from rallygap.models.policy.environment import ReturnVecEnv
+from rallygap.models.policy.goal_relabelling import RelabellingReplayBuffer
+from rallygap.models.policy.observation import goal_slice
+from rallygap.models.policy.policy import Policy, Singles
+from rallygap.models.policy.random_streams import iteration_seed
+from rallygap.models.policy.settings import LearningSettings
+from rallygap.models.policy.task import Task
 
 Actions = NDArray[np.float32]
 

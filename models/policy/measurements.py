@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.state import POSITION, SPIN
-from models.ball.types import Bools, Floats
-from models.policy.incoming_balls import PATH_STEP
-from models.policy.settings import SensorNoise
-from models.predictors.protocol import TICK
-from models.predictors.windows import ROUNDING
+from rallygap.models.ball.state import POSITION, SPIN
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.policy.incoming_balls import PATH_STEP
+from rallygap.models.policy.settings import SensorNoise
+from rallygap.models.predictors.protocol import TICK
+from rallygap.models.predictors.windows import ROUNDING
 
 _PATH_STEPS = round(TICK / PATH_STEP)  # between two measurements
 

@@ -5,19 +5,19 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from models.ball.contact_laws import TABLE
-from models.ball.simulator import Flight, Simulator
-from models.ball.types import Bools, Floats, Integers
-from models.policy.batch_simulation import BatchSimulation
-from models.policy.episodes import Episodes
-from models.policy.incoming_balls import (
+from rallygap.models.ball.contact_laws import TABLE
+from rallygap.models.ball.simulator import Flight, Simulator
+from rallygap.models.ball.types import Bools, Floats, Integers
+from rallygap.models.policy.batch_simulation import BatchSimulation
+from rallygap.models.policy.episodes import Episodes
+from rallygap.models.policy.incoming_balls import (
     CONTROL_STEP,
     FLOOR,
     MAX_DURATION,
     PATH_STEP,
     IncomingBalls,
 )
-from models.policy.outcome import LONGEST_FLIGHT, with_net
+from rallygap.models.policy.outcome import LONGEST_FLIGHT, with_net
 
 FRAME = 0.020  # s between two frames; the ball moves about 0.1 m
 AFTERWARDS = 0.200  # s recorded after the ball is down, so that its bounce shows

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
-from models.policy.goals import Goals
-from models.policy.settings import ObservationKind
-from models.robot.constants import LOWER, NEUTRAL, SPEED, UPPER
-from models.robot.kinematics import Racket, racket
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.settings import ObservationKind
+from rallygap.models.robot.constants import LOWER, NEUTRAL, SPEED, UPPER
+from rallygap.models.robot.kinematics import Racket, racket
 
 Observations = NDArray[np.float32]
 

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arena.contacts import ContactSequence
-from models.arena.umpire import judge_strokes
-from models.ball.simulator import Flight, Simulator
-from models.ball.state import BALL_RADIUS, VELOCITY
-from models.ball.types import Bools, Floats
-from models.policy.goals import Goals
+from rallygap.models.arena.contacts import ContactSequence
+from rallygap.models.arena.umpire import judge_strokes
+from rallygap.models.ball.simulator import Flight, Simulator
+from rallygap.models.ball.state import BALL_RADIUS, VELOCITY
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.policy.goals import Goals
 
 # For simulators that do not list a net; a return has to pass one.
 NET = {"restitution": 0.2, "friction": 0.5}

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.policy.observation import Observations
+from rallygap.models.policy.observation import Observations
 
 Singles = NDArray[np.float32]
 

@@ -4,11 +4,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from models.ball.state import BALL_RADIUS
-from models.ball.types import Bools, Floats, Integers
-from models.robot.constants import RACKET_RADIUS
-from models.robot.contact import first_contact
-from models.robot.kinematics import Racket, racket
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.ball.types import Bools, Floats, Integers
+from rallygap.models.robot.constants import RACKET_RADIUS
+from rallygap.models.robot.contact import first_contact
+from rallygap.models.robot.kinematics import Racket, racket
 
 # Ball and racket farther apart than this at both ends of a millisecond do not meet within it: their
 # closing speed would have to exceed 100 m/s.

@@ -6,10 +6,10 @@ has a gradient from the first contact on.
 
 import numpy as np
 
-from models.ball.state import BALL_RADIUS, NET_HEIGHT
-from models.ball.types import Bools, Floats
-from models.policy.goals import Goals
-from models.policy.outcome import Outcome
+from rallygap.models.ball.state import BALL_RADIUS, NET_HEIGHT
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.outcome import Outcome
 
 CONTACT = 0.5  # for any hit
 LANDING, LANDING_SCALE = 3.0, 0.6  # m: gradient for landings near the goal

@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.predictors.protocol import FUTURE, TICK
+from rallygap.models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from rallygap.models.predictors.protocol import FUTURE, TICK
 
 ObservationKind = Literal["intercept", "strict", "spread"]
 """``strict``: robot, forecasts and goal, as in the paper. ``intercept``: also when and where the

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.policy.filtered_balls import filtered_balls
-from models.policy.forecasts import exact
-from models.policy.goals import Goals, draw_goals
-from models.policy.incoming_balls import FIRST_WINDOW, IncomingBalls, fly_incoming
-from models.policy.launches import draw_launches
-from models.policy.settings import ForecastKind, GoalSettings, HorizonsMs, ObservationKind
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.policy.filtered_balls import filtered_balls
+from rallygap.models.policy.forecasts import exact
+from rallygap.models.policy.goals import Goals, draw_goals
+from rallygap.models.policy.incoming_balls import FIRST_WINDOW, IncomingBalls, fly_incoming
+from rallygap.models.policy.launches import draw_launches
+from rallygap.models.policy.settings import ForecastKind, GoalSettings, HorizonsMs, ObservationKind
 
 
 @dataclass(frozen=True)

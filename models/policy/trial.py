@@ -11,15 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats, Integers
-from models.policy.batch_simulation import BatchSimulation
-from models.policy.episodes import Episodes
-from models.policy.goals import Goals
-from models.policy.incoming_balls import IncomingBalls
-from models.policy.motion_recording import Motion, MotionRecorder
-from models.policy.policy import Policy
-from models.policy.settings import ObservationKind
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.policy.batch_simulation import BatchSimulation
+from rallygap.models.policy.episodes import Episodes
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.incoming_balls import IncomingBalls
+from rallygap.models.policy.motion_recording import Motion, MotionRecorder
+from rallygap.models.policy.policy import Policy
+from rallygap.models.policy.settings import ObservationKind
 
 ENVIRONMENTS = 32  # in one world; more are no faster, and all wait for the last ball
 OUTCOMES = ("hit", "returned", "fault", "nearest", "time", "backhand", "distance", "net_height")

@@ -15,11 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.compose import compiled, inlined
-from models.ball.rollout import fly
-from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE
-from models.predictors.protocol import TICK, Bools, Floats, History
+from rallygap.models.ball.compose import compiled, inlined
+from rallygap.models.ball.rollout import fly
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.predictors.protocol import TICK, Bools, Floats, History
 
 # Measurement noise: 3 mm and 5 % of the spin in the paper; up to 4.4 mm in real data sets.
 POSITION_NOISE = 0.004  # m

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import erf
 
-from models.ball.state import POSITION
-from models.predictors.protocol import Floats, Forecast
-from models.predictors.windows import Windows
+from rallygap.models.ball.state import POSITION
+from rallygap.models.predictors.protocol import Floats, Forecast
+from rallygap.models.predictors.windows import Windows
 
 LEVELS = (0.5, 0.9)
 NORMAL_MEDIAN = 1.538  # radius that contains half of a normal distribution in three dimensions

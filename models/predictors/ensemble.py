@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.ball.state import POSITION
-from models.predictors.protocol import Floats, Forecast, History, ProbabilisticPredictor
+from rallygap.models.ball.state import POSITION
+from rallygap.models.predictors.protocol import Floats, Forecast, History, ProbabilisticPredictor
 
 
 class EnsemblePredictor:

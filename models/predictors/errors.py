@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.state import POSITION, SPIN, VELOCITY
-from models.predictors.protocol import FUTURE_TIMES, Bools, Floats, Forecast
-from models.predictors.windows import Windows
+from rallygap.models.ball.state import POSITION, SPIN, VELOCITY
+from rallygap.models.predictors.protocol import FUTURE_TIMES, Bools, Floats, Forecast
+from rallygap.models.predictors.windows import Windows
 
 QUANTITIES = {"position": POSITION, "velocity": VELOCITY, "spin": SPIN}
 _SCALE = {"position": 1000.0, "velocity": 1.0, "spin": 1.0}  # to mm, m/s, rad/s

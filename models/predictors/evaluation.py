@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from models.predictors.errors import HORIZONS_MS, QUANTITIES, error_norms, error_statistics
-from models.predictors.protocol import Bools, Floats, Forecast
-from models.predictors.windows import Windows
+from rallygap.models.predictors.errors import HORIZONS_MS, QUANTITIES, error_norms, error_statistics
+from rallygap.models.predictors.protocol import Bools, Floats, Forecast
+from rallygap.models.predictors.windows import Windows
 
 SHOWN_HORIZONS_MS = (100, 200, 300)
 STATISTICS = ["mean", "median", "ci_low", "ci_high", "n"]

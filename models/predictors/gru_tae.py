@@ -14,9 +14,9 @@ the units are torch's, whose candidates go through a hyperbolic tangent instead 
 from torch import Tensor, nn
 from torch.nn.functional import elu
 
-from models.predictors.normaliser import OUTPUTS
-from models.predictors.protocol import FUTURE
-from models.predictors.tae import input_rows, row_size
+from rallygap.models.predictors.normaliser import OUTPUTS
+from rallygap.models.predictors.protocol import FUTURE
+from rallygap.models.predictors.tae import input_rows, row_size
 
 
 class RecurrentUnit(nn.Module):

@@ -4,20 +4,20 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from models.ball.simulator import Simulator
-from models.predictors.gru_tae import RecurrentAutoencoder
-from models.predictors.normaliser import Normaliser, uniform_motion
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import Floats, Forecast, History
-from models.predictors.settings import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.predictors.gru_tae import RecurrentAutoencoder
+from rallygap.models.predictors.normaliser import Normaliser, uniform_motion
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import Floats, Forecast, History
+from rallygap.models.predictors.settings import (
     GruTaeSettings,
     HybridSettings,
     NetworkSettings,
     TaeSettings,
 )
-from models.predictors.spread import Spread
-from models.predictors.tae import TrajectoryAutoencoder
-from models.predictors.transformer import Transformer
+from rallygap.models.predictors.spread import Spread
+from rallygap.models.predictors.tae import TrajectoryAutoencoder
+from rallygap.models.predictors.transformer import Transformer
 
 
 class ForecastNetwork(nn.Module):

@@ -8,8 +8,8 @@ import math
 
 import numpy as np
 
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import FUTURE, HISTORY, TICK, Floats, History, Predictor
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import FUTURE, HISTORY, TICK, Floats, History, Predictor
 
 PLACED = [0, 1, 2, 6, 7, 8]  # columns of a state that a history has
 

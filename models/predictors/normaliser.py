@@ -18,7 +18,7 @@ baseline's first position and velocity.
 import torch
 from torch import Tensor, nn
 
-from models.predictors.protocol import FUTURE_TIMES, HISTORY, HISTORY_TIMES, TICK
+from rallygap.models.predictors.protocol import FUTURE_TIMES, HISTORY, HISTORY_TIMES, TICK
 
 INPUTS = 6  # columns of a measurement: position and spin
 RESIDUALS = 3  # columns of its position's residual from uniform motion

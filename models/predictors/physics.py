@@ -1,10 +1,10 @@
 """The physics predictor: a filter over the history, then a simulator; the paper's baseline."""
 
-from models.ball.simulator import Simulator
-from models.predictors.ball_filter import ANY_BALL, Expected, Filtered, filtered
-from models.predictors.propagation import propagated
-from models.predictors.protocol import FUTURE_TIMES, TICK, Floats, Forecast, History
-from models.predictors.sensor import Sensor
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.predictors.ball_filter import ANY_BALL, Expected, Filtered, filtered
+from rallygap.models.predictors.propagation import propagated
+from rallygap.models.predictors.protocol import FUTURE_TIMES, TICK, Floats, Forecast, History
+from rallygap.models.predictors.sensor import Sensor
 
 
 class PhysicsPredictor:

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from models.ball.compose import compiled
-from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
-from models.predictors.ball_filter import ACCELERATION_NOISE, NOISE_TICK, SPIN_DRIFT, STEPS
+from rallygap.models.ball.compose import compiled
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.predictors.ball_filter import ACCELERATION_NOISE, NOISE_TICK, SPIN_DRIFT, STEPS
 
 PROBES = np.vstack([np.zeros(STATE_SIZE), np.diag(STEPS), -np.diag(STEPS)])
 

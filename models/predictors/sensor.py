@@ -9,12 +9,12 @@ from functools import cached_property
 
 import numpy as np
 
-from models.ball.catalogue import catalogue
-from models.ball.sensor import measured_positions, measured_spins, sensor_quantity
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN, VELOCITY
-from models.ball.types import Floats
-from models.predictors.protocol import History
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.sensor import measured_positions, measured_spins, sensor_quantity
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, SPIN, VELOCITY
+from rallygap.models.ball.types import Floats
+from rallygap.models.predictors.protocol import History
 
 STEPS = 3  # of a fixed-point iteration; sensors err by millimetres that hardly vary over as much
 MOMENT = 1e-3  # s, over which a velocity is measured

@@ -4,8 +4,8 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from models.predictors.normaliser import INPUTS, RESIDUALS
-from models.predictors.protocol import FUTURE, HISTORY
+from rallygap.models.predictors.normaliser import INPUTS, RESIDUALS
+from rallygap.models.predictors.protocol import FUTURE, HISTORY
 
 WIDTH = 128
 FACTORS = 6  # numbers in a (3, 3) lower triangle

@@ -10,9 +10,9 @@ from torch import Tensor
 from torch.optim import Adam
 from torch.optim.lr_scheduler import CosineAnnealingLR
 
-from models.predictors.learned import ForecastNetwork
-from models.predictors.spread import Spread
-from models.predictors.window_dataset import Tracks
+from rallygap.models.predictors.learned import ForecastNetwork
+from rallygap.models.predictors.spread import Spread
+from rallygap.models.predictors.window_dataset import Tracks
 
 DEGREES = 4.0  # of freedom of the errors
 EPOCHS, BATCH, LEARNING_RATE = 6, 256, 2e-3

@@ -15,8 +15,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import relu
 
-from models.predictors.normaliser import INPUTS, OUTPUTS, RESIDUALS
-from models.predictors.protocol import FUTURE, HISTORY
+from rallygap.models.predictors.normaliser import INPUTS, OUTPUTS, RESIDUALS
+from rallygap.models.predictors.protocol import FUTURE, HISTORY
 
 
 class DenseLayers(nn.Module):

@@ -12,10 +12,10 @@ from torch.optim import Adam, Optimizer
 from torch.optim.lr_scheduler import ExponentialLR, LambdaLR
 from torch.utils.data import DataLoader, Dataset
 
-from models.predictors.learned import ForecastNetwork
-from models.predictors.optimizer import MuonAndAdam
-from models.predictors.settings import TrainingSettings
-from models.predictors.window_dataset import Indices, Tracks
+from rallygap.models.predictors.learned import ForecastNetwork
+from rallygap.models.predictors.optimizer import MuonAndAdam
+from rallygap.models.predictors.settings import TrainingSettings
+from rallygap.models.predictors.window_dataset import Indices, Tracks
 
 Batch = tuple[Tensor, Tensor, Tensor, Tensor]
 

@@ -17,8 +17,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import gelu, pad, scaled_dot_product_attention
 
-from models.predictors.normaliser import INPUTS, OUTPUTS, RESIDUALS
-from models.predictors.protocol import FUTURE, HISTORY
+from rallygap.models.predictors.normaliser import INPUTS, OUTPUTS, RESIDUALS
+from rallygap.models.predictors.protocol import FUTURE, HISTORY
 
 # (B, T, width) rows, or several such tensors whose rows follow one another. A compiler calculates
 # once what is made of a tensor that depends on no input.

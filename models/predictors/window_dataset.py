@@ -13,8 +13,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from models.predictors.protocol import FUTURE, HISTORY, TICK
-from models.predictors.windows import (
+from rallygap.models.predictors.protocol import FUTURE, HISTORY, TICK
+from rallygap.models.predictors.windows import (
     MIN_FUTURE,
     MIN_OBSERVED,
     Episode,

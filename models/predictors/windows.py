@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.predictors.protocol import (
+from rallygap.models.predictors.protocol import (
     FUTURE_TIMES,
     HISTORY,
     HISTORY_TIMES,

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from models.ball.state import BALL_RADIUS, STATE_SIZE
-from models.ball.types import Floats, Integers
-from models.policy.incoming_balls import PATH_TIMES
-from models.predictors.ball_filter import POSITION_NOISE
-from models.predictors.windows import Episode
-from models.segmentation.contacts import extrapolated
-from models.segmentation.smoothing import smooth
+from rallygap.models.ball.state import BALL_RADIUS, STATE_SIZE
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.policy.incoming_balls import PATH_TIMES
+from rallygap.models.predictors.ball_filter import POSITION_NOISE
+from rallygap.models.predictors.windows import Episode
+from rallygap.models.segmentation.contacts import extrapolated
+from rallygap.models.segmentation.smoothing import smooth
 
 FEWEST_SAMPLES = 3  # needed to estimate an arc's velocity
 

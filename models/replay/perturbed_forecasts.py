@@ -5,8 +5,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from models.ball.state import POSITION, SPIN
-from models.ball.types import Floats
+from rallygap.models.ball.state import POSITION, SPIN
+from rallygap.models.ball.types import Floats
 
 
 def biased(forecasts: Floats, size: float, random: np.random.Generator) -> Floats:

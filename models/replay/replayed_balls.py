@@ -15,22 +15,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.ball.contact_laws import NONE, TABLE
-from models.ball.simulator import Contacts, Flight, Simulator
-from models.ball.state import POSITION, STATE_SIZE
-from models.ball.types import Bools, Floats, Integers
-from models.policy.incoming_balls import (
+from rallygap.models.ball.contact_laws import NONE, TABLE
+from rallygap.models.ball.simulator import Contacts, Flight, Simulator
+from rallygap.models.ball.state import POSITION, STATE_SIZE
+from rallygap.models.ball.types import Bools, Floats, Integers
+from rallygap.models.policy.incoming_balls import (
     FIRST_WINDOW,
     PATH_STEP,
     PATH_TIMES,
     control_times,
     playable,
 )
-from models.policy.launches import WORKSPACE
-from models.policy.outcome import with_net
-from models.policy.settings import HorizonsMs
-from models.predictors.long_forecast import forecast_at
-from models.predictors.protocol import (
+from rallygap.models.policy.launches import WORKSPACE
+from rallygap.models.policy.outcome import with_net
+from rallygap.models.policy.settings import HorizonsMs
+from rallygap.models.predictors.long_forecast import forecast_at
+from rallygap.models.predictors.protocol import (
     FUTURE,
     HISTORY_TIMES,
     TICK,
@@ -38,8 +38,8 @@ from models.predictors.protocol import (
     Predictor,
     ProbabilisticPredictor,
 )
-from models.predictors.windows import MIN_OBSERVED, ROUNDING, Episode, observed_at
-from models.replay.shots import Shot
+from rallygap.models.predictors.windows import MIN_OBSERVED, ROUNDING, Episode, observed_at
+from rallygap.models.replay.shots import Shot
 
 BATCH = 2048  # histories per call of a predictor, which bounds its memory
 

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.ball.types import Bools, Floats
-from models.policy.incoming_balls import PATH_STEP
-from models.policy.measurements import measure
-from models.policy.settings import SensorNoise
-from models.predictors.protocol import TICK
-from models.predictors.windows import ROUNDING, Episode
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.policy.incoming_balls import PATH_STEP
+from rallygap.models.policy.measurements import measure
+from rallygap.models.policy.settings import SensorNoise
+from rallygap.models.predictors.protocol import TICK
+from rallygap.models.predictors.windows import ROUNDING, Episode
 
 HALF_TURN = np.array([-1.0, -1.0, 1.0])  # about the vertical, of places, velocities and spins
 NO_MEASUREMENTS = Episode(

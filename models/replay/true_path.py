@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from models.arena.recording import TrueContacts
-from models.arena.truth import Truth
-from models.arena.truth_path import true_states
-from models.ball.types import Floats
-from models.policy.incoming_balls import PATH_TIMES
+from rallygap.models.arena.recording import TrueContacts
+from rallygap.models.arena.truth import Truth
+from rallygap.models.arena.truth_path import true_states
+from rallygap.models.ball.types import Floats
+from rallygap.models.policy.incoming_balls import PATH_TIMES
 
 STROKES = ("launch", "racket")
 

@@ -6,10 +6,10 @@ import numpy as np
 import pybullet
 from numpy.typing import ArrayLike
 
-from models.ball.types import Bools, Floats
-from models.robot.bullet import add_arm, add_table, open_world
-from models.robot.constants import FORCE, JOINTS, NEUTRAL, SPEED
-from models.robot.kinematics import rows_of_joints
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.robot.bullet import add_arm, add_table, open_world
+from rallygap.models.robot.constants import FORCE, JOINTS, NEUTRAL, SPEED
+from rallygap.models.robot.kinematics import rows_of_joints
 
 _LINKS = list(range(len(JOINTS)))
 _FORCES = FORCE.tolist()

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pybullet
 
-from models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.robot.constants import BASE, BULLET_STEP, JOINTS, SPEED, TABLE_DEPTH
-from models.robot.urdf import urdf
+from rallygap.models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from rallygap.models.robot.constants import BASE, BULLET_STEP, JOINTS, SPEED, TABLE_DEPTH
+from rallygap.models.robot.urdf import urdf
 
 GRAVITY = 9.81  # m/s^2
 # Groups of Bullet's collision filter: arms collide with the table, not with arms or themselves.

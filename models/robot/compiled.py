@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from models.ball import state
-from models.support.compilation import compiler
+from rallygap.models.ball import state
+from rallygap.models.support.compilation import compiler
 
 _HERE = Path(__file__).parent
 _SOURCES = (_HERE / f"{name}.py" for name in ("constants", "kinematics", "control", "contact"))

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from models.ball.types import Floats, Vector
+from rallygap.models.ball.types import Floats, Vector
 
 COMMAND_STEP = 0.020  # s between two commands to the joints: 50 Hz, slow for an industrial drive
 BULLET_STEP = 0.004  # s; five to a command, and a joint turns at most 2 degrees in one

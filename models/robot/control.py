@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.ball.types import Floats
-from models.robot.compiled import compiled
-from models.robot.constants import LOWER, NEUTRAL, SPEED, UPPER
-from models.robot.kinematics import JOINT_COUNT, locate, rows_of_joints
+from rallygap.models.ball.types import Floats
+from rallygap.models.robot.compiled import compiled
+from rallygap.models.robot.constants import LOWER, NEUTRAL, SPEED, UPPER
+from rallygap.models.robot.kinematics import JOINT_COUNT, locate, rows_of_joints
 
 DAMPING = 0.01  # lambda^2: limits joint speeds near singular poses
 HOMING = 2.0  # 1/s: rate at which the null space returns to neutral

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.ball.types import Floats, Vector
-from models.robot.compiled import compiled
-from models.robot.constants import BASE, BLADE, JOINTS
+from rallygap.models.ball.types import Floats, Vector
+from rallygap.models.robot.compiled import compiled
+from rallygap.models.robot.constants import BASE, BLADE, JOINTS
 
 _AXES = tuple("xyz".index(joint.axis) for joint in JOINTS)
 _ORIGINS = tuple(joint.origin for joint in JOINTS)

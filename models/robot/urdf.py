@@ -5,8 +5,8 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.robot.constants import BASE_SOLIDS, JOINTS, Joint, Solid
+from rallygap.models.ball.types import Floats
+from rallygap.models.robot.constants import BASE_SOLIDS, JOINTS, Joint, Solid
 
 COLOURS = ("0.35 0.37 0.40 1", "0.85 0.86 0.88 1", "0.85 0.10 0.12 1")  # base, links, racket
 

@@ -6,17 +6,17 @@ import numpy as np
 import pybullet
 from numpy.typing import ArrayLike, NDArray
 
-from models.ball.state import (
+from rallygap.models.ball.state import (
     BALL_RADIUS,
     NET_HEIGHT,
     NET_OVERHANG,
     TABLE_HALF_LENGTH,
     TABLE_HALF_WIDTH,
 )
-from models.ball.types import Floats
-from models.robot.bullet import add_arm, open_world
-from models.robot.constants import FLOOR, TABLE_DEPTH
-from models.robot.kinematics import rows_of_joints
+from rallygap.models.ball.types import Floats
+from rallygap.models.robot.bullet import add_arm, open_world
+from rallygap.models.robot.constants import FLOOR, TABLE_DEPTH
+from rallygap.models.robot.kinematics import rows_of_joints
 
 Image = NDArray[np.uint8]
 

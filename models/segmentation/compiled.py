@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from models.ball import state
-from models.support.compilation import compiler
+from rallygap.models.ball import state
+from rallygap.models.support.compilation import compiler
 
 compiled = compiler([*sorted(Path(__file__).parent.glob("*.py")), Path(state.__file__)])

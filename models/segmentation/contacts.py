@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.state import BALL_RADIUS, NET_HEIGHT
-from models.ball.types import Floats
-from models.segmentation.flight import predict_mean
+from rallygap.models.ball.state import BALL_RADIUS, NET_HEIGHT
+from rallygap.models.ball.types import Floats
+from rallygap.models.segmentation.flight import predict_mean
 
 # A bounce on a horizontal surface reverses the vertical velocity and adds no energy; Coulomb
 # friction limits the tangential velocity change (mu is 0.15 to 0.35 on tables).

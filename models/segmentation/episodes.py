@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
-from models.segmentation.contacts import Contact
-from models.segmentation.cuts import Cuts
+from rallygap.models.segmentation.contacts import Contact
+from rallygap.models.segmentation.cuts import Cuts
 
 Start = Literal["launch", "racket", "gap", "recording"]
 End = Literal["racket", "gap", "recording", "rally_end"]

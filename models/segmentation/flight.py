@@ -14,9 +14,9 @@ import math
 
 import numpy as np
 
-from models.ball.state import DRAG_FACTOR
-from models.ball.types import Floats
-from models.segmentation.compiled import compiled
+from rallygap.models.ball.state import DRAG_FACTOR
+from rallygap.models.ball.types import Floats
+from rallygap.models.segmentation.compiled import compiled
 
 GRAVITY = 9.81  # m/s^2
 DRAG = DRAG_FACTOR * 0.54  # 1/m, the literature's drag coefficient

@@ -12,9 +12,9 @@ several second samples.
 
 import numpy as np
 
-from models.ball.types import Bools, Floats, Integers
-from models.segmentation.compiled import compiled
-from models.segmentation.flight import (
+from rallygap.models.ball.types import Bools, Floats, Integers
+from rallygap.models.segmentation.compiled import compiled
+from rallygap.models.segmentation.flight import (
     initialise,
     negative_log_likelihood,
     predict_covariance,

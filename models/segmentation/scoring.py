@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from models.segmentation.settings import ScoringSettings
+from rallygap.models.segmentation.settings import ScoringSettings
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

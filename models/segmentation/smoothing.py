@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from models.ball.types import Bools, Floats
-from models.segmentation.compiled import compiled
-from models.segmentation.flight import (
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.segmentation.compiled import compiled
+from rallygap.models.segmentation.flight import (
     initialise,
     predict_covariance,
     predict_mean,

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from models.segmentation.settings import SplitSettings
+from rallygap.models.segmentation.settings import SplitSettings
 
 # Sets to replay, in the order of reports: kind of shot, and the groups that it is from.
 REPLAY_SETS = {

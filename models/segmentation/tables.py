@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from models.ball.types import Floats, Integers
-from models.segmentation.contacts import Contact
-from models.segmentation.cuts import Cuts, cut
-from models.segmentation.episodes import Episode, episodes
-from models.segmentation.settings import SegmentSettings
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.segmentation.contacts import Contact
+from rallygap.models.segmentation.cuts import Cuts, cut
+from rallygap.models.segmentation.episodes import Episode, episodes
+from rallygap.models.segmentation.settings import SegmentSettings
 
 Row = dict[str, Any]
 

@@ -12,10 +12,10 @@ from sklearn.model_selection import GroupKFold
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
-from models.ball.types import Floats, Integers
-from models.predictors.protocol import Bools
-from models.shot_quality.forest import forest_classifier, win_probabilities
-from models.shot_quality.settings import ForestSettings
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.predictors.protocol import Bools
+from rallygap.models.shot_quality.forest import forest_classifier, win_probabilities
+from rallygap.models.shot_quality.settings import ForestSettings
 
 PERMUTATIONS = 5  # of each feature, for its importance
 

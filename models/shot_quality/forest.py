@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from sklearn.ensemble import RandomForestClassifier
 
-from models.ball.types import Floats
-from models.predictors.protocol import Bools
-from models.shot_quality.settings import ForestSettings
+from rallygap.models.ball.types import Floats
+from rallygap.models.predictors.protocol import Bools
+from rallygap.models.shot_quality.settings import ForestSettings
 
 
 class Forest:

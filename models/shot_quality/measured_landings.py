@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from models.arena.sides import switch_frame
-from models.ball.types import Floats, Integers
-from models.predictors.windows import Episode
+from rallygap.models.arena.sides import switch_frame
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.predictors.windows import Episode
 
 GRAVITY = 9.81  # m/s2; other accelerations are negligible over the milliseconds between samples
 NET_SAMPLES = 4  # samples nearest to the net, from which the height over it is averaged

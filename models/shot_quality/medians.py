@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.ball.types import Floats, Integers
+from rallygap.models.ball.types import Floats, Integers
 
 
 @dataclass(frozen=True)

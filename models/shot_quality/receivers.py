@@ -4,14 +4,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.arena.event_log import EventLog
-from models.arena.levels import Players
-from models.arena.rallies import Rallies
-from models.arena.truth import Truth
-from models.ball.types import Floats, Integers
-from models.policy.goals import Goals
-from models.policy.outcome import judge
-from models.shot_quality.shots import Shots, clearance, landings, shot_features
+from rallygap.models.arena.event_log import EventLog
+from rallygap.models.arena.levels import Players
+from rallygap.models.arena.rallies import Rallies
+from rallygap.models.arena.truth import Truth
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.outcome import judge
+from rallygap.models.shot_quality.shots import Shots, clearance, landings, shot_features
 
 LEVEL = "pro"
 NEAR = 0  # the side of the unchanged player, whose shots count

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.contact_laws import TABLE
-from models.ball.simulator import Simulator
-from models.ball.state import BALL_RADIUS, NET_HEIGHT
-from models.ball.types import Floats, Integers
-from models.policy.outcome import LONGEST_FLIGHT, with_net
-from models.predictors.protocol import Bools
+from rallygap.models.ball.contact_laws import TABLE
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import BALL_RADIUS, NET_HEIGHT
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.policy.outcome import LONGEST_FLIGHT, with_net
+from rallygap.models.predictors.protocol import Bools
 
 # In the frame of a player who strikes towards +y: position, velocity and spin just before the
 # bounce, and the clearance over the net. The height at the bounce is always the ball's radius.

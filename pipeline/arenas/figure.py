@@ -6,9 +6,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from pipeline.arenas.scores import PREDICTORS, found_by_size, ratios
-from pipeline.io.figure_style import FIGURE_WIDTH, INK, predictor_colour
-from pipeline.paper.assessments import rate
+from rallygap.pipeline.arenas.scores import PREDICTORS, found_by_size, ratios
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, INK, predictor_colour
+from rallygap.pipeline.paper.assessments import rate
 
 HORIZON_MS = 300
 MARKED = "#0f7fc4"

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from models.predictors.learned import LearnedPredictor
-from models.predictors.settings import NetworkSettings
-from models.predictors.training import ForecastTraining, WindowData
-from pipeline.evaluation.predictors import ARENA
-from pipeline.params import Params
-from pipeline.predictors.trainer import train
-from pipeline.predictors.training_data import TrainingEpisodes, untrained_network
+from rallygap.models.predictors.learned import LearnedPredictor
+from rallygap.models.predictors.settings import NetworkSettings
+from rallygap.models.predictors.training import ForecastTraining, WindowData
+from rallygap.pipeline.evaluation.predictors import ARENA
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.predictors.trainer import train
+from rallygap.pipeline.predictors.training_data import TrainingEpisodes, untrained_network
 
 NETWORKS = ("transformer", "hybrid")
 

@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from models.arena.truth import Truth
-from pipeline.evaluation.predictors import ARENA
-from pipeline.io.artifacts import write_json
-from pipeline.params import Params
-from pipeline.segmentation.episode_tables import write_episodes
-from pipeline.sources.gather import gather
+from rallygap.models.arena.truth import Truth
+from rallygap.pipeline.evaluation.predictors import ARENA
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.segmentation.episode_tables import write_episodes
+from rallygap.pipeline.sources.gather import gather
 
 
 def record_arena(params: Params, seed: int, artifacts: Path) -> Truth:

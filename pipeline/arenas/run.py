@@ -10,15 +10,15 @@ from pathlib import Path
 
 import pandas as pd
 
-from pipeline.arenas.figure import arenas_figure
-from pipeline.arenas.world import arena_result
-from pipeline.experiments.experiment import running
-from pipeline.io.artifacts import read_json, write_json
-from pipeline.params import Params, load_params
-from pipeline.runtime.console import refuse
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import make_missing
-from pipeline.runtime.paths import repository_root
+from rallygap.pipeline.arenas.figure import arenas_figure
+from rallygap.pipeline.arenas.world import arena_result
+from rallygap.pipeline.experiments.experiment import running
+from rallygap.pipeline.io.artifacts import read_json, write_json
+from rallygap.pipeline.params import Params, load_params
+from rallygap.pipeline.runtime.console import refuse
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.parallel import make_missing
+from rallygap.pipeline.runtime.paths import repository_root
 
 SEEDS = [*range(101, 121)]
 

@@ -7,23 +7,23 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from models.ball.simulator import Simulator
-from models.gap.amend.simulator import amended
-from models.predictors.errors import HORIZONS_MS, error_norms
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import ProbabilisticPredictor
-from pipeline.arenas.networks import trained_networks
-from pipeline.arenas.recordings import record_arena
-from pipeline.arenas.scores import PREDICTORS
-from pipeline.evaluation.forecasts import forecast_windows
-from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
-from pipeline.evaluation.test_windows import read_test_sets
-from pipeline.gap.cases import Diagnosed, cases
-from pipeline.gap.shots import read_training_shots
-from pipeline.io.amended_simulators import AMENDED
-from pipeline.io.simulators import load_simulator
-from pipeline.params import Params
-from pipeline.transfer.truth_comparison import NamedCause, number_table
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.amend.simulator import amended
+from rallygap.models.predictors.errors import HORIZONS_MS, error_norms
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import ProbabilisticPredictor
+from rallygap.pipeline.arenas.networks import trained_networks
+from rallygap.pipeline.arenas.recordings import record_arena
+from rallygap.pipeline.arenas.scores import PREDICTORS
+from rallygap.pipeline.evaluation.forecasts import forecast_windows
+from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
+from rallygap.pipeline.evaluation.test_windows import read_test_sets
+from rallygap.pipeline.gap.cases import Diagnosed, cases
+from rallygap.pipeline.gap.shots import read_training_shots
+from rallygap.pipeline.io.amended_simulators import AMENDED
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.transfer.truth_comparison import NamedCause, number_table
 
 NOMINAL, WITH_NET = "imperfect_c", "imperfect_c_with_net"
 

@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from pipeline.runtime.console import show
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import check_file, check_folder, clone_with_run
+from rallygap.pipeline.runtime.console import show
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.paths import check_file, check_folder, clone_with_run
 
 app = typer.Typer(no_args_is_help=True, help="Test windows for any predictor, and its scores.")
 
@@ -15,8 +15,8 @@ app = typer.Typer(no_args_is_help=True, help="Test windows for any predictor, an
 @app.command()
 def export(folder: Annotated[Path, typer.Argument(help="the folder to write to")]) -> None:
     """Write test windows of the last run, one per episode, without their futures, into FOLDER."""
-    from pipeline.benchmark.windows import export_windows, run_sets
-    from pipeline.params import load_params
+    from rallygap.pipeline.benchmark.windows import export_windows, run_sets
+    from rallygap.pipeline.params import load_params
 
     root = clone_with_run()
     check_folder(folder)
@@ -34,9 +34,9 @@ def score(
     out: Annotated[Path | None, typer.Option(help="a JSON file: scores at all horizons")] = None,
 ) -> None:
     """Score FORECASTS of the last run's test windows, and its own predictors on the same."""
-    from pipeline.benchmark.scores import score as score_forecasts
-    from pipeline.benchmark.scores import score_tables, write_scores
-    from pipeline.params import load_params
+    from rallygap.pipeline.benchmark.scores import score as score_forecasts
+    from rallygap.pipeline.benchmark.scores import score_tables, write_scores
+    from rallygap.pipeline.params import load_params
 
     root = clone_with_run()
     if out is not None:

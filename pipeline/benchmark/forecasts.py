@@ -10,13 +10,13 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from pyarrow.parquet import ParquetFile
 
-from models.predictors.errors import EVALUATED, HORIZONS_MS
-from models.predictors.protocol import FUTURE, Forecast
-from pipeline.benchmark.schemas import FORECASTS, type_of
-from pipeline.benchmark.windows import window_ids
-from pipeline.evaluation.test_windows import MeasuredSet
-from pipeline.io.schemas import STATE_COLUMNS, checked
-from pipeline.runtime.errors import InputError
+from rallygap.models.predictors.errors import EVALUATED, HORIZONS_MS
+from rallygap.models.predictors.protocol import FUTURE, Forecast
+from rallygap.pipeline.benchmark.schemas import FORECASTS, type_of
+from rallygap.pipeline.benchmark.windows import window_ids
+from rallygap.pipeline.evaluation.test_windows import MeasuredSet
+from rallygap.pipeline.io.schemas import STATE_COLUMNS, checked
+from rallygap.pipeline.runtime.errors import InputError
 
 LARGEST_ROW = 200  # bytes; a row has ten numbers and a name
 LONGEST_SHOWN = 40  # characters

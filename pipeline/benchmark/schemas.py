@@ -2,8 +2,8 @@
 
 import pandera.pandas as pa
 
-from models.predictors.errors import HORIZONS_MS
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
+from rallygap.models.predictors.errors import HORIZONS_MS
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
 
 LARGEST = 1e6  # m, m/s, rad/s; an error beyond all floats would drop out of the mean
 QUANTITIES = {

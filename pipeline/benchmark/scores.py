@@ -7,23 +7,23 @@ from typing import Any
 import pandas as pd
 from rich.table import Table
 
-from models.predictors.evaluation import (
+from rallygap.models.predictors.evaluation import (
     SHOWN_HORIZONS_MS,
     ForecastErrors,
     concat_tables,
     forecast_errors,
 )
-from models.predictors.protocol import Forecast
-from pipeline.benchmark.forecasts import read_forecasts
-from pipeline.benchmark.windows import run_sets
-from pipeline.evaluation.predictors import NamedPredictor, read_predictors
-from pipeline.evaluation.test_windows import MeasuredSet
-from pipeline.io.artifacts import write_json
-from pipeline.io.metrics import nested
-from pipeline.params import Params
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.progress import progress
-from pipeline.runtime.torch_threads import one_thread
+from rallygap.models.predictors.protocol import Forecast
+from rallygap.pipeline.benchmark.forecasts import read_forecasts
+from rallygap.pipeline.benchmark.windows import run_sets
+from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_predictors
+from rallygap.pipeline.evaluation.test_windows import MeasuredSet
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.io.metrics import nested
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.progress import progress
+from rallygap.pipeline.runtime.torch_threads import one_thread
 
 UNITS = {"position": "mm", "velocity": "m/s", "spin": "rad/s"}
 

@@ -9,16 +9,16 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from models.predictors.errors import HORIZONS_MS
-from models.predictors.protocol import HISTORY, HISTORY_TIMES, History
-from models.predictors.windows import Windows
-from pipeline.benchmark.schemas import FORECASTS, WINDOWS, type_of
-from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
-from pipeline.io.artifacts import write_table, write_text
-from pipeline.io.markdown import markdown_page
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, checked
-from pipeline.params import Params
-from pipeline.runtime.errors import InputError
+from rallygap.models.predictors.errors import HORIZONS_MS
+from rallygap.models.predictors.protocol import HISTORY, HISTORY_TIMES, History
+from rallygap.models.predictors.windows import Windows
+from rallygap.pipeline.benchmark.schemas import FORECASTS, WINDOWS, type_of
+from rallygap.pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
+from rallygap.pipeline.io.artifacts import write_table, write_text
+from rallygap.pipeline.io.markdown import markdown_page
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, checked
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.runtime.errors import InputError
 
 TABLE, README = "windows.parquet", "README.md"
 ID_BYTES, DIGITS = 8, 6

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from models.predictors.evaluation import SHOWN_HORIZONS_MS
-from pipeline.arenas.scores import (
+from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
+from rallygap.pipeline.arenas.scores import (
     PREDICTORS,
     Share,
     coverage,
@@ -17,14 +17,14 @@ from pipeline.arenas.scores import (
     ratios,
     scored,
 )
-from pipeline.documentation.cells import (
+from rallygap.pipeline.documentation.cells import (
     HORIZON_HEADS,
     NONE,
     read_report,
     with_interval,
 )
-from pipeline.io.markdown import markdown_table
-from pipeline.paper.assessments import rate
+from rallygap.pipeline.io.markdown import markdown_table
+from rallygap.pipeline.paper.assessments import rate
 
 # Hidden differences that shots hardly tell from a parameter: what is not named of them shifts it.
 SIMILAR = {

@@ -5,9 +5,9 @@ from typing import Any
 
 import pandas as pd
 
-from models.predictors.evaluation import SHOWN_HORIZONS_MS
-from pipeline.io.labels import PREDICTORS
-from pipeline.runtime.errors import InputError
+from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
+from rallygap.pipeline.io.labels import PREDICTORS
+from rallygap.pipeline.runtime.errors import InputError
 
 NONE = "–"
 ERRORS = ("before_mm", "after_mm", "floor_mm")

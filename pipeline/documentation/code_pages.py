@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from models.ball import state
-from models.ball.catalogue import catalogue
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import QUANTITIES
-from pipeline.io.markdown import markdown_table
+from rallygap.models.ball import state
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import QUANTITIES
+from rallygap.pipeline.io.markdown import markdown_table
 
 COMMANDS = "# The command line\n\nThis page is written from the commands by `rallygap docs`.\n\n"
 
@@ -53,7 +53,7 @@ def command_page(_: Path) -> str:
     from typer.cli import get_docs_for_click
     from typer.main import get_group
 
-    from pipeline.cli import app
+    from rallygap.pipeline.cli import app
 
     command = get_group(app)
     for one in command.commands.values():

@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import Any
 
-from pipeline.documentation.cells import read_report
-from pipeline.io.artifacts import read_json
-from pipeline.io.markdown import markdown_table
-from pipeline.params import load_params
+from rallygap.pipeline.documentation.cells import read_report
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.io.markdown import markdown_table
+from rallygap.pipeline.params import load_params
 
 COSTS = Path("reports") / "costs"
 SHOTS = 10_000_000  # of the extrapolation

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from pipeline.documentation.cells import read_report, with_interval
-from pipeline.documentation.transfer_tables import points
-from pipeline.io.artifacts import read_json
+from rallygap.pipeline.documentation.cells import read_report, with_interval
+from rallygap.pipeline.documentation.transfer_tables import points
+from rallygap.pipeline.io.artifacts import read_json
 
 MEASURED = ["isr_ball_prediction", "spindoe", "tt3d"]
 ARENA = ["stroke_pro", "stroke_uni", "receive"]

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from models.ball.simulators import shipped
-from models.gap.settings import DEFAULTS
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.settings import DEFAULTS
 
 SHOTS = 30
 NOISE, SPIN_NOISE = 0.002, 0.05  # m, and share of a component
@@ -21,8 +21,8 @@ def diagnose_example(root: Path) -> str:
     Args:
         root: of the repository; the example does not read it.
     """
-    from pipeline.cli import findings_lines
-    from pipeline.gap.diagnose_folder import diagnose_folder
+    from rallygap.pipeline.cli import findings_lines
+    from rallygap.pipeline.gap.diagnose_folder import diagnose_folder
 
     with tempfile.TemporaryDirectory(prefix="rallygap.") as name:
         folder = Path(name) / "recordings"

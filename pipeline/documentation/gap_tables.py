@@ -5,8 +5,8 @@ from typing import Any
 
 import pandas as pd
 
-from models.predictors.evaluation import SHOWN_HORIZONS_MS
-from pipeline.documentation.cells import (
+from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
+from rallygap.pipeline.documentation.cells import (
     HORIZON_HEADS,
     NONE,
     before_after,
@@ -14,9 +14,9 @@ from pipeline.documentation.cells import (
     read_report,
     with_interval,
 )
-from pipeline.io.artifacts import read_json
-from pipeline.io.labels import SIMULATORS
-from pipeline.io.markdown import markdown_table
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.io.labels import SIMULATORS
+from rallygap.pipeline.io.markdown import markdown_table
 
 RACKET = "racket_bounce"  # which the gap workflow's shots do not touch
 CAMERA = "camera_distortion"  # stands for a field, which has no single true value

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
-from pipeline.documentation import (
+from rallygap.pipeline.documentation import (
     answers,
     arena_tables,
     code_pages,
@@ -24,16 +24,16 @@ from pipeline.documentation import (
     sweep_tables,
     transfer_tables,
 )
-from pipeline.documentation.cells import NONE
-from pipeline.documentation.diagnose_example import diagnose_example
-from pipeline.documentation.known_answers import known_answers
-from pipeline.exam.page import questions_table
-from pipeline.experiments.everything import COMMITS, STEPS, Step
-from pipeline.experiments.stale import kept_result
-from pipeline.io.artifacts import read_json
-from pipeline.io.markdown import markdown_table
-from pipeline.paper.page import claims_table, paper_page
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.documentation.cells import NONE
+from rallygap.pipeline.documentation.diagnose_example import diagnose_example
+from rallygap.pipeline.documentation.known_answers import known_answers
+from rallygap.pipeline.exam.page import questions_table
+from rallygap.pipeline.experiments.everything import COMMITS, STEPS, Step
+from rallygap.pipeline.experiments.stale import kept_result
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.io.markdown import markdown_table
+from rallygap.pipeline.paper.page import claims_table, paper_page
+from rallygap.pipeline.runtime.errors import InputError
 
 Writer = Callable[[Path], str]  # takes the repository's root, returns Markdown
 

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from pipeline.documentation.cells import NONE, predictor_name
-from pipeline.io.artifacts import read_json
-from pipeline.io.markdown import markdown_table
+from rallygap.pipeline.documentation.cells import NONE, predictor_name
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.io.markdown import markdown_table
 
 LIVE = Path("reports") / "live"
 

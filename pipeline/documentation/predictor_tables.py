@@ -3,17 +3,17 @@
 from pathlib import Path
 from typing import Any
 
-from models.predictors.evaluation import SHOWN_HORIZONS_MS
-from pipeline.documentation.cells import (
+from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
+from rallygap.pipeline.documentation.cells import (
     HORIZON_HEADS,
     NONE,
     predictor_name,
     read_report,
     with_interval,
 )
-from pipeline.io.artifacts import read_json
-from pipeline.io.markdown import markdown_table
-from pipeline.real_forecasts.figure import ADAPTED
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.io.markdown import markdown_table
+from rallygap.pipeline.real_forecasts.figure import ADAPTED
 
 SHORT = 300  # recordings
 SMALLER, PAPER_NETWORK = "transformer", "paper_network"  # of the same shots

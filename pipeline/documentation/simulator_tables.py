@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import Any
 
-from pipeline.documentation.cells import ERRORS, HORIZON_HEADS, NONE, before_after
-from pipeline.engines.audit_text import with_cost
-from pipeline.io.artifacts import read_json
-from pipeline.io.markdown import markdown_table
+from rallygap.pipeline.documentation.cells import ERRORS, HORIZON_HEADS, NONE, before_after
+from rallygap.pipeline.engines.audit_text import with_cost
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.io.markdown import markdown_table
 
 SIMULATORS = Path("reports") / "simulators"
 ENDS = ("net", "out", "missed")  # of points

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from pipeline.documentation.cells import number, with_interval
-from pipeline.io.artifacts import read_json
-from pipeline.io.markdown import markdown_table
+from rallygap.pipeline.documentation.cells import number, with_interval
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.io.markdown import markdown_table
 
 SEARCHED = ["sweep", "trials", "pruned", "score", "`params.yaml`", "best trial"]
 CONFIRMED = ["sweep", "measure", "`params.yaml`", "best trial", "difference (95 %)", "holds"]

@@ -3,16 +3,16 @@
 from pathlib import Path
 from typing import Any
 
-from pipeline.documentation.cells import (
+from rallygap.pipeline.documentation.cells import (
     NONE,
     in_points,
     predictor_name,
     read_report,
     with_interval,
 )
-from pipeline.io.labels import SIMULATORS
-from pipeline.io.markdown import markdown_table
-from pipeline.transfer.transfer_table import PROTOCOLS
+from rallygap.pipeline.io.labels import SIMULATORS
+from rallygap.pipeline.io.markdown import markdown_table
+from rallygap.pipeline.transfer.transfer_table import PROTOCOLS
 
 HORIZONS = ("115-125", "170-180")
 OF_STUDY, SIGNIFICANT = ["observation", "horizons_ms", "predictor"], 0.05

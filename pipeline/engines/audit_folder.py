@@ -5,23 +5,23 @@ from pathlib import Path
 
 import numpy as np
 
-from models.audit.audit import Audit
-from models.audit.traps import traps
-from models.engines.engine import Engine
-from pipeline.engines.audited import audited
-from pipeline.engines.comparison import Comparison
-from pipeline.engines.figures import bounces_figure, worth_figure
-from pipeline.engines.findings import AuditFindings
-from pipeline.engines.load import load_engine, names_scene
-from pipeline.engines.scene_audit import SceneAudit
-from pipeline.io.artifacts import replacing_files, write_json, write_text
-from pipeline.io.figure_style import apply_style
-from pipeline.io.report_items import ReportFigure
-from pipeline.io.simulators import simulator_yaml
-from pipeline.runtime.paths import check_folder
-from pipeline.runtime.progress import phase_bar
-from pipeline.web.environment import page_environment
-from pipeline.web.items import shown_figure
+from rallygap.models.audit.audit import Audit
+from rallygap.models.audit.traps import traps
+from rallygap.models.engines.engine import Engine
+from rallygap.pipeline.engines.audited import audited
+from rallygap.pipeline.engines.comparison import Comparison
+from rallygap.pipeline.engines.figures import bounces_figure, worth_figure
+from rallygap.pipeline.engines.findings import AuditFindings
+from rallygap.pipeline.engines.load import load_engine, names_scene
+from rallygap.pipeline.engines.scene_audit import SceneAudit
+from rallygap.pipeline.io.artifacts import replacing_files, write_json, write_text
+from rallygap.pipeline.io.figure_style import apply_style
+from rallygap.pipeline.io.report_items import ReportFigure
+from rallygap.pipeline.io.simulators import simulator_yaml
+from rallygap.pipeline.runtime.paths import check_folder
+from rallygap.pipeline.runtime.progress import phase_bar
+from rallygap.pipeline.web.environment import page_environment
+from rallygap.pipeline.web.items import shown_figure
 
 TEMPLATES = Path(__file__).parent / "templates"
 FIGURES = "figures"
@@ -57,7 +57,7 @@ def audit_folder(name: str, out: Path, against: str | None = None) -> list[str]:
 
 
 def _scene(engine: Engine, found: Audit) -> SceneAudit:
-    from models.engines.mujoco.scene import MujocoScene
+    from rallygap.models.engines.mujoco.scene import MujocoScene
 
     assert isinstance(engine, MujocoScene)  # by its name
     return SceneAudit.of(engine, found)

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from models.audit.audit import PATIENCE, Audit, audit
-from models.audit.probes import bounce_probes
-from models.audit.traps import traps
-from models.ball.simulator import Simulator
-from models.engines.engine import EffectsEngine, Engine, EngineError, check_deterministic
-from pipeline.engines.audit_text import outcome
-from pipeline.engines.load import load_engine
-from pipeline.runtime.errors import InputError
+from rallygap.models.audit.audit import PATIENCE, Audit, audit
+from rallygap.models.audit.probes import bounce_probes
+from rallygap.models.audit.traps import traps
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.engines.engine import EffectsEngine, Engine, EngineError, check_deterministic
+from rallygap.pipeline.engines.audit_text import outcome
+from rallygap.pipeline.engines.load import load_engine
+from rallygap.pipeline.runtime.errors import InputError
 
 FEW = 6  # probes that are flown twice
 

@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from models.audit.audit import Audit
-from models.audit.selection import Flown
-from models.ball.state import POSITION
-from models.engines.engine import Engine
-from models.gap.hypotheses import Hypothesis
-from pipeline.engines.audited import audited
-from pipeline.io.numbers import number, with_unit
+from rallygap.models.audit.audit import Audit
+from rallygap.models.audit.selection import Flown
+from rallygap.models.ball.state import POSITION
+from rallygap.models.engines.engine import Engine
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.pipeline.engines.audited import audited
+from rallygap.pipeline.io.numbers import number, with_unit
 
 MM = 1e3
 SAME = 1e-3  # relative difference of values that are alike

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from typing import Any
 
-from models.audit.audit import Audit
-from models.audit.traps import Trap
-from pipeline.engines.audit_text import audit_content, effects_table, outcome, sentence
-from pipeline.engines.comparison import Comparison
-from pipeline.engines.scene_audit import SceneAudit
-from pipeline.web.items import page_table
+from rallygap.models.audit.audit import Audit
+from rallygap.models.audit.traps import Trap
+from rallygap.pipeline.engines.audit_text import audit_content, effects_table, outcome, sentence
+from rallygap.pipeline.engines.comparison import Comparison
+from rallygap.pipeline.engines.scene_audit import SceneAudit
+from rallygap.pipeline.web.items import page_table
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from models.engines.engine import EffectsEngine, Engine, FunctionEngine
-from models.support.suggestion import suggestion
-from pipeline.engines.mujoco_file import load_scene
-from pipeline.io.simulators import load_simulator
-from pipeline.runtime.errors import InputError
+from rallygap.models.engines.engine import EffectsEngine, Engine, FunctionEngine
+from rallygap.models.support.suggestion import suggestion
+from rallygap.pipeline.engines.mujoco_file import load_scene
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def load_engine(name: str) -> Engine:

@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from models.engines.engine import EngineError
-from pipeline.runtime.errors import InputError
+from rallygap.models.engines.engine import EngineError
+from rallygap.pipeline.runtime.errors import InputError
 
 if TYPE_CHECKING:
-    from models.engines.mujoco.scene import MujocoScene
+    from rallygap.models.engines.mujoco.scene import MujocoScene
 
 
 def load_scene(path: Path | str, ball: str | None = None) -> "MujocoScene":
@@ -23,7 +23,7 @@ def load_scene(path: Path | str, ball: str | None = None) -> "MujocoScene":
     try:
         import mujoco
 
-        from models.engines.mujoco.scene import MujocoScene
+        from rallygap.models.engines.mujoco.scene import MujocoScene
     except ImportError as error:
         advice = "pip install -e '.[mujoco]' brings MuJoCo, which flies this scene"
         raise InputError(path, f"{advice} ({_one_line(error)})") from None

@@ -4,14 +4,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from models.audit.audit import Audit
-from models.gap.hypotheses import Hypothesis
-from pipeline.engines.comparison import Apart, distances
-from pipeline.io.numbers import number, with_unit
+from rallygap.models.audit.audit import Audit
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.pipeline.engines.comparison import Apart, distances
+from rallygap.pipeline.io.numbers import number, with_unit
 
 if TYPE_CHECKING:
-    from models.engines.mujoco.notes import Effects
-    from models.engines.mujoco.scene import MujocoScene
+    from rallygap.models.engines.mujoco.notes import Effects
+    from rallygap.models.engines.mujoco.scene import MujocoScene
 
 EXACT = "RK4"
 
@@ -44,7 +44,7 @@ class SceneAudit:
     @classmethod
     def of(cls, scene: "MujocoScene", audit: Audit) -> "SceneAudit":
         """Read a scene that was audited, and fly its variants."""
-        from models.engines.mujoco.says import says
+        from rallygap.models.engines.mujoco.says import says
 
         said = says(scene)
         notes = tuple(f"{one.sentence[0].upper()}{one.sentence[1:]}." for one in said.notes)

@@ -17,17 +17,17 @@ import psutil
 import torch
 from rich.table import Table
 
-from models.predictors.evaluation import SHOWN_HORIZONS_MS
-from models.predictors.protocol import History, Predictor
-from pipeline.evaluation.error_table import read_errors
-from pipeline.evaluation.predictors import NamedPredictor, read_predictors
-from pipeline.evaluation.test_windows import read_test_sets
-from pipeline.io.artifacts import write_csv, write_json
-from pipeline.params import load_params
-from pipeline.runtime.git import git_commit
-from pipeline.runtime.progress import progress
-from pipeline.runtime.scratch import kept_timings
-from pipeline.runtime.torch_threads import one_thread
+from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
+from rallygap.models.predictors.protocol import History, Predictor
+from rallygap.pipeline.evaluation.error_table import read_errors
+from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_predictors
+from rallygap.pipeline.evaluation.test_windows import read_test_sets
+from rallygap.pipeline.io.artifacts import write_csv, write_json
+from rallygap.pipeline.params import load_params
+from rallygap.pipeline.runtime.git import git_commit
+from rallygap.pipeline.runtime.progress import progress
+from rallygap.pipeline.runtime.scratch import kept_timings
+from rallygap.pipeline.runtime.torch_threads import one_thread
 
 CALLS, WARM_UP = 500, 50
 ERROR_COLUMNS = [f"position_error_mm_{horizon}ms" for horizon in SHOWN_HORIZONS_MS]

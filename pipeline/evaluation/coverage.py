@@ -7,16 +7,16 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from models.predictors.calibration import LEVELS, Calibration, Errors, crps
-from models.predictors.errors import EVALUATED, HORIZONS_MS, error_statistics
-from models.predictors.evaluation import SHOWN_HORIZONS_MS, concat_tables
-from models.predictors.protocol import Floats, ProbabilisticPredictor
-from models.predictors.windows import Windows
-from pipeline.evaluation.figures.coverage import coverage_figure
-from pipeline.evaluation.predictors import NamedPredictor
-from pipeline.evaluation.test_windows import MeasuredSet
-from pipeline.io.report_items import ReportFigure, ReportTable
-from pipeline.runtime.parallel import parallel
+from rallygap.models.predictors.calibration import LEVELS, Calibration, Errors, crps
+from rallygap.models.predictors.errors import EVALUATED, HORIZONS_MS, error_statistics
+from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS, concat_tables
+from rallygap.models.predictors.protocol import Floats, ProbabilisticPredictor
+from rallygap.models.predictors.windows import Windows
+from rallygap.pipeline.evaluation.figures.coverage import coverage_figure
+from rallygap.pipeline.evaluation.predictors import NamedPredictor
+from rallygap.pipeline.evaluation.test_windows import MeasuredSet
+from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
+from rallygap.pipeline.runtime.parallel import parallel
 
 BATCH = 256  # windows
 MM = 1e3  # in a metre

@@ -7,7 +7,7 @@ from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from pipeline.io.artifacts import read_as, write_json
+from rallygap.pipeline.io.artifacts import read_as, write_json
 
 MOST_SHOTS = 20  # more would make the page heavy
 

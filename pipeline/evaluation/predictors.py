@@ -4,15 +4,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from models.ball.simulator import Simulator
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import ProbabilisticPredictor
-from pipeline.io.amended_simulators import AMENDED, read_amended
-from pipeline.io.ground_truth import read_truth
-from pipeline.io.simulators import load_simulator
-from pipeline.params import EvaluatePredictorSettings
-from pipeline.predictors.storage import DESCRIPTION, load_predictor, read_description
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import ProbabilisticPredictor
+from rallygap.pipeline.io.amended_simulators import AMENDED, read_amended
+from rallygap.pipeline.io.ground_truth import read_truth
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import EvaluatePredictorSettings
+from rallygap.pipeline.predictors.storage import DESCRIPTION, load_predictor, read_description
+from rallygap.pipeline.runtime.errors import InputError
 
 ORACLE, ARENA = "oracle", "arena"
 

@@ -6,19 +6,19 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from models.predictors.evaluation import (
+from rallygap.models.predictors.evaluation import (
     SHOWN_HORIZONS_MS,
     STATISTICS,
     ForecastErrors,
     concat_tables,
 )
-from models.predictors.protocol import Bools
-from models.segmentation.split import recording_groups
-from pipeline.evaluation.figures.forecast_error import forecast_error_figure
-from pipeline.evaluation.predictors import NamedPredictor
-from pipeline.evaluation.test_windows import MeasuredSet
-from pipeline.io.metrics import place, rounded
-from pipeline.io.report_items import ReportFigure, ReportTable
+from rallygap.models.predictors.protocol import Bools
+from rallygap.models.segmentation.split import recording_groups
+from rallygap.pipeline.evaluation.figures.forecast_error import forecast_error_figure
+from rallygap.pipeline.evaluation.predictors import NamedPredictor
+from rallygap.pipeline.evaluation.test_windows import MeasuredSet
+from rallygap.pipeline.io.metrics import place, rounded
+from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
 
 VARIANTS = ("_with_net", "_without_net")  # of predictors, in the tables only
 MEASURED, TRUTH = "measured", "truth"  # what forecasts are compared with

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from models.predictors.windows import Windows, concatenate_windows, cut_windows
-from pipeline.io.episodes import MeasuredEpisode, read_episodes
-from pipeline.io.source_manifest import Manifest, SourceRecord, read_manifest
-from pipeline.runtime.console import warn
-from pipeline.runtime.errors import InputError
+from rallygap.models.predictors.windows import Windows, concatenate_windows, cut_windows
+from rallygap.pipeline.io.episodes import MeasuredEpisode, read_episodes
+from rallygap.pipeline.io.source_manifest import Manifest, SourceRecord, read_manifest
+from rallygap.pipeline.runtime.console import warn
+from rallygap.pipeline.runtime.errors import InputError
 
 NO_WINDOW = "155 ms with samples at most 15 ms apart"
 

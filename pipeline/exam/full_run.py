@@ -6,7 +6,7 @@ the next run continues from it. Every record has a fingerprint of all that it de
 with another fingerprint are made again, and no table mixes the two. For development, some of the
 questions can be run into another file::
 
-    python -m pipeline.exam.full_run --groups distortion several --every 6 --out records.jsonl
+    python -m rallygap.pipeline.exam.full_run --groups distortion --every 6 --out records.jsonl
 """
 
 import argparse
@@ -16,15 +16,21 @@ from pathlib import Path
 
 import pandas as pd
 
-from models.exam.records import ExamRecord
-from pipeline.evaluation.costs import machine
-from pipeline.exam.records import RECORDS, UNFINISHED, read_records, write_records
-from pipeline.exam.run import Assignment, assignments, code_of_records, finished, run_questions
-from pipeline.io.artifacts import write_csv, write_json
-from pipeline.params import Params, load_params
-from pipeline.runtime.console import refuse
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import repository_root
+from rallygap.models.exam.records import ExamRecord
+from rallygap.pipeline.evaluation.costs import machine
+from rallygap.pipeline.exam.records import RECORDS, UNFINISHED, read_records, write_records
+from rallygap.pipeline.exam.run import (
+    Assignment,
+    assignments,
+    code_of_records,
+    finished,
+    run_questions,
+)
+from rallygap.pipeline.io.artifacts import write_csv, write_json
+from rallygap.pipeline.params import Params, load_params
+from rallygap.pipeline.runtime.console import refuse
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.paths import repository_root
 
 SCRATCH = Path("scratch") / "exam"  # results of questions, in folders by the code that made them
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from pipeline.io.markdown import markdown_table
+from rallygap.pipeline.io.markdown import markdown_table
 
 GROUPS = {
     "sweep": "one hidden parameter of the catalogue. The base has 3 detection limits, 100 shots "

@@ -5,9 +5,9 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from models.exam.records import ExamRecord
-from pipeline.io.artifacts import write_text
-from pipeline.runtime.errors import InputError
+from rallygap.models.exam.records import ExamRecord
+from rallygap.pipeline.io.artifacts import write_text
+from rallygap.pipeline.runtime.errors import InputError
 
 RECORDS = Path("reports") / "exam" / "records.jsonl"  # of the whole exam, in the repository
 UNFINISHED = RECORDS.with_name("unfinished.jsonl")  # of a run that was stopped

@@ -10,18 +10,18 @@ from zlib import crc32
 
 from pydantic import BaseModel
 
-from models.exam.design.question import Question, seed_of
-from models.exam.design.questions import exam
-from models.exam.interface import Method
-from models.exam.methods.registry import METHODS, RALLYGAP
-from models.exam.records import ExamRecord
-from models.exam.runner import run_question
-from pipeline.experiments.file_content import effective_content
-from pipeline.io.artifacts import read_as, write_text
-from pipeline.io.simulators import load_simulator
-from pipeline.params import Params
-from pipeline.runtime.parallel import parallel
-from pipeline.runtime.provenance import short
+from rallygap.models.exam.design.question import Question, seed_of
+from rallygap.models.exam.design.questions import exam
+from rallygap.models.exam.interface import Method
+from rallygap.models.exam.methods.registry import METHODS, RALLYGAP
+from rallygap.models.exam.records import ExamRecord
+from rallygap.models.exam.runner import run_question
+from rallygap.pipeline.experiments.file_content import effective_content
+from rallygap.pipeline.io.artifacts import read_as, write_text
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.runtime.parallel import parallel
+from rallygap.pipeline.runtime.provenance import short
 
 # What records depend on: packages of ``models``, and the versions of libraries that calculate.
 PACKAGES = ("models/arena", "models/ball", "models/exam", "models/gap")

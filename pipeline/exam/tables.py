@@ -6,8 +6,8 @@ from typing import Any
 
 import pandas as pd
 
-from models.exam.records import AnswerRecord, ExamRecord
-from models.exam.scoring.rates import (
+from rallygap.models.exam.records import AnswerRecord, ExamRecord
+from rallygap.models.exam.scoring.rates import (
     MARKS,
     answered,
     distinguishable,
@@ -17,8 +17,8 @@ from models.exam.scoring.rates import (
     removable_closed,
     solved,
 )
-from models.exam.scoring.robustness import of_robustness
-from pipeline.io.report_items import ReportTable
+from rallygap.models.exam.scoring.robustness import of_robustness
+from rallygap.pipeline.io.report_items import ReportTable
 
 SOLVED = (
     "A question is solved if the answer names the hidden cause where the data distinguish it from "

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from models.ball.types import Floats
-from pipeline.paper.run_reports import RECORD, is_record_of_run
-from pipeline.runtime.git import git
+from rallygap.models.ball.types import Floats
+from rallygap.pipeline.paper.run_reports import RECORD, is_record_of_run
+from rallygap.pipeline.runtime.git import git
 
 RESULTS = "reports/"
 NOT_NUMBERS = "contents.json"  # what a report holds, with the fingerprint of its run

@@ -17,9 +17,9 @@ from typing import Any
 
 from rich.console import Console
 
-from pipeline.experiments.keep import has_experiment
-from pipeline.experiments.profiles import profile_flags
-from pipeline.experiments.stale import (
+from rallygap.pipeline.experiments.keep import has_experiment
+from rallygap.pipeline.experiments.profiles import profile_flags
+from rallygap.pipeline.experiments.stale import (
     KeptResult,
     check_committed,
     code_of,
@@ -27,8 +27,8 @@ from pipeline.experiments.stale import (
     result_of,
     stage_modules,
 )
-from pipeline.io.artifacts import read_json, write_json
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.io.artifacts import read_json, write_json
+from rallygap.pipeline.runtime.errors import InputError
 
 PARAMS = "params.yaml"
 COMMITS = Path("reports") / "commits.json"  # of the code that made each step's results
@@ -85,9 +85,9 @@ def _module(
     name: str, minutes: int, stages: Sequence[str] = (), profile: str = "", measured: bool = False
 ) -> Step:
     """Return the step that runs a module of ``pipeline``, which reads what some stages made."""
-    module = f"pipeline.{name}"
+    module = f"rallygap.pipeline.{name}"
     step = name.removesuffix(".run").replace(".", "_")
-    entries = (module, *(f"stages.{one}" for one in stages))
+    entries = (module, *(f"rallygap.stages.{one}" for one in stages))
     command = f"{PYTHON} {module}"
     return Step(step, (command,), minutes, entries, profile, measured=measured)
 
@@ -106,7 +106,7 @@ STEPS = (
         "known_answers",
         ("rallygap known-answers",),
         45,
-        ("pipeline.known_answers.run",),
+        ("rallygap.pipeline.known_answers.run",),
         measured=True,
     ),
     _kept("two_cores", "paper", 150),
@@ -114,7 +114,10 @@ STEPS = (
     _kept("paper_physics", "paper_physics", 30),
     _kept("shots", "shots", 160),
     Step(
-        "exam", (f"{PYTHON} pipeline.exam.full_run", "dvc repro"), 165, ("pipeline.exam.full_run",)
+        "exam",
+        (f"{PYTHON} rallygap.pipeline.exam.full_run", "dvc repro"),
+        165,
+        ("rallygap.pipeline.exam.full_run",),
     ),
     Step(
         "sweeps",
@@ -124,7 +127,7 @@ STEPS = (
             for verb, workers in (("sweep", " --workers 2"), ("confirm", ""))
         ),
         20,
-        ("pipeline.sweeps.worker", "pipeline.sweeps.confirm"),
+        ("rallygap.pipeline.sweeps.worker", "rallygap.pipeline.sweeps.confirm"),
         "sweeps",
     ),
     Step(
@@ -134,7 +137,12 @@ STEPS = (
         files=("tests/faults", "tests/fuzz"),
         root=True,
     ),
-    Step("costs", ("rallygap costs",), 20, ("pipeline.evaluation.costs", "stages.train_predictor")),
+    Step(
+        "costs",
+        ("rallygap costs",),
+        20,
+        ("rallygap.pipeline.evaluation.costs", "rallygap.stages.train_predictor"),
+    ),
     *(
         Step(
             f"{name}_benchmark", (f"{PYTHON} benchmarks.{name}",), minutes, (f"benchmarks.{name}",)

@@ -17,12 +17,12 @@ import pandas as pd
 from filelock import FileLock, Timeout
 from matplotlib.figure import Figure
 
-from pipeline.evaluation.costs import machine
-from pipeline.experiments.stale import check_committed, code_of
-from pipeline.io.artifacts import replacing_files, write_csv, write_json
-from pipeline.io.figure_style import apply_style, save_figure
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.provenance import combined_hash, short
+from rallygap.pipeline.evaluation.costs import machine
+from rallygap.pipeline.experiments.stale import check_committed, code_of
+from rallygap.pipeline.io.artifacts import replacing_files, write_csv, write_json
+from rallygap.pipeline.io.figure_style import apply_style, save_figure
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.provenance import combined_hash, short
 
 PARAMS = "params.yaml"
 SCRATCH = Path("scratch")
@@ -99,7 +99,7 @@ def running(root: Path, name: str, inputs: Sequence[str] = (), data: str = "") -
 
 
 def _fingerprint(root: Path, name: str, inputs: Sequence[str], data: str) -> str:
-    code = [one for one in code_of([f"pipeline.{name}"], ()) if (root / one).exists()]
+    code = [one for one in code_of([f"rallygap.pipeline.{name}"], ()) if (root / one).exists()]
     content = combined_hash(root, [*code, PARAMS, *inputs])
     return hashlib.sha256(f"{content} {data}".encode()).hexdigest()
 

@@ -5,13 +5,13 @@ from collections.abc import Iterable
 from functools import cache
 from typing import TYPE_CHECKING
 
-from pipeline.runtime.paths import repository_root
+from rallygap.pipeline.runtime.paths import repository_root
 
 if TYPE_CHECKING:
     import grimp
 
 # What everything runs in but what does not shape results.
-NO_RESULTS = ("pipeline.params", "pipeline.tracking")
+NO_RESULTS = ("rallygap.pipeline.params", "rallygap.pipeline.tracking")
 
 
 def imported_packages(entries: Iterable[str]) -> set[str]:
@@ -33,7 +33,8 @@ def imported_packages(entries: Iterable[str]) -> set[str]:
         reached.add(module)
         todo += graph.find_modules_directly_imported_by(module)
         todo += graph.find_children(module)
-    return {"/".join(module.split(".")[:2]) for module in reached}
+    paths = (module.removeprefix("rallygap.").split(".") for module in reached)
+    return {"/".join(path[:2]) for path in paths if path != ["rallygap"]}
 
 
 @cache
@@ -44,4 +45,4 @@ def import_graph() -> "grimp.ImportGraph":
     root = str(repository_root())
     if root not in sys.path:
         sys.path.append(root)  # the benchmarks are not installed
-    return grimp.build_graph("models", "pipeline", "stages", "benchmarks")
+    return grimp.build_graph("rallygap", "benchmarks")

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from models.support.yaml_file import parse_yaml
-from pipeline.experiments.profiles import flags
-from pipeline.experiments.stale import EXAM
-from pipeline.io.artifacts import replacing_folder, write_json, write_text
-from pipeline.io.report_manifest import read_contents
-from pipeline.paper.run_reports import RECORD, is_kept_run
-from pipeline.runtime.console import warn
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.git import git, git_if_known
+from rallygap.models.support.yaml_file import parse_yaml
+from rallygap.pipeline.experiments.profiles import flags
+from rallygap.pipeline.experiments.stale import EXAM
+from rallygap.pipeline.io.artifacts import replacing_folder, write_json, write_text
+from rallygap.pipeline.io.report_manifest import read_contents
+from rallygap.pipeline.paper.run_reports import RECORD, is_kept_run
+from rallygap.pipeline.runtime.console import warn
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.git import git, git_if_known
 
 PREDICTORS = "artifacts/train_predictor"
 OF_PREDICTORS = ("seed", "ingest", "segment", "train_predictor")  # parameters
@@ -127,7 +127,7 @@ def _check_name(root: Path, name: str, stages: Sequence[str]) -> None:
 
 def _adapt_predictors(folder: Path, reports: str) -> None:
     """Remove predictors that are too large; let the cards of the others name ``reports``."""
-    from pipeline.predictors.storage import CARD, WEIGHTS
+    from rallygap.pipeline.predictors.storage import CARD, WEIGHTS
 
     for weights in list(folder.rglob(WEIGHTS)):
         if weights.stat().st_size > LARGEST_FILE:

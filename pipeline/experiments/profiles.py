@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from models.support.suggestion import suggestion
-from pipeline.params import Params, check_params, load_params, read_yaml
-from pipeline.runtime.errors import InputError
+from rallygap.models.support.suggestion import suggestion
+from rallygap.pipeline.params import Params, check_params, load_params, read_yaml
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def profile_flags(root: Path, name: str) -> list[str]:

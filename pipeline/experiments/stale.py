@@ -4,13 +4,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.experiments.file_content import do_the_same
-from pipeline.experiments.imports import imported_packages
-from pipeline.io.artifacts import read_json
-from pipeline.paper.run_reports import RECORD
-from pipeline.params import read_yaml
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.git import git, git_commit, git_if_known
+from rallygap.pipeline.experiments.file_content import do_the_same
+from rallygap.pipeline.experiments.imports import imported_packages
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.paper.run_reports import RECORD
+from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.git import git, git_commit, git_if_known
 
 SETTINGS = ("params.yaml", "profiles")
 EXAM = "hidden_effects"  # the stage whose results are the same in all experiments
@@ -74,12 +74,12 @@ def kept_result(root: Path, folder: Path) -> KeptResult:
 
 def stage_modules(root: Path) -> list[str]:
     """Return the modules of the stages."""
-    return [f"stages.{name}" for name in read_yaml(root / "dvc.yaml")["stages"]]
+    return [f"rallygap.stages.{name}" for name in read_yaml(root / "dvc.yaml")["stages"]]
 
 
 def kept_modules(root: Path) -> list[str]:
     """Return the modules of the stages whose results kept runs have."""
-    return [name for name in stage_modules(root) if name != f"stages.{EXAM}"]
+    return [name for name in stage_modules(root) if name != f"rallygap.stages.{EXAM}"]
 
 
 def code_of(entries: Iterable[str], files: Iterable[str] = SETTINGS) -> tuple[str, ...]:

@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
-from models.ball.simulator import Simulator
-from pipeline.io.artifacts import write_text
-from pipeline.io.simulators import load_simulator, simulator_yaml
-from pipeline.runtime.parallel import make_missing
+from rallygap.models.ball.simulator import Simulator
+from rallygap.pipeline.io.artifacts import write_text
+from rallygap.pipeline.io.simulators import load_simulator, simulator_yaml
+from rallygap.pipeline.runtime.parallel import make_missing
 
 
 def amended_simulators(

@@ -6,19 +6,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from models.ball.simulator import Simulator
-from models.gap.diagnose import diagnose
-from models.gap.fit.shots import Shots
-from models.gap.net.contacts import NetContacts
-from models.gap.settings import GapSettings
-from models.gap.verdict import Verdict
-from pipeline.gap.provenance import made_from
-from pipeline.gap.shots import SourceShots, shots_of
-from pipeline.io.amended_simulators import case_name
-from pipeline.io.episodes import MeasuredEpisode
-from pipeline.io.simulators import load_simulator
-from pipeline.params import CloseGapSettings, ComparedSimulatorSettings
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.diagnose import diagnose
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.net.contacts import NetContacts
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.verdict import Verdict
+from rallygap.pipeline.gap.provenance import made_from
+from rallygap.pipeline.gap.shots import SourceShots, shots_of
+from rallygap.pipeline.io.amended_simulators import case_name
+from rallygap.pipeline.io.episodes import MeasuredEpisode
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import CloseGapSettings, ComparedSimulatorSettings
+from rallygap.pipeline.runtime.errors import InputError
 
 BOUNCE = "table_bounce"
 

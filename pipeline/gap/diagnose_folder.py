@@ -4,32 +4,32 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from models.ball.simulator import Simulator
-from models.gap.amend.simulator import amended, amended_yaml
-from models.gap.diagnose import diagnose
-from models.gap.settings import DEFAULTS, GapSettings
-from models.gap.verdict import DetectionLimits, Verdict
-from pipeline.engines.audited import effects_of
-from pipeline.engines.export.code import CODE
-from pipeline.engines.export.command import code_of
-from pipeline.engines.export.scene_file import SCENE, check_place, former_scene
-from pipeline.engines.load import names_function, names_scene
-from pipeline.gap.expected_balls import expected_balls, expected_json
-from pipeline.gap.figures.camera import camera_figure
-from pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
-from pipeline.gap.figures.verdict import causes_figure, error_figure
-from pipeline.gap.handed_over import handed_over
-from pipeline.gap.measured_shots import MeasuredShots, read_shots
-from pipeline.gap.provenance import made_from
-from pipeline.gap.summary import Findings, detection_lines
-from pipeline.gap.usage import episodes_text, usage_lines, with_doubts
-from pipeline.gap.verdict_page import render_gap_page
-from pipeline.io.artifacts import replacing_files, write_text
-from pipeline.io.figure_style import apply_style
-from pipeline.io.report_items import ReportFigure
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import check_folder
-from pipeline.runtime.progress import PhaseBar, phase_bar
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.amend.simulator import amended, amended_yaml
+from rallygap.models.gap.diagnose import diagnose
+from rallygap.models.gap.settings import DEFAULTS, GapSettings
+from rallygap.models.gap.verdict import DetectionLimits, Verdict
+from rallygap.pipeline.engines.audited import effects_of
+from rallygap.pipeline.engines.export.code import CODE
+from rallygap.pipeline.engines.export.command import code_of
+from rallygap.pipeline.engines.export.scene_file import SCENE, check_place, former_scene
+from rallygap.pipeline.engines.load import names_function, names_scene
+from rallygap.pipeline.gap.expected_balls import expected_balls, expected_json
+from rallygap.pipeline.gap.figures.camera import camera_figure
+from rallygap.pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
+from rallygap.pipeline.gap.figures.verdict import causes_figure, error_figure
+from rallygap.pipeline.gap.handed_over import handed_over
+from rallygap.pipeline.gap.measured_shots import MeasuredShots, read_shots
+from rallygap.pipeline.gap.provenance import made_from
+from rallygap.pipeline.gap.summary import Findings, detection_lines
+from rallygap.pipeline.gap.usage import episodes_text, usage_lines, with_doubts
+from rallygap.pipeline.gap.verdict_page import render_gap_page
+from rallygap.pipeline.io.artifacts import replacing_files, write_text
+from rallygap.pipeline.io.figure_style import apply_style
+from rallygap.pipeline.io.report_items import ReportFigure
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.paths import check_folder
+from rallygap.pipeline.runtime.progress import PhaseBar, phase_bar
 
 TABLE = "table_bounce"
 FIGURES = "figures"

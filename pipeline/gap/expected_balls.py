@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 from pydantic import BaseModel, FiniteFloat, PositiveFloat
 
-from models.ball.simulator import Simulator
-from models.ball.state import SPIN
-from models.gap.fit.noise import NORMAL_SPREAD
-from models.gap.fit.refit import refit
-from models.gap.fit.shots import Shots
-from models.gap.locate.covariates import course_frames
-from models.gap.settings import DEFAULTS
-from models.predictors.ball_filter import Expected
-from pipeline.io.artifacts import read_valid
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import SPIN
+from rallygap.models.gap.fit.noise import NORMAL_SPREAD
+from rallygap.models.gap.fit.refit import refit
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.locate.covariates import course_frames
+from rallygap.models.gap.settings import DEFAULTS
+from rallygap.models.predictors.ball_filter import Expected
+from rallygap.pipeline.io.artifacts import read_valid
 
 LEAST_SPREAD = 5.0  # rad/s
 

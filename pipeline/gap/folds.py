@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def fold_numbers(set_name: str, recordings: NDArray[Any], count: int) -> NDArray[np.int64]:

@@ -2,14 +2,14 @@
 
 from typing import TYPE_CHECKING
 
-from models.gap.amend.simulator import amended, amended_yaml
-from pipeline.engines.export.code import ball_effects
-from pipeline.engines.export.command import comments_of
-from pipeline.gap.summary import Findings
-from pipeline.runtime.errors import InputError
+from rallygap.models.gap.amend.simulator import amended, amended_yaml
+from rallygap.pipeline.engines.export.code import ball_effects
+from rallygap.pipeline.engines.export.command import comments_of
+from rallygap.pipeline.gap.summary import Findings
+from rallygap.pipeline.runtime.errors import InputError
 
 if TYPE_CHECKING:
-    from pipeline.engines.export.scene.handover import HandedOver
+    from rallygap.pipeline.engines.export.scene.handover import HandedOver
 
 
 def handed_over(findings: Findings, minor: bool) -> "HandedOver":
@@ -24,7 +24,7 @@ def handed_over(findings: Findings, minor: bool) -> "HandedOver":
     Raises:
         InputError: the scene cannot be read or flown.
     """
-    from pipeline.engines.export.scene import handover
+    from rallygap.pipeline.engines.export.scene import handover
 
     name, before = findings.simulator_name, findings.simulator
     comments = comments_of(amended_yaml(before, findings.verdict, findings.measured.name, minor))

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pipeline.io.episodes import MeasuredEpisode
-from pipeline.io.schemas import SPIN_COLUMNS
-from pipeline.io.source_manifest import SourceRecord
+from rallygap.pipeline.io.episodes import MeasuredEpisode
+from rallygap.pipeline.io.schemas import SPIN_COLUMNS
+from rallygap.pipeline.io.source_manifest import SourceRecord
 
 
 @dataclass(frozen=True)

@@ -7,18 +7,18 @@ from pathlib import Path
 
 import pandas as pd
 
-from models.gap.fit.shots import Shots
-from models.gap.net.contacts import NetContacts
-from models.segmentation.settings import SegmentSettings
-from models.segmentation.tables import segment_recordings
-from models.support.suggestion import suggestion
-from pipeline.gap.data_check.check import check_recordings
-from pipeline.gap.labels import LabelCounts, count_labels
-from pipeline.gap.noise import coordinate_noise
-from pipeline.gap.shots import shots_of, source_shots
-from pipeline.io.artifacts import table_writer, write_table
-from pipeline.io.episodes import MeasuredEpisode, read_episodes
-from pipeline.io.schemas import (
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.net.contacts import NetContacts
+from rallygap.models.segmentation.settings import SegmentSettings
+from rallygap.models.segmentation.tables import segment_recordings
+from rallygap.models.support.suggestion import suggestion
+from rallygap.pipeline.gap.data_check.check import check_recordings
+from rallygap.pipeline.gap.labels import LabelCounts, count_labels
+from rallygap.pipeline.gap.noise import coordinate_noise
+from rallygap.pipeline.gap.shots import shots_of, source_shots
+from rallygap.pipeline.io.artifacts import table_writer, write_table
+from rallygap.pipeline.io.episodes import MeasuredEpisode, read_episodes
+from rallygap.pipeline.io.schemas import (
     CONTACTS,
     EPISODES,
     POSITION_COLUMNS,
@@ -27,12 +27,12 @@ from pipeline.io.schemas import (
     checked,
     empty,
 )
-from pipeline.io.source_manifest import Manifest
-from pipeline.params import IngestSettings
-from pipeline.runtime.errors import InputError
-from pipeline.sources.registry import registry
-from pipeline.sources.source import Source, SourceContext
-from pipeline.sources.source_import import SourceImport, in_batches
+from rallygap.pipeline.io.source_manifest import Manifest
+from rallygap.pipeline.params import IngestSettings
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sources.registry import registry
+from rallygap.pipeline.sources.source import Source, SourceContext
+from rallygap.pipeline.sources.source_import import SourceImport, in_batches
 
 SIMULATED = "arena"  # the one source that reads no files
 

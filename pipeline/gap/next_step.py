@@ -1,11 +1,11 @@
 """What to do after a verdict."""
 
-from models.gap.fit.shots import Shots
-from models.gap.settings import GapSettings
-from models.gap.verdict import Verdict
-from models.gap.verify.limitations import experiment
-from pipeline.gap.reservations import predicts_worse
-from pipeline.gap.wording import PLACES, listed
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.verdict import Verdict
+from rallygap.models.gap.verify.limitations import experiment
+from rallygap.pipeline.gap.reservations import predicts_worse
+from rallygap.pipeline.gap.wording import PLACES, listed
 
 CHECK_LABELS = "check signs, axes and units of the spin labels, and diagnose again."
 CHECK_BOUNCES = (

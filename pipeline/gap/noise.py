@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.segmentation.settings import SegmentSettings
+from rallygap.models.ball.types import Floats
+from rallygap.models.segmentation.settings import SegmentSettings
 
 DIFFERENCE = np.sqrt(20.0)  # standard deviation of a third difference, in those of its samples
 TO_DEVIATION = 1.4826  # from the median size of an error to its standard deviation

@@ -6,9 +6,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from models.ball.simulator import Simulator
-from models.gap.settings import DEFAULTS, GapSettings
-from models.gap.verdict import MadeFrom
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.settings import DEFAULTS, GapSettings
+from rallygap.models.gap.verdict import MadeFrom
 
 
 def made_from(

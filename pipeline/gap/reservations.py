@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from models.gap.verdict import Check, Gap, Verdict
+from rallygap.models.gap.verdict import Check, Gap, Verdict
 
 # What each check compares, where its ratio is that of measured and expected sizes.
 COMPARED = {

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from models.gap.fit.shots import Shots
-from models.gap.net.contacts import NetContacts
-from models.gap.settings import DEFAULTS
-from pipeline.io.episodes import MeasuredEpisode, read_episodes
-from pipeline.io.source_manifest import read_manifest
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.net.contacts import NetContacts
+from rallygap.models.gap.settings import DEFAULTS
+from rallygap.pipeline.io.episodes import MeasuredEpisode, read_episodes
+from rallygap.pipeline.io.source_manifest import read_manifest
 
 
 @dataclass(frozen=True)

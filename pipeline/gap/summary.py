@@ -5,16 +5,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from models.ball.catalogue import catalogue
-from models.ball.simulator import Simulator
-from models.gap.hypotheses import Hypothesis
-from models.gap.settings import GapSettings
-from models.gap.verdict import Cause, DetectionLimits, Gap, Variation, Verdict
-from models.predictors.ball_filter import Expected
-from pipeline.gap.measured_shots import MeasuredShots
-from pipeline.gap.next_step import next_step
-from pipeline.gap.reservations import reservations
-from pipeline.gap.wording import (
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.verdict import Cause, DetectionLimits, Gap, Variation, Verdict
+from rallygap.models.predictors.ball_filter import Expected
+from rallygap.pipeline.gap.measured_shots import MeasuredShots
+from rallygap.pipeline.gap.next_step import next_step
+from rallygap.pipeline.gap.reservations import reservations
+from rallygap.pipeline.gap.wording import (
     PLACES,
     ROLES,
     counted,
@@ -24,10 +24,10 @@ from pipeline.gap.wording import (
     percent,
     worth_text,
 )
-from pipeline.io.numbers import number, with_unit
+from rallygap.pipeline.io.numbers import number, with_unit
 
 if TYPE_CHECKING:
-    from pipeline.engines.export.scene.handover import HandedOver
+    from rallygap.pipeline.engines.export.scene.handover import HandedOver
 
 TYPICAL_MS = 200  # the horizon of the summary, where shots are that long
 SIGNIFICANT = 0.05  # p-value up to which a covariate is reported

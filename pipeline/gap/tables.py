@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from models.gap.verdict import Cause, Gap
-from pipeline.gap.cases import Diagnosed
-from pipeline.gap.wording import interval_text
-from pipeline.io.metrics import place, rounded
-from pipeline.io.numbers import with_unit
-from pipeline.io.report_items import ReportTable
-from pipeline.params import CloseGapSettings
+from rallygap.models.gap.verdict import Cause, Gap
+from rallygap.pipeline.gap.cases import Diagnosed
+from rallygap.pipeline.gap.wording import interval_text
+from rallygap.pipeline.io.metrics import place, rounded
+from rallygap.pipeline.io.numbers import with_unit
+from rallygap.pipeline.io.report_items import ReportTable
+from rallygap.pipeline.params import CloseGapSettings
 
 CASE = ["source", "simulator", "split"]
 CAUSE = ["cause", "role", "kind", "unit", "nominal", "estimate", "low", "high"]

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from models.gap.verdict import Verdict
-from pipeline.gap.labels import LabelCounts
-from pipeline.gap.measured_shots import MeasuredShots
+from rallygap.models.gap.verdict import Verdict
+from rallygap.pipeline.gap.labels import LabelCounts
+from rallygap.pipeline.gap.measured_shots import MeasuredShots
 
 
 def usage_lines(measured: MeasuredShots) -> Iterator[str]:

@@ -3,17 +3,17 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from models.gap.hypotheses import Hypothesis
-from models.gap.location import Located
-from models.gap.verdict import Cause, Check, Gap, Worth
-from pipeline.gap.figures.verdict import KIND_NAMES
-from pipeline.gap.summary import Findings, answer_title, minor_causes, title
-from pipeline.gap.usage import episodes_text, labels_text
-from pipeline.gap.wording import ROLES, interval_text, percent
-from pipeline.io.numbers import number, with_unit
-from pipeline.io.report_items import ReportFigure
-from pipeline.web.environment import page_environment
-from pipeline.web.items import page_table, shown_figure
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.location import Located
+from rallygap.models.gap.verdict import Cause, Check, Gap, Worth
+from rallygap.pipeline.gap.figures.verdict import KIND_NAMES
+from rallygap.pipeline.gap.summary import Findings, answer_title, minor_causes, title
+from rallygap.pipeline.gap.usage import episodes_text, labels_text
+from rallygap.pipeline.gap.wording import ROLES, interval_text, percent
+from rallygap.pipeline.io.numbers import number, with_unit
+from rallygap.pipeline.io.report_items import ReportFigure
+from rallygap.pipeline.web.environment import page_environment
+from rallygap.pipeline.web.items import page_table, shown_figure
 
 TEMPLATES = Path(__file__).parent / "templates"
 SMALLEST_P = 1e-4  # that permutations resolve

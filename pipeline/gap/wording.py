@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from models.gap.types import Phase
-from models.gap.verdict import Role, Worth
-from pipeline.io.numbers import number
+from rallygap.models.gap.types import Phase
+from rallygap.models.gap.verdict import Role, Worth
+from rallygap.pipeline.io.numbers import number
 
 PLACES: dict[Phase, str] = {
     "flight": "in flight",

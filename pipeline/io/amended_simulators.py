@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from models.ball.simulator import Simulator
-from pipeline.io.simulators import load_simulator
+from rallygap.models.ball.simulator import Simulator
+from rallygap.pipeline.io.simulators import load_simulator
 
 AMENDED = "amended"
 FIRST = 0  # the split whose amended simulators serve others

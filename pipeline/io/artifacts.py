@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pyarrow.parquet import ParquetFile, ParquetWriter
 from pydantic import TypeAdapter, ValidationError
 
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.errors import InputError
 
 Content = TypeVar("Content")
 

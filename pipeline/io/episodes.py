@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from models.predictors.windows import Episode
-from pipeline.io.artifacts import read_row_groups
-from pipeline.io.schemas import (
+from rallygap.models.predictors.windows import Episode
+from rallygap.pipeline.io.artifacts import read_row_groups
+from rallygap.pipeline.io.schemas import (
     CONTACTS,
     EPISODES,
     POSITION_COLUMNS,
@@ -22,7 +22,7 @@ from pipeline.io.schemas import (
     checked,
     read_checked,
 )
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.errors import InputError
 
 Floats = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ import matplotlib.style
 from matplotlib.figure import Figure
 from PIL import Image
 
-from pipeline.io.artifacts import replacing
+from rallygap.pipeline.io.artifacts import replacing
 
 FIGURE_DPI = 300
 COLOURS = 256  # of a picture, which makes its file a third as large

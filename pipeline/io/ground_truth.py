@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from models.arena.recording import TrueContacts
-from models.arena.truth import Truth
-from models.arena.truth_path import true_states
-from models.ball.simulator import SimulatorError
-from models.predictors.protocol import FUTURE_TIMES, Bools
-from models.predictors.windows import Windows
-from pipeline.io.artifacts import read_json, read_row_groups
-from pipeline.io.schemas import STATE_COLUMNS, TRUE_CONTACTS, check_columns, checked
-from pipeline.runtime.errors import InputError
+from rallygap.models.arena.recording import TrueContacts
+from rallygap.models.arena.truth import Truth
+from rallygap.models.arena.truth_path import true_states
+from rallygap.models.ball.simulator import SimulatorError
+from rallygap.models.predictors.protocol import FUTURE_TIMES, Bools
+from rallygap.models.predictors.windows import Windows
+from rallygap.pipeline.io.artifacts import read_json, read_row_groups
+from rallygap.pipeline.io.schemas import STATE_COLUMNS, TRUE_CONTACTS, check_columns, checked
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def read_truth(path: Path) -> Truth | None:

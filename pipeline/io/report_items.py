@@ -18,9 +18,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
-from pipeline.io.artifacts import replacing, write_csv
-from pipeline.io.figure_style import save_figure
-from pipeline.io.report_manifest import Item, Kind
+from rallygap.pipeline.io.artifacts import replacing, write_csv
+from rallygap.pipeline.io.figure_style import save_figure
+from rallygap.pipeline.io.report_manifest import Item, Kind
 
 FRAME_MS, LAST_FRAME_MS = 40, 1000  # how long an animation shows each frame, and its last
 

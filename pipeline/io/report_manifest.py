@@ -13,8 +13,8 @@ import pandas as pd
 from PIL import Image
 from pydantic import BaseModel, ConfigDict, Field
 
-from pipeline.io.artifacts import read_as
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.io.artifacts import read_as
+from rallygap.pipeline.runtime.errors import InputError
 
 SHOWN_DIGITS = 4  # of the largest number of a column; the file has them all
 

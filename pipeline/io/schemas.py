@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pandera.pandas as pa
 
-from pipeline.io.artifacts import read_column_names, read_table
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.io.artifacts import read_column_names, read_table
+from rallygap.pipeline.runtime.errors import InputError
 
 POSITION_COLUMNS = ["px", "py", "pz"]
 VELOCITY_COLUMNS = ["vx", "vy", "vz"]

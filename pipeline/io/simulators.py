@@ -2,9 +2,9 @@
 
 import yaml
 
-from models.ball.simulator import Simulator, SimulatorError
-from models.ball.simulators import shipped
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.simulator import Simulator, SimulatorError
+from rallygap.models.ball.simulators import shipped
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def load_simulator(name: str) -> Simulator:

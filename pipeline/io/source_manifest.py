@@ -5,9 +5,9 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from pipeline.io.artifacts import read_as
-from pipeline.io.frame import Frame
-from pipeline.params import Name
+from rallygap.pipeline.io.artifacts import read_as
+from rallygap.pipeline.io.frame import Frame
+from rallygap.pipeline.params import Name
 
 PathKind = Literal["cannon", "rally"]
 

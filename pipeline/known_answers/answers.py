@@ -8,16 +8,16 @@ from dataclasses import dataclass, field, fields
 from functools import partial
 from pathlib import Path
 
-from models.ball.simulator import Simulator
-from models.gap.diagnose import diagnose
-from models.gap.fit.shots import Shots
-from models.gap.verdict import Verdict, VerdictError
-from pipeline.io.artifacts import write_text
-from pipeline.known_answers.design import PlantedError
-from pipeline.known_answers.planting import plant
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import make_missing
-from pipeline.runtime.provenance import content_hash
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.diagnose import diagnose
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.verdict import Verdict, VerdictError
+from rallygap.pipeline.io.artifacts import write_text
+from rallygap.pipeline.known_answers.design import PlantedError
+from rallygap.pipeline.known_answers.planting import plant
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.parallel import make_missing
+from rallygap.pipeline.runtime.provenance import content_hash
 
 # What verdicts depend on, besides the shots: packages, files and the libraries.
 DEPENDENCIES = (

@@ -7,12 +7,12 @@ from pathlib import Path
 from numpy import int64
 from numpy.typing import NDArray
 
-from models.ball.simulator import Simulator
-from models.gap.amend.simulator import amended
-from models.gap.fit.shots import Shots
-from pipeline.io.simulators import load_simulator
-from pipeline.known_answers.answers import Diagnosis, verdicts
-from pipeline.known_answers.design import Question
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.amend.simulator import amended
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.known_answers.answers import Diagnosis, verdicts
+from rallygap.pipeline.known_answers.design import Question
 
 NOMINAL = "literature"  # simulator that the base simulators are amended from
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.gap.fit.shots import Shots
-from models.gap.hypotheses import Hypothesis
-from pipeline.known_answers.design import DISTORTION, PlantedError
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.pipeline.known_answers.design import DISTORTION, PlantedError
 
 LENGTH = 0.8  # m, over which the distortion changes
 WAVES = 64  # that the distortion is a sum of

@@ -8,16 +8,16 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from models.ball.simulator import Simulator
-from models.gap.fit.shots import Shots, held_out
-from models.gap.hypotheses import Hypothesis
-from models.gap.name.naming import Named, name, with_estimates
-from models.gap.settings import DEFAULTS, Question
-from pipeline.io.artifacts import read_json, write_json
-from pipeline.known_answers.answers import Diagnosis
-from pipeline.known_answers.design import IN_RECORDINGS, IN_SIMULATOR
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import make_missing
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.fit.shots import Shots, held_out
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.name.naming import Named, name, with_estimates
+from rallygap.models.gap.settings import DEFAULTS, Question
+from rallygap.pipeline.io.artifacts import read_json, write_json
+from rallygap.pipeline.known_answers.answers import Diagnosis
+from rallygap.pipeline.known_answers.design import IN_RECORDINGS, IN_SIMULATOR
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.parallel import make_missing
 
 IDENTITIES = (*IN_SIMULATOR, *IN_RECORDINGS, "table_tilt.y")
 

@@ -7,19 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from models.gap.settings import DEFAULTS
-from pipeline.gap.folds import fold_numbers
-from pipeline.gap.measured_shots import read_shots
-from pipeline.io.artifacts import write_csv, write_json
-from pipeline.known_answers.answers import fingerprint, verdicts
-from pipeline.known_answers.design import questions
-from pipeline.known_answers.folds import NOMINAL, MeasuredSet, folds_of
-from pipeline.known_answers.references import references
-from pipeline.known_answers.scores import Answer, set_scores
-from pipeline.known_answers.tables import answer_table
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.git import git_commit
-from pipeline.runtime.provenance import short
+from rallygap.models.gap.settings import DEFAULTS
+from rallygap.pipeline.gap.folds import fold_numbers
+from rallygap.pipeline.gap.measured_shots import read_shots
+from rallygap.pipeline.io.artifacts import write_csv, write_json
+from rallygap.pipeline.known_answers.answers import fingerprint, verdicts
+from rallygap.pipeline.known_answers.design import questions
+from rallygap.pipeline.known_answers.folds import NOMINAL, MeasuredSet, folds_of
+from rallygap.pipeline.known_answers.references import references
+from rallygap.pipeline.known_answers.scores import Answer, set_scores
+from rallygap.pipeline.known_answers.tables import answer_table
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.git import git_commit
+from rallygap.pipeline.runtime.provenance import short
 
 REPORT = Path("reports") / "real"
 TABLE, SCORES = "known_answers.csv", "known_answers.json"

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from models.gap.hypotheses import Hypothesis
-from models.gap.name.distortion import CAMERA
-from models.gap.verdict import Cause, Verdict
-from pipeline.io.metrics import rounded
-from pipeline.known_answers.design import DISTORTION, Question
-from pipeline.known_answers.planting import true_values
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.name.distortion import CAMERA
+from rallygap.models.gap.verdict import Cause, Verdict
+from rallygap.pipeline.io.metrics import rounded
+from rallygap.pipeline.known_answers.design import DISTORTION, Question
+from rallygap.pipeline.known_answers.planting import true_values
 
 
 @dataclass(frozen=True)

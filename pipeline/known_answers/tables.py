@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from models.gap.verdict import Cause, Gap
-from pipeline.gap.wording import interval_text
-from pipeline.io.numbers import number
-from pipeline.known_answers.scores import Answer
+from rallygap.models.gap.verdict import Cause, Gap
+from rallygap.pipeline.gap.wording import interval_text
+from rallygap.pipeline.io.numbers import number
+from rallygap.pipeline.known_answers.scores import Answer
 
 COLUMNS = [
     *("set", "fold", "place", "planted", "size", "value"),

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from models.predictors.protocol import Floats
-from models.support.clustered_means import clustered_mean
+from rallygap.models.predictors.protocol import Floats
+from rallygap.models.support.clustered_means import clustered_mean
 
 KEYS = ["predictor", "recordings", "horizon_ms"]
 COLUMNS = [*KEYS, "mean", "ci_low", "ci_high", "median", "of_oracle", "draws", "n"]

@@ -4,7 +4,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from pipeline.io.figure_style import FIGURE_WIDTH, predictor_colour
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, predictor_colour
 
 TICKS_MM = (10, 20, 30, 50, 100, 200)
 LABELS = {

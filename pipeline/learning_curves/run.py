@@ -11,26 +11,26 @@ from pathlib import Path
 
 import numpy as np
 
-from models.predictors.errors import HORIZONS_MS, error_norms
-from models.predictors.evaluation import SHOWN_HORIZONS_MS
-from models.predictors.learned import LearnedPredictor
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import ProbabilisticPredictor
-from pipeline.evaluation.forecasts import forecast_windows
-from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
-from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
-from pipeline.experiments.experiment import running
-from pipeline.gap.amended_files import amended_simulators
-from pipeline.io.amended_simulators import AMENDED
-from pipeline.io.ground_truth import read_truth
-from pipeline.learning_curves.curves import Errors, curve_rows
-from pipeline.learning_curves.figure import learning_curves_figure
-from pipeline.learning_curves.subsets import Learner, Subset, subsets
-from pipeline.params import Params, load_params
-from pipeline.predictors.parallel_training import train_networks
-from pipeline.runtime.console import refuse
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import repository_root
+from rallygap.models.predictors.errors import HORIZONS_MS, error_norms
+from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
+from rallygap.models.predictors.learned import LearnedPredictor
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import ProbabilisticPredictor
+from rallygap.pipeline.evaluation.forecasts import forecast_windows
+from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
+from rallygap.pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
+from rallygap.pipeline.experiments.experiment import running
+from rallygap.pipeline.gap.amended_files import amended_simulators
+from rallygap.pipeline.io.amended_simulators import AMENDED
+from rallygap.pipeline.io.ground_truth import read_truth
+from rallygap.pipeline.learning_curves.curves import Errors, curve_rows
+from rallygap.pipeline.learning_curves.figure import learning_curves_figure
+from rallygap.pipeline.learning_curves.subsets import Learner, Subset, subsets
+from rallygap.pipeline.params import Params, load_params
+from rallygap.pipeline.predictors.parallel_training import train_networks
+from rallygap.pipeline.runtime.console import refuse
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.paths import repository_root
 
 SIZES, DRAWS = (10, 30, 100, 300, 1000), 3
 BASE, NETWORKS = "imperfect_c", ("hybrid", "transformer")

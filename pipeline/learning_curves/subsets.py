@@ -7,17 +7,17 @@ from pathlib import Path
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.gap.amend.simulator import amended
-from models.gap.settings import DEFAULTS
-from models.predictors.training import WindowData
-from pipeline.gap.cases import cases
-from pipeline.gap.shots import source_shots
-from pipeline.io.episodes import MeasuredEpisode, read_episodes
-from pipeline.io.source_manifest import read_manifest
-from pipeline.params import Params
-from pipeline.predictors.parallel_training import TrainingJob
-from pipeline.predictors.training_data import TRAIN, TrainingEpisodes, untrained_network
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.amend.simulator import amended
+from rallygap.models.gap.settings import DEFAULTS
+from rallygap.models.predictors.training import WindowData
+from rallygap.pipeline.gap.cases import cases
+from rallygap.pipeline.gap.shots import source_shots
+from rallygap.pipeline.io.episodes import MeasuredEpisode, read_episodes
+from rallygap.pipeline.io.source_manifest import read_manifest
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.predictors.parallel_training import TrainingJob
+from rallygap.pipeline.predictors.training_data import TRAIN, TrainingEpisodes, untrained_network
 
 
 @dataclass(frozen=True)

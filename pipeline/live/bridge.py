@@ -6,8 +6,8 @@ from contextlib import contextmanager
 import typer
 import zmq
 
-from pipeline.live.messages import Measurement, MessageError, parse
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.live.messages import Measurement, MessageError, parse
+from rallygap.pipeline.runtime.errors import InputError
 
 WAIT = 200  # ms, after which signals are looked at
 

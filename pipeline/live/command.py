@@ -7,22 +7,22 @@ from pathlib import Path
 
 import typer
 
-from models.live.forecaster import Forecaster
-from models.predictors.ball_filter import ANY_BALL
-from models.predictors.protocol import ProbabilisticPredictor
-from pipeline.gap.expected_balls import read_expected
-from pipeline.gap.measured_shots import read_recordings
-from pipeline.io.simulators import load_simulator
-from pipeline.live.bridge import received, sockets
-from pipeline.live.latency import Latencies
-from pipeline.live.loop import forecast_each, warm_up
-from pipeline.live.messages import Measurement
-from pipeline.live.replay import measurements, paced
-from pipeline.live.view.browser import open_browser
-from pipeline.live.view.frame import Frame
-from pipeline.live.view.server import served
-from pipeline.live.watch import Watch, alarm_sentence
-from pipeline.runtime.console import warn
+from rallygap.models.live.forecaster import Forecaster
+from rallygap.models.predictors.ball_filter import ANY_BALL
+from rallygap.models.predictors.protocol import ProbabilisticPredictor
+from rallygap.pipeline.gap.expected_balls import read_expected
+from rallygap.pipeline.gap.measured_shots import read_recordings
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.live.bridge import received, sockets
+from rallygap.pipeline.live.latency import Latencies
+from rallygap.pipeline.live.loop import forecast_each, warm_up
+from rallygap.pipeline.live.messages import Measurement
+from rallygap.pipeline.live.replay import measurements, paced
+from rallygap.pipeline.live.view.browser import open_browser
+from rallygap.pipeline.live.view.frame import Frame
+from rallygap.pipeline.live.view.server import served
+from rallygap.pipeline.live.watch import Watch, alarm_sentence
+from rallygap.pipeline.runtime.console import warn
 
 STOPS = (signal.SIGINT, signal.SIGTERM)
 
@@ -46,8 +46,8 @@ def forecaster(simulator: str, predictor: Path | None, balls: Path | None) -> Fo
 
 
 def _compiled(folder: Path) -> ProbabilisticPredictor:
-    from models.live.compiled import CompiledPredictor
-    from pipeline.predictors.storage import load_predictor
+    from rallygap.models.live.compiled import CompiledPredictor
+    from rallygap.pipeline.predictors.storage import load_predictor
 
     return CompiledPredictor(load_predictor(folder))
 

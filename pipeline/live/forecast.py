@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.state import POSITION
-from models.ball.types import Floats
-from models.live.forecaster import Event, Forecaster
+from rallygap.models.ball.state import POSITION
+from rallygap.models.ball.types import Floats
+from rallygap.models.live.forecaster import Event, Forecaster
 
 AHEAD = 0.01 * np.arange(1, 31)  # s after the last measurement, of the states in a forecast
 

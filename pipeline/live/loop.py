@@ -3,12 +3,12 @@
 import time
 from collections.abc import Callable, Iterable
 
-from models.live.forecaster import Forecaster, Seen
-from pipeline.live.forecast import ball_forecast
-from pipeline.live.latency import Latencies
-from pipeline.live.messages import Measurement, forecast_message
-from pipeline.live.view.frame import Frame
-from pipeline.live.watch import Watch
+from rallygap.models.live.forecaster import Forecaster, Seen
+from rallygap.pipeline.live.forecast import ball_forecast
+from rallygap.pipeline.live.latency import Latencies
+from rallygap.pipeline.live.messages import Measurement, forecast_message
+from rallygap.pipeline.live.view.frame import Frame
+from rallygap.pipeline.live.watch import Watch
 
 
 def forecast_each(

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.live.drift import Alarm
-from models.live.forecaster import Event, Seen
-from pipeline.live.forecast import AHEAD, BallForecast
+from rallygap.models.ball.types import Floats
+from rallygap.models.live.drift import Alarm
+from rallygap.models.live.forecaster import Event, Seen
+from rallygap.pipeline.live.forecast import AHEAD, BallForecast
 
 NANOSECONDS = 1e9  # in a second
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 import pandas as pd
 
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
-from pipeline.live.messages import Measurement
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
+from rallygap.pipeline.live.messages import Measurement
 
 PAUSE = 1.0  # s on the clock between two recordings
 

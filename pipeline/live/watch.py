@@ -9,12 +9,12 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from models.ball.catalogue import catalogue
-from models.ball.simulator import Simulator
-from models.live.drift import Alarm, Session, Shot
-from models.live.forecaster import Seen
-from models.live.track import Track
-from pipeline.live.messages import Measurement
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.live.drift import Alarm, Session, Shot
+from rallygap.models.live.forecaster import Seen
+from rallygap.models.live.track import Track
+from rallygap.pipeline.live.messages import Measurement
 
 LEAST = 20  # measurements of a shot
 Row = tuple[float, np.ndarray, np.ndarray]  # time, position and spin

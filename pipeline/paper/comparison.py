@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict
 
-from pipeline.paper.assessments import (
+from rallygap.pipeline.paper.assessments import (
     NO_NUMBER,
     NOT_COMPARABLE,
     NOT_MEASURED,
@@ -18,10 +18,10 @@ from pipeline.paper.assessments import (
     setting,
     within,
 )
-from pipeline.paper.run_reports import Reading, Reports
-from pipeline.paper.sources import Source, number
-from pipeline.paper.values import group_rows, printed_values
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.paper.run_reports import Reading, Reports
+from rallygap.pipeline.paper.sources import Source, number
+from rallygap.pipeline.paper.values import group_rows, printed_values
+from rallygap.pipeline.runtime.errors import InputError
 
 NOTHING = "–"
 CONTEXT = (

@@ -1,7 +1,7 @@
 """Claims of the paper's Figure 3: whose forecast errors are smaller, at every horizon."""
 
-from pipeline.paper.assessments import FAILS, HOLDS, OPEN, Interval, claim, combined
-from pipeline.paper.run_reports import Reading, Reports, ReportSource
+from rallygap.pipeline.paper.assessments import FAILS, HOLDS, OPEN, Interval, claim, combined
+from rallygap.pipeline.paper.run_reports import Reading, Reports, ReportSource
 
 ERRORS = "evaluate_predictor/forecast_error.csv"
 DIFFERENCES = "evaluate_predictor/forecast_error_difference.csv"

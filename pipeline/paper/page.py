@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from pipeline.io.markdown import markdown_table
-from pipeline.paper.assessments import DIFFERS, MEANINGS
-from pipeline.paper.comparison import (
+from rallygap.pipeline.io.markdown import markdown_table
+from rallygap.pipeline.paper.assessments import DIFFERS, MEANINGS
+from rallygap.pipeline.paper.comparison import (
     NOTHING,
     Exhibit,
     Finding,
@@ -15,16 +15,16 @@ from pipeline.paper.comparison import (
     exhibits,
     groups,
 )
-from pipeline.paper.forecast_errors import LEARNED
-from pipeline.paper.run_reports import (
+from rallygap.pipeline.paper.forecast_errors import LEARNED
+from rallygap.pipeline.paper.run_reports import (
     Reports,
     is_kept_run,
     kept_reports,
     laptop_reports,
     paper_reports,
 )
-from pipeline.paper.settings import NETWORK, TRAINING
-from pipeline.paper.sources import number
+from rallygap.pipeline.paper.settings import NETWORK, TRAINING
+from rallygap.pipeline.paper.sources import number
 
 PREDICTORS = "evaluate_predictor/predictors.csv"
 LAPTOP, PAPER, SHOTS = "laptop", "paper", "shots"  # runs

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import pandas as pd
 from pydantic import BaseModel, ConfigDict
 
-from pipeline.experiments.profiles import merged
-from pipeline.io.artifacts import read_json
-from pipeline.paper.assessments import Interval
-from pipeline.params import check_params, load_params, read_yaml, with_current_keys
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.experiments.profiles import merged
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.paper.assessments import Interval
+from rallygap.pipeline.params import check_params, load_params, read_yaml, with_current_keys
+from rallygap.pipeline.runtime.errors import InputError
 
 RECORD = "run.json"  # of a kept run: commit, command, parameters and fingerprints
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Collection
 
-from models.predictors.errors import HORIZONS_MS
-from models.predictors.protocol import FUTURE, HISTORY, TICK
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
-from pipeline.paper.run_reports import Reports
+from rallygap.models.predictors.errors import HORIZONS_MS
+from rallygap.models.predictors.protocol import FUTURE, HISTORY, TICK
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
+from rallygap.pipeline.paper.run_reports import Reports
 
 SPLITS = "segment/splits.csv"
 NETWORK, TRAINING = "train_predictor.networks.transformer", "train_predictor.training"

@@ -2,11 +2,11 @@
 
 from pydantic import Field
 
-from models.ball.simulators import shipped
-from pipeline.paper.assessments import Interval, difference
-from pipeline.paper.forecast_errors import ErrorDifference, ErrorSpread
-from pipeline.paper.run_reports import Reading, Reports, ReportSource
-from pipeline.paper.settings import COMPUTED, CONSTANTS
+from rallygap.models.ball.simulators import shipped
+from rallygap.pipeline.paper.assessments import Interval, difference
+from rallygap.pipeline.paper.forecast_errors import ErrorDifference, ErrorSpread
+from rallygap.pipeline.paper.run_reports import Reading, Reports, ReportSource
+from rallygap.pipeline.paper.settings import COMPUTED, CONSTANTS
 
 DIGITS = 4  # of a difference in percentage points: tables have six digits of a share
 

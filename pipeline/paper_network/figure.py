@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from pipeline.io.figure_style import FIGURE_WIDTH, predictor_colour
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, predictor_colour
 
 LOSSES = (0.05, 0.1, 0.2, 0.5, 1, 2)
 # Predictor to label and dashes.

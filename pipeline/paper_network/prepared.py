@@ -12,9 +12,9 @@ import torch
 from torch import Tensor
 from torch.utils.data import DataLoader, Dataset
 
-from models.predictors.learned import ForecastNetwork
-from models.predictors.training import Batch, ForecastTraining, WindowData
-from models.predictors.window_dataset import Indices, Tracks
+from rallygap.models.predictors.learned import ForecastNetwork
+from rallygap.models.predictors.training import Batch, ForecastTraining, WindowData
+from rallygap.models.predictors.window_dataset import Indices, Tracks
 
 AT_ONCE = 64  # batches that are gathered and normalised together
 # The network's four inputs, its expected output, and where that is measured.

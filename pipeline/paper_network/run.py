@@ -11,31 +11,31 @@ from typing import Any
 
 import pandas as pd
 
-from models.arena.truth import Truth
-from models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErrors
-from models.predictors.learned import ForecastNetwork, LearnedPredictor
-from models.predictors.physics import PhysicsPredictor
-from pipeline.arenas.recordings import record_arena
-from pipeline.evaluation.forecasts import evaluate, forecast_windows
-from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, read_trained
-from pipeline.evaluation.test_windows import read_test_sets
-from pipeline.experiments.experiment import running
-from pipeline.experiments.profiles import profile_params
-from pipeline.io.artifacts import read_json, write_json
-from pipeline.io.simulators import load_simulator
-from pipeline.paper_network.figure import paper_network_figure
-from pipeline.paper_network.training import (
+from rallygap.models.arena.truth import Truth
+from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErrors
+from rallygap.models.predictors.learned import ForecastNetwork, LearnedPredictor
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.pipeline.arenas.recordings import record_arena
+from rallygap.pipeline.evaluation.forecasts import evaluate, forecast_windows
+from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, read_trained
+from rallygap.pipeline.evaluation.test_windows import read_test_sets
+from rallygap.pipeline.experiments.experiment import running
+from rallygap.pipeline.experiments.profiles import profile_params
+from rallygap.pipeline.io.artifacts import read_json, write_json
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.paper_network.figure import paper_network_figure
+from rallygap.pipeline.paper_network.training import (
     RECORD,
     check_gpu,
     on_gpu,
     read_trained_network,
     write_trained,
 )
-from pipeline.params import Params
-from pipeline.predictors.training_data import TrainingEpisodes
-from pipeline.runtime.console import refuse
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import repository_root
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.predictors.training_data import TrainingEpisodes
+from rallygap.pipeline.runtime.console import refuse
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.paths import repository_root
 
 NAME, PROFILE, NETWORK = "paper_network", "paper", "transformer"
 PHYSICS = {"physics_c": "imperfect_c", "physics_c_with_net": "imperfect_c_with_net"}

@@ -6,16 +6,16 @@ from typing import Any
 import torch
 from safetensors.torch import load_file, save
 
-from models.predictors.learned import ForecastNetwork, build_network
-from models.predictors.settings import NetworkSettings, TrainingSettings
-from models.predictors.training import WindowData
-from pipeline.io.artifacts import read_json, replacing, write_json
-from pipeline.paper_network.prepared import PreparedData, PreparedTraining
-from pipeline.predictors.parallel_training import TrainingJob
-from pipeline.predictors.trainer import StepReporter, train
-from pipeline.predictors.training_data import untrained_network
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.progress import progress_bars
+from rallygap.models.predictors.learned import ForecastNetwork, build_network
+from rallygap.models.predictors.settings import NetworkSettings, TrainingSettings
+from rallygap.models.predictors.training import WindowData
+from rallygap.pipeline.io.artifacts import read_json, replacing, write_json
+from rallygap.pipeline.paper_network.prepared import PreparedData, PreparedTraining
+from rallygap.pipeline.predictors.parallel_training import TrainingJob
+from rallygap.pipeline.predictors.trainer import StepReporter, train
+from rallygap.pipeline.predictors.training_data import untrained_network
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.progress import progress_bars
 
 WEIGHTS, RECORD = "weights.safetensors", "training.json"
 # In 32 bits the GPU itself takes longer than its processor to start a step. The paper's last 20 of

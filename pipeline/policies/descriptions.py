@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Mapping
 
-from models.policy.random_streams import training_seed
-from pipeline.io.simulators import load_simulator
-from pipeline.params import PolicyGroupSettings
-from pipeline.policies.storage import TrainedPolicy
+from rallygap.models.policy.random_streams import training_seed
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import PolicyGroupSettings
+from rallygap.pipeline.policies.storage import TrainedPolicy
 
 
 def described_policies(

@@ -5,14 +5,14 @@ from typing import Any
 
 import pandas as pd
 
-from models.policy.scores import scores
-from models.policy.trial import TrialResult
-from models.robot.view import frames
-from pipeline.io.metrics import over_seeds, place, rounded
-from pipeline.io.report_items import ReportAnimation, ReportFigure, ReportTable
-from pipeline.policies.figures.training import achieved_figure, learning_figure
-from pipeline.policies.training import VALIDATION_SHOTS, TrainingResult
-from pipeline.runtime.stage_run import StageRun
+from rallygap.models.policy.scores import scores
+from rallygap.models.policy.trial import TrialResult
+from rallygap.models.robot.view import frames
+from rallygap.pipeline.io.metrics import over_seeds, place, rounded
+from rallygap.pipeline.io.report_items import ReportAnimation, ReportFigure, ReportTable
+from rallygap.pipeline.policies.figures.training import achieved_figure, learning_figure
+from rallygap.pipeline.policies.training import VALIDATION_SHOTS, TrainingResult
+from rallygap.pipeline.runtime.stage_run import StageRun
 
 SETTING = ["group", "simulator", "horizons_ms"]  # shared by policies that differ only in the seed
 

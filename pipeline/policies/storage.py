@@ -8,20 +8,20 @@ from pydantic import BaseModel, ConfigDict, field_validator
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
-from models.ball.simulator import Simulator
-from models.policy.batch_simulation import ACTIONS
-from models.policy.observation import observation_size
-from models.policy.policy import Policy
-from models.policy.settings import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.policy.batch_simulation import ACTIONS
+from rallygap.models.policy.observation import observation_size
+from rallygap.models.policy.policy import Policy
+from rallygap.models.policy.settings import (
     ForecastKind,
     GoalSettings,
     HorizonsMs,
     LearningSettings,
     ObservationKind,
 )
-from models.policy.task import Task
-from pipeline.io.artifacts import read_as, replacing_folder, write_json
-from pipeline.runtime.errors import InputError
+from rallygap.models.policy.task import Task
+from rallygap.pipeline.io.artifacts import read_as, replacing_folder, write_json
+from rallygap.pipeline.runtime.errors import InputError
 
 WEIGHTS, DESCRIPTION = "weights.safetensors", "policy.json"
 

@@ -15,13 +15,13 @@ import pandas as pd
 from filelock import FileLock
 from safetensors.numpy import load, save
 
-from models.policy.policy import Policy
-from models.policy.random_streams import evaluation_stream, validation_stream
-from models.policy.trial import TrialResult, play
-from pipeline.io.artifacts import read_json, replacing_folder, write_json
-from pipeline.policies.storage import WEIGHTS, TrainedPolicy
-from pipeline.runtime.parallel import parallel
-from pipeline.runtime.progress import progress
+from rallygap.models.policy.policy import Policy
+from rallygap.models.policy.random_streams import evaluation_stream, validation_stream
+from rallygap.models.policy.trial import TrialResult, play
+from rallygap.pipeline.io.artifacts import read_json, replacing_folder, write_json
+from rallygap.pipeline.policies.storage import WEIGHTS, TrainedPolicy
+from rallygap.pipeline.runtime.parallel import parallel
+from rallygap.pipeline.runtime.progress import progress
 
 VALIDATION_SHOTS = 100  # that a policy plays after every iteration
 RECORD = "record.json"
@@ -113,7 +113,9 @@ def learn(job: TrainingJob, iteration: int) -> None:
 
 
 def _train(job: TrainingJob, iteration: int, before: Path | None) -> None:
-    from models.policy.learning import learn_iteration  # takes seconds; only workers need it
+    from rallygap.models.policy.learning import (
+        learn_iteration,  # takes seconds; only workers need it
+    )
 
     description = job.description
     started = time.process_time()

@@ -13,12 +13,12 @@ from filelock import FileLock
 from joblib import Parallel, cpu_count, delayed
 from numpy.typing import NDArray
 
-from models.predictors.learned import ForecastNetwork
-from models.predictors.spread import Spread
-from models.predictors.spread_training import fit_spread
-from models.predictors.training import ForecastTraining, WindowData
-from pipeline.predictors.trainer import StepReporter, train
-from pipeline.runtime.progress import progress_bars
+from rallygap.models.predictors.learned import ForecastNetwork
+from rallygap.models.predictors.spread import Spread
+from rallygap.models.predictors.spread_training import fit_spread
+from rallygap.models.predictors.training import ForecastTraining, WindowData
+from rallygap.pipeline.predictors.trainer import StepReporter, train
+from rallygap.pipeline.runtime.progress import progress_bars
 
 Counts = NDArray[np.int64]
 

@@ -4,8 +4,8 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.io.report_items import ReportFigure, ReportItem, ReportTable
-from pipeline.predictors.figures.training import training_figure
+from rallygap.pipeline.io.report_items import ReportFigure, ReportItem, ReportTable
+from rallygap.pipeline.predictors.figures.training import training_figure
 
 COLUMNS = ["predictor", "epoch", "training", "validation"]
 

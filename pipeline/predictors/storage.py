@@ -9,14 +9,14 @@ from safetensors import SafetensorError
 from safetensors.torch import load, save
 from torch import Tensor, nn
 
-from models.predictors.learned import ForecastNetwork, LearnedPredictor, build_network
-from models.predictors.settings import HybridSettings, NetworkSettings, TrainingSettings
-from models.predictors.spread import Spread
-from pipeline.io.artifacts import read_as, replacing_folder, write_json, write_text
-from pipeline.io.markdown import markdown_page
-from pipeline.io.simulators import load_simulator, simulator_yaml
-from pipeline.params import with_current_keys
-from pipeline.runtime.errors import InputError
+from rallygap.models.predictors.learned import ForecastNetwork, LearnedPredictor, build_network
+from rallygap.models.predictors.settings import HybridSettings, NetworkSettings, TrainingSettings
+from rallygap.models.predictors.spread import Spread
+from rallygap.pipeline.io.artifacts import read_as, replacing_folder, write_json, write_text
+from rallygap.pipeline.io.markdown import markdown_page
+from rallygap.pipeline.io.simulators import load_simulator, simulator_yaml
+from rallygap.pipeline.params import with_current_keys
+from rallygap.pipeline.runtime.errors import InputError
 
 WEIGHTS, SPREAD = "weights.safetensors", "spread.safetensors"
 DESCRIPTION, CARD = "predictor.json", "MODEL_CARD.md"

@@ -20,10 +20,10 @@ from lightning.pytorch.plugins.io import TorchCheckpointIO
 from lightning.pytorch.strategies import DDPStrategy
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
-from models.predictors.settings import TrainingSettings
-from models.predictors.training import ForecastTraining, WindowData
-from pipeline.io.artifacts import replacing
-from pipeline.runtime.errors import InputError
+from rallygap.models.predictors.settings import TrainingSettings
+from rallygap.models.predictors.training import ForecastTraining, WindowData
+from rallygap.pipeline.io.artifacts import replacing
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def train(

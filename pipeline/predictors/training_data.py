@@ -5,14 +5,14 @@ from pathlib import Path
 
 import lightning
 
-from models.predictors.learned import ForecastNetwork, build_network
-from models.predictors.settings import HybridSettings, NetworkSettings, TrainingSettings
-from models.predictors.training import WindowData
-from models.predictors.window_dataset import build_tracks
-from pipeline.io.episodes import MeasuredEpisode, read_episodes
-from pipeline.io.simulators import load_simulator
-from pipeline.io.source_manifest import read_manifest
-from pipeline.runtime.errors import InputError
+from rallygap.models.predictors.learned import ForecastNetwork, build_network
+from rallygap.models.predictors.settings import HybridSettings, NetworkSettings, TrainingSettings
+from rallygap.models.predictors.training import WindowData
+from rallygap.models.predictors.window_dataset import build_tracks
+from rallygap.pipeline.io.episodes import MeasuredEpisode, read_episodes
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.io.source_manifest import read_manifest
+from rallygap.pipeline.runtime.errors import InputError
 
 TRAIN = "train"
 SPLITS = (TRAIN, "validation")

@@ -4,11 +4,11 @@ import json
 from pathlib import Path
 from typing import Any
 
-from pipeline.io.artifacts import replacing
-from pipeline.params import read_yaml
-from pipeline.print.typst_markup import typst_markup
-from pipeline.runtime.git import git_commit
-from pipeline.runtime.paths import repository_root
+from rallygap.pipeline.io.artifacts import replacing
+from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.print.typst_markup import typst_markup
+from rallygap.pipeline.runtime.git import git_commit
+from rallygap.pipeline.runtime.paths import repository_root
 
 PAGE = Path("docs") / "results.md"
 PDF = Path("docs") / "_build" / "results.pdf"

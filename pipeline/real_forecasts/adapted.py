@@ -5,18 +5,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from models.ball.simulator import Simulator
-from models.gap.amend.simulator import amended
-from models.gap.diagnose import diagnose
-from models.predictors.learned import ForecastNetwork
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.settings import TrainingSettings
-from models.predictors.training import WindowData
-from models.predictors.transformer import Transformer
-from models.predictors.window_dataset import build_tracks
-from pipeline.gap.shots import shots_of, source_shots
-from pipeline.io.episodes import MeasuredEpisode
-from pipeline.predictors.parallel_training import TrainingJob
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.amend.simulator import amended
+from rallygap.models.gap.diagnose import diagnose
+from rallygap.models.predictors.learned import ForecastNetwork
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.settings import TrainingSettings
+from rallygap.models.predictors.training import WindowData
+from rallygap.models.predictors.transformer import Transformer
+from rallygap.models.predictors.window_dataset import build_tracks
+from rallygap.pipeline.gap.shots import shots_of, source_shots
+from rallygap.pipeline.io.episodes import MeasuredEpisode
+from rallygap.pipeline.predictors.parallel_training import TrainingJob
 
 HYBRID, TRANSFORMER, OTHER = "hybrid", "transformer", "transformer_2"
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.io.episodes import MeasuredEpisode
+from rallygap.pipeline.io.episodes import MeasuredEpisode
 
 
 def episodes_digest(episodes: Iterable[MeasuredEpisode]) -> str:

@@ -3,7 +3,7 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pipeline.io.figure_style import FIGURE_WIDTH
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH
 
 # Predictors that recordings of a measured set have amended or fine-tuned.
 ADAPTED = {

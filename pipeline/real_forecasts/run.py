@@ -15,30 +15,36 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from models.ball.simulator import Simulator
-from models.predictors.ensemble import EnsemblePredictor
-from models.predictors.evaluation import SHOWN_HORIZONS_MS, concat_tables
-from models.predictors.learned import LearnedPredictor
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import ProbabilisticPredictor
-from pipeline.experiments.experiment import running
-from pipeline.gap.amended_files import amended_simulators
-from pipeline.gap.expected_balls import expected_balls
-from pipeline.gap.folds import fold_numbers
-from pipeline.gap.measured_shots import read_measured_episodes
-from pipeline.gap.shots import shots_of, source_shots
-from pipeline.io.episodes import MeasuredEpisode
-from pipeline.io.simulators import load_simulator
-from pipeline.params import EvaluatePredictorSettings, Params, load_params
-from pipeline.predictors.parallel_training import TrainingResult, train_networks
-from pipeline.predictors.storage import load_network
-from pipeline.real_forecasts.adapted import HYBRID, OTHER, TRANSFORMER, FineTuning, amended_by
-from pipeline.real_forecasts.digest import episodes_digest
-from pipeline.real_forecasts.figure import real_forecasts_figure
-from pipeline.real_forecasts.tested import Fold, Tested
-from pipeline.runtime.console import refuse
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import repository_root
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.predictors.ensemble import EnsemblePredictor
+from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS, concat_tables
+from rallygap.models.predictors.learned import LearnedPredictor
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import ProbabilisticPredictor
+from rallygap.pipeline.experiments.experiment import running
+from rallygap.pipeline.gap.amended_files import amended_simulators
+from rallygap.pipeline.gap.expected_balls import expected_balls
+from rallygap.pipeline.gap.folds import fold_numbers
+from rallygap.pipeline.gap.measured_shots import read_measured_episodes
+from rallygap.pipeline.gap.shots import shots_of, source_shots
+from rallygap.pipeline.io.episodes import MeasuredEpisode
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import EvaluatePredictorSettings, Params, load_params
+from rallygap.pipeline.predictors.parallel_training import TrainingResult, train_networks
+from rallygap.pipeline.predictors.storage import load_network
+from rallygap.pipeline.real_forecasts.adapted import (
+    HYBRID,
+    OTHER,
+    TRANSFORMER,
+    FineTuning,
+    amended_by,
+)
+from rallygap.pipeline.real_forecasts.digest import episodes_digest
+from rallygap.pipeline.real_forecasts.figure import real_forecasts_figure
+from rallygap.pipeline.real_forecasts.tested import Fold, Tested
+from rallygap.pipeline.runtime.console import refuse
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.paths import repository_root
 
 SETS, FOLDS = ("spindoe", "tt3d", "isr_ball_prediction"), 5
 NOMINAL, AMENDED = "literature", "amended"

@@ -8,13 +8,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from models.predictors.evaluation import ForecastErrors, concat_tables, forecast_errors
-from models.predictors.protocol import ProbabilisticPredictor
-from models.predictors.windows import Windows, concatenate_windows, cut_windows
-from pipeline.evaluation import coverage
-from pipeline.evaluation.forecasts import concatenated
-from pipeline.io.episodes import MeasuredEpisode
-from pipeline.params import EvaluatePredictorSettings
+from rallygap.models.predictors.evaluation import ForecastErrors, concat_tables, forecast_errors
+from rallygap.models.predictors.protocol import ProbabilisticPredictor
+from rallygap.models.predictors.windows import Windows, concatenate_windows, cut_windows
+from rallygap.pipeline.evaluation import coverage
+from rallygap.pipeline.evaluation.forecasts import concatenated
+from rallygap.pipeline.io.episodes import MeasuredEpisode
+from rallygap.pipeline.params import EvaluatePredictorSettings
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import subprocess
 from pathlib import Path
 
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def git(root: Path, *words: str) -> str:

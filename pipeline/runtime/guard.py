@@ -10,8 +10,8 @@ from typing import Any, NoReturn
 
 from filelock import FileLock, Timeout
 
-from pipeline.runtime.console import warn
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.console import warn
+from rallygap.pipeline.runtime.errors import InputError
 
 ADVICE = {
     errno.ENOSPC: "the disk is full; make room and run it again",

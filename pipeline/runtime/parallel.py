@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, TypeVar
 from joblib import Parallel, cpu_count, delayed
 from threadpoolctl import threadpool_limits
 
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.progress import progress
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.progress import progress
 
 if TYPE_CHECKING:
     from distributed import Client

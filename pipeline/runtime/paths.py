@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def repository_root() -> Path:

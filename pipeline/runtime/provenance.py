@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.params import read_yaml
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.runtime.errors import InputError
 
 SHOWN = 12  # characters
 BYTECODE = {".pyc", ".nbi", ".nbc"}  # compiled from sources, so no input of its own

@@ -13,10 +13,10 @@ from typing import Any
 from filelock import FileLock
 from pydantic import FiniteFloat
 
-from pipeline.io.artifacts import read_as, write_json
-from pipeline.io.report_manifest import read_contents
-from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import short
+from rallygap.pipeline.io.artifacts import read_as, write_json
+from rallygap.pipeline.io.report_manifest import read_contents
+from rallygap.pipeline.runtime.paths import repository_root
+from rallygap.pipeline.runtime.provenance import short
 
 COPIES = "copies"  # folder of scratch/ with checkpoints of temporary copies
 

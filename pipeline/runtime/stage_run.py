@@ -2,7 +2,7 @@
 
 A stage is a function of a ``StageRun``. It reads its inputs, calls the domain packages, and adds
 what they return to the report: ``run.add(item, …)`` takes the figures, animations and tables of
-``pipeline.io.report_items``, which carry their title and caption.
+``rallygap.pipeline.io.report_items``, which carry their title and caption.
 """
 
 import os
@@ -11,15 +11,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from pipeline.io.artifacts import write_json
-from pipeline.io.figure_style import apply_style
-from pipeline.io.report_items import ReportItem
-from pipeline.io.report_manifest import Item
-from pipeline.params import Params, load_params
-from pipeline.runtime.console import refuse
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.provenance import Provenance, content_hash, provenance, short
-from pipeline.tracking.recording import InputData, Results, recorded
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.io.figure_style import apply_style
+from rallygap.pipeline.io.report_items import ReportItem
+from rallygap.pipeline.io.report_manifest import Item
+from rallygap.pipeline.params import Params, load_params
+from rallygap.pipeline.runtime.console import refuse
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.provenance import Provenance, content_hash, provenance, short
+from rallygap.pipeline.tracking.recording import InputData, Results, recorded
 
 
 class StageRun:

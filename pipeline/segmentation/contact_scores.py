@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from models.segmentation.scoring import SCORED_KINDS, Scored, score
-from models.segmentation.settings import ScoringSettings
-from models.segmentation.split import recording_groups
-from pipeline.io.artifacts import read_row_groups
-from pipeline.io.report_items import ReportTable
-from pipeline.io.schemas import (
+from rallygap.models.segmentation.scoring import SCORED_KINDS, Scored, score
+from rallygap.models.segmentation.settings import ScoringSettings
+from rallygap.models.segmentation.split import recording_groups
+from rallygap.pipeline.io.artifacts import read_row_groups
+from rallygap.pipeline.io.report_items import ReportTable
+from rallygap.pipeline.io.schemas import (
     CONTACTS,
     EPISODES,
     RECORDINGS,

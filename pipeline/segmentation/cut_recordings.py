@@ -8,19 +8,19 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from models.segmentation.settings import SegmentSettings
-from models.segmentation.split import recording_groups
-from models.segmentation.tables import Segmented, segment_recordings
-from pipeline.io.artifacts import (
+from rallygap.models.segmentation.settings import SegmentSettings
+from rallygap.models.segmentation.split import recording_groups
+from rallygap.models.segmentation.tables import Segmented, segment_recordings
+from rallygap.pipeline.io.artifacts import (
     count_row_groups,
     read_row_group,
     read_row_groups,
     table_writer,
 )
-from pipeline.io.schemas import RECORDINGS, SAMPLES, check_columns, checked, empty
-from pipeline.io.source_manifest import Manifest
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import parallel
+from rallygap.pipeline.io.schemas import RECORDINGS, SAMPLES, check_columns, checked, empty
+from rallygap.pipeline.io.source_manifest import Manifest
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.parallel import parallel
 
 DRAWN_RECORDINGS = 20  # of each source
 

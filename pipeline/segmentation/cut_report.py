@@ -4,11 +4,11 @@ from typing import Any
 
 import pandas as pd
 
-from models.segmentation.settings import SegmentSettings
-from models.segmentation.split import recording_groups
-from pipeline.io.report_items import ReportTable
-from pipeline.io.source_manifest import Manifest
-from pipeline.segmentation.cut_recordings import CutRecordings
+from rallygap.models.segmentation.settings import SegmentSettings
+from rallygap.models.segmentation.split import recording_groups
+from rallygap.pipeline.io.report_items import ReportTable
+from rallygap.pipeline.io.source_manifest import Manifest
+from rallygap.pipeline.segmentation.cut_recordings import CutRecordings
 
 
 def segmentation_metrics(

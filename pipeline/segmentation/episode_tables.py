@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from models.segmentation.settings import SegmentSettings
-from models.segmentation.split import split
-from pipeline.io.artifacts import write_table
-from pipeline.io.schemas import CONTACTS, EPISODES, checked
-from pipeline.io.source_manifest import read_manifest
-from pipeline.segmentation.cut_recordings import CutRecordings, cut_recordings
+from rallygap.models.segmentation.settings import SegmentSettings
+from rallygap.models.segmentation.split import split
+from rallygap.pipeline.io.artifacts import write_table
+from rallygap.pipeline.io.schemas import CONTACTS, EPISODES, checked
+from rallygap.pipeline.io.source_manifest import read_manifest
+from rallygap.pipeline.segmentation.cut_recordings import CutRecordings, cut_recordings
 
 
 class EpisodeTables(NamedTuple):

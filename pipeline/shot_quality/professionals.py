@@ -6,12 +6,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from models.arena.sides import SIDES
-from models.shot_quality.measured_landings import has_first_arc, landing, stroke_direction
-from models.shot_quality.shots import Shots, clearance, shot_features
-from pipeline.io.episodes import MeasuredEpisode, read_episodes
-from pipeline.io.schemas import EPISODES, POINTS, read_checked
-from pipeline.runtime.errors import InputError
+from rallygap.models.arena.sides import SIDES
+from rallygap.models.shot_quality.measured_landings import has_first_arc, landing, stroke_direction
+from rallygap.models.shot_quality.shots import Shots, clearance, shot_features
+from rallygap.pipeline.io.episodes import MeasuredEpisode, read_episodes
+from rallygap.pipeline.io.schemas import EPISODES, POINTS, read_checked
+from rallygap.pipeline.runtime.errors import InputError
 
 GROUP = "arena/pro/"
 

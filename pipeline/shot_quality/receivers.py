@@ -7,12 +7,12 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from models.arena.truth import draw_truth
-from models.ball.types import Floats
-from models.shot_quality.forest import Forest
-from models.shot_quality.receivers import RECEIVERS, play_against
-from pipeline.params import ShotQualitySettings
-from pipeline.shot_quality.returns import KEYS
+from rallygap.models.arena.truth import draw_truth
+from rallygap.models.ball.types import Floats
+from rallygap.models.shot_quality.forest import Forest
+from rallygap.models.shot_quality.receivers import RECEIVERS, play_against
+from rallygap.pipeline.params import ShotQualitySettings
+from rallygap.pipeline.shot_quality.returns import KEYS
 
 OTHER_ARENA = 1  # added to the seed: the truth of the run's own arena stays sealed
 NOMINAL = RECEIVERS[0].name

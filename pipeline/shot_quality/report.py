@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from models.shot_quality.shots import Shots
-from pipeline.io.metrics import nested
-from pipeline.io.report_items import ReportFigure, ReportItem, ReportTable
-from pipeline.shot_quality.figures.returns import calibration_figure, medians_figure
-from pipeline.shot_quality.returns import KEYS, METRICS
+from rallygap.models.shot_quality.shots import Shots
+from rallygap.pipeline.io.metrics import nested
+from rallygap.pipeline.io.report_items import ReportFigure, ReportItem, ReportTable
+from rallygap.pipeline.shot_quality.figures.returns import calibration_figure, medians_figure
+from rallygap.pipeline.shot_quality.returns import KEYS, METRICS
 
 
 def return_items(

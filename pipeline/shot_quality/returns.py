@@ -6,12 +6,12 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from models.ball.types import Floats
-from models.shot_quality.forest import Forest
-from models.shot_quality.medians import Estimate, resampled_median
-from models.shot_quality.shots import FEATURES, clearance, shot_features
-from pipeline.io.schemas import SPIN_COLUMNS
-from pipeline.transfer.returns import LANDED
+from rallygap.models.ball.types import Floats
+from rallygap.models.shot_quality.forest import Forest
+from rallygap.models.shot_quality.medians import Estimate, resampled_median
+from rallygap.models.shot_quality.shots import FEATURES, clearance, shot_features
+from rallygap.pipeline.io.schemas import SPIN_COLUMNS
+from rallygap.pipeline.transfer.returns import LANDED
 
 KEYS = ["set", "horizons_ms", "predictor", "protocol"]  # of an experiment
 BASELINE = ("physics", "every_tick")  # predictor and protocol that the others are compared with

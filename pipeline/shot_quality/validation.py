@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from models.ball.types import Floats
-from models.predictors.protocol import Bools
-from models.shot_quality.cross_validation import (
+from rallygap.models.ball.types import Floats
+from rallygap.models.predictors.protocol import Bools
+from rallygap.models.shot_quality.cross_validation import (
     Fold,
     bootstrap_score,
     brier,
@@ -19,8 +19,8 @@ from models.shot_quality.cross_validation import (
     permutation_importance,
     roc_auc,
 )
-from models.shot_quality.shots import FEATURES, Shots
-from pipeline.params import ShotQualitySettings
+from rallygap.models.shot_quality.shots import FEATURES, Shots
+from rallygap.pipeline.params import ShotQualitySettings
 
 BINS = 8  # of the calibration
 

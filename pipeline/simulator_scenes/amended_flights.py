@@ -4,18 +4,18 @@ from typing import Any
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from pipeline.engines.export.code import ball_effects
-from pipeline.engines.export.flown import flown
-from pipeline.simulator_scenes.scenes import HiddenScene, pybullet_module
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.pipeline.engines.export.code import ball_effects
+from rallygap.pipeline.engines.export.flown import flown
+from rallygap.pipeline.simulator_scenes.scenes import HiddenScene, pybullet_module
 
 
 def amended_flights(
     scene: HiddenScene, amended: Simulator, states: Floats, times: Floats
 ) -> Floats:
     """Return (B, T, 9) states of balls that the amended code flies in the scene's engine."""
-    from pipeline.engines.export.scene.coded_ball import CodedBall
+    from rallygap.pipeline.engines.export.scene.coded_ball import CodedBall
 
     code = ball_effects(amended, scene.name, [], scene.engine)
     if scene.engine == "mujoco":

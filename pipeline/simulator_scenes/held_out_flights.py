@@ -10,18 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from models.ball.sensor import delays, measured_positions, true_times
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, VELOCITY
-from models.ball.types import Floats
-from models.engines.engine import Engine
-from models.gap.fit.horizons import at_horizons, first_samples, last_observed_time
-from models.gap.fit.linearize import ballistic_nuisance
-from models.gap.fit.noise import Noise
-from models.gap.fit.shot_fit import fit_shots, refit_shots
-from models.gap.fit.shots import Shots
-from models.gap.settings import DEFAULTS
-from models.gap.types import Bools
+from rallygap.models.ball.sensor import delays, measured_positions, true_times
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, VELOCITY
+from rallygap.models.ball.types import Floats
+from rallygap.models.engines.engine import Engine
+from rallygap.models.gap.fit.horizons import at_horizons, first_samples, last_observed_time
+from rallygap.models.gap.fit.linearize import ballistic_nuisance
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.shot_fit import fit_shots, refit_shots
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.settings import DEFAULTS
+from rallygap.models.gap.types import Bools
 
 HORIZONS: Floats = np.array([0.1, 0.2, 0.3])  # s
 

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from models.arena.event_log import EventLog
-from models.arena.levels import Players
-from models.arena.rallies import Rallies
-from models.arena.truth import draw_truth
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN
-from models.ball.types import Floats
+from rallygap.models.arena.event_log import EventLog
+from rallygap.models.arena.levels import Players
+from rallygap.models.arena.rallies import Rallies
+from rallygap.models.arena.truth import draw_truth
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, SPIN
+from rallygap.models.ball.types import Floats
 
 LEVELS, FACTORS = ("amateur", "club"), (1.0, 1.7)
 POINTS = 2000

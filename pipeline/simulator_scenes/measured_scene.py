@@ -8,21 +8,21 @@ import numpy as np
 from numpy import int64
 from numpy.typing import NDArray
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.gap.amend.simulator import amended
-from models.gap.fit.noise import Noise
-from models.gap.fit.refit import RefitResult, fit_nuisance, refit
-from models.gap.fit.shots import Shots
-from models.gap.name.label_readings import read_labels
-from models.gap.settings import DEFAULTS
-from models.gap.verdict import Verdict
-from models.gap.verify.prediction_error import HeldOut
-from models.gap.verify.replicates import simulate_replicate
-from pipeline.engines.export.code import ball_effects
-from pipeline.known_answers.answers import Diagnosis
-from pipeline.simulator_scenes.held_out_flights import FlownPredictions
-from pipeline.simulator_scenes.published import PublishedModel
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.amend.simulator import amended
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.refit import RefitResult, fit_nuisance, refit
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.name.label_readings import read_labels
+from rallygap.models.gap.settings import DEFAULTS
+from rallygap.models.gap.verdict import Verdict
+from rallygap.models.gap.verify.prediction_error import HeldOut
+from rallygap.models.gap.verify.replicates import simulate_replicate
+from rallygap.pipeline.engines.export.code import ball_effects
+from rallygap.pipeline.known_answers.answers import Diagnosis
+from rallygap.pipeline.simulator_scenes.held_out_flights import FlownPredictions
+from rallygap.pipeline.simulator_scenes.published import PublishedModel
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class MeasuredScene:
         Raises:
             EngineError: the scene fails.
         """
-        from pipeline.engines.export.scene.coded_ball import CodedBall
+        from rallygap.pipeline.engines.export.scene.coded_ball import CodedBall
 
         after, scene = amended(self.nominal, verdict), self.model.scene_of_mujoco()
         fit = _read(self.shots[self.part != number], lambda shots: _refit(shots, after))

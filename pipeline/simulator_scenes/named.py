@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from pipeline.simulator_scenes.plain_scene import Kind
-from pipeline.simulator_scenes.random_lists import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.pipeline.simulator_scenes.plain_scene import Kind
+from rallygap.pipeline.simulator_scenes.random_lists import (
     BASE,
     FRICTION,
     WITHOUT_ATTRIBUTE,
@@ -37,8 +37,8 @@ def unsaid_of(effects: Effects) -> list[str]:
     Raises:
         InputError: the scene cannot be patched.
     """
-    from pipeline.engines.export.scene.shots import VerificationShots
-    from pipeline.engines.export.scene.unsaid import unsaid
+    from rallygap.pipeline.engines.export.scene.shots import VerificationShots
+    from rallygap.pipeline.engines.export.scene.unsaid import unsaid
 
     after = Simulator.from_dict(effects)
     scene = SCENE.written(effects).scene

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from pipeline.simulator_scenes.random_lists import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.pipeline.simulator_scenes.random_lists import (
     BASE,
     FRICTION,
     LINEAR_DRAG,
@@ -21,8 +21,8 @@ from pipeline.simulator_scenes.random_lists import (
 )
 
 if TYPE_CHECKING:
-    from pipeline.engines.export.scene.patch import Patch
-    from pipeline.engines.export.scene.source import SceneSource
+    from rallygap.pipeline.engines.export.scene.patch import Patch
+    from rallygap.pipeline.engines.export.scene.source import SceneSource
 
 STEPS = 10  # of time in a contact: with fewer, the restitution scatters
 DAMPING = 0.1  # of the contact as it is, over the root of its stiffness
@@ -78,7 +78,7 @@ class Kind:
 
     def source(self) -> "SceneSource":
         """Return the scene, as it is before a list is written into it."""
-        from pipeline.engines.export.scene.source import SceneSource
+        from rallygap.pipeline.engines.export.scene.source import SceneSource
 
         root = math.pi / self.contact
         text = MJCF.format(
@@ -91,7 +91,7 @@ class Kind:
 
     def before(self) -> Simulator:
         """Return what the scene says. No list has its values, so it needs no audit."""
-        from models.engines.mujoco.says import says
+        from rallygap.models.engines.mujoco.says import says
 
         return Simulator.from_dict(says(self.source().scene()).effects)
 
@@ -101,7 +101,7 @@ class Kind:
         Raises:
             InputError: the scene cannot be patched.
         """
-        from pipeline.engines.export.scene.patch import patched
+        from rallygap.pipeline.engines.export.scene.patch import patched
 
         return patched(self.source(), self.before(), Simulator.from_dict(effects), [])
 

@@ -7,11 +7,11 @@ does not say, such as a table of another shape, is ours.
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from models.ball.simulator import Simulator
-from models.engines.engine import EffectsEngine, Engine
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.engines.engine import EffectsEngine, Engine
 
 if TYPE_CHECKING:
-    from models.engines.mujoco.scene import MujocoScene
+    from rallygap.models.engines.mujoco.scene import MujocoScene
 
 SCENE = """<mujoco>
   <option timestep="0.002" integrator="RK4" cone="elliptic" {option}/>
@@ -61,7 +61,7 @@ class PublishedModel:
         """Return the scene of a model of MuJoCo."""
         import mujoco
 
-        from models.engines.mujoco.scene import MujocoScene
+        from rallygap.models.engines.mujoco.scene import MujocoScene
 
         assert self.scene is not None  # of MuJoCo
         return MujocoScene.of(self.name, mujoco.MjModel.from_xml_string(self.scene))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.hypotheses import Hypothesis
 
 Effects = dict[str, dict[str, float]]
 

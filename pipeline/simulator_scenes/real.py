@@ -14,24 +14,24 @@ from typing import Any
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.gap.fit.shots import Shots
-from models.gap.settings import DEFAULTS
-from models.gap.verdict import Verdict
-from models.gap.verify.bootstrap import drawn_shots, interval
-from pipeline.engines.audited import audited
-from pipeline.experiments.experiment import running
-from pipeline.gap.folds import fold_numbers
-from pipeline.gap.measured_shots import read_shots
-from pipeline.io.artifacts import write_json
-from pipeline.known_answers.answers import fingerprint, verdicts
-from pipeline.runtime.console import refuse
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import parallel
-from pipeline.runtime.paths import repository_root
-from pipeline.simulator_scenes.held_out_flights import HORIZONS
-from pipeline.simulator_scenes.measured_scene import MeasuredScene
-from pipeline.simulator_scenes.published import PUBLISHED
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.settings import DEFAULTS
+from rallygap.models.gap.verdict import Verdict
+from rallygap.models.gap.verify.bootstrap import drawn_shots, interval
+from rallygap.pipeline.engines.audited import audited
+from rallygap.pipeline.experiments.experiment import running
+from rallygap.pipeline.gap.folds import fold_numbers
+from rallygap.pipeline.gap.measured_shots import read_shots
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.known_answers.answers import fingerprint, verdicts
+from rallygap.pipeline.runtime.console import refuse
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.parallel import parallel
+from rallygap.pipeline.runtime.paths import repository_root
+from rallygap.pipeline.simulator_scenes.held_out_flights import HORIZONS
+from rallygap.pipeline.simulator_scenes.measured_scene import MeasuredScene
+from rallygap.pipeline.simulator_scenes.published import PUBLISHED
 
 SETS = ("tt3d", "spindoe")
 # Scenes whose balls bounce.

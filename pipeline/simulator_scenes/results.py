@@ -5,8 +5,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from pipeline.io.artifacts import read_json, write_json
-from pipeline.runtime.parallel import make_missing
+from rallygap.pipeline.io.artifacts import read_json, write_json
+from rallygap.pipeline.runtime.parallel import make_missing
 
 Result = dict[str, Any]
 Maker = Callable[[], Result]

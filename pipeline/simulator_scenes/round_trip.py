@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from models.audit.audit import NOT_SEPARABLE
-from pipeline.engines.audited import audited
-from pipeline.simulator_scenes.plain_scene import Kind
-from pipeline.simulator_scenes.random_lists import Effects
+from rallygap.models.audit.audit import NOT_SEPARABLE
+from rallygap.pipeline.engines.audited import audited
+from rallygap.pipeline.simulator_scenes.plain_scene import Kind
+from rallygap.pipeline.simulator_scenes.random_lists import Effects
 
 Values = dict[str, float]  # by parameter
 
@@ -76,7 +76,7 @@ def round_trip(kind: Kind, effects: Effects) -> RoundTrip:
 
 def as_found(effects: Mapping[str, Mapping[str, Any]]) -> Values:
     """Return the values of a list as an audit can find them."""
-    from pipeline.engines.export.scene.target import Target
+    from rallygap.pipeline.engines.export.scene.target import Target
 
     target = Target.of(effects)
     values = {

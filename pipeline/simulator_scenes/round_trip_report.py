@@ -6,10 +6,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from pipeline.simulator_scenes.named import LISTS, named_of, named_summary
-from pipeline.simulator_scenes.plain_scene import KINDS, Kind
-from pipeline.simulator_scenes.results import results
-from pipeline.simulator_scenes.round_trip import RoundTrip, round_trip
+from rallygap.pipeline.simulator_scenes.named import LISTS, named_of, named_summary
+from rallygap.pipeline.simulator_scenes.plain_scene import KINDS, Kind
+from rallygap.pipeline.simulator_scenes.results import results
+from rallygap.pipeline.simulator_scenes.round_trip import RoundTrip, round_trip
 
 TARGET = 0.01  # relative difference that a parameter may have
 

@@ -14,28 +14,28 @@ from typing import Any
 
 import numpy as np
 
-from models.audit.traps import traps
-from models.ball.state import POSITION
-from models.ball.types import Floats
-from models.exam.interface import shots_of
-from models.exam.simulate.launches import launches
-from models.exam.simulate.recordings import simulate_trial
-from models.exam.simulate.trial import Trial
-from models.gap.amend.simulator import amended
-from models.gap.diagnose import diagnose
-from pipeline.engines.audit_text import audit_content
-from pipeline.engines.audited import audited
-from pipeline.experiments.experiment import running
-from pipeline.io.artifacts import replacing_files, write_json
-from pipeline.runtime.console import refuse
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import repository_root
-from pipeline.simulator_scenes.amended_flights import amended_flights
-from pipeline.simulator_scenes.larger_spins import larger_spins
-from pipeline.simulator_scenes.published import PUBLISHED
-from pipeline.simulator_scenes.results import results
-from pipeline.simulator_scenes.round_trip_report import round_trips
-from pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
+from rallygap.models.audit.traps import traps
+from rallygap.models.ball.state import POSITION
+from rallygap.models.ball.types import Floats
+from rallygap.models.exam.interface import shots_of
+from rallygap.models.exam.simulate.launches import launches
+from rallygap.models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.simulate.trial import Trial
+from rallygap.models.gap.amend.simulator import amended
+from rallygap.models.gap.diagnose import diagnose
+from rallygap.pipeline.engines.audit_text import audit_content
+from rallygap.pipeline.engines.audited import audited
+from rallygap.pipeline.experiments.experiment import running
+from rallygap.pipeline.io.artifacts import replacing_files, write_json
+from rallygap.pipeline.runtime.console import refuse
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.paths import repository_root
+from rallygap.pipeline.simulator_scenes.amended_flights import amended_flights
+from rallygap.pipeline.simulator_scenes.larger_spins import larger_spins
+from rallygap.pipeline.simulator_scenes.published import PUBLISHED
+from rallygap.pipeline.simulator_scenes.results import results
+from rallygap.pipeline.simulator_scenes.round_trip_report import round_trips
+from rallygap.pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
 
 SHOTS, TESTED = 100, 40  # to diagnose on, and to fly
 TIMES: Floats = np.array([0.1, 0.2, 0.3, 0.4])  # s

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.engines.engine import Engine, FunctionEngine
-from pipeline.engines.load import module_of_file
-from pipeline.runtime.paths import repository_root
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.engines.engine import Engine, FunctionEngine
+from rallygap.pipeline.engines.load import module_of_file
+from rallygap.pipeline.runtime.paths import repository_root
 
 if TYPE_CHECKING:
-    from models.engines.mujoco.scene import MujocoScene
+    from rallygap.models.engines.mujoco.scene import MujocoScene
 
 # The hidden physics.
 TRUTH = Simulator.from_dict(
@@ -82,7 +82,7 @@ class HiddenScene:
         """Return the scene of MuJoCo."""
         import mujoco
 
-        from models.engines.mujoco.scene import MujocoScene
+        from rallygap.models.engines.mujoco.scene import MujocoScene
 
         text = MJCF.format(**{**RIGHT, **self.changes})
         return MujocoScene.of(self.name, mujoco.MjModel.from_xml_string(text))

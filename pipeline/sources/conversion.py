@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from pydantic import AfterValidator, BaseModel, ConfigDict
 
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
 
 Axis = Literal["x", "y", "z"]
 PositionUnit = Literal["m", "cm", "mm"]

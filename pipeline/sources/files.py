@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pipeline.runtime.errors import InputError
-from pipeline.sources.source import Refusal
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sources.source import Refusal
 
 MISSING = ["", "nan"]  # fields that state a missing number, unlike other text
 

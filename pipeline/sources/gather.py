@@ -10,14 +10,14 @@ import numpy as np
 import pandas as pd
 from pandera.pandas import DataFrameSchema
 
-from pipeline.io.artifacts import table_writer
-from pipeline.io.schemas import LAUNCHES, POINTS, RECORDINGS, TRUE_CONTACTS, checked, empty
-from pipeline.io.source_manifest import Manifest, SourceRecord
-from pipeline.params import IngestSettings
-from pipeline.runtime.errors import InputError
-from pipeline.sources.registry import find_source
-from pipeline.sources.source import RawTable, SourceContext
-from pipeline.sources.source_import import SourceImport, in_batches
+from rallygap.pipeline.io.artifacts import table_writer
+from rallygap.pipeline.io.schemas import LAUNCHES, POINTS, RECORDINGS, TRUE_CONTACTS, checked, empty
+from rallygap.pipeline.io.source_manifest import Manifest, SourceRecord
+from rallygap.pipeline.params import IngestSettings
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sources.registry import find_source
+from rallygap.pipeline.sources.source import RawTable, SourceContext
+from rallygap.pipeline.sources.source_import import SourceImport, in_batches
 
 EXTRA_TABLES = {"points": POINTS, "true_contacts": TRUE_CONTACTS}  # of simulated recordings
 TABLES = {"recordings": RECORDINGS, "launches": LAUNCHES, **EXTRA_TABLES}

@@ -6,11 +6,11 @@ with a ``source``, like the modules of ``adapters``.
 
 from functools import cache
 
-from models.support.discovery import discovered
-from models.support.suggestion import suggestion
-from pipeline.runtime.errors import InputError
-from pipeline.sources import adapters
-from pipeline.sources.source import Source
+from rallygap.models.support.discovery import discovered
+from rallygap.models.support.suggestion import suggestion
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sources import adapters
+from rallygap.pipeline.sources.source import Source
 
 ENTRY_POINT_GROUP = "rallygap.sources"
 

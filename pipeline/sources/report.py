@@ -6,17 +6,17 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.io.artifacts import read_rows, read_table
-from pipeline.io.report_items import ReportFigure, ReportItem, ReportTable
-from pipeline.io.schemas import POSITION_COLUMNS, VELOCITY_COLUMNS
-from pipeline.io.source_manifest import Manifest, Refused, SourceRecord
-from pipeline.sources.figures.launches import (
+from rallygap.pipeline.io.artifacts import read_rows, read_table
+from rallygap.pipeline.io.report_items import ReportFigure, ReportItem, ReportTable
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, VELOCITY_COLUMNS
+from rallygap.pipeline.io.source_manifest import Manifest, Refused, SourceRecord
+from rallygap.pipeline.sources.figures.launches import (
     launch_distributions,
     launches_figure,
     measured_launches,
     simulated_launches,
 )
-from pipeline.sources.figures.measured_balls import drawn_rows, measured_balls_figure
+from rallygap.pipeline.sources.figures.measured_balls import drawn_rows, measured_balls_figure
 
 
 def source_metrics(record: SourceRecord) -> dict[str, Any]:

@@ -6,8 +6,8 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from pipeline.io.frame import Frame
-from pipeline.io.schemas import (
+from rallygap.pipeline.io.frame import Frame
+from rallygap.pipeline.io.schemas import (
     FARTHEST_POSITION,
     FASTEST_BALL,
     FASTEST_SPIN,
@@ -16,7 +16,7 @@ from pipeline.io.schemas import (
     STATE_COLUMNS,
     VELOCITY_COLUMNS,
 )
-from pipeline.sources.source import RawTable, Refusal
+from rallygap.pipeline.sources.source import RawTable, Refusal
 
 SAMPLE_COLUMNS = ["t", *POSITION_COLUMNS, *SPIN_COLUMNS]
 LAUNCH_COLUMNS = ["id", *STATE_COLUMNS]

@@ -11,11 +11,11 @@ from typing import Any, Literal, NamedTuple, Protocol
 
 import pandas as pd
 
-from pipeline.io.source_manifest import Description
-from pipeline.params import IngestSettings
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import repository_root
-from pipeline.sources.conversion import Conversion
+from rallygap.pipeline.io.source_manifest import Description
+from rallygap.pipeline.params import IngestSettings
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.paths import repository_root
+from rallygap.pipeline.sources.conversion import Conversion
 
 FOLDER_VARIABLE = "RALLYGAP_DATA"  # environment variable; the setting takes precedence
 NOT_STATED = "not stated upstream"

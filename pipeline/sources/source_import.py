@@ -9,11 +9,16 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from pipeline.io.schemas import LAUNCHES, RECORDINGS
-from pipeline.io.source_manifest import FileRecord, Refused, SourceRecord
-from pipeline.runtime.errors import InputError
-from pipeline.sources.row_checks import ONLY_SAMPLE, RowChecks, check_launches, check_samples
-from pipeline.sources.source import RawTable, Refusal, SourceData
+from rallygap.pipeline.io.schemas import LAUNCHES, RECORDINGS
+from rallygap.pipeline.io.source_manifest import FileRecord, Refused, SourceRecord
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sources.row_checks import (
+    ONLY_SAMPLE,
+    RowChecks,
+    check_launches,
+    check_samples,
+)
+from rallygap.pipeline.sources.source import RawTable, Refusal, SourceData
 
 BATCH_ROWS = 200_000  # that are checked and written at once, at least
 

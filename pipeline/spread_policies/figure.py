@@ -3,8 +3,8 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pipeline.io.figure_style import FIGURE_WIDTH, MUTED
-from pipeline.io.labels import predictor_label
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, MUTED
+from rallygap.pipeline.io.labels import predictor_label
 
 LABELS = {
     "exact": "learned from exact forecasts",

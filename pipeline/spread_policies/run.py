@@ -11,32 +11,32 @@ from pathlib import Path
 
 import pandas as pd
 
-from models.policy.random_streams import training_seed
-from models.policy.settings import ForecastKind, ObservationKind
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import ProbabilisticPredictor
-from pipeline.evaluation.predictors import read_learned
-from pipeline.experiments.experiment import running
-from pipeline.io.amended_simulators import amended_by
-from pipeline.io.simulators import load_simulator
-from pipeline.params import Params, load_params
-from pipeline.policies.storage import TrainedPolicy
-from pipeline.policies.training import TrainingJob, train_policies
-from pipeline.runtime.console import refuse
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import repository_root
-from pipeline.spread_policies.figure import spread_policies_figure
-from pipeline.transfer.rates import differences, rates
-from pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
-from pipeline.transfer.replay_trials import (
+from rallygap.models.policy.random_streams import training_seed
+from rallygap.models.policy.settings import ForecastKind, ObservationKind
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import ProbabilisticPredictor
+from rallygap.pipeline.evaluation.predictors import read_learned
+from rallygap.pipeline.experiments.experiment import running
+from rallygap.pipeline.io.amended_simulators import amended_by
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import Params, load_params
+from rallygap.pipeline.policies.storage import TrainedPolicy
+from rallygap.pipeline.policies.training import TrainingJob, train_policies
+from rallygap.pipeline.runtime.console import refuse
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.paths import repository_root
+from rallygap.pipeline.spread_policies.figure import spread_policies_figure
+from rallygap.pipeline.transfer.rates import differences, rates
+from rallygap.pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
+from rallygap.pipeline.transfer.replay_trials import (
     EveryStepWithSpreads,
     Policies,
     informed_predictors,
     replay_trials,
     source_of,
 )
-from pipeline.transfer.transfer_table import PHYSICS
-from pipeline.transfer.trials import joined, run_trials
+from rallygap.pipeline.transfer.transfer_table import PHYSICS
+from rallygap.pipeline.transfer.trials import joined, run_trials
 
 REPEATS, HORIZONS = 3, (115, 120, 125)
 # What policies observe, and which forecasts they learn from.

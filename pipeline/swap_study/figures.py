@@ -7,10 +7,10 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Patch, Rectangle
 
-from pipeline.io.figure_style import FIGURE_WIDTH, INK, predictor_colour, predictor_order
-from pipeline.io.labels import predictor_label
-from pipeline.transfer.figures.sample import sample
-from pipeline.transfer.transfer_table import PROTOCOLS
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, INK, predictor_colour, predictor_order
+from rallygap.pipeline.io.labels import predictor_label
+from rallygap.pipeline.transfer.figures.sample import sample
+from rallygap.pipeline.transfer.transfer_table import PROTOCOLS
 
 MARKERS = {"first_window": "o", "every_tick": "s"}
 APART = 0.16  # of the two readings of a predictor

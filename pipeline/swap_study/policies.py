@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from models.ball.simulator import Simulator
-from pipeline.evaluation.predictors import ARENA
-from pipeline.io.amended_simulators import amended_by
-from pipeline.params import Params
-from pipeline.policies.descriptions import described_policies
-from pipeline.policies.training import TrainingJob, TrainingResult, train_policies
-from pipeline.runtime.errors import InputError
-from pipeline.transfer.retraining import in_simulator
+from rallygap.models.ball.simulator import Simulator
+from rallygap.pipeline.evaluation.predictors import ARENA
+from rallygap.pipeline.io.amended_simulators import amended_by
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.policies.descriptions import described_policies
+from rallygap.pipeline.policies.training import TrainingJob, TrainingResult, train_policies
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.transfer.retraining import in_simulator
 
 RETRAINED_KIND = "intercept"  # what the policies observe that are trained again
 

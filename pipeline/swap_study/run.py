@@ -12,25 +12,25 @@ from pathlib import Path
 
 import pandas as pd
 
-from models.predictors.physics import PhysicsPredictor
-from pipeline.evaluation.predictors import ARENA, read_trained
-from pipeline.experiments.experiment import running
-from pipeline.experiments.profiles import merged
-from pipeline.io.artifacts import read_table, write_table
-from pipeline.io.simulators import load_simulator
-from pipeline.params import Params, check_params, read_yaml
-from pipeline.policies.report import policies_table
-from pipeline.policies.training import TrainingResult, play_test_shots
-from pipeline.runtime.console import refuse
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import make_missing
-from pipeline.runtime.paths import repository_root
-from pipeline.swap_study.figures import mechanism_figure, readings_figure
-from pipeline.swap_study.policies import amended_simulator, trained_policies
-from pipeline.swap_study.tables import EXPERIMENTS, PHYSICS, study_tables
-from pipeline.swap_study.trials import Predictors, mechanism_trials, played, reading_trials
-from pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
-from pipeline.transfer.replay_trials import (
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.pipeline.evaluation.predictors import ARENA, read_trained
+from rallygap.pipeline.experiments.experiment import running
+from rallygap.pipeline.experiments.profiles import merged
+from rallygap.pipeline.io.artifacts import read_table, write_table
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import Params, check_params, read_yaml
+from rallygap.pipeline.policies.report import policies_table
+from rallygap.pipeline.policies.training import TrainingResult, play_test_shots
+from rallygap.pipeline.runtime.console import refuse
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.parallel import make_missing
+from rallygap.pipeline.runtime.paths import repository_root
+from rallygap.pipeline.swap_study.figures import mechanism_figure, readings_figure
+from rallygap.pipeline.swap_study.policies import amended_simulator, trained_policies
+from rallygap.pipeline.swap_study.tables import EXPERIMENTS, PHYSICS, study_tables
+from rallygap.pipeline.swap_study.trials import Predictors, mechanism_trials, played, reading_trials
+from rallygap.pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
+from rallygap.pipeline.transfer.replay_trials import (
     EveryStep,
     ReplayTrial,
     informed_predictors,

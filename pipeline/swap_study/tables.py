@@ -4,10 +4,10 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from pipeline.swap_study.policies import RETRAINED_KIND
-from pipeline.transfer.rates import differences, rates
-from pipeline.transfer.replay_trials import EveryStep, FirstWindow
-from pipeline.transfer.retraining import ORIGINAL, RETRAINED
+from rallygap.pipeline.swap_study.policies import RETRAINED_KIND
+from rallygap.pipeline.transfer.rates import differences, rates
+from rallygap.pipeline.transfer.replay_trials import EveryStep, FirstWindow
+from rallygap.pipeline.transfer.retraining import ORIGINAL, RETRAINED
 
 EXPERIMENTS = ("readings", "mechanism", "retrained")
 PHYSICS = "physics_c"  # what others are compared with

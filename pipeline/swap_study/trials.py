@@ -8,11 +8,11 @@ from typing import ClassVar
 import numpy as np
 import pandas as pd
 
-from models.policy.incoming_balls import CONTROL_STEP
-from models.predictors.protocol import Predictor
-from models.replay.replayed_balls import Histories, anchored, with_label_error
-from pipeline.transfer.replay_sets import ReplaySet
-from pipeline.transfer.replay_trials import (
+from rallygap.models.policy.incoming_balls import CONTROL_STEP
+from rallygap.models.predictors.protocol import Predictor
+from rallygap.models.replay.replayed_balls import Histories, anchored, with_label_error
+from rallygap.pipeline.transfer.replay_sets import ReplaySet
+from rallygap.pipeline.transfer.replay_trials import (
     EveryStep,
     FirstWindow,
     Forecaster,

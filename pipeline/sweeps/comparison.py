@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from models.predictors.errors import error_statistics
-from models.predictors.protocol import Floats
+from rallygap.models.predictors.errors import error_statistics
+from rallygap.models.predictors.protocol import Floats
 
 SEEDS = 3
 RESAMPLES = 2000  # of the bootstrap

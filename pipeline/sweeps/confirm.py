@@ -7,15 +7,15 @@ import shutil
 import pandas as pd
 from rich.table import Table
 
-from pipeline.experiments.profiles import merged
-from pipeline.io.artifacts import write_csv, write_json
-from pipeline.io.metrics import rounded
-from pipeline.params import Params, as_json, check_params, read_yaml, with_current_keys
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.provenance import short
-from pipeline.sweeps.comparison import SEEDS
-from pipeline.sweeps.report import BEST, CONFIRMED, CONFIRMED_SUMMARY
-from pipeline.sweeps.settings import PredictorSweep, Sweep
+from rallygap.pipeline.experiments.profiles import merged
+from rallygap.pipeline.io.artifacts import write_csv, write_json
+from rallygap.pipeline.io.metrics import rounded
+from rallygap.pipeline.params import Params, as_json, check_params, read_yaml, with_current_keys
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.provenance import short
+from rallygap.pipeline.sweeps.comparison import SEEDS
+from rallygap.pipeline.sweeps.report import BEST, CONFIRMED, CONFIRMED_SUMMARY
+from rallygap.pipeline.sweeps.settings import PredictorSweep, Sweep
 
 
 def run_confirm(sweep: Sweep) -> pd.DataFrame | None:
@@ -36,11 +36,11 @@ def run_confirm(sweep: Sweep) -> pd.DataFrame | None:
     content = json.dumps([sweep.study, *(one.model_dump(mode="json") for one in settings)])
     folder = sweep.scratch / "confirm" / short(hashlib.sha256(content.encode()).hexdigest())
     if isinstance(sweep.settings, PredictorSweep):
-        from pipeline.sweeps.predictor import compare_predictors
+        from rallygap.pipeline.sweeps.predictor import compare_predictors
 
         comparison = compare_predictors(sweep.root, sweep.settings, settings, folder)
     else:
-        from pipeline.sweeps.policy import compare_policies
+        from rallygap.pipeline.sweeps.policy import compare_policies
 
         comparison = compare_policies(sweep.settings, settings, folder)
     table = comparison.table(sweep.params["seed"])

@@ -5,14 +5,20 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.io.artifacts import read_json
-from pipeline.io.simulators import load_simulator
-from pipeline.params import Params
-from pipeline.policies.storage import TrainedPolicy
-from pipeline.policies.training import RECORD, TrainingJob, learn, play_test_shots, train_policies
-from pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
-from pipeline.sweeps.settings import PolicySweep
-from pipeline.sweeps.trial import Report
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.policies.storage import TrainedPolicy
+from rallygap.pipeline.policies.training import (
+    RECORD,
+    TrainingJob,
+    learn,
+    play_test_shots,
+    train_policies,
+)
+from rallygap.pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
+from rallygap.pipeline.sweeps.settings import PolicySweep
+from rallygap.pipeline.sweeps.trial import Report
 
 MEASURES = {"returned": "return rate", "hit": "hit rate"}
 

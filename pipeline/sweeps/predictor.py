@@ -9,20 +9,20 @@ import lightning
 import numpy as np
 from lightning.pytorch.callbacks import Callback
 
-from models.predictors.errors import HORIZONS_MS, error_norms
-from models.predictors.evaluation import SHOWN_HORIZONS_MS
-from models.predictors.learned import LearnedPredictor
-from models.predictors.protocol import Floats
-from models.predictors.training import ForecastTraining, WindowData
-from pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
-from pipeline.params import Params
-from pipeline.predictors.trainer import train
-from pipeline.predictors.training_data import TrainingEpisodes, untrained_network
-from pipeline.runtime.parallel import parallel
-from pipeline.runtime.torch_threads import one_thread
-from pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
-from pipeline.sweeps.settings import PredictorSweep
-from pipeline.sweeps.trial import Report
+from rallygap.models.predictors.errors import HORIZONS_MS, error_norms
+from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
+from rallygap.models.predictors.learned import LearnedPredictor
+from rallygap.models.predictors.protocol import Floats
+from rallygap.models.predictors.training import ForecastTraining, WindowData
+from rallygap.pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.predictors.trainer import train
+from rallygap.pipeline.predictors.training_data import TrainingEpisodes, untrained_network
+from rallygap.pipeline.runtime.parallel import parallel
+from rallygap.pipeline.runtime.torch_threads import one_thread
+from rallygap.pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
+from rallygap.pipeline.sweeps.settings import PredictorSweep
+from rallygap.pipeline.sweeps.trial import Report
 
 UNITS = {"position": "mm", "velocity": "m/s", "spin": "rad/s"}
 MEASURES = [

@@ -10,12 +10,20 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
-from models.policy.settings import HorizonsMs
-from pipeline.experiments.profiles import merged
-from pipeline.io.simulators import load_simulator
-from pipeline.params import Name, Params, Settings, as_json, check_params, load_params, read_yaml
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.provenance import provenance, short
+from rallygap.models.policy.settings import HorizonsMs
+from rallygap.pipeline.experiments.profiles import merged
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import (
+    Name,
+    Params,
+    Settings,
+    as_json,
+    check_params,
+    load_params,
+    read_yaml,
+)
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.provenance import provenance, short
 
 if TYPE_CHECKING:
     from optuna.trial import BaseTrial

@@ -17,8 +17,8 @@ from sqlalchemy import create_engine, func, select
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 
-from pipeline.runtime.errors import InputError
-from pipeline.sweeps.settings import Sweep
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sweeps.settings import Sweep
 
 HEARTBEAT = 10  # s between heartbeats of a trial in a database
 GRACE = 60  # s without a heartbeat after which a trial counts as lost

@@ -10,11 +10,11 @@ import optuna
 import typer
 from optuna import TrialPruned
 
-from pipeline.params import Params
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.git import git_commit
-from pipeline.sweeps.settings import PredictorSweep, Sweep
-from pipeline.tracking.recording import ParentRun, Results, RunStart, recording
+from rallygap.pipeline.params import Params
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.git import git_commit
+from rallygap.pipeline.sweeps.settings import PredictorSweep, Sweep
+from rallygap.pipeline.tracking.recording import ParentRun, Results, RunStart, recording
 
 Report = Callable[[int, float], None]
 """Takes the score after each epoch or iteration, counted from 1; raises ``TrialPruned``."""
@@ -30,10 +30,10 @@ def training_of(sweep: Sweep) -> Train:
         InputError: the data are missing.
     """
     if isinstance(sweep.settings, PredictorSweep):
-        from pipeline.sweeps.predictor import PredictorTraining
+        from rallygap.pipeline.sweeps.predictor import PredictorTraining
 
         return PredictorTraining(sweep.root, sweep.settings, sweep.trial_params({})).score
-    from pipeline.sweeps.policy import score_policy
+    from rallygap.pipeline.sweeps.policy import score_policy
 
     return partial(score_policy, sweep.settings)
 

@@ -14,12 +14,12 @@ from typing import NoReturn
 import optuna
 from filelock import FileLock, Timeout
 
-from pipeline.runtime.console import refuse, warn
-from pipeline.runtime.errors import InputError
-from pipeline.sweeps.report import write_report
-from pipeline.sweeps.settings import Sweep
-from pipeline.sweeps.study import ended, open_study, retry_lost, running
-from pipeline.sweeps.trial import Train, run_trial, training_of
+from rallygap.pipeline.runtime.console import refuse, warn
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sweeps.report import write_report
+from rallygap.pipeline.sweeps.settings import Sweep
+from rallygap.pipeline.sweeps.study import ended, open_study, retry_lost, running
+from rallygap.pipeline.sweeps.trial import Train, run_trial, training_of
 
 POLL = 2.0  # s, while other machines run the last trials
 

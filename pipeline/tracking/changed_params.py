@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from models.support.yaml_file import parse_yaml
-from pipeline.params import read_yaml
-from pipeline.runtime.git import git_if_known
+from rallygap.models.support.yaml_file import parse_yaml
+from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.runtime.git import git_if_known
 
 
 class Change(NamedTuple):

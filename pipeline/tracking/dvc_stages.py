@@ -5,8 +5,8 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ValidationError
 
-from pipeline.params import read_yaml
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def _path(output: Any) -> Any:

@@ -8,9 +8,9 @@ from typing import Any
 
 from mlflow.entities import Metric
 
-from pipeline.io.artifacts import read_json
-from pipeline.tracking.changed_params import flat
-from pipeline.tracking.dvc_stages import dvc_stages, upstream
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.tracking.changed_params import flat
+from rallygap.pipeline.tracking.dvc_stages import dvc_stages, upstream
 
 # Patterns of the path of a metric in the stage's metrics.json. Where one name has several values,
 # such as the loss of each epoch, the last one counts.

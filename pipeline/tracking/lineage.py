@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.io.report_manifest import read_contents
-from pipeline.runtime.errors import InputError
-from pipeline.tracking.dvc_stages import dvc_stages
-from pipeline.tracking.recording import EXPERIMENT, store_uri, without_secrets
+from rallygap.pipeline.io.report_manifest import read_contents
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.tracking.dvc_stages import dvc_stages
+from rallygap.pipeline.tracking.recording import EXPERIMENT, store_uri, without_secrets
 
 EXPERIMENT_TAG = "dvc.experiment"
 

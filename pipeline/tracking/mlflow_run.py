@@ -29,11 +29,11 @@ from mlflow import MlflowClient
 from mlflow.entities import Dataset, DatasetInput, Param, Run
 from mlflow.system_metrics.system_metrics_monitor import SystemMetricsMonitor
 
-from pipeline.io.markdown import markdown_table
-from pipeline.runtime.paths import repository_root
-from pipeline.tracking.changed_params import dotted
-from pipeline.tracking.headlines import headline_metrics, metric_points, upstream_headlines
-from pipeline.tracking.recording import (
+from rallygap.pipeline.io.markdown import markdown_table
+from rallygap.pipeline.runtime.paths import repository_root
+from rallygap.pipeline.tracking.changed_params import dotted
+from rallygap.pipeline.tracking.headlines import headline_metrics, metric_points, upstream_headlines
+from rallygap.pipeline.tracking.recording import (
     EXPERIMENT,
     InputData,
     ParentRun,
@@ -71,7 +71,9 @@ class OpenRun:
         for figure in results.figures:
             self.client.log_artifact(self.run_id, str(figure), "figures")
         if self.start.name == STAGE_OF_PREDICTORS and status == "FINISHED":
-            from pipeline.tracking.model_registry import register_predictors  # takes seconds
+            from rallygap.pipeline.tracking.model_registry import (
+                register_predictors,  # takes seconds
+            )
 
             register_predictors(self.client, self.run_id, results)
         self.client.set_terminated(self.run_id, status)

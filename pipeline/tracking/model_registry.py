@@ -11,7 +11,7 @@ from mlflow.entities.model_registry import ModelVersion
 from mlflow.exceptions import MlflowException
 from mlflow.models import Model, infer_signature
 
-from pipeline.tracking.recording import Results
+from rallygap.pipeline.tracking.recording import Results
 
 FOLDER = Path("artifacts/train_predictor")
 CHAMPION = "champion"
@@ -78,7 +78,7 @@ def _register(
         name=description["name"],
         model_type=description["network"]["kind"],
         registered_model_name=model,
-        loader_module="pipeline.tracking.served_predictor",
+        loader_module="rallygap.pipeline.tracking.served_predictor",
         data_path=str(folder),
         signature=SIGNATURE,
         input_example=EXAMPLE,

@@ -15,13 +15,13 @@ from typing import Any, TypeVar
 
 import psutil
 
-from pipeline.runtime.console import warn
-from pipeline.runtime.git import git_commit
-from pipeline.runtime.guard import guarded
-from pipeline.runtime.paths import repository_root
-from pipeline.runtime.provenance import Provenance
-from pipeline.runtime.scratch import keep_timings, scratch_kept
-from pipeline.tracking.changed_params import Change, changed_params
+from rallygap.pipeline.runtime.console import warn
+from rallygap.pipeline.runtime.git import git_commit
+from rallygap.pipeline.runtime.guard import guarded
+from rallygap.pipeline.runtime.paths import repository_root
+from rallygap.pipeline.runtime.provenance import Provenance
+from rallygap.pipeline.runtime.scratch import keep_timings, scratch_kept
+from rallygap.pipeline.tracking.changed_params import Change, changed_params
 
 Value = TypeVar("Value")
 
@@ -112,7 +112,7 @@ def recording(start: RunStart, results: Callable[[], Results]) -> Iterator[None]
         start: what is known of the run.
         results: called when the block has ended, well or badly.
     """
-    from pipeline.tracking.mlflow_run import open_run  # takes seconds
+    from rallygap.pipeline.tracking.mlflow_run import open_run  # takes seconds
 
     run = _attempt(start.name, lambda: open_run(start))
     status = "FAILED"

@@ -9,9 +9,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from models.predictors.learned import LearnedPredictor
-from models.predictors.protocol import History
-from pipeline.predictors.storage import load_predictor
+from rallygap.models.predictors.learned import LearnedPredictor
+from rallygap.models.predictors.protocol import History
+from rallygap.pipeline.predictors.storage import load_predictor
 
 
 class LoggedPredictor:

@@ -6,8 +6,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from pipeline.evaluation.example_shots import Forecast, Number
-from pipeline.io.artifacts import read_as, write_json
+from rallygap.pipeline.evaluation.example_shots import Forecast, Number
+from rallygap.pipeline.io.artifacts import read_as, write_json
 
 Joints = tuple[Number, Number, Number, Number, Number, Number]
 Track = Forecast  # times and positions; also of measurements

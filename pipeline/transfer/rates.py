@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from models.ball.types import Floats
-from models.support.clustered_means import clustered_mean
+from rallygap.models.ball.types import Floats
+from rallygap.models.support.clustered_means import clustered_mean
 
 
 class Outcome(NamedTuple):

@@ -6,21 +6,21 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.policy.incoming_balls import FIRST_WINDOW, PATH_STEP, control_times
-from models.policy.motion_recording import FRAME
-from models.policy.outcome import with_net
-from models.policy.trial import TrialResult
-from models.predictors.protocol import FUTURE_TIMES
-from models.replay.replayed_balls import Histories, measurement_histories, predict_all
-from pipeline.policies.storage import TrainedPolicy
-from pipeline.runtime.torch_threads import one_thread
-from pipeline.transfer.example_returns import Return, TimedForecast, Track
-from pipeline.transfer.replay_sets import ReplaySet
-from pipeline.transfer.replay_trials import EveryStep, ReplayTrial
-from pipeline.transfer.transfer_table import PHYSICS
-from pipeline.transfer.trials import Played
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.policy.incoming_balls import FIRST_WINDOW, PATH_STEP, control_times
+from rallygap.models.policy.motion_recording import FRAME
+from rallygap.models.policy.outcome import with_net
+from rallygap.models.policy.trial import TrialResult
+from rallygap.models.predictors.protocol import FUTURE_TIMES
+from rallygap.models.replay.replayed_balls import Histories, measurement_histories, predict_all
+from rallygap.pipeline.policies.storage import TrainedPolicy
+from rallygap.pipeline.runtime.torch_threads import one_thread
+from rallygap.pipeline.transfer.example_returns import Return, TimedForecast, Track
+from rallygap.pipeline.transfer.replay_sets import ReplaySet
+from rallygap.pipeline.transfer.replay_trials import EveryStep, ReplayTrial
+from rallygap.pipeline.transfer.transfer_table import PHYSICS
+from rallygap.pipeline.transfer.trials import Played
 
 EXAMPLES = 2  # per set
 BALL_STEP = 0.005  # s between two points of the ball's path

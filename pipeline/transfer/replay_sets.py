@@ -7,17 +7,17 @@ from pathlib import Path
 
 import numpy as np
 
-from models.arena.truth import Truth
-from models.ball.contact_laws import TABLE
-from models.ball.simulator import Simulator
-from models.ball.simulators import shipped
-from models.ball.types import Bools, Floats
-from models.policy.incoming_balls import FLOOR, MAX_DURATION, PATH_TIMES, REACH_LIMIT
-from models.policy.outcome import with_net
-from models.policy.settings import SensorNoise
-from models.replay.measured_path import measured_path
-from models.replay.replayed_balls import fly_on, measured_in_time, reachable
-from models.replay.shots import (
+from rallygap.models.arena.truth import Truth
+from rallygap.models.ball.contact_laws import TABLE
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.policy.incoming_balls import FLOOR, MAX_DURATION, PATH_TIMES, REACH_LIMIT
+from rallygap.models.policy.outcome import with_net
+from rallygap.models.policy.settings import SensorNoise
+from rallygap.models.replay.measured_path import measured_path
+from rallygap.models.replay.replayed_balls import fly_on, measured_in_time, reachable
+from rallygap.models.replay.shots import (
     HALF_TURN,
     NO_MEASUREMENTS,
     Shot,
@@ -26,16 +26,16 @@ from models.replay.shots import (
     from_launch,
     half_turn,
 )
-from models.replay.true_path import true_path
-from models.segmentation.split import NOT_REPLAYED, REPLAY_SETS
-from pipeline.evaluation.predictors import ARENA
-from pipeline.io.episodes import MeasuredEpisode, read_episodes
-from pipeline.io.ground_truth import read_contacts, read_truth
-from pipeline.io.schemas import EPISODES, LAUNCHES, STATE_COLUMNS, read_checked
-from pipeline.io.source_manifest import Manifest, read_manifest
-from pipeline.params import Sim2RealSettings
-from pipeline.runtime.console import warn
-from pipeline.runtime.errors import InputError
+from rallygap.models.replay.true_path import true_path
+from rallygap.models.segmentation.split import NOT_REPLAYED, REPLAY_SETS
+from rallygap.pipeline.evaluation.predictors import ARENA
+from rallygap.pipeline.io.episodes import MeasuredEpisode, read_episodes
+from rallygap.pipeline.io.ground_truth import read_contacts, read_truth
+from rallygap.pipeline.io.schemas import EPISODES, LAUNCHES, STATE_COLUMNS, read_checked
+from rallygap.pipeline.io.source_manifest import Manifest, read_manifest
+from rallygap.pipeline.params import Sim2RealSettings
+from rallygap.pipeline.runtime.console import warn
+from rallygap.pipeline.runtime.errors import InputError
 
 LITERATURE = shipped("literature")
 

@@ -9,16 +9,16 @@ from typing import ClassVar, Protocol
 import numpy as np
 import pandas as pd
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.policy.goals import Goals, draw_goals
-from models.policy.incoming_balls import FIRST_WINDOW, IncomingBalls
-from models.policy.policy import Policy
-from models.policy.settings import HorizonsMs
-from models.policy.trial import TrialResult
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import Predictor, ProbabilisticPredictor
-from models.replay.replayed_balls import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.policy.goals import Goals, draw_goals
+from rallygap.models.policy.incoming_balls import FIRST_WINDOW, IncomingBalls
+from rallygap.models.policy.policy import Policy
+from rallygap.models.policy.settings import HorizonsMs
+from rallygap.models.policy.trial import TrialResult
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import Predictor, ProbabilisticPredictor
+from rallygap.models.replay.replayed_balls import (
     Histories,
     anchored,
     every_step,
@@ -26,15 +26,15 @@ from models.replay.replayed_balls import (
     predict_all,
     predict_all_with_spreads,
 )
-from pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
-from pipeline.io.amended_simulators import AMENDED
-from pipeline.params import Sim2RealSettings
-from pipeline.policies.storage import TrainedPolicy, load_policies
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.torch_threads import one_thread
-from pipeline.transfer.replay_sets import ARENA_SETS, ReplaySet
-from pipeline.transfer.returns import with_states
-from pipeline.transfer.trials import Played, play_policy
+from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
+from rallygap.pipeline.io.amended_simulators import AMENDED
+from rallygap.pipeline.params import Sim2RealSettings
+from rallygap.pipeline.policies.storage import TrainedPolicy, load_policies
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.torch_threads import one_thread
+from rallygap.pipeline.transfer.replay_sets import ARENA_SETS, ReplaySet
+from rallygap.pipeline.transfer.returns import with_states
+from rallygap.pipeline.transfer.trials import Played, play_policy
 
 Policies = Sequence[tuple[Policy, TrainedPolicy]]
 Forecasts = Callable[[HorizonsMs], tuple[Floats, Floats | None]]

@@ -5,13 +5,13 @@ from collections.abc import Hashable, Mapping
 import numpy as np
 import pandas as pd
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.support.clustered_means import clustered_mean
-from pipeline.evaluation.predictors import ORACLE
-from pipeline.policies.storage import TrainedPolicy
-from pipeline.transfer.rates import OUTCOMES, differences, rates, trials_of
-from pipeline.transfer.transfer_table import PHYSICS, SETTING
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.support.clustered_means import clustered_mean
+from rallygap.pipeline.evaluation.predictors import ORACLE
+from rallygap.pipeline.policies.storage import TrainedPolicy
+from rallygap.pipeline.transfer.rates import OUTCOMES, differences, rates, trials_of
+from rallygap.pipeline.transfer.transfer_table import PHYSICS, SETTING
 
 ORIGINAL, RETRAINED = "original", "retrained"
 BASELINE = {"policy": ORIGINAL, "predictor": PHYSICS}

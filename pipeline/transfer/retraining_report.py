@@ -4,20 +4,20 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from models.ball.simulator import Simulator
-from pipeline.evaluation.predictors import ARENA
-from pipeline.io.amended_simulators import verdict_path
-from pipeline.io.artifacts import read_as
-from pipeline.io.ground_truth import read_truth
-from pipeline.io.metrics import nested
-from pipeline.io.report_items import ReportFigure, ReportTable
-from pipeline.io.simulators import load_simulator
-from pipeline.params import Sim2RealSettings
-from pipeline.runtime.stage_run import StageRun
-from pipeline.transfer.figures.retraining import retraining_figure
-from pipeline.transfer.rates import rates
-from pipeline.transfer.retraining import KEYS, pooled, retraining_table
-from pipeline.transfer.truth_comparison import NamedCauses, number_table
+from rallygap.models.ball.simulator import Simulator
+from rallygap.pipeline.evaluation.predictors import ARENA
+from rallygap.pipeline.io.amended_simulators import verdict_path
+from rallygap.pipeline.io.artifacts import read_as
+from rallygap.pipeline.io.ground_truth import read_truth
+from rallygap.pipeline.io.metrics import nested
+from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import Sim2RealSettings
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.pipeline.transfer.figures.retraining import retraining_figure
+from rallygap.pipeline.transfer.rates import rates
+from rallygap.pipeline.transfer.retraining import KEYS, pooled, retraining_table
+from rallygap.pipeline.transfer.truth_comparison import NamedCauses, number_table
 
 OWN = ["simulator", "horizons_ms"]  # of policies in their own simulators
 

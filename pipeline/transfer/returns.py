@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pandera.pandas as pa
 
-from models.ball.types import Floats
-from pipeline.io.schemas import STATE_COLUMNS, read_checked
+from rallygap.models.ball.types import Floats
+from rallygap.pipeline.io.schemas import STATE_COLUMNS, read_checked
 
 AFTER = [f"after_{name}" for name in STATE_COLUMNS]  # just after the racket
 LANDED = [f"landed_{name}" for name in STATE_COLUMNS]  # just before the landing

@@ -5,14 +5,14 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.io.metrics import nested, place
-from pipeline.io.report_items import ReportFigure, ReportTable
-from pipeline.runtime.stage_run import StageRun
-from pipeline.transfer.figures.sim2real import transfer_figure
-from pipeline.transfer.rates import differences, rates
-from pipeline.transfer.replay_sets import ReplaySet
-from pipeline.transfer.replay_trials import FirstWindow
-from pipeline.transfer.transfer_table import BASELINE, PHYSICS, SETTING, paper_form_table
+from rallygap.pipeline.io.metrics import nested, place
+from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.pipeline.transfer.figures.sim2real import transfer_figure
+from rallygap.pipeline.transfer.rates import differences, rates
+from rallygap.pipeline.transfer.replay_sets import ReplaySet
+from rallygap.pipeline.transfer.replay_trials import FirstWindow
+from rallygap.pipeline.transfer.transfer_table import BASELINE, PHYSICS, SETTING, paper_form_table
 
 FIRST_BASELINE = {"predictor": PHYSICS, "protocol": FirstWindow.protocol}
 KEYS = [*SETTING, *BASELINE]  # of an experiment

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.io.metrics import over_seeds, place, rounded
-from pipeline.io.report_items import ReportFigure, ReportTable
-from pipeline.runtime.stage_run import StageRun
-from pipeline.transfer.figures.sim2sim import IMPERFECT, PROTOCOLS, sim2sim_figure
-from pipeline.transfer.rates import differences, rates
+from rallygap.pipeline.io.metrics import over_seeds, place, rounded
+from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.pipeline.transfer.figures.sim2sim import IMPERFECT, PROTOCOLS, sim2sim_figure
+from rallygap.pipeline.transfer.rates import differences, rates
 
 SETTING = ["protocol", "simulator", "horizons_ms"]  # of a comparison
 BASELINE = {"predictor": IMPERFECT}

@@ -3,21 +3,21 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.policy.forecasts import first_state, re_anchored
-from models.policy.goals import Goals, draw_goals
-from models.policy.incoming_balls import IncomingBalls, fly_incoming
-from models.policy.launches import draw_launches
-from models.policy.policy import Policy
-from models.policy.random_streams import evaluation_stream
-from models.policy.settings import GoalSettings, HorizonsMs
-from pipeline.io.simulators import load_simulator
-from pipeline.params import Sim2SimProtocol
-from pipeline.policies.storage import TrainedPolicy
-from pipeline.runtime.stage_run import StageRun
-from pipeline.transfer.figures.sim2sim import GROUND_TRUTH, IMPERFECT
-from pipeline.transfer.trials import Played, play_policy
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.policy.forecasts import first_state, re_anchored
+from rallygap.models.policy.goals import Goals, draw_goals
+from rallygap.models.policy.incoming_balls import IncomingBalls, fly_incoming
+from rallygap.models.policy.launches import draw_launches
+from rallygap.models.policy.policy import Policy
+from rallygap.models.policy.random_streams import evaluation_stream
+from rallygap.models.policy.settings import GoalSettings, HorizonsMs
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import Sim2SimProtocol
+from rallygap.pipeline.policies.storage import TrainedPolicy
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.pipeline.transfer.figures.sim2sim import GROUND_TRUTH, IMPERFECT
+from rallygap.pipeline.transfer.trials import Played, play_policy
 
 
 @dataclass(frozen=True)

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from models.policy.incoming_balls import IncomingBalls
-from models.policy.policy import Policy
-from models.replay.perturbed_forecasts import ERRORS
-from pipeline.io.report_items import ReportFigure, ReportTable
-from pipeline.policies.storage import TrainedPolicy
-from pipeline.runtime.stage_run import StageRun
-from pipeline.transfer.figures.sim2real import tolerance_figure
-from pipeline.transfer.rates import rates
-from pipeline.transfer.replay_trials import Policies, trial_seed
-from pipeline.transfer.trials import Played, play_policy
+from rallygap.models.policy.incoming_balls import IncomingBalls
+from rallygap.models.policy.policy import Policy
+from rallygap.models.replay.perturbed_forecasts import ERRORS
+from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
+from rallygap.pipeline.policies.storage import TrainedPolicy
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.pipeline.transfer.figures.sim2real import tolerance_figure
+from rallygap.pipeline.transfer.rates import rates
+from rallygap.pipeline.transfer.replay_trials import Policies, trial_seed
+from rallygap.pipeline.transfer.trials import Played, play_policy
 
 KEYS = ["error", "size_cm", "horizons_ms"]
 

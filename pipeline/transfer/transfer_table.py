@@ -5,9 +5,9 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.paper.values import printed_transfer
-from pipeline.transfer.rates import OUTCOMES
-from pipeline.transfer.replay_trials import EveryStep, FirstWindow
+from rallygap.pipeline.paper.values import printed_transfer
+from rallygap.pipeline.transfer.rates import OUTCOMES
+from rallygap.pipeline.transfer.replay_trials import EveryStep, FirstWindow
 
 SETTING = ["set", "horizons_ms"]  # of a comparison
 PHYSICS = "physics"

@@ -7,14 +7,14 @@ from typing import Protocol
 import numpy as np
 import pandas as pd
 
-from models.ball.simulator import Simulator
-from models.policy.forecasts import forecast_error
-from models.policy.goals import Goals
-from models.policy.incoming_balls import IncomingBalls
-from models.policy.policy import Policy
-from models.policy.trial import TrialResult, play
-from pipeline.policies.storage import TrainedPolicy
-from pipeline.runtime.parallel import parallel
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.policy.forecasts import forecast_error
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.incoming_balls import IncomingBalls
+from rallygap.models.policy.policy import Policy
+from rallygap.models.policy.trial import TrialResult, play
+from rallygap.pipeline.policies.storage import TrainedPolicy
+from rallygap.pipeline.runtime.parallel import parallel
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import pandas as pd
 from pydantic import BaseModel
 
-from models.ball.simulator import NODES, Simulator
+from rallygap.models.ball.simulator import NODES, Simulator
 
 COLUMNS = ["effect", "parameter", "original", "amended", "low", "high", "truth"]
 
@@ -26,8 +26,8 @@ class NamedCauses(BaseModel):
     """The causes of a verdict file.
 
     The stage that makes the table trains policies for minutes. It does not read the file by
-    ``models.gap.verdict``, so that it does not depend on the gap workflow and is not run again
-    whenever that changes.
+    ``rallygap.models.gap.verdict``, so that it does not depend on the gap workflow and is not run
+    again whenever that changes.
     """
 
     causes: list[NamedCause]

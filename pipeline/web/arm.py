@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.robot.constants import BASE, BLADE, JOINTS
+from rallygap.models.robot.constants import BASE, BLADE, JOINTS
 
 Floats = NDArray[np.float64]
 

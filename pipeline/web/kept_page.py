@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from pipeline.io.artifacts import read_json
-from pipeline.io.report_manifest import read_contents
-from pipeline.paper.run_reports import RECORD, is_kept_run, kept_reports
-from pipeline.runtime.errors import InputError
-from pipeline.web.report_page import render_page
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.io.report_manifest import read_contents
+from rallygap.pipeline.paper.run_reports import RECORD, is_kept_run, kept_reports
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.web.report_page import render_page
 
 
 def kept_runs(root: Path) -> list[str]:

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.io.report_manifest import Contents
-from pipeline.paper.assessments import MEANINGS
-from pipeline.paper.comparison import (
+from rallygap.pipeline.io.report_manifest import Contents
+from rallygap.pipeline.paper.assessments import MEANINGS
+from rallygap.pipeline.paper.comparison import (
     CONTEXT,
     NOTHING,
     Finding,
@@ -18,7 +18,7 @@ from pipeline.paper.comparison import (
     exhibits,
     groups,
 )
-from pipeline.paper.run_reports import Reports
+from rallygap.pipeline.paper.run_reports import Reports
 
 DECADES = 2.0  # of the scale on which sizes are drawn, on each side of the paper's
 

@@ -4,20 +4,20 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.evaluation.example_shots import Shot
-from pipeline.io.report_manifest import (
+from rallygap.pipeline.evaluation.example_shots import Shot
+from rallygap.pipeline.io.report_manifest import (
     Contents,
     Item,
     read_columns,
     read_figure,
     read_first_frame,
 )
-from pipeline.paper.run_reports import Reports
-from pipeline.transfer.example_returns import Return
-from pipeline.web.environment import page_environment
-from pipeline.web.paper_section import paper_section
-from pipeline.web.results_section import results_section
-from pipeline.web.scenes import return_scenes, shot_scenes
+from rallygap.pipeline.paper.run_reports import Reports
+from rallygap.pipeline.transfer.example_returns import Return
+from rallygap.pipeline.web.environment import page_environment
+from rallygap.pipeline.web.paper_section import paper_section
+from rallygap.pipeline.web.results_section import results_section
+from rallygap.pipeline.web.scenes import return_scenes, shot_scenes
 
 GAP_STAGES = ("close_gap", "hidden_effects", "retrain_policy")  # are shown first
 SHOTS_STAGE, RETURNS_STAGE = "evaluate_predictor", "sim2real"  # whose runs the 3-D views show

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.io.artifacts import read_json
-from pipeline.io.labels import simulator_label
-from pipeline.io.report_manifest import read_figure
-from pipeline.paper.run_reports import RECORD, Reports
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.io.labels import simulator_label
+from rallygap.pipeline.io.report_manifest import read_figure
+from rallygap.pipeline.paper.run_reports import RECORD, Reports
 
 LAST_MS = 300  # the farthest horizon
 NEARER_MS = "115-125"  # horizons of the policies

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from models.robot.constants import RACKET_RADIUS
-from pipeline.evaluation.example_shots import Forecast, Shot
-from pipeline.io.figure_style import predictor_colour
-from pipeline.transfer.example_returns import Return
-from pipeline.web.arm import arm_lines
-from pipeline.web.table_geometry import table_geometry
+from rallygap.models.robot.constants import RACKET_RADIUS
+from rallygap.pipeline.evaluation.example_shots import Forecast, Shot
+from rallygap.pipeline.io.figure_style import predictor_colour
+from rallygap.pipeline.transfer.example_returns import Return
+from rallygap.pipeline.web.arm import arm_lines
+from rallygap.pipeline.web.table_geometry import table_geometry
 
 COLOUR_OF = {"physics": "physics_c"}  # predictor with the same colour
 

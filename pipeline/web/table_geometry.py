@@ -1,6 +1,6 @@
 """The table, the net and the ball, in the form that the scripts of 3-D views read."""
 
-from models.ball import state
+from rallygap.models.ball import state
 
 
 def table_geometry() -> dict[str, float]:

@@ -1,7 +1,7 @@
 """The report on drift counts shots, alarms and right names."""
 
 from benchmarks.drift import CAUSES, QUIET_SHOTS, SHOTS, SIZES, Session, summary
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.hypotheses import Hypothesis
 
 FIRST = next(iter(CAUSES))
 

@@ -17,8 +17,8 @@ from typing import Any
 import psutil
 import yaml
 
-from pipeline.experiments.profiles import merged
-from pipeline.params import read_yaml
+from rallygap.pipeline.experiments.profiles import merged
+from rallygap.pipeline.params import read_yaml
 
 ROOT = Path(__file__).parents[2]
 PROFILE = ROOT / "profiles" / "smoke.yaml"

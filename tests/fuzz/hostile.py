@@ -12,7 +12,7 @@ import pyarrow as pa
 from pyarrow import parquet
 from safetensors.numpy import save
 
-from pipeline.io.schemas import STATE_COLUMNS
+from rallygap.pipeline.io.schemas import STATE_COLUMNS
 
 SENTINEL = Path("/tmp/rallygap-fuzz-code-ran")  # what hostile code would leave behind
 

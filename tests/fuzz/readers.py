@@ -10,32 +10,32 @@ from pathlib import Path
 
 import numpy as np
 
-from models.policy.observation import observation_size
-from pipeline.benchmark.forecasts import read_forecasts
-from pipeline.benchmark.windows import run_sets, window_table
-from pipeline.evaluation.error_table import REPORT as FORECAST_ERRORS
-from pipeline.evaluation.error_table import read_errors
-from pipeline.evaluation.example_shots import read_shots
-from pipeline.exam.records import read_records, write_records
-from pipeline.experiments.profiles import profile_flags
-from pipeline.io.artifacts import read_as, write_json
-from pipeline.io.episodes import read_episodes
-from pipeline.io.ground_truth import read_contacts, read_truth
-from pipeline.io.report_manifest import read_columns, read_contents
-from pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
-from pipeline.io.simulators import load_simulator
-from pipeline.io.source_manifest import read_manifest
-from pipeline.paper.comparison import compare
-from pipeline.paper.run_reports import paper_reports
-from pipeline.params import load_params
-from pipeline.policies.storage import TrainedPolicy, load_policy
-from pipeline.predictors.storage import load_predictor
-from pipeline.runtime.scratch import kept_timings
-from pipeline.sweeps.confirm import compared_params
-from pipeline.sweeps.report import BEST
-from pipeline.sweeps.settings import load_sweep
-from pipeline.tracking.lineage import report_of
-from pipeline.transfer.truth_comparison import NamedCauses
+from rallygap.models.policy.observation import observation_size
+from rallygap.pipeline.benchmark.forecasts import read_forecasts
+from rallygap.pipeline.benchmark.windows import run_sets, window_table
+from rallygap.pipeline.evaluation.error_table import REPORT as FORECAST_ERRORS
+from rallygap.pipeline.evaluation.error_table import read_errors
+from rallygap.pipeline.evaluation.example_shots import read_shots
+from rallygap.pipeline.exam.records import read_records, write_records
+from rallygap.pipeline.experiments.profiles import profile_flags
+from rallygap.pipeline.io.artifacts import read_as, write_json
+from rallygap.pipeline.io.episodes import read_episodes
+from rallygap.pipeline.io.ground_truth import read_contacts, read_truth
+from rallygap.pipeline.io.report_manifest import read_columns, read_contents
+from rallygap.pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.io.source_manifest import read_manifest
+from rallygap.pipeline.paper.comparison import compare
+from rallygap.pipeline.paper.run_reports import paper_reports
+from rallygap.pipeline.params import load_params
+from rallygap.pipeline.policies.storage import TrainedPolicy, load_policy
+from rallygap.pipeline.predictors.storage import load_predictor
+from rallygap.pipeline.runtime.scratch import kept_timings
+from rallygap.pipeline.sweeps.confirm import compared_params
+from rallygap.pipeline.sweeps.report import BEST
+from rallygap.pipeline.sweeps.settings import load_sweep
+from rallygap.pipeline.tracking.lineage import report_of
+from rallygap.pipeline.transfer.truth_comparison import NamedCauses
 from tests.fuzz import hostile
 from tests.models.exam.example_records import answer, hidden, named, record
 from tests.models.predictors.balls import observed

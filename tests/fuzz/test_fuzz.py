@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.params import Params, check_params, read_yaml
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.params import Params, check_params, read_yaml
+from rallygap.pipeline.runtime.errors import InputError
 from tests.fuzz.counts import counted
 from tests.fuzz.hostile import Trap
 from tests.fuzz.mutations import MUTATIONS, mutated

@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.errors import InputError
 from tests.fuzz.hostile import SENTINEL
 from tests.fuzz.mutations import mutated
 from tests.fuzz.readers import Reader

@@ -1,11 +1,11 @@
 """Amended simulators as close_gap would leave them."""
 
-from models.ball.simulators import shipped
-from models.gap.amend.simulator import amended_yaml
-from models.gap.hypotheses import Hypothesis
-from models.gap.verdict import Cause
-from pipeline.io.amended_simulators import case_name
-from pipeline.io.artifacts import write_text
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.amend.simulator import amended_yaml
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.verdict import Cause
+from rallygap.pipeline.io.amended_simulators import case_name
+from rallygap.pipeline.io.artifacts import write_text
 from tests.pipeline.verdicts import verdict
 
 

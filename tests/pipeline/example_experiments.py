@@ -3,8 +3,8 @@
 import pytest
 import yaml
 
-from pipeline.experiments.profiles import merged
-from pipeline.params import read_yaml
+from rallygap.pipeline.experiments.profiles import merged
+from rallygap.pipeline.params import read_yaml
 from tests.clone import cloned, commit, run
 
 TARGET, CHANGED = "score_segmentation", "segment.outlier_cost"

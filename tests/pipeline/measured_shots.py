@@ -5,17 +5,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from models.arena.bounce_scatter import BounceScatter
-from models.arena.camera_field import CameraField
-from models.arena.cameras import SlowError
-from models.arena.truth import Truth
-from models.ball.simulators import shipped
-from models.predictors.spread import Spread
-from pipeline.io.artifacts import write_json, write_table
-from pipeline.io.ground_truth import STATE_COLUMNS
-from pipeline.io.schemas import CONTACTS, EPISODES, SAMPLES, TRUE_CONTACTS, checked
-from pipeline.params import PhysicsPredictorSettings, load_params
-from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
+from rallygap.models.arena.bounce_scatter import BounceScatter
+from rallygap.models.arena.camera_field import CameraField
+from rallygap.models.arena.cameras import SlowError
+from rallygap.models.arena.truth import Truth
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.predictors.spread import Spread
+from rallygap.pipeline.io.artifacts import write_json, write_table
+from rallygap.pipeline.io.ground_truth import STATE_COLUMNS
+from rallygap.pipeline.io.schemas import CONTACTS, EPISODES, SAMPLES, TRUE_CONTACTS, checked
+from rallygap.pipeline.params import PhysicsPredictorSettings, load_params
+from rallygap.pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from tests.models.predictors.small_training import BRIEF, TINY, network
 
 TIMES = 0.005 * np.arange(101)

@@ -5,15 +5,15 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 
-from models.arena.cameras import Cameras
-from models.arena.games import games
-from models.arena.truth import draw_truth
-from models.segmentation.settings import SegmentSettings
-from pipeline.io.artifacts import write_json, write_table
-from pipeline.io.schemas import POINTS, POSITION_COLUMNS, SPIN_COLUMNS
-from pipeline.runtime.stage_run import StageRun
-from pipeline.sources.adapters.arena import KINDS
-from stages.segment import segment
+from rallygap.models.arena.cameras import Cameras
+from rallygap.models.arena.games import games
+from rallygap.models.arena.truth import draw_truth
+from rallygap.models.segmentation.settings import SegmentSettings
+from rallygap.pipeline.io.artifacts import write_json, write_table
+from rallygap.pipeline.io.schemas import POINTS, POSITION_COLUMNS, SPIN_COLUMNS
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.pipeline.sources.adapters.arena import KINDS
+from rallygap.stages.segment import segment
 from tests.pipeline.measured_shots import source_record
 
 TRUTH = draw_truth(5)

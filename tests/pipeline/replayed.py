@@ -3,10 +3,10 @@
 import numpy as np
 import pandas as pd
 
-from models.policy.settings import SensorNoise
-from pipeline.io.artifacts import read_json, write_json, write_table
-from pipeline.io.schemas import LAUNCHES, STATE_COLUMNS, checked, empty
-from pipeline.params import Sim2RealSettings, ToleranceSettings
+from rallygap.models.policy.settings import SensorNoise
+from rallygap.pipeline.io.artifacts import read_json, write_json, write_table
+from rallygap.pipeline.io.schemas import LAUNCHES, STATE_COLUMNS, checked, empty
+from rallygap.pipeline.params import Sim2RealSettings, ToleranceSettings
 from tests.pipeline.measured_shots import shot_tables, source_record, write_inputs
 
 SETTINGS = Sim2RealSettings(

@@ -3,11 +3,11 @@
 import numpy as np
 import pandas as pd
 
-from models.ball.simulators import shipped
-from models.policy.goals import Goals
-from models.policy.outcome import judge
-from pipeline.io.artifacts import write_table
-from pipeline.transfer.returns import with_states
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.outcome import judge
+from rallygap.pipeline.io.artifacts import write_table
+from rallygap.pipeline.transfer.returns import with_states
 
 SIMULATOR = shipped("literature")
 STRUCK = np.array([0.0, -1.6, 0.25, 0.0, 5.5, 1.6, -60.0, 0.0, 0.0])

@@ -13,7 +13,7 @@ import pytest
 from tests.services import await_answer, free_port, listening
 
 ROOT = Path(__file__).parents[2]
-RALLYGAP = [sys.executable, "-c", "from pipeline.cli import main; main()"]
+RALLYGAP = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main()"]
 
 
 VERBS = (
@@ -39,7 +39,7 @@ def elsewhere(tmp_path):
 
 def test_help_names_every_verb_without_loading_the_libraries():
     script = (
-        "import sys; from pipeline.cli import app\n"
+        "import sys; from rallygap.pipeline.cli import app\n"
         "from typer.testing import CliRunner\n"
         "print(CliRunner().invoke(app, ['--help']).output)\n"
         "heavy = {'pandas', 'mlflow', 'dvc', 'matplotlib', 'numba', 'optuna', 'torch'}\n"

@@ -15,7 +15,7 @@ from urllib.parse import quote
 import pytest
 from selenium.webdriver.support.wait import WebDriverWait
 
-from pipeline.tracking.lineage import runs_page
+from rallygap.pipeline.tracking.lineage import runs_page
 from tests.pipeline.example_experiments import CHANGED, TARGET
 from tests.pipeline.runs import runs
 from tests.services import PATIENCE, await_answer, free_port
@@ -31,7 +31,7 @@ FOLDED = "//*[@role='button'][.='Visualizations' or .='Run details']"
 def served(repository):
     """The address of the server that `rallygap ui` starts."""
     port = free_port()
-    command = [sys.executable, "-c", "from pipeline.cli import main; main()", "ui"]
+    command = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main()", "ui"]
     environment = {**os.environ, "PYTHONPATH": str(repository)}
     environment.pop("MLFLOW_TRACKING_URI", None)
     server = subprocess.Popen(

@@ -11,8 +11,8 @@ from types import SimpleNamespace
 import pytest
 import yaml
 
-from pipeline.experiments.profiles import merged
-from pipeline.params import read_yaml
+from rallygap.pipeline.experiments.profiles import merged
+from rallygap.pipeline.params import read_yaml
 from tests.clone import ROOT, cloned, commit, environment, run
 from tests.services import await_answer, free_port
 
@@ -27,7 +27,7 @@ CHANGED = "score_segmentation"
 ACTIVATE = 'PATH="$PWD/.venv/bin:$PATH"\n'
 RALLYGAP = """#!/bin/sh
 [ "$1" = ui ] && set -- ui --port {port}
-exec python -c "from pipeline.cli import main; main()" "$@"
+exec python -c "from rallygap.pipeline.cli import main; main()" "$@"
 """
 
 

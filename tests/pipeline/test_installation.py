@@ -14,7 +14,7 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from models.ball.simulators import shipped
+from rallygap.models.ball.simulators import shipped
 
 ROOT = Path(__file__).parents[2]
 
@@ -30,7 +30,7 @@ class Absent:
 
 sys.meta_path.insert(0, Absent())
 """
-COMMAND_LINE = "from pipeline.cli import main; main()"
+COMMAND_LINE = "from rallygap.pipeline.cli import main; main()"
 
 
 def base_distributions():

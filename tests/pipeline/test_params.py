@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from models.support.yaml_file import parse_yaml
-from pipeline.params import check_params, load_params, read_yaml
-from pipeline.runtime.errors import InputError
+from rallygap.models.support.yaml_file import parse_yaml
+from rallygap.pipeline.params import check_params, load_params, read_yaml
+from rallygap.pipeline.runtime.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 PARAMS = ROOT / "params.yaml"

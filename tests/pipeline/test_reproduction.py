@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 import yaml
 
-from models.predictors.protocol import History
-from pipeline.experiments.profiles import merged
-from pipeline.params import read_yaml
-from pipeline.predictors.storage import load_predictor
-from pipeline.tracking.headlines import HEADLINES
-from pipeline.tracking.model_registry import CHAMPION, SIGNATURE, current_champion
+from rallygap.models.predictors.protocol import History
+from rallygap.pipeline.experiments.profiles import merged
+from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.predictors.storage import load_predictor
+from rallygap.pipeline.tracking.headlines import HEADLINES
+from rallygap.pipeline.tracking.model_registry import CHAMPION, SIGNATURE, current_champion
 from tests.clone import cloned, rallygap, run
 from tests.pipeline.runs import runs, store
 
@@ -106,7 +106,7 @@ def test_a_forced_reproduction_gives_the_same_bytes(reproduced):
 def test_a_killed_training_goes_on_to_the_same_bytes(reproduced):
     before = digests(reproduced)
     stage = subprocess.Popen(
-        [sys.executable, "-m", "stages.train_predictor"],
+        [sys.executable, "-m", "rallygap.stages.train_predictor"],
         cwd=reproduced,
         env={**os.environ, "PYTHONPATH": str(reproduced)},
         start_new_session=True,

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from pipeline import cli
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.provenance import Provenance
-from pipeline.tracking.lineage import origin_of
-from pipeline.tracking.recording import Results, recorded, stage_start, without_secrets
+from rallygap.pipeline import cli
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.provenance import Provenance
+from rallygap.pipeline.tracking.lineage import origin_of
+from rallygap.pipeline.tracking.recording import Results, recorded, stage_start, without_secrets
 from tests.services import free_port
 
 ROOT = Path(__file__).parents[2]
-ORIGIN = Provenance("python -m stages.segment", "f" * 64)
+ORIGIN = Provenance("python -m rallygap.stages.segment", "f" * 64)
 SECRET = "hunter2"
 STORES = [
     f"http://me:{SECRET}@127.0.0.1:9",

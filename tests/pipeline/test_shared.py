@@ -16,8 +16,8 @@ import asyncssh
 import pytest
 from mlflow import MlflowClient
 
-from pipeline.runtime.provenance import Provenance
-from pipeline.tracking.recording import Results, recorded
+from rallygap.pipeline.runtime.provenance import Provenance
+from rallygap.pipeline.tracking.recording import Results, recorded
 from tests.clone import ROOT, commit, run
 from tests.services import free_port, listening
 
@@ -155,7 +155,7 @@ def test_runs_and_figures_are_kept_by_a_server_on_postgresql(
     results = Results({"tt3d": {"mean": 1.5}}, figures=[figure])
     with tracking_server(postgres_url, store) as (url, process):
         monkeypatch.setenv("MLFLOW_TRACKING_URI", url)
-        origin = Provenance("python -m stages.segment", "f" * 64)
+        origin = Provenance("python -m rallygap.stages.segment", "f" * 64)
         with recorded("segment", origin, {"seed": 1}, lambda: results):
             pass
         assert listening(process.pid) == {"127.0.0.1"}

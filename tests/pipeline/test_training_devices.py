@@ -11,12 +11,12 @@ import psutil
 import pytest
 import torch
 
-from models.predictors.learned import LearnedPredictor
-from models.predictors.protocol import History
-from models.predictors.training import ForecastTraining
-from pipeline.predictors.parallel_training import TrainingJob, train_networks
-from pipeline.predictors.trainer import train
-from pipeline.runtime.errors import InputError
+from rallygap.models.predictors.learned import LearnedPredictor
+from rallygap.models.predictors.protocol import History
+from rallygap.models.predictors.training import ForecastTraining
+from rallygap.pipeline.predictors.parallel_training import TrainingJob, train_networks
+from rallygap.pipeline.predictors.trainer import train
+from rallygap.pipeline.runtime.errors import InputError
 from tests.models.predictors.small_training import (
     BRIEF,
     NETWORKS,

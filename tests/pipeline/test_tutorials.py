@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from models.exam.interface import rounded
+from rallygap.models.exam.interface import rounded
 from tests.clone import ROOT, environment
 
 pytestmark = pytest.mark.slow
@@ -17,7 +17,7 @@ BLOCK = re.compile(
 INSTALL = "pip install"
 LEFT_OUT = "…\n"
 UNROUNDED = re.compile(r"\d+\.\d{9,}")  # whose last digits depend on the processor
-RALLYGAP = """rallygap() { python -c "from pipeline.cli import main; main()" "$@"; }\n"""
+RALLYGAP = """rallygap() { python -c "from rallygap.pipeline.cli import main; main()" "$@"; }\n"""
 
 
 def blocks(page):

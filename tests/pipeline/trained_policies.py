@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from models.ball.simulators import shipped
-from models.policy.batch_simulation import ACTIONS
-from models.policy.observation import observation_size
-from models.policy.policy import Policy
-from pipeline.policies.storage import TrainedPolicy, save_policy
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.policy.batch_simulation import ACTIONS
+from rallygap.models.policy.observation import observation_size
+from rallygap.models.policy.policy import Policy
+from rallygap.pipeline.policies.storage import TrainedPolicy, save_policy
 from tests.models.policy.schooling import BRIEF, GOALS, drawn_policy
 
 

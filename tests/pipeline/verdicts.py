@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from models.ball.simulators import shipped
-from models.gap.fit.shots import Shots
-from models.gap.location import Growth, Located
-from models.gap.net.contacts import NetContacts
-from models.gap.settings import DEFAULTS
-from models.gap.verdict import (
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.location import Growth, Located
+from rallygap.models.gap.net.contacts import NetContacts
+from rallygap.models.gap.settings import DEFAULTS
+from rallygap.models.gap.verdict import (
     CameraNodes,
     Cause,
     Check,
@@ -18,11 +18,11 @@ from models.gap.verdict import (
     Verdict,
     Worth,
 )
-from models.predictors.ball_filter import ANY_BALL
-from pipeline.gap.cases import Case, Diagnosed
-from pipeline.gap.labels import LabelCounts
-from pipeline.gap.measured_shots import MeasuredShots
-from pipeline.gap.summary import Findings
+from rallygap.models.predictors.ball_filter import ANY_BALL
+from rallygap.pipeline.gap.cases import Case, Diagnosed
+from rallygap.pipeline.gap.labels import LabelCounts
+from rallygap.pipeline.gap.measured_shots import MeasuredShots
+from rallygap.pipeline.gap.summary import Findings
 
 TIMES = 0.01 * np.arange(20)
 PATH = np.column_stack([0 * TIMES, 1.3 - 5 * TIMES, 0.3 + 0 * TIMES])

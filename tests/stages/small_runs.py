@@ -2,11 +2,11 @@
 
 from types import SimpleNamespace
 
-from models.segmentation.settings import SegmentSettings
-from pipeline.params import IngestSettings
-from pipeline.runtime.stage_run import StageRun
-from stages.ingest import ingest
-from stages.segment import segment
+from rallygap.models.segmentation.settings import SegmentSettings
+from rallygap.pipeline.params import IngestSettings
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.stages.ingest import ingest
+from rallygap.stages.segment import segment
 from tests.pipeline.sources.made_up import ARENA
 
 

@@ -5,15 +5,15 @@ import json
 import pandas as pd
 import pytest
 
-from models.ball.simulators import shipped
-from models.gap.amend.simulator import amended
-from models.gap.verdict import Verdict
-from pipeline.gap import cases as gap_cases
-from pipeline.io.amended_simulators import amended_by
-from pipeline.params import CloseGapSettings, ComparedSimulatorSettings
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun
-from stages.close_gap import close_gap
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.amend.simulator import amended
+from rallygap.models.gap.verdict import Verdict
+from rallygap.pipeline.gap import cases as gap_cases
+from rallygap.pipeline.io.amended_simulators import amended_by
+from rallygap.pipeline.params import CloseGapSettings, ComparedSimulatorSettings
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.stages.close_gap import close_gap
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs
 from tests.pipeline.verdicts import WIND, verdict
 from tests.stages.outputs import written

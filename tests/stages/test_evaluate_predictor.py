@@ -6,11 +6,11 @@ import shutil
 import numpy as np
 import pytest
 
-from pipeline.evaluation.example_shots import read_shots
-from pipeline.io.artifacts import read_table, write_table
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun
-from stages.evaluate_predictor import evaluate_predictor
+from rallygap.pipeline.evaluation.example_shots import read_shots
+from rallygap.pipeline.io.artifacts import read_table, write_table
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.stages.evaluate_predictor import evaluate_predictor
 from tests.pipeline.amendments import write_amended
 from tests.pipeline.measured_shots import (
     NOISE,

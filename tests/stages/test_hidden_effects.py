@@ -6,16 +6,16 @@ import joblib
 import pandas as pd
 import pytest
 
-import stages.hidden_effects
-from models.exam.design.question import Question
-from models.exam.interface import Answer
-from models.exam.records import AnswerRecord
-from models.exam.runner import run_question
-from models.exam.simulate.trial import Trial
-from pipeline.exam.records import RECORDS, write_records
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun
-from stages.hidden_effects import hidden_effects
+import rallygap.stages.hidden_effects
+from rallygap.models.exam.design.question import Question
+from rallygap.models.exam.interface import Answer
+from rallygap.models.exam.records import AnswerRecord
+from rallygap.models.exam.runner import run_question
+from rallygap.models.exam.simulate.trial import Trial
+from rallygap.pipeline.exam.records import RECORDS, write_records
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.stages.hidden_effects import hidden_effects
 from tests.models.exam.example_records import example_exam
 from tests.models.exam.example_trials import NOMINAL
 from tests.pipeline.measured_shots import params
@@ -39,7 +39,9 @@ QUESTION = Question("clean", Trial("clean/example", NOMINAL, shots=3, seed=1004)
 @pytest.fixture(autouse=True)
 def _small(monkeypatch):
     """One question, for methods that name nothing, in this process."""
-    monkeypatch.setattr(stages.hidden_effects, "assignments", lambda params: [(QUESTION, METHODS)])
+    monkeypatch.setattr(
+        rallygap.stages.hidden_effects, "assignments", lambda params: [(QUESTION, METHODS)]
+    )
     with joblib.parallel_config(backend="sequential"):
         yield
 
@@ -94,7 +96,7 @@ def test_without_records_there_is_one_error_and_no_report(tmp_path):
 def test_questions_without_a_record_are_not_run_again(tmp_path, monkeypatch, capsys):
     other = Question("clean", Trial("clean/other", NOMINAL, shots=3, seed=1004))
     asked = [(QUESTION, METHODS), (other, METHODS)]
-    monkeypatch.setattr(stages.hidden_effects, "assignments", lambda params: asked)
+    monkeypatch.setattr(rallygap.stages.hidden_effects, "assignments", lambda params: asked)
     run = reported(tmp_path)
 
     assert run.metrics["rerun"] == {"questions": 1, "different": 0}

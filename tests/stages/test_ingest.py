@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from pipeline.io.artifacts import read_json, read_table
-from pipeline.io.schemas import LAUNCHES, POINTS, RECORDINGS, TRUE_CONTACTS, checked
-from pipeline.io.source_manifest import read_manifest
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.io.artifacts import read_json, read_table
+from rallygap.pipeline.io.schemas import LAUNCHES, POINTS, RECORDINGS, TRUE_CONTACTS, checked
+from rallygap.pipeline.io.source_manifest import read_manifest
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.sources.made_up import ARENA, WRITERS, write_tt3d
 from tests.stages.outputs import table, written
 from tests.stages.small_runs import run_ingest

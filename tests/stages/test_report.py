@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.params import ReportSettings, load_params, read_yaml
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun
-from pipeline.web.report_page import GAP_STAGES
-from stages.report import report
+from rallygap.pipeline.params import ReportSettings, load_params, read_yaml
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.pipeline.web.report_page import GAP_STAGES
+from rallygap.stages.report import report
 from tests.pipeline.web.example_reports import make_reports
 
 # Of those that dvc.yaml lists, all but the report itself, which comes last.

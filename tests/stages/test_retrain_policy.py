@@ -6,15 +6,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.ball.simulators import shipped
-from pipeline.io.artifacts import read_table, write_table
-from pipeline.params import RetrainPolicySettings
-from pipeline.policies import training as policy_training
-from pipeline.policies.storage import load_policies, save_policy
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun
-from stages.retrain_policy import retrain_policy
-from stages.sim2real import sim2real
+from rallygap.models.ball.simulators import shipped
+from rallygap.pipeline.io.artifacts import read_table, write_table
+from rallygap.pipeline.params import RetrainPolicySettings
+from rallygap.pipeline.policies import training as policy_training
+from rallygap.pipeline.policies.storage import load_policies, save_policy
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.stages.retrain_policy import retrain_policy
+from rallygap.stages.sim2real import sim2real
 from tests.models.policy.schooling import BRIEF
 from tests.pipeline.amendments import write_amended
 from tests.pipeline.measured_shots import params

@@ -7,10 +7,10 @@ from types import SimpleNamespace
 import pandas as pd
 import pytest
 
-from models.segmentation.settings import ScoringSettings
-from pipeline.io.artifacts import read_json, read_table, write_table
-from pipeline.runtime.stage_run import StageRun
-from stages.score_segmentation import score_segmentation
+from rallygap.models.segmentation.settings import ScoringSettings
+from rallygap.pipeline.io.artifacts import read_json, read_table, write_table
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.stages.score_segmentation import score_segmentation
 from tests.pipeline.sources.made_up import ARENA
 from tests.stages.small_runs import run_ingest, run_segment
 

@@ -6,11 +6,17 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from models.segmentation.settings import SegmentSettings
-from models.segmentation.tables import segment_recordings
-from pipeline.io.artifacts import read_json, read_row_groups, read_table, table_writer, write_table
-from pipeline.io.schemas import CONTACTS, EPISODES, RECORDINGS, SAMPLES, checked, empty
-from pipeline.runtime.errors import InputError
+from rallygap.models.segmentation.settings import SegmentSettings
+from rallygap.models.segmentation.tables import segment_recordings
+from rallygap.pipeline.io.artifacts import (
+    read_json,
+    read_row_groups,
+    read_table,
+    table_writer,
+    write_table,
+)
+from rallygap.pipeline.io.schemas import CONTACTS, EPISODES, RECORDINGS, SAMPLES, checked, empty
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.sources.made_up import ARENA
 from tests.stages.outputs import written
 from tests.stages.small_runs import run_ingest, run_segment

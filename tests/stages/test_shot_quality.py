@@ -5,13 +5,13 @@ import shutil
 import numpy as np
 import pytest
 
-from models.shot_quality.receivers import RECEIVERS
-from models.shot_quality.settings import ForestSettings
-from pipeline.io.artifacts import read_json, read_table
-from pipeline.params import ShotQualitySettings
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun
-from stages.shot_quality import shot_quality
+from rallygap.models.shot_quality.receivers import RECEIVERS
+from rallygap.models.shot_quality.settings import ForestSettings
+from rallygap.pipeline.io.artifacts import read_json, read_table
+from rallygap.pipeline.params import ShotQualitySettings
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.stages.shot_quality import shot_quality
 from tests.pipeline.measured_shots import params
 from tests.pipeline.professional_games import played_games, write_games
 from tests.pipeline.returned import trials, write_trials

@@ -5,13 +5,13 @@ import json
 import numpy as np
 import pytest
 
-from pipeline.io.artifacts import read_as, read_table
-from pipeline.params import Sim2RealSettings
-from pipeline.policies.storage import save_policy
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun
-from pipeline.transfer.example_returns import read_returns
-from stages.sim2real import sim2real
+from rallygap.pipeline.io.artifacts import read_as, read_table
+from rallygap.pipeline.params import Sim2RealSettings
+from rallygap.pipeline.policies.storage import save_policy
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.pipeline.transfer.example_returns import read_returns
+from rallygap.stages.sim2real import sim2real
 from tests.pipeline.amendments import write_amended
 from tests.pipeline.measured_shots import params
 from tests.pipeline.replayed import LAUNCH, SETTINGS, SOURCE, launched, replayed, write_replays

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.policies.storage import save_policy
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun
-from stages.sim2sim import sim2sim
+from rallygap.pipeline.policies.storage import save_policy
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.stages.sim2sim import sim2sim
 from tests.pipeline.measured_shots import params
 from tests.pipeline.trained_policies import chaser, description
 from tests.stages.outputs import written

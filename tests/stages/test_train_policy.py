@@ -6,17 +6,17 @@ from types import SimpleNamespace
 import pandas as pd
 import pytest
 
-from models.policy import learning
-from models.policy.random_streams import evaluation_stream
-from models.policy.scores import scores
-from models.policy.trial import play
-from pipeline.io.artifacts import read_json, read_table
-from pipeline.params import PolicyGroupSettings, TrainPolicySettings
-from pipeline.policies import training as policy_training
-from pipeline.policies.storage import load_policy
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun
-from stages.train_policy import train_policy
+from rallygap.models.policy import learning
+from rallygap.models.policy.random_streams import evaluation_stream
+from rallygap.models.policy.scores import scores
+from rallygap.models.policy.trial import play
+from rallygap.pipeline.io.artifacts import read_json, read_table
+from rallygap.pipeline.params import PolicyGroupSettings, TrainPolicySettings
+from rallygap.pipeline.policies import training as policy_training
+from rallygap.pipeline.policies.storage import load_policy
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.stages.train_policy import train_policy
 from tests.models.policy.schooling import BRIEF, GOALS
 from tests.stages.outputs import written
 

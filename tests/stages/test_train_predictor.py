@@ -7,13 +7,13 @@ import pandas as pd
 import pytest
 import torch
 
-from models.predictors.training import ForecastTraining
-from pipeline.io.artifacts import read_json
-from pipeline.params import FineTuningSettings
-from pipeline.predictors.storage import load_network, load_predictor, read_description
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun
-from stages.train_predictor import train_predictor
+from rallygap.models.predictors.training import ForecastTraining
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.params import FineTuningSettings
+from rallygap.pipeline.predictors.storage import load_network, load_predictor, read_description
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.stages.train_predictor import train_predictor
 from tests.models.predictors.balls import observed
 from tests.models.predictors.small_training import BRIEF, TINY, TINY_GRU_TAE, TINY_TAE, changed
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs
@@ -119,7 +119,7 @@ def test_the_report_has_the_losses_of_every_epoch(whole):
 
 def test_the_same_inputs_give_the_same_bytes(whole, tmp_path, monkeypatch):
     clock = SimpleNamespace(monotonic=count().__next__)  # a second at every look
-    monkeypatch.setattr("models.predictors.training.time", clock)
+    monkeypatch.setattr("rallygap.models.predictors.training.time", clock)
     again = trained(tmp_path, fine_tuning=["labelled"], networks=NETWORKS)
     assert again.timings["small"] == {"training_s": BRIEF.epochs}
     assert written(again) == written(whole)

@@ -1,8 +1,8 @@
 """Added mass: the ball accelerates some air with it."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Air
-from models.ball.state import MAGNUS_FACTOR
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import Air
+from rallygap.models.ball.state import MAGNUS_FACTOR
 
 effect = Effect(
     name="added_mass",

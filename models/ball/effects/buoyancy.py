@@ -1,7 +1,7 @@
 """Buoyancy: the displaced air carries part of the ball."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.state import MAGNUS_FACTOR
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.state import MAGNUS_FACTOR
 
 effect = Effect(
     name="buoyancy",

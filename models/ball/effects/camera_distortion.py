@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from models.ball.camera_field import weighted_covariances
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import View
-from models.ball.types import Floats
+from rallygap.models.ball.camera_field import weighted_covariances
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import View
+from rallygap.models.ball.types import Floats
 
 effect = Effect(
     name="camera_distortion",

@@ -1,7 +1,7 @@
 """The cameras' clock runs fast or slow."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import View
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import View
 
 effect = Effect(
     name="clock_rate",

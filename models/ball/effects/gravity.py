@@ -1,6 +1,6 @@
 """Gravity: the ball falls."""
 
-from models.ball.effect import Effect, Parameter
+from rallygap.models.ball.effect import Effect, Parameter
 
 effect = Effect(
     name="gravity",

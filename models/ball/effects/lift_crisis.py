@@ -2,8 +2,8 @@
 
 import math
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Air
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import Air
 
 effect = Effect(
     name="lift_crisis",

@@ -3,8 +3,8 @@
 C_M stays the coefficient at a typical spin ratio, so a saturation cannot stand in for a wrong C_M.
 """
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import TYPICAL_SPIN_RATIO, Air
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import TYPICAL_SPIN_RATIO, Air
 
 effect = Effect(
     name="lift_saturation",

@@ -1,8 +1,8 @@
 """Drag in proportion to speed: not physical for this ball, a decoy for tests."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Air
-from models.ball.types import Vector
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import Air
+from rallygap.models.ball.types import Vector
 
 effect = Effect(
     name="linear_drag",

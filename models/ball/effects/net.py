@@ -1,7 +1,7 @@
 """The net: a ball that touches it loses most of its speed; one on the cord hops over."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Impact
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import Impact
 
 effect = Effect(
     name="net",

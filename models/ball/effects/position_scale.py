@@ -1,7 +1,7 @@
 """The cameras' scale is off."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import View
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import View
 
 effect = Effect(
     name="position_scale",

@@ -1,8 +1,8 @@
 """The racket: rubber stores the tangential energy and gives it back (Nakashima 2010)."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Impact
-from models.ball.state import BALL_MASS
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import Impact
+from rallygap.models.ball.state import BALL_MASS
 
 effect = Effect(
     name="racket_bounce",

@@ -2,10 +2,10 @@
 
 import math
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Air
-from models.ball.state import DRAG_FACTOR
-from models.ball.types import Vector
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import Air
+from rallygap.models.ball.state import DRAG_FACTOR
+from rallygap.models.ball.types import Vector
 
 effect = Effect(
     name="side_force",

@@ -1,7 +1,7 @@
 """Friction depends on how fast the contact point slides."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Impact
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import Impact
 
 effect = Effect(
     name="slip_dependent_friction",

@@ -1,7 +1,7 @@
 """The drag coefficient changes with speed."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Air
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import Air
 
 effect = Effect(
     name="speed_dependent_drag",

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import View
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import View
 
 effect = Effect(
     name="speed_dependent_latency",

@@ -1,7 +1,7 @@
 """Restitution falls with the speed of the impact."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import TYPICAL_IMPACT, Impact
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import TYPICAL_IMPACT, Impact
 
 effect = Effect(
     name="speed_dependent_restitution",

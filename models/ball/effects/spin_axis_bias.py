@@ -1,8 +1,8 @@
 """Spin labels are turned."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import View
-from models.ball.types import Vector
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import View
+from rallygap.models.ball.types import Vector
 
 effect = Effect(
     name="spin_axis_bias",

@@ -1,7 +1,7 @@
 """The drag coefficient grows with the spin ratio."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import TYPICAL_SPIN_RATIO, Air
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import TYPICAL_SPIN_RATIO, Air
 
 effect = Effect(
     name="spin_dependent_drag",

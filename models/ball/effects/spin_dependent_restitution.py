@@ -1,7 +1,7 @@
 """Restitution depends on the spin in the table's plane."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Impact
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import Impact
 
 effect = Effect(
     name="spin_dependent_restitution",

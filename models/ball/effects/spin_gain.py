@@ -1,7 +1,7 @@
 """Spin labels are too large or too small."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import View
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import View
 
 effect = Effect(
     name="spin_gain",

@@ -1,7 +1,7 @@
 """Some shots carry the negated spin label."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import View
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import View
 
 effect = Effect(
     name="spin_sign_flip",

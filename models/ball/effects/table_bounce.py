@@ -1,7 +1,7 @@
 """The table: the ball bounces, slides or rolls (Nakashima 2010, 2011)."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Impact
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import Impact
 
 effect = Effect(
     name="table_bounce",

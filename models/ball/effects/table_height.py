@@ -1,6 +1,6 @@
 """The table's surface is not where the frame says."""
 
-from models.ball.effect import Effect, Parameter
+from rallygap.models.ball.effect import Effect, Parameter
 
 effect = Effect(
     name="table_height",

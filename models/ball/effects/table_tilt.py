@@ -2,7 +2,7 @@
 
 import math
 
-from models.ball.effect import Effect, Parameter
+from rallygap.models.ball.effect import Effect, Parameter
 
 effect = Effect(
     name="table_tilt",

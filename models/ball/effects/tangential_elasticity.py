@@ -1,7 +1,7 @@
 """The table gives tangential energy back: the roll limit rises."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Impact
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import Impact
 
 effect = Effect(
     name="tangential_elasticity",

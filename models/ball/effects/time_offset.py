@@ -1,7 +1,7 @@
 """Every measurement is late by the same time; the ball alone cannot show it."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import View
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import View
 
 effect = Effect(
     name="time_offset",

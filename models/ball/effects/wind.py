@@ -1,7 +1,7 @@
 """Wind: the air moves over the table."""
 
-from models.ball.effect import Effect, Parameter
-from models.ball.types import Vector
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.types import Vector
 
 effect = Effect(
     name="wind",

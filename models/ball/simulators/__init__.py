@@ -4,8 +4,8 @@ from importlib.resources import files
 
 import yaml
 
-from models.ball.simulator import Simulator, SimulatorError
-from models.support.suggestion import suggestion
+from rallygap.models.ball.simulator import Simulator, SimulatorError
+from rallygap.models.support.suggestion import suggestion
 
 
 def shipped_names() -> list[str]:

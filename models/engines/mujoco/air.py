@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from models.engines.mujoco.ball import Ball
+from rallygap.models.engines.mujoco.ball import Ball
 
 # Mean over the directions n of the sum of |n_i|^3: of a box's drag over that along an axis.
 MEAN_DIRECTION = 0.75

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from models.engines.engine import EngineError
-from models.support.suggestion import suggestion
+from rallygap.models.engines.engine import EngineError
+from rallygap.models.support.suggestion import suggestion
 
 SMALLEST, LARGEST = 0.015, 0.025  # m, radii that a table-tennis ball may have in a scene
 OFF_CENTRE = 1e-6  # m, between the centre of the sphere and the origin of its body

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from models.ball.state import POSITION, STATE_SIZE, VELOCITY
-from models.ball.types import Bools, Floats
+from rallygap.models.ball.state import POSITION, STATE_SIZE, VELOCITY
+from rallygap.models.ball.types import Bools, Floats
 
 
 def states_between(states: Floats, touches: Bools, step: float, times: Floats) -> Floats:

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
-from models.engines.mujoco.ball import Ball
-from models.engines.mujoco.frame import TableFrame
-from models.engines.mujoco.initial import initial_data
-from models.engines.mujoco.log import collected_warnings
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.engines.mujoco.ball import Ball
+from rallygap.models.engines.mujoco.frame import TableFrame
+from rallygap.models.engines.mujoco.initial import initial_data
+from rallygap.models.engines.mujoco.log import collected_warnings
 
 DEFAULT_SOLREF = (0.02, 1.0)
 OVERLAP = 1e-4  # m, of the ball with the table when the contact is looked at

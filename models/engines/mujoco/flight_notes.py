@@ -5,12 +5,18 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from models.ball.state import AIR_DENSITY, BALL_MASS, BALL_RADIUS, DRAG_FACTOR, MAGNUS_FACTOR
-from models.engines.mujoco.air import Air, air_of, has_air, is_sphere, shaped_geoms
-from models.engines.mujoco.ball import Ball
-from models.engines.mujoco.flight_says import gravity
-from models.engines.mujoco.frame import TableFrame
-from models.engines.mujoco.notes import Note, NoteKind
+from rallygap.models.ball.state import (
+    AIR_DENSITY,
+    BALL_MASS,
+    BALL_RADIUS,
+    DRAG_FACTOR,
+    MAGNUS_FACTOR,
+)
+from rallygap.models.engines.mujoco.air import Air, air_of, has_air, is_sphere, shaped_geoms
+from rallygap.models.engines.mujoco.ball import Ball
+from rallygap.models.engines.mujoco.flight_says import gravity
+from rallygap.models.engines.mujoco.frame import TableFrame
+from rallygap.models.engines.mujoco.notes import Note, NoteKind
 
 PLAUSIBLE_DRAG = 0.7  # no ball has a larger coefficient
 SHELL, SOLID = 2.0 / 3.0, 2.0 / 5.0  # moments of inertia over m r^2

@@ -5,12 +5,12 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
-from models.ball.state import DRAG_FACTOR, MAGNUS_FACTOR
-from models.ball.types import Floats
-from models.engines.mujoco.air import Air, air_of, has_air
-from models.engines.mujoco.ball import Ball
-from models.engines.mujoco.frame import TableFrame
-from models.engines.mujoco.notes import Effects
+from rallygap.models.ball.state import DRAG_FACTOR, MAGNUS_FACTOR
+from rallygap.models.ball.types import Floats
+from rallygap.models.engines.mujoco.air import Air, air_of, has_air
+from rallygap.models.engines.mujoco.ball import Ball
+from rallygap.models.engines.mujoco.frame import TableFrame
+from rallygap.models.engines.mujoco.notes import Effects
 
 TINY = 1e-6  # of a parameter: a smaller one is none
 

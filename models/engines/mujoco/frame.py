@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from models.ball.state import POSITION, SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH, VELOCITY
-from models.ball.types import Floats
-from models.engines.mujoco.ball import Ball
-from models.engines.mujoco.initial import initial_data
+from rallygap.models.ball.state import POSITION, SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH, VELOCITY
+from rallygap.models.ball.types import Floats
+from rallygap.models.engines.mujoco.ball import Ball
+from rallygap.models.engines.mujoco.initial import initial_data
 
 SIZE_TOLERANCE = 0.05  # of the table's length and width, relative
 COPLANAR = 2e-3  # m, between the tops of boxes that are one surface

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from models.ball.catalogue import catalogue
-from models.engines.mujoco.contact import table_contact
-from models.engines.mujoco.flight_notes import flight_notes
-from models.engines.mujoco.flight_says import flight_effects
-from models.engines.mujoco.notes import Effects, Note, NoteKind
-from models.engines.mujoco.scene import MujocoScene
-from models.engines.mujoco.table_says import table_effects, table_notes
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.engines.mujoco.contact import table_contact
+from rallygap.models.engines.mujoco.flight_notes import flight_notes
+from rallygap.models.engines.mujoco.flight_says import flight_effects
+from rallygap.models.engines.mujoco.notes import Effects, Note, NoteKind
+from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.models.engines.mujoco.table_says import table_effects, table_notes
 
 
 @dataclass(frozen=True)

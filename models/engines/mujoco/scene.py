@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
-from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
-from models.ball.types import Bools, Floats
-from models.engines.engine import EngineError
-from models.engines.mujoco.ball import Ball, find_ball
-from models.engines.mujoco.between_steps import states_between
-from models.engines.mujoco.frame import TableFrame, find_frame
-from models.engines.mujoco.initial import reset
-from models.engines.mujoco.log import collected_warnings
-from models.support.suggestion import suggestion
+from rallygap.models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.engines.engine import EngineError
+from rallygap.models.engines.mujoco.ball import Ball, find_ball
+from rallygap.models.engines.mujoco.between_steps import states_between
+from rallygap.models.engines.mujoco.frame import TableFrame, find_frame
+from rallygap.models.engines.mujoco.initial import reset
+from rallygap.models.engines.mujoco.log import collected_warnings
+from rallygap.models.support.suggestion import suggestion
 
 INTEGRATORS = {
     "Euler": mujoco.mjtIntegrator.mjINT_EULER,

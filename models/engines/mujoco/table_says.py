@@ -4,12 +4,12 @@ from collections.abc import Iterator
 
 import mujoco
 
-from models.ball.state import BALL_RADIUS, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.engines.mujoco.ball import Ball
-from models.engines.mujoco.contact import Contact
-from models.engines.mujoco.flight_says import TINY
-from models.engines.mujoco.frame import TableFrame
-from models.engines.mujoco.notes import Effects, Note, NoteKind
+from rallygap.models.ball.state import BALL_RADIUS, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from rallygap.models.engines.mujoco.ball import Ball
+from rallygap.models.engines.mujoco.contact import Contact
+from rallygap.models.engines.mujoco.flight_says import TINY
+from rallygap.models.engines.mujoco.frame import TableFrame
+from rallygap.models.engines.mujoco.notes import Effects, Note, NoteKind
 
 SAME_SIZE = 0.005  # m, of the table's sides
 TYPICAL_SPEED = 3.0  # m/s, normal to the table

@@ -13,20 +13,20 @@ from itertools import combinations
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.exam.design.shared_errors import with_shared_columns
-from models.exam.interface import Recording, shots_of
-from models.exam.simulate.recordings import simulate_trial
-from models.exam.simulate.trial import Trial
-from models.gap.fit.linearize import ballistic_nuisance, linearise
-from models.gap.fit.measurement import Schedule, count_bounces
-from models.gap.fit.noise import Noise, gram_matrices
-from models.gap.fit.projection import eliminate_nuisance, identifiable_directions
-from models.gap.fit.shared_errors import SharedErrors
-from models.gap.fit.shots import Shots
-from models.gap.hypotheses import LABEL_SIGNS, Hypothesis, hypotheses
-from models.gap.inference.score_test import Evidence
-from models.gap.settings import GapSettings
+from rallygap.models.ball.types import Floats
+from rallygap.models.exam.design.shared_errors import with_shared_columns
+from rallygap.models.exam.interface import Recording, shots_of
+from rallygap.models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.simulate.trial import Trial
+from rallygap.models.gap.fit.linearize import ballistic_nuisance, linearise
+from rallygap.models.gap.fit.measurement import Schedule, count_bounces
+from rallygap.models.gap.fit.noise import Noise, gram_matrices
+from rallygap.models.gap.fit.projection import eliminate_nuisance, identifiable_directions
+from rallygap.models.gap.fit.shared_errors import SharedErrors
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.hypotheses import LABEL_SIGNS, Hypothesis, hypotheses
+from rallygap.models.gap.inference.score_test import Evidence
+from rallygap.models.gap.settings import GapSettings
 
 SETTINGS = GapSettings()
 DETECTABLE = SETTINGS.inference.detectable  # standard errors

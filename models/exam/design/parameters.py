@@ -1,7 +1,7 @@
 """Which parameters of the catalogue the exam hides, and which of them are similar."""
 
-from models.ball.catalogue import catalogue
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.gap.hypotheses import Hypothesis
 
 # Effects that no shot of this exam can show, and why.
 NOT_OBSERVABLE = {

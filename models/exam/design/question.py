@@ -11,11 +11,11 @@ from zlib import crc32
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.exam.design.parameters import ONLY_INCREASED
-from models.exam.simulate.laws import supports
-from models.exam.simulate.trial import Dynamics, Trial, hypotheses_of
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.exam.design.parameters import ONLY_INCREASED
+from rallygap.models.exam.simulate.laws import supports
+from rallygap.models.exam.simulate.trial import Dynamics, Trial, hypotheses_of
+from rallygap.models.gap.hypotheses import Hypothesis
 
 MULTIPLE = 3.0  # detection limits, unless a group says otherwise
 INDEPENDENT_EVERY = 3  # one trial in three has independent dynamics

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from models.arena.cameras import SlowError
-from models.ball.catalogue import catalogue
-from models.ball.simulator import Simulator
-from models.exam.design.parameters import NEED_LABELS, family, hideable
-from models.exam.design.question import MULTIPLE, Question, question, seed_of
-from models.exam.design.robustness import robustness
-from models.exam.simulate.trial import CAMERAS, SpinLabels
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.arena.cameras import SlowError
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.exam.design.parameters import NEED_LABELS, family, hideable
+from rallygap.models.exam.design.question import MULTIPLE, Question, question, seed_of
+from rallygap.models.exam.design.robustness import robustness
+from rallygap.models.exam.simulate.trial import CAMERAS, SpinLabels
+from rallygap.models.gap.hypotheses import Hypothesis
 
 LABELS: tuple[SpinLabels, ...] = ("per_row", "per_shot", "none")
 FAULTY = replace(CAMERAS, outliers=0.03, dropouts=0.10, slow_error=SlowError(share=0.6, time=0.05))

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from models.ball.catalogue import catalogue
-from models.ball.simulator import Simulator
-from models.exam.design.parameters import family, hideable
-from models.exam.design.question import MULTIPLE, Question, question, seed_of
-from models.exam.simulate.camera_errors import (
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.exam.design.parameters import family, hideable
+from rallygap.models.exam.design.question import MULTIPLE, Question, question, seed_of
+from rallygap.models.exam.simulate.camera_errors import (
     CameraErrors,
     Distortion,
     FieldShape,
@@ -22,9 +22,9 @@ from models.exam.simulate.camera_errors import (
     LabelErrors,
     Stamps,
 )
-from models.exam.simulate.trial import CAMERAS, SCATTER
-from models.exam.simulate.varying import Variation
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.exam.simulate.trial import CAMERAS, SCATTER
+from rallygap.models.exam.simulate.varying import Variation
+from rallygap.models.gap.hypotheses import Hypothesis
 
 COUNT = 60  # questions of a group
 CLEAN_EVERY = 5

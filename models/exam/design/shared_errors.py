@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.ball.camera_field import covariance
-from models.ball.types import Bools, Floats
-from models.exam.simulate.camera_errors import Distortion
-from models.exam.simulate.trial import Trial
-from models.gap.fit.linearize import Linearised
+from rallygap.models.ball.camera_field import covariance
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.exam.simulate.camera_errors import Distortion
+from rallygap.models.exam.simulate.trial import Trial
+from rallygap.models.gap.fit.linearize import Linearised
 
 PLACES = 400  # that represent the recorded region
 LEFT_OUT = 1e-3  # of the field's variance

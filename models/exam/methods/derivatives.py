@@ -15,17 +15,17 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legint, legvander
 
-from models.ball.catalogue import catalogue
-from models.ball.simulator import Simulator
-from models.ball.state import SPIN, STATE_SIZE
-from models.ball.types import Bools, Floats, Integers
-from models.exam.interface import Recording, shots_of
-from models.exam.methods.library import STENCIL, library, rates
-from models.exam.methods.regression import Regression, candidates
-from models.exam.methods.smoothed_arcs import SMOOTH, SmoothedArcs, arcs_of
-from models.exam.projection import projected_out
-from models.gap.fit.shots import Shots
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import SPIN, STATE_SIZE
+from rallygap.models.ball.types import Bools, Floats, Integers
+from rallygap.models.exam.interface import Recording, shots_of
+from rallygap.models.exam.methods.library import STENCIL, library, rates
+from rallygap.models.exam.methods.regression import Regression, candidates
+from rallygap.models.exam.methods.smoothed_arcs import SMOOTH, SmoothedArcs, arcs_of
+from rallygap.models.exam.projection import projected_out
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.hypotheses import Hypothesis
 
 NODES = 6  # of an arc, where the library is evaluated
 OFFSET = 5e-3  # s from a bounce to the states before and after it

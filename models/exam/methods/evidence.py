@@ -14,12 +14,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.exam.interface import Answer, Recording
-from models.exam.methods.derivatives import derivative_regression
-from models.exam.methods.regression import Places, answer
-from models.exam.methods.shot_scores import score_gram, term_norms
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.exam.interface import Answer, Recording
+from rallygap.models.exam.methods.derivatives import derivative_regression
+from rallygap.models.exam.methods.regression import Places, answer
+from rallygap.models.exam.methods.shot_scores import score_gram, term_norms
 
 # Chosen as the thresholds of sindy.py, on 24 clean sets, and on these with effects added to first
 # order (784 sets). Clean sets right and hidden effects named, for gains of 6, 8, 10, 12: 96 and

@@ -13,19 +13,19 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import least_squares
 
-from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
-from models.exam.interface import Answer, Recording, shots_of
-from models.exam.methods.regression import Places, Regression, answer, candidates
-from models.exam.projection import projected_out
-from models.gap.fit.linearize import linearise
-from models.gap.fit.noise import Noise, prior_precision
-from models.gap.fit.projection import regularised
-from models.gap.fit.shot_fit import fit_shots, refit_shots
-from models.gap.fit.shots import Shots
-from models.gap.hypotheses import Hypothesis
-from models.gap.settings import FitSettings
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.exam.interface import Answer, Recording, shots_of
+from rallygap.models.exam.methods.regression import Places, Regression, answer, candidates
+from rallygap.models.exam.projection import projected_out
+from rallygap.models.gap.fit.linearize import linearise
+from rallygap.models.gap.fit.noise import Noise, prior_precision
+from rallygap.models.gap.fit.projection import regularised
+from rallygap.models.gap.fit.shot_fit import fit_shots, refit_shots
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.settings import FitSettings
 
 # Chosen as the thresholds of sindy.py. Clean sets right and hidden effects named, for 3, 3.25, 3.5,
 # 4 standard errors: 96 and 60 %, 100 and 61 %, 100 and 60 %, 100 and 55 %. With a minimum own part

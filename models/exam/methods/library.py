@@ -13,17 +13,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import SPIN
-from models.ball.types import Floats
-from models.gap.fit.measurement import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import SPIN
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.measurement import (
     Prediction,
     Schedule,
     hypothesis_derivatives,
     nuisance_derivatives,
     predict_measurements,
 )
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.hypotheses import Hypothesis
 
 STENCIL = 2e-3  # s between the times of finite differences
 

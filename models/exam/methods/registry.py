@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 
-from models.ball.simulator import Simulator
-from models.exam.interface import Answer, Method, NamedCause, Recording, shots_of
-from models.exam.methods.evidence import evidence_greedy
-from models.exam.methods.identification import identification
-from models.exam.methods.sindy import sindy, sindy_ensemble
-from models.gap.amend.simulator import amended
-from models.gap.diagnose import diagnose
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.exam.interface import Answer, Method, NamedCause, Recording, shots_of
+from rallygap.models.exam.methods.evidence import evidence_greedy
+from rallygap.models.exam.methods.identification import identification
+from rallygap.models.exam.methods.sindy import sindy, sindy_ensemble
+from rallygap.models.gap.amend.simulator import amended
+from rallygap.models.gap.diagnose import diagnose
 
 RALLYGAP = "rallygap"  # the method that the exam is for
 

@@ -11,12 +11,12 @@ from functools import cached_property
 import numpy as np
 from scipy.cluster.hierarchy import fcluster, linkage
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.exam.design.parameters import hideable
-from models.exam.interface import Answer, NamedCause
-from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.verdict import Answer as Conclusion
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.exam.design.parameters import hideable
+from rallygap.models.exam.interface import Answer, NamedCause
+from rallygap.models.gap.hypotheses import Hypothesis, hypotheses
+from rallygap.models.gap.verdict import Answer as Conclusion
 
 MINIMUM_COSINE = 0.99  # of columns that one regressor stands for
 

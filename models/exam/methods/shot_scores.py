@@ -8,8 +8,8 @@ Zeger 1986).
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.exam.methods.regression import Regression
+from rallygap.models.ball.types import Floats
+from rallygap.models.exam.methods.regression import Regression
 
 # That the expected covariance counts for. Of clean sets of 10 shots, 100, 98 and 96 % are right for
 # 40, 60 and 100; of 100 shots all are, and 88 % of the effects that are added to them are named.

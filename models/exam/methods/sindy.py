@@ -11,11 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 from pysindy.optimizers import STLSQ
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.exam.interface import Answer, Recording
-from models.exam.methods.derivatives import derivative_regression
-from models.exam.methods.regression import Places, Regression, answer
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.exam.interface import Answer, Recording
+from rallygap.models.exam.methods.derivatives import derivative_regression
+from rallygap.models.exam.methods.regression import Places, Regression, answer
 
 # The thresholds of the largest mean accuracy on 24 clean sets of the exam's design (seed 1000), and
 # on these with effects added to first order at 3 detection limits (190 sets, 64 for ensembles).

@@ -11,13 +11,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial.legendre import legder, legvander
 
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
-from models.ball.types import Bools, Floats, Integers
-from models.gap.fit.measurement import JUMP, Schedule, predict_measurements
-from models.gap.fit.shot_fit import fit_shots
-from models.gap.fit.shots import Shots
-from models.gap.settings import FitSettings
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
+from rallygap.models.ball.types import Bools, Floats, Integers
+from rallygap.models.gap.fit.measurement import JUMP, Schedule, predict_measurements
+from rallygap.models.gap.fit.shot_fit import fit_shots
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.settings import FitSettings
 
 DEGREE = 4  # of the polynomials that describe residuals of an arc
 SMOOTH = 2  # highest degree that is taken for motion rather than noise

@@ -27,12 +27,12 @@ from typing import Any, Literal
 
 from scipy.stats import binomtest
 
-from models.exam.design.question import MULTIPLE
-from models.exam.design.questions import BASE
-from models.exam.design.robustness import GROUPS
-from models.exam.interface import NamedCause, rounded
-from models.exam.records import AnswerRecord, ExamRecord, HiddenCause
-from models.exam.scoring.robustness import (
+from rallygap.models.exam.design.question import MULTIPLE
+from rallygap.models.exam.design.questions import BASE
+from rallygap.models.exam.design.robustness import GROUPS
+from rallygap.models.exam.interface import NamedCause, rounded
+from rallygap.models.exam.records import AnswerRecord, ExamRecord, HiddenCause
+from rallygap.models.exam.scoring.robustness import (
     admits_varying_cause,
     leading,
     named,
@@ -41,7 +41,7 @@ from models.exam.scoring.robustness import (
     of_sweeps,
     varies,
 )
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.hypotheses import Hypothesis
 
 Mark = Literal["right", "ambiguous", "wrong", "missed", "failed"]
 MARKS: tuple[Mark, ...] = ("right", "ambiguous", "wrong", "missed", "failed")

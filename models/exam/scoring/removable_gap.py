@@ -9,13 +9,13 @@ the balls, averaged over the horizons. It is linear in the size of an error, so 
 
 import numpy as np
 
-from models.arena.bounce_scatter import BounceScatter
-from models.ball.sensor import measured
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.exam.simulate.launches import Launches, launches
-from models.exam.simulate.recordings import MARGIN, SealedTruth
-from models.exam.simulate.scattered_shots import scattered_shots
+from rallygap.models.arena.bounce_scatter import BounceScatter
+from rallygap.models.ball.sensor import measured
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.exam.simulate.launches import Launches, launches
+from rallygap.models.exam.simulate.recordings import MARGIN, SealedTruth
+from rallygap.models.exam.simulate.scattered_shots import scattered_shots
 
 BALLS = 100
 HORIZONS = np.arange(0.1, 0.65, 0.1)  # s after the launch; the bounce is at 0.2 to 0.4 s

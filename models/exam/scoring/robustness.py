@@ -10,10 +10,10 @@
 
 from collections.abc import Iterable
 
-from models.ball.catalogue import catalogue
-from models.exam.design.robustness import FAULTY_SENSOR, GROUPS, VARYING
-from models.exam.interface import NamedCause
-from models.exam.records import AnswerRecord, ExamRecord, HiddenCause
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.exam.design.robustness import FAULTY_SENSOR, GROUPS, VARYING
+from rallygap.models.exam.interface import NamedCause
+from rallygap.models.exam.records import AnswerRecord, ExamRecord, HiddenCause
 
 
 def of_sweeps(records: Iterable[ExamRecord]) -> list[ExamRecord]:

@@ -9,9 +9,9 @@ from typing import Literal
 
 import numpy as np
 
-from models.arena.bounce_scatter import BounceScatter
-from models.ball.simulator import Simulator
-from models.ball.types import Bools, Floats, Integers
+from rallygap.models.arena.bounce_scatter import BounceScatter
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Bools, Floats, Integers
 
 FieldShape = Literal["gaussian", "radial", "half"]
 

@@ -13,16 +13,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import root
 
-from models.ball.catalogue import catalogue
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.ball.types import Bools, Floats
-from models.exam.projection import projected_out
-from models.exam.simulate.independent_ball import IndependentBall
-from models.exam.simulate.launches import Launches
-from models.exam.simulate.laws import FORMS, Physics, physics_of
-from models.exam.simulate.trial import Trial
-from models.gap.hypotheses import OTHER_SURFACES, Hypothesis
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.exam.projection import projected_out
+from rallygap.models.exam.simulate.independent_ball import IndependentBall
+from rallygap.models.exam.simulate.launches import Launches
+from rallygap.models.exam.simulate.laws import FORMS, Physics, physics_of
+from rallygap.models.exam.simulate.trial import Trial
+from rallygap.models.gap.hypotheses import OTHER_SURFACES, Hypothesis
 
 SHOTS = 100  # in the fit
 SAMPLES = 60  # a shot

@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.ball import state as ball
-from models.ball.contact_laws import NONE, TABLE
-from models.ball.simulator import Contacts, Flight
-from models.ball.state import BALL_RADIUS, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.ball.types import Floats, Integers
-from models.exam.simulate import laws
-from models.exam.simulate.laws import Physics, bounce, derivative, normal_of
-from models.support.compilation import compiler
+from rallygap.models.ball import state as ball
+from rallygap.models.ball.contact_laws import NONE, TABLE
+from rallygap.models.ball.simulator import Contacts, Flight
+from rallygap.models.ball.state import BALL_RADIUS, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.exam.simulate import laws
+from rallygap.models.exam.simulate.laws import Physics, bounce, derivative, normal_of
+from rallygap.models.support.compilation import compiler
 
 compiled = compiler([Path(__file__), Path(str(laws.__file__)), Path(str(ball.__file__))])
 

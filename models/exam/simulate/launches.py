@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.arena.sides import switch_frame
-from models.ball.simulator import Contacts, Simulator
-from models.ball.state import (
+from rallygap.models.arena.sides import switch_frame
+from rallygap.models.ball.simulator import Contacts, Simulator
+from rallygap.models.ball.state import (
     BALL_RADIUS,
     NET_HEIGHT,
     POSITION,
@@ -19,7 +19,7 @@ from models.ball.state import (
     TABLE_HALF_WIDTH,
     VELOCITY,
 )
-from models.ball.types import Bools, Floats
+from rallygap.models.ball.types import Bools, Floats
 
 LAUNCH_SPEED = (4.0, 15.0)  # m/s
 GROUND_SPEED = (2.5, 11.0)  # m/s along the table at the bounce

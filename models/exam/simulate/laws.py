@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from models.ball import state as ball
-from models.ball.catalogue import catalogue
-from models.ball.simulator import Simulator
-from models.ball.state import AIR_DENSITY, BALL_AREA, BALL_MASS, BALL_RADIUS, BALL_VOLUME
-from models.ball.types import Floats
-from models.support.compilation import compiler
+from rallygap.models.ball import state as ball
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import AIR_DENSITY, BALL_AREA, BALL_MASS, BALL_RADIUS, BALL_VOLUME
+from rallygap.models.ball.types import Floats
+from rallygap.models.support.compilation import compiler
 
 compiled = compiler([Path(__file__), Path(str(ball.__file__))])
 

@@ -6,25 +6,25 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.ball.sensor import measured
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN, STATE_SIZE
-from models.ball.types import Floats, Integers
-from models.exam.interface import Recording
-from models.exam.simulate.camera_errors import (
+from rallygap.models.ball.sensor import measured
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, SPIN, STATE_SIZE
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.exam.interface import Recording
+from rallygap.models.exam.simulate.camera_errors import (
     LabelErrors,
     Stamps,
     rising,
     tail_factors,
     with_shared_errors,
 )
-from models.exam.simulate.equivalent_sizes import equivalent_physics
-from models.exam.simulate.independent_ball import IndependentBall
-from models.exam.simulate.launches import Launches, launches
-from models.exam.simulate.laws import physics_of
-from models.exam.simulate.scattered_shots import BallModel, ScatteredShots, scattered_shots
-from models.exam.simulate.trial import Trial
-from models.exam.simulate.varying import HalfRoom
+from rallygap.models.exam.simulate.equivalent_sizes import equivalent_physics
+from rallygap.models.exam.simulate.independent_ball import IndependentBall
+from rallygap.models.exam.simulate.launches import Launches, launches
+from rallygap.models.exam.simulate.laws import physics_of
+from rallygap.models.exam.simulate.scattered_shots import BallModel, ScatteredShots, scattered_shots
+from rallygap.models.exam.simulate.trial import Trial
+from rallygap.models.exam.simulate.varying import HalfRoom
 
 JITTER = 3e-4  # s to either side of a frame's regular time; its time stamp includes it
 MARGIN = 0.1  # s simulated beyond the end of a recording, for a sensor that looks ahead

@@ -6,11 +6,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arena.bounce_scatter import BounceScatter
-from models.ball.contact_laws import NONE, TABLE
-from models.ball.simulator import Contacts, Flight, Simulator
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
+from rallygap.models.arena.bounce_scatter import BounceScatter
+from rallygap.models.ball.contact_laws import NONE, TABLE
+from rallygap.models.ball.simulator import Contacts, Flight, Simulator
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
 
 MOST_SCATTERED = 4  # bounces of a shot that scatter; further ones follow the law
 

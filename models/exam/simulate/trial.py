@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from models.arena.bounce_scatter import BounceScatter
-from models.arena.cameras import Cameras, SlowError
-from models.ball.simulator import Simulator
-from models.exam.simulate.camera_errors import CameraErrors
-from models.exam.simulate.varying import Variation
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.arena.bounce_scatter import BounceScatter
+from rallygap.models.arena.cameras import Cameras, SlowError
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.exam.simulate.camera_errors import CameraErrors
+from rallygap.models.exam.simulate.varying import Variation
+from rallygap.models.gap.hypotheses import Hypothesis
 
 Dynamics = Literal["catalogue", "independent"]
 SpinLabels = Literal["none", "per_shot", "per_row"]

@@ -6,10 +6,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.ball.simulator import Contacts, Flight
-from models.ball.types import Floats
-from models.exam.simulate.scattered_shots import BallModel
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.ball.simulator import Contacts, Flight
+from rallygap.models.ball.types import Floats
+from rallygap.models.exam.simulate.scattered_shots import BallModel
+from rallygap.models.gap.hypotheses import Hypothesis
 
 CHECKED = 0.002  # s between the moments at which a ball's side of the net is checked
 

@@ -1,7 +1,7 @@
 """The amended simulator: the nominal one with the causes of a verdict, as a value and as YAML."""
 
-from models.ball.simulator import NODES, Simulator
-from models.gap.verdict import Cause, Verdict
+from rallygap.models.ball.simulator import NODES, Simulator
+from rallygap.models.gap.verdict import Cause, Verdict
 
 CAMERA = "camera_distortion"
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from models.ball.camera_field import covariance, weighted_covariances
-from models.ball.types import Floats
-from models.gap.fit.shots import Shots, spread_evenly
-from models.gap.settings import FieldSettings
+from rallygap.models.ball.camera_field import covariance, weighted_covariances
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.shots import Shots, spread_evenly
+from rallygap.models.gap.settings import FieldSettings
 
 
 @dataclass(frozen=True)

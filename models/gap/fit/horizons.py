@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.gap.fit.shots import Shots
-from models.gap.settings import GapSettings
-from models.gap.types import Bools
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.types import Bools
 
 
 def last_observed_time(shots: Shots, settings: GapSettings) -> Floats:

@@ -10,10 +10,10 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
-from models.gap.fit.measurement import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.measurement import (
     JUMP,
     KINK,
     Schedule,
@@ -21,9 +21,9 @@ from models.gap.fit.measurement import (
     nuisance_derivatives,
     predict_measurements,
 )
-from models.gap.fit.shots import Shots
-from models.gap.hypotheses import Hypothesis
-from models.gap.types import Bools, Indices
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.types import Bools, Indices
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.contact_laws import TABLE
-from models.ball.sensor import (
+from rallygap.models.ball.contact_laws import TABLE
+from rallygap.models.ball.sensor import (
     clock_times,
     delays,
     in_rising_order,
@@ -20,13 +20,13 @@ from models.ball.sensor import (
     measured_spins,
     true_times,
 )
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
-from models.ball.types import Floats
-from models.gap.fit.shots import Shots
-from models.gap.fit.trajectory import fly_with_kicks
-from models.gap.hypotheses import Hypothesis
-from models.gap.types import Bools, Indices
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.fit.trajectory import fly_with_kicks
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.types import Bools, Indices
 
 # Samples so near a bounce, in s, are not used, since derivatives have a kink there; labels neither,
 # since the spin jumps.

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
 
-from models.ball import state
-from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised
-from models.gap.fit.whitening import shrink_along, white_products
-from models.gap.settings import FitSettings
+from rallygap.models.ball import state
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import Linearised
+from rallygap.models.gap.fit.whitening import shrink_along, white_products
+from rallygap.models.gap.settings import FitSettings
 
 NO_WEIGHT = 1e-6
 NORMAL_SPREAD = 1.4826  # standard deviation over median absolute deviation of a normal

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.types import Floats
+from rallygap.models.ball.types import Floats
 
 RANK_TOLERANCE = 1e-5  # of the correlation matrix of information; below, nothing is identifiable
 

@@ -9,19 +9,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from models.ball.simulator import Simulator
-from models.ball.state import SPIN
-from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised, linearise
-from models.gap.fit.noise import GramMatrices, Noise, gram_matrices
-from models.gap.fit.projection import ReducedSystem, eliminate_nuisance, nuisance_solution
-from models.gap.fit.shared_errors import SharedErrors
-from models.gap.fit.shot_fit import ShotFit, fit_shots, refit_shots
-from models.gap.fit.shots import Shots
-from models.gap.fit.variance_components import NoiseEstimate, estimate_noise, shared_errors
-from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.settings import FitSettings
-from models.gap.types import Indices
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import SPIN
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import Linearised, linearise
+from rallygap.models.gap.fit.noise import GramMatrices, Noise, gram_matrices
+from rallygap.models.gap.fit.projection import ReducedSystem, eliminate_nuisance, nuisance_solution
+from rallygap.models.gap.fit.shared_errors import SharedErrors
+from rallygap.models.gap.fit.shot_fit import ShotFit, fit_shots, refit_shots
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.fit.variance_components import NoiseEstimate, estimate_noise, shared_errors
+from rallygap.models.gap.hypotheses import Hypothesis, hypotheses
+from rallygap.models.gap.settings import FitSettings
+from rallygap.models.gap.types import Indices
 
 
 @dataclass(frozen=True)

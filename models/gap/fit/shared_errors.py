@@ -18,8 +18,8 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import chi2
 
-from models.ball.types import Floats
-from models.gap.fit.projection import ReducedSystem, identifiable_directions
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.projection import ReducedSystem, identifiable_directions
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.gap.fit.linearize import ballistic_nuisance, label_counts, label_scales
-from models.gap.fit.measurement import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import ballistic_nuisance, label_counts, label_scales
+from rallygap.models.gap.fit.measurement import (
     JUMP,
     Prediction,
     Schedule,
@@ -20,10 +20,16 @@ from models.gap.fit.measurement import (
     nuisance_derivatives,
     predict_measurements,
 )
-from models.gap.fit.noise import NORMAL_SPREAD, Noise, deviance, inlier_probability, prior_precision
-from models.gap.fit.shots import Shots
-from models.gap.settings import FitSettings
-from models.gap.types import Bools, Indices
+from rallygap.models.gap.fit.noise import (
+    NORMAL_SPREAD,
+    Noise,
+    deviance,
+    inlier_probability,
+    prior_precision,
+)
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.settings import FitSettings
+from rallygap.models.gap.types import Bools, Indices
 
 FALL = np.array([0.0, 0.0, -9.81])
 NORMAL_MOST = 1.645  # the size that nine in ten of a standard normal's values are below

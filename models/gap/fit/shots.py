@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.ball.types import Floats
-from models.gap.settings import GapSettings
-from models.gap.types import Bools
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.types import Bools
 
 # Limits of plausible shots: m from the table, s in one shot, rad/s.
 FARTHEST, LONGEST, FASTEST = 1e4, 20.0, 1e5

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from models.ball.contact_laws import NET, TABLE
-from models.ball.simulator import Contacts, Flight, Simulator
-from models.ball.state import BALL_RADIUS, STATE_SIZE, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.ball.types import Floats
-from models.gap.types import Bools, Indices
-from models.support.compilation import compiler
+from rallygap.models.ball.contact_laws import NET, TABLE
+from rallygap.models.ball.simulator import Contacts, Flight, Simulator
+from rallygap.models.ball.state import BALL_RADIUS, STATE_SIZE, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.types import Bools, Indices
+from rallygap.models.support.compilation import compiler
 
 KICK_SIZE = 3
 SLOW_SLIP = 1.0  # m/s below which the tangential part of a kick fades

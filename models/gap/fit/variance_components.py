@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from scipy.optimize import Bounds, minimize
 
-from models.ball.state import SPIN, STATE_SIZE
-from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised
-from models.gap.fit.noise import (
+from rallygap.models.ball.state import SPIN, STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import Linearised
+from rallygap.models.gap.fit.noise import (
     NORMAL_SPREAD,
     GramMatrices,
     Noise,
@@ -23,11 +23,15 @@ from models.gap.fit.noise import (
     inlier_probability,
     white_gram,
 )
-from models.gap.fit.projection import eliminate_nuisance, identifiable_directions, nuisance_solution
-from models.gap.fit.shared_errors import SharedErrors
-from models.gap.fit.shots import spread_evenly
-from models.gap.settings import FitSettings
-from models.gap.types import Bools, Indices
+from rallygap.models.gap.fit.projection import (
+    eliminate_nuisance,
+    identifiable_directions,
+    nuisance_solution,
+)
+from rallygap.models.gap.fit.shared_errors import SharedErrors
+from rallygap.models.gap.fit.shots import spread_evenly
+from rallygap.models.gap.settings import FitSettings
+from rallygap.models.gap.types import Bools, Indices
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.support.compilation import compiler
+from rallygap.models.ball.types import Floats
+from rallygap.models.support.compilation import compiler
 
 
 @compiler([Path(__file__)])

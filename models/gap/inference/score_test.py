@@ -22,14 +22,14 @@ from numpy.typing import NDArray
 from scipy.stats import f as fisher
 from scipy.stats import t as student
 
-from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised
-from models.gap.fit.projection import Projection, eliminate_nuisance, regularised
-from models.gap.fit.shared_errors import SharedErrors
-from models.gap.fit.variance_components import NoiseEstimate
-from models.gap.hypotheses import Hypothesis
-from models.gap.settings import GapSettings
-from models.gap.types import Places
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import Linearised
+from rallygap.models.gap.fit.projection import Projection, eliminate_nuisance, regularised
+from rallygap.models.gap.fit.shared_errors import SharedErrors
+from rallygap.models.gap.fit.variance_components import NoiseEstimate
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.types import Places
 
 
 @dataclass(frozen=True)

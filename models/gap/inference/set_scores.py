@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.gap.inference.score_test import Evidence
-from models.gap.settings import GapSettings
-from models.gap.types import Bools, Indices, Places
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.inference.score_test import Evidence
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.types import Bools, Indices, Places
 
 LEAST_LEFT = 1e-12  # of a hypothesis's information given others, against rounding
 RIDGE = 1e-9  # of the information, so that sets of exactly collinear hypotheses have a score

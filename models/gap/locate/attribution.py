@@ -11,16 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.gap.fit.horizons import at_horizons
-from models.gap.fit.refit import RefitResult
-from models.gap.locate.covariates import axes, course_frames
-from models.gap.locate.discrepancy import discrepancy, reliable
-from models.gap.locate.free_fit import free_discrepancy
-from models.gap.locate.trends import means_and_margins, trends_against
-from models.gap.location import Located
-from models.gap.settings import GapSettings, Question
-from models.gap.types import PHASES, Phase
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.horizons import at_horizons
+from rallygap.models.gap.fit.refit import RefitResult
+from rallygap.models.gap.locate.covariates import axes, course_frames
+from rallygap.models.gap.locate.discrepancy import discrepancy, reliable
+from rallygap.models.gap.locate.free_fit import free_discrepancy
+from rallygap.models.gap.locate.trends import means_and_margins, trends_against
+from rallygap.models.gap.location import Located
+from rallygap.models.gap.settings import GapSettings, Question
+from rallygap.models.gap.types import PHASES, Phase
 
 
 @dataclass(frozen=True)

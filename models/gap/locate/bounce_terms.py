@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from models.ball.state import BALL_RADIUS, POSITION, STATE_SIZE, VELOCITY
-from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised
-from models.gap.fit.trajectory import KICK_SIZE
-from models.gap.locate.propagation import Arc, after_jump
-from models.gap.locate.terms import TYPICAL_FALL, Flown, Term, Terms
-from models.gap.types import Bools, Indices
+from rallygap.models.ball.state import BALL_RADIUS, POSITION, STATE_SIZE, VELOCITY
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import Linearised
+from rallygap.models.gap.fit.trajectory import KICK_SIZE
+from rallygap.models.gap.locate.propagation import Arc, after_jump
+from rallygap.models.gap.locate.terms import TYPICAL_FALL, Flown, Term, Terms
+from rallygap.models.gap.types import Bools, Indices
 
 KICKS = ("n", "s", "c")
 FACTORS = (

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.state import SPIN, VELOCITY
-from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised
-from models.gap.settings import LocateSettings
+from rallygap.models.ball.state import SPIN, VELOCITY
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import Linearised
+from rallygap.models.gap.settings import LocateSettings
 
 UP = np.array([0.0, 0.0, 1.0])
 TURNS = ("topspin", "sidespin left", "backspin", "sidespin right")  # a quarter turn apart

@@ -9,14 +9,14 @@ with G the columns of the launch. Spins without a label are held at those of the
 
 import numpy as np
 
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
-from models.gap.fit.horizons import last_observed_time
-from models.gap.fit.linearize import Linearised, label_counts
-from models.gap.fit.noise import prior_precision
-from models.gap.fit.variance_components import NoiseEstimate
-from models.gap.settings import GapSettings
-from models.gap.types import Bools
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.horizons import last_observed_time
+from rallygap.models.gap.fit.linearize import Linearised, label_counts
+from rallygap.models.gap.fit.noise import prior_precision
+from rallygap.models.gap.fit.variance_components import NoiseEstimate
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.types import Bools
 
 
 def discrepancy(

@@ -9,16 +9,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, STATE_SIZE, VELOCITY
-from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised
-from models.gap.fit.noise import gram_matrices
-from models.gap.fit.refit import RefitResult
-from models.gap.locate.discrepancy import discrepancy
-from models.gap.locate.propagation import after_forcing, after_jump
-from models.gap.locate.terms import Flown
-from models.gap.settings import LocateSettings, Question
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, STATE_SIZE, VELOCITY
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import Linearised
+from rallygap.models.gap.fit.noise import gram_matrices
+from rallygap.models.gap.fit.refit import RefitResult
+from rallygap.models.gap.locate.discrepancy import discrepancy
+from rallygap.models.gap.locate.propagation import after_forcing, after_jump
+from rallygap.models.gap.locate.terms import Flown
+from rallygap.models.gap.settings import LocateSettings, Question
 
 UP = POSITION.stop - 1
 

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
-from models.gap.fit.measurement import KINK, STATE_STEPS
-from models.gap.fit.trajectory import KICK_SIZE, apply_kicks, first_bounce
-from models.gap.types import Bools, Indices
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.measurement import KINK, STATE_STEPS
+from rallygap.models.gap.fit.trajectory import KICK_SIZE, apply_kicks, first_bounce
+from rallygap.models.gap.types import Bools, Indices
 
 # Least volume of propagated states: where some have bounced and rolled there is no inverse.
 LEAST_VOLUME = 1e-3

@@ -11,17 +11,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.ball.state import BALL_RADIUS, POSITION, SPIN, VELOCITY
-from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised
-from models.gap.fit.noise import Noise
-from models.gap.fit.refit import RefitResult
-from models.gap.fit.variance_components import NoiseEstimate
-from models.gap.inference.score_test import Evidence
-from models.gap.locate.bounce_terms import of_bounces
-from models.gap.locate.propagation import after_forcing
-from models.gap.locate.terms import TYPICAL_SPEED, Flown, Term, Terms
-from models.gap.settings import GapSettings
+from rallygap.models.ball.state import BALL_RADIUS, POSITION, SPIN, VELOCITY
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import Linearised
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.refit import RefitResult
+from rallygap.models.gap.fit.variance_components import NoiseEstimate
+from rallygap.models.gap.inference.score_test import Evidence
+from rallygap.models.gap.locate.bounce_terms import of_bounces
+from rallygap.models.gap.locate.propagation import after_forcing
+from rallygap.models.gap.locate.terms import TYPICAL_SPEED, Flown, Term, Terms
+from rallygap.models.gap.settings import GapSettings
 
 UP = np.array([0.0, 0.0, 1.0])
 TYPICAL_SPIN = 200.0  # rad/s

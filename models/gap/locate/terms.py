@@ -6,13 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN, STATE_SIZE
-from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised, label_scales
-from models.gap.fit.measurement import Schedule
-from models.gap.hypotheses import Hypothesis
-from models.gap.locate.propagation import Arc, arcs
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, SPIN, STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import Linearised, label_scales
+from rallygap.models.gap.fit.measurement import Schedule
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.locate.propagation import Arc, arcs
 
 TYPICAL_SPEED = 8.0  # m/s, so that numbers in a formula are of similar size
 TYPICAL_FALL = 3.0  # m/s

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from models.ball.types import Floats, Integers
-from models.gap.locate.covariates import Axis
-from models.gap.location import Growth
-from models.gap.settings import LocateSettings
+from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.gap.locate.covariates import Axis
+from rallygap.models.gap.location import Growth
+from rallygap.models.gap.settings import LocateSettings
 
 BATCH = 500  # permutations at once
 

@@ -10,16 +10,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, STATE_SIZE
-from models.ball.types import Floats
-from models.gap.fit.refit import RefitResult
-from models.gap.hypotheses import Hypothesis
-from models.gap.inference.score_test import Evidence, ScoreTest
-from models.gap.locate.propagation import after_forcing
-from models.gap.locate.term_library import evidence_with
-from models.gap.locate.terms import Flown, Term, Terms
-from models.gap.settings import GapSettings
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.refit import RefitResult
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.inference.score_test import Evidence, ScoreTest
+from rallygap.models.gap.locate.propagation import after_forcing
+from rallygap.models.gap.locate.term_library import evidence_with
+from rallygap.models.gap.locate.terms import Flown, Term, Terms
+from rallygap.models.gap.settings import GapSettings
 
 BY_SIDE = "by_side"  # effect of these terms
 MOMENT = 1e-3  # s, over which a change of velocity gives a force

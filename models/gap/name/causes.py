@@ -4,15 +4,15 @@ from typing import Any
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.gap.hypotheses import LABEL_SIGNS, Hypothesis
-from models.gap.inference.score_test import Evidence
-from models.gap.name.distortion import CAMERA, Distortion
-from models.gap.name.intervals import within
-from models.gap.name.label_readings import LabelReadings
-from models.gap.name.naming import Named
-from models.gap.settings import Question
-from models.gap.verdict import CameraNodes, Cause, DetectionLimits, Role, Worth
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.hypotheses import LABEL_SIGNS, Hypothesis
+from rallygap.models.gap.inference.score_test import Evidence
+from rallygap.models.gap.name.distortion import CAMERA, Distortion
+from rallygap.models.gap.name.intervals import within
+from rallygap.models.gap.name.label_readings import LabelReadings
+from rallygap.models.gap.name.naming import Named
+from rallygap.models.gap.settings import Question
+from rallygap.models.gap.verdict import CameraNodes, Cause, DetectionLimits, Role, Worth
 
 
 def detection_limits(

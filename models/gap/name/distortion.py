@@ -12,15 +12,15 @@ from functools import cached_property
 
 import numpy as np
 
-from models.gap.fit.camera_field import CameraField
-from models.gap.fit.refit import RefitResult
-from models.gap.fit.shared_errors import SharedErrors, VarianceLikelihood, variance_p_value
-from models.gap.fit.variance_components import NoiseEstimate
-from models.gap.hypotheses import Hypothesis
-from models.gap.name.by_side import side_tests
-from models.gap.name.selection import Explainer
-from models.gap.settings import FitSettings
-from models.gap.types import Places
+from rallygap.models.gap.fit.camera_field import CameraField
+from rallygap.models.gap.fit.refit import RefitResult
+from rallygap.models.gap.fit.shared_errors import SharedErrors, VarianceLikelihood, variance_p_value
+from rallygap.models.gap.fit.variance_components import NoiseEstimate
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.name.by_side import side_tests
+from rallygap.models.gap.name.selection import Explainer
+from rallygap.models.gap.settings import FitSettings
+from rallygap.models.gap.types import Places
 
 CAMERA = Hypothesis("camera_distortion", "amplitude")
 AT_BOUND = 1e-3  # relative distance from the bound, against rounding of the search

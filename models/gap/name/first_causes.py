@@ -5,12 +5,12 @@ simulator's table hardly lets balls rise, as MuJoCo's default contact: balls tha
 again, or stay on the table, say nothing about shots after their bounce.
 """
 
-from models.ball.simulator import Simulator
-from models.gap.fit.refit import RefitResult, refit
-from models.gap.fit.shots import Shots
-from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.name.missing_lift import lift_test
-from models.gap.settings import Question
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.fit.refit import RefitResult, refit
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.hypotheses import Hypothesis, hypotheses
+from rallygap.models.gap.name.missing_lift import lift_test
+from rallygap.models.gap.settings import Question
 
 LIFT = Hypothesis("magnus", "cm")
 RESTITUTION = Hypothesis("table_bounce", "restitution")

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
-from models.gap.settings import GapSettings
+from rallygap.models.gap.settings import GapSettings
 
 FARTHEST = 5.0  # standard errors outside its bounds that an estimate counts as, at most (numerics)
 

@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import binomtest
 
-from models.gap.fit.refit import RefitResult
-from models.gap.fit.shots import Shots
-from models.gap.name.path_spins import PathSpins
-from models.gap.name.reading_mixture import NEGATED, OUTLIER, ReadingMixture
-from models.gap.settings import GapSettings
-from models.gap.types import Bools
+from rallygap.models.gap.fit.refit import RefitResult
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.name.path_spins import PathSpins
+from rallygap.models.gap.name.reading_mixture import NEGATED, OUTLIER, ReadingMixture
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.types import Bools
 
 
 @dataclass(frozen=True)

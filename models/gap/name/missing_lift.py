@@ -13,18 +13,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
-from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised, linearise
-from models.gap.fit.noise import Noise, gram_matrices
-from models.gap.fit.projection import eliminate_nuisance
-from models.gap.fit.refit import RefitResult, refit
-from models.gap.fit.shared_errors import SharedErrors
-from models.gap.fit.shot_fit import refit_shots
-from models.gap.fit.shots import Shots
-from models.gap.fit.variance_components import NoiseEstimate
-from models.gap.hypotheses import Hypothesis, hypotheses
-from models.gap.inference.score_test import Evidence
-from models.gap.settings import GapSettings
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import Linearised, linearise
+from rallygap.models.gap.fit.noise import Noise, gram_matrices
+from rallygap.models.gap.fit.projection import eliminate_nuisance
+from rallygap.models.gap.fit.refit import RefitResult, refit
+from rallygap.models.gap.fit.shared_errors import SharedErrors
+from rallygap.models.gap.fit.shot_fit import refit_shots
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.fit.variance_components import NoiseEstimate
+from rallygap.models.gap.hypotheses import Hypothesis, hypotheses
+from rallygap.models.gap.inference.score_test import Evidence
+from rallygap.models.gap.settings import GapSettings
 
 
 @dataclass(frozen=True)

@@ -15,17 +15,27 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from models.ball.simulator import Simulator
-from models.gap.fit.refit import RefitResult, likelihood_gain, refit
-from models.gap.fit.shots import Shots, spread_evenly
-from models.gap.hypotheses import LABEL_SIGNS, Hypothesis
-from models.gap.inference.score_test import Evidence
-from models.gap.name.distortion import CAMERA, Distortion, find_distortion, with_field
-from models.gap.name.first_causes import FIRST_CAUSES, about_first_causes
-from models.gap.name.label_readings import LabelReadings, all_as_read, read_labels, without_labels
-from models.gap.name.selection import Explainer, Explanation, best_explanation, evidence_about
-from models.gap.settings import Question
-from models.gap.types import Places
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.fit.refit import RefitResult, likelihood_gain, refit
+from rallygap.models.gap.fit.shots import Shots, spread_evenly
+from rallygap.models.gap.hypotheses import LABEL_SIGNS, Hypothesis
+from rallygap.models.gap.inference.score_test import Evidence
+from rallygap.models.gap.name.distortion import CAMERA, Distortion, find_distortion, with_field
+from rallygap.models.gap.name.first_causes import FIRST_CAUSES, about_first_causes
+from rallygap.models.gap.name.label_readings import (
+    LabelReadings,
+    all_as_read,
+    read_labels,
+    without_labels,
+)
+from rallygap.models.gap.name.selection import (
+    Explainer,
+    Explanation,
+    best_explanation,
+    evidence_about,
+)
+from rallygap.models.gap.settings import Question
+from rallygap.models.gap.types import Places
 
 # Shots refitted with causes, the explanation by these, and whether it is stable.
 Followed = tuple[RefitResult, Explainer, Explanation, bool]

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from models.gap.hypotheses import LABEL_SIGNS
-from models.gap.locate.attribution import Part
-from models.gap.name.distortion import CAMERA
-from models.gap.name.naming import Named
-from models.gap.name.unexplained import UnexplainedStructure
+from rallygap.models.gap.hypotheses import LABEL_SIGNS
+from rallygap.models.gap.locate.attribution import Part
+from rallygap.models.gap.name.distortion import CAMERA
+from rallygap.models.gap.name.naming import Named
+from rallygap.models.gap.name.unexplained import UnexplainedStructure
 
 UNEXPLAINED = ""  # identity of the part that no cause explains
 

@@ -10,15 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.ball.state import SPIN
-from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised, linearise
-from models.gap.fit.noise import gram_matrices, prior_precision
-from models.gap.fit.refit import RefitResult
-from models.gap.fit.shot_fit import ShotFit, refit_shots
-from models.gap.fit.shots import Shots
-from models.gap.settings import FitSettings
-from models.gap.types import Bools, Indices
+from rallygap.models.ball.state import SPIN
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import Linearised, linearise
+from rallygap.models.gap.fit.noise import gram_matrices, prior_precision
+from rallygap.models.gap.fit.refit import RefitResult
+from rallygap.models.gap.fit.shot_fit import ShotFit, refit_shots
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.settings import FitSettings
+from rallygap.models.gap.types import Bools, Indices
 
 
 @dataclass(frozen=True)

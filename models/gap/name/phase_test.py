@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 from scipy.stats import chi2
 
-from models.ball.types import Floats
-from models.gap.fit.projection import Projection, identifiable_directions
-from models.gap.inference.score_test import Evidence, ScoreTest
-from models.gap.locate.terms import Term
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.projection import Projection, identifiable_directions
+from rallygap.models.gap.inference.score_test import Evidence, ScoreTest
+from rallygap.models.gap.locate.terms import Term
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from models.ball.types import Floats
-from models.gap.name.path_spins import PathSpins
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.name.path_spins import PathSpins
 
 AS_READ, NEGATED, OUTLIER = range(3)
 GAINS = np.geomspace(0.25, 4.0, 13)  # of spins by paths

@@ -11,13 +11,13 @@ from functools import cached_property
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.gap.fit.refit import RefitResult
-from models.gap.inference.score_test import Evidence, ScoreTest, familywise_p_values
-from models.gap.inference.set_scores import SetScores
-from models.gap.settings import NameSettings, Question
-from models.gap.types import Places
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.refit import RefitResult
+from rallygap.models.gap.inference.score_test import Evidence, ScoreTest, familywise_p_values
+from rallygap.models.gap.inference.set_scores import SetScores
+from rallygap.models.gap.settings import NameSettings, Question
+from rallygap.models.gap.types import Places
 
 
 def evidence_about(fit: RefitResult, question: Question) -> Evidence:

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.gap.fit.linearize import Linearised
-from models.gap.fit.noise import Noise
-from models.gap.fit.refit import RefitResult
-from models.gap.locate.term_library import evidence_with_terms
-from models.gap.name.phase_test import PhaseTest
-from models.gap.settings import NameSettings, Question
-from models.gap.types import PHASES, Phase
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.linearize import Linearised
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.refit import RefitResult
+from rallygap.models.gap.locate.term_library import evidence_with_terms
+from rallygap.models.gap.name.phase_test import PhaseTest
+from rallygap.models.gap.settings import NameSettings, Question
+from rallygap.models.gap.types import PHASES, Phase
 
 
 @dataclass(frozen=True)

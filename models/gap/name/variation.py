@@ -17,15 +17,15 @@ from typing import NamedTuple, get_args
 import numpy as np
 from scipy.stats import norm
 
-from models.ball.types import Floats
-from models.gap.fit.projection import eliminate_nuisance
-from models.gap.fit.shared_errors import VarianceLikelihood, variance_p_value
-from models.gap.hypotheses import Hypothesis
-from models.gap.inference.score_test import ScoreTest
-from models.gap.name.by_side import side_tests
-from models.gap.name.naming import Named
-from models.gap.settings import GapSettings
-from models.gap.verdict import Variation, VariationKind
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.projection import eliminate_nuisance
+from rallygap.models.gap.fit.shared_errors import VarianceLikelihood, variance_p_value
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.inference.score_test import ScoreTest
+from rallygap.models.gap.name.by_side import side_tests
+from rallygap.models.gap.name.naming import Named
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.verdict import Variation, VariationKind
 
 KINDS = len(get_args(VariationKind))  # each is tested for every parameter
 

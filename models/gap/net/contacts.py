@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from models.gap.fit.shots import Shots
+from rallygap.models.gap.fit.shots import Shots
 
 
 @dataclass(frozen=True)

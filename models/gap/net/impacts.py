@@ -4,16 +4,16 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from models.ball.contact_laws import NET
-from models.ball.simulator import Simulator
-from models.ball.state import NET_HEIGHT, STATE_SIZE, VELOCITY
-from models.ball.types import Floats
-from models.gap.fit.measurement import Schedule, predict_measurements
-from models.gap.fit.noise import Noise
-from models.gap.fit.refit import RefitResult, fit_nuisance
-from models.gap.fit.shots import Shots
-from models.gap.net.contacts import NetContacts
-from models.gap.settings import GapSettings
+from rallygap.models.ball.contact_laws import NET
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import NET_HEIGHT, STATE_SIZE, VELOCITY
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.measurement import Schedule, predict_measurements
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.refit import RefitResult, fit_nuisance
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.net.contacts import NetContacts
+from rallygap.models.gap.settings import GapSettings
 
 ANY_NET = {"restitution": 0.0, "friction": 0.0}  # where balls meet it does not depend on its law
 ACROSS, UP = 1, 2  # axes: towards the net, and height

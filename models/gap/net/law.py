@@ -13,11 +13,11 @@ import numpy as np
 from scipy.optimize import brentq, minimize, minimize_scalar
 from scipy.stats import chi2
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.gap.hypotheses import Hypothesis
-from models.gap.net.impacts import Impacts
-from models.gap.settings import GapSettings
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.net.impacts import Impacts
+from rallygap.models.gap.settings import GapSettings
 
 PARAMETERS = (Hypothesis("net", "restitution"), Hypothesis("net", "friction"))
 SPREADS = (1e-3, 2.0)  # bounds of the scatter, as a share of the speed towards the net

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
-from models.ball.simulator import Simulator
-from models.gap.fit.shots import held_out
-from models.gap.name.causes import described
-from models.gap.name.naming import Named
-from models.gap.net.contacts import NetContacts
-from models.gap.net.impacts import Impacts
-from models.gap.net.law import PARAMETERS, NetLaw
-from models.gap.settings import Question
-from models.gap.verdict import Cause, NetErrors, Worth
-from models.gap.verify.bootstrap import interval, resampled, root_mean_squares
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.fit.shots import held_out
+from rallygap.models.gap.name.causes import described
+from rallygap.models.gap.name.naming import Named
+from rallygap.models.gap.net.contacts import NetContacts
+from rallygap.models.gap.net.impacts import Impacts
+from rallygap.models.gap.net.law import PARAMETERS, NetLaw
+from rallygap.models.gap.settings import Question
+from rallygap.models.gap.verdict import Cause, NetErrors, Worth
+from rallygap.models.gap.verify.bootstrap import interval, resampled, root_mean_squares
 
 EFFECT = "net"
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.gap.types import Indices
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.types import Indices
 
 
 def root_mean_squares(squares: Floats) -> Floats:

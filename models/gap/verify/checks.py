@@ -12,15 +12,15 @@ from typing import Literal
 import numpy as np
 from scipy.stats import chi2
 
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
-from models.gap.fit.projection import eliminate_nuisance
-from models.gap.fit.refit import RefitResult
-from models.gap.fit.trajectory import KICK_SIZE
-from models.gap.settings import GapSettings
-from models.gap.verdict import Check
-from models.gap.verify.bootstrap import drawn_shots, interval
-from models.gap.verify.prediction_error import Errors
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.projection import eliminate_nuisance
+from rallygap.models.gap.fit.refit import RefitResult
+from rallygap.models.gap.fit.trajectory import KICK_SIZE
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.verdict import Check
+from rallygap.models.gap.verify.bootstrap import drawn_shots, interval
+from rallygap.models.gap.verify.prediction_error import Errors
 
 AFTER, FLOOR = 1, 2  # rows of errors
 LABELS: Literal["labels"] = "labels"

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.sensor import clock_times, delays, measured_positions
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, VELOCITY
-from models.ball.types import Floats
-from models.gap.fit.trajectory import first_bounce
+from rallygap.models.ball.sensor import clock_times, delays, measured_positions
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, VELOCITY
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.trajectory import first_bounce
 
 ON_TABLE = slice(0, 2)  # components of a place
 

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from models.ball.catalogue import catalogue
-from models.gap.fit.shots import Shots
-from models.gap.name.label_readings import LabelReadings
-from models.gap.settings import GapSettings
-from models.gap.verdict import Cause, DetectionLimits
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.name.label_readings import LabelReadings
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.verdict import Cause, DetectionLimits
 
 CAMERA = "camera_distortion"
 BOUNCE = {"table_bounce.restitution", "table_bounce.friction"}

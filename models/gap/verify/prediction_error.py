@@ -15,22 +15,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.state import STATE_SIZE
-from models.ball.types import Floats
-from models.gap.fit.horizons import at_horizons, first_samples
-from models.gap.fit.linearize import ballistic_nuisance
-from models.gap.fit.measurement import Schedule, predict_measurements
-from models.gap.fit.noise import Noise
-from models.gap.fit.refit import RefitResult
-from models.gap.fit.shot_fit import fit_shots, refit_shots
-from models.gap.fit.shots import Shots
-from models.gap.settings import GapSettings
-from models.gap.types import Bools
-from models.gap.verdict import Gap, Landing
-from models.gap.verify.bootstrap import interval, resampled, root_mean_squares
-from models.gap.verify.landing import Landings, landings
-from models.gap.verify.replicates import simulate_replicate
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.horizons import at_horizons, first_samples
+from rallygap.models.gap.fit.linearize import ballistic_nuisance
+from rallygap.models.gap.fit.measurement import Schedule, predict_measurements
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.refit import RefitResult
+from rallygap.models.gap.fit.shot_fit import fit_shots, refit_shots
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.settings import GapSettings
+from rallygap.models.gap.types import Bools
+from rallygap.models.gap.verdict import Gap, Landing
+from rallygap.models.gap.verify.bootstrap import interval, resampled, root_mean_squares
+from rallygap.models.gap.verify.landing import Landings, landings
+from rallygap.models.gap.verify.replicates import simulate_replicate
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.types import Floats
-from models.gap.fit.measurement import Prediction, Schedule, predict_measurements
-from models.gap.fit.noise import Noise
-from models.gap.fit.shots import Shots
-from models.gap.fit.trajectory import KICK_SIZE
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.measurement import Prediction, Schedule, predict_measurements
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.fit.trajectory import KICK_SIZE
 
 
 def simulate_replicate(

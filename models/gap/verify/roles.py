@@ -15,11 +15,11 @@ likelihood is significant.
 
 from dataclasses import dataclass
 
-from models.gap.name.causes import default_role, estimated
-from models.gap.name.naming import Named
-from models.gap.settings import Question
-from models.gap.verdict import Worth
-from models.gap.verify.worth import Worths
+from rallygap.models.gap.name.causes import default_role, estimated
+from rallygap.models.gap.name.naming import Named
+from rallygap.models.gap.settings import Question
+from rallygap.models.gap.verdict import Worth
+from rallygap.models.gap.verify.worth import Worths
 
 
 @dataclass(frozen=True)

@@ -6,17 +6,17 @@ from functools import cached_property
 import numpy as np
 from scipy.stats import t as student
 
-from models.gap.fit.refit import RefitResult, fit_nuisance, likelihood_gains
-from models.gap.fit.shots import Shots
-from models.gap.name.causes import camera_size
-from models.gap.name.label_readings import read_labels, without_labels
-from models.gap.name.naming import Named, without_cause
-from models.gap.settings import GapSettings, Question
-from models.gap.verdict import Check, Gap
-from models.gap.verify.checks import NOT_OF_PATHS, checks
-from models.gap.verify.prediction_error import Errors, HeldOut, gap
-from models.gap.verify.roles import Judgement
-from models.gap.verify.worth import Worths
+from rallygap.models.gap.fit.refit import RefitResult, fit_nuisance, likelihood_gains
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.name.causes import camera_size
+from rallygap.models.gap.name.label_readings import read_labels, without_labels
+from rallygap.models.gap.name.naming import Named, without_cause
+from rallygap.models.gap.settings import GapSettings, Question
+from rallygap.models.gap.verdict import Check, Gap
+from rallygap.models.gap.verify.checks import NOT_OF_PATHS, checks
+from rallygap.models.gap.verify.prediction_error import Errors, HeldOut, gap
+from rallygap.models.gap.verify.roles import Judgement
+from rallygap.models.gap.verify.worth import Worths
 
 
 @dataclass(frozen=True)

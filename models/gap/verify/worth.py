@@ -8,16 +8,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.gap.fit.refit import RefitResult
-from models.gap.inference.score_test import Evidence, ScoreTest
-from models.gap.name.distortion import CAMERA
-from models.gap.name.naming import Named, with_estimates
-from models.gap.name.selection import evidence_about
-from models.gap.settings import Question
-from models.gap.verdict import Worth
-from models.gap.verify.bootstrap import interval, resampled, root_mean_squares
-from models.gap.verify.prediction_error import HeldOut
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.refit import RefitResult
+from rallygap.models.gap.inference.score_test import Evidence, ScoreTest
+from rallygap.models.gap.name.distortion import CAMERA
+from rallygap.models.gap.name.naming import Named, with_estimates
+from rallygap.models.gap.name.selection import evidence_about
+from rallygap.models.gap.settings import Question
+from rallygap.models.gap.verdict import Worth
+from rallygap.models.gap.verify.bootstrap import interval, resampled, root_mean_squares
+from rallygap.models.gap.verify.prediction_error import HeldOut
 
 
 @dataclass(frozen=True)

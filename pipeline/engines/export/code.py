@@ -6,8 +6,8 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from models.ball.simulator import Simulator
-from models.ball.state import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import (
     BALL_MASS,
     BALL_RADIUS,
     DRAG_FACTOR,
@@ -15,7 +15,7 @@ from models.ball.state import (
     TABLE_HALF_LENGTH,
     TABLE_HALF_WIDTH,
 )
-from pipeline.engines.export.hooks import (
+from rallygap.pipeline.engines.export.hooks import (
     constants,
     context_code,
     hook_code,

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from pipeline.engines.audited import audited
-from pipeline.engines.export.code import CODE, ENGINES, ball_effects
-from pipeline.engines.export.scene_file import SCENE, check_place
-from pipeline.engines.load import load_engine, names_scene
-from pipeline.io.artifacts import replacing_files, write_text
-from pipeline.io.simulators import load_simulator
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import check_folder
+from rallygap.pipeline.engines.audited import audited
+from rallygap.pipeline.engines.export.code import CODE, ENGINES, ball_effects
+from rallygap.pipeline.engines.export.scene_file import SCENE, check_place
+from rallygap.pipeline.engines.load import load_engine, names_scene
+from rallygap.pipeline.io.artifacts import replacing_files, write_text
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.paths import check_folder
 
 
 def export(simulator: str, engine: str, out: Path) -> None:
@@ -57,7 +57,7 @@ def export_scene(simulator: str, engine: str, scene: str, out: Path) -> tuple[st
     check_place(scene, out)
     after = load_simulator(simulator)
     before = audited(load_engine(scene)).simulator
-    from pipeline.engines.export.scene.handover import handed_over
+    from rallygap.pipeline.engines.export.scene.handover import handed_over
 
     comments, code = _comments(simulator), code_of(simulator, "mujoco")
     handed = handed_over(scene, before, after, code, comments)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from models.ball.types import Floats
+from rallygap.models.ball.types import Floats
 
 
 def flown(ball: Any, state: Floats, times: Floats, step: float) -> list[tuple[float, ...]]:

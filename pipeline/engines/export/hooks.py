@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
 
-from models.ball.catalogue import catalogue
-from models.ball.effect import Change
-from models.ball.quantities import QUANTITIES, Air, Impact, Quantity
-from models.ball.simulator import Simulator
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.effect import Change
+from rallygap.models.ball.quantities import QUANTITIES, Air, Impact, Quantity
+from rallygap.models.ball.simulator import Simulator
 
 CONTEXTS = (Air, Impact)
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.errors import InputError
 
 SCENE = "scene.xml"
 MARK = "<!-- rallygap: "  # of every amended scene

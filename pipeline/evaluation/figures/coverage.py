@@ -4,9 +4,13 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.evaluation.figures.forecast_error import FINE_TUNED, LEGEND_COLUMNS, line_style
-from pipeline.io.figure_style import FIGURE_WIDTH, MUTED, predictor_order
-from pipeline.io.labels import predictor_label
+from rallygap.pipeline.evaluation.figures.forecast_error import (
+    FINE_TUNED,
+    LEGEND_COLUMNS,
+    line_style,
+)
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, MUTED, predictor_order
+from rallygap.pipeline.io.labels import predictor_label
 
 HEIGHT = 5.5  # inches
 EVERY_MS = 25

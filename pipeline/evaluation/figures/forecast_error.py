@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from pipeline.io.figure_style import FIGURE_WIDTH, MUTED, predictor_colour, predictor_order
-from pipeline.io.labels import predictor_label
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, MUTED, predictor_colour, predictor_order
+from rallygap.pipeline.io.labels import predictor_label
 
 Dashes = Literal["solid", "dashed", "dotted"]
 

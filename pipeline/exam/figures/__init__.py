@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from models.exam.records import ExamRecord
-from models.exam.scoring.robustness import of_sweeps
-from pipeline.exam.figures.methods import accuracy_figure, methods_figure
-from pipeline.exam.figures.single_method import confusion_figure, coverage_figure
-from pipeline.io.report_items import ReportFigure
+from rallygap.models.exam.records import ExamRecord
+from rallygap.models.exam.scoring.robustness import of_sweeps
+from rallygap.pipeline.exam.figures.methods import accuracy_figure, methods_figure
+from rallygap.pipeline.exam.figures.single_method import confusion_figure, coverage_figure
+from rallygap.pipeline.io.report_items import ReportFigure
 
 
 def exam_figures(records: Sequence[ExamRecord], methods: Sequence[str]) -> list[ReportFigure]:

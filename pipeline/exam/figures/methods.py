@@ -7,13 +7,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.exam.design.questions import BASE, SWEEPS
-from models.exam.records import ExamRecord
-from models.exam.scoring.rates import answered, interval, rates, solved
-from pipeline.exam.tables import SOLVED
-from pipeline.io.figure_style import FIGURE_WIDTH
-from pipeline.io.labels import method_label
-from pipeline.io.report_items import ReportFigure
+from rallygap.models.exam.design.questions import BASE, SWEEPS
+from rallygap.models.exam.records import ExamRecord
+from rallygap.models.exam.scoring.rates import answered, interval, rates, solved
+from rallygap.pipeline.exam.tables import SOLVED
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH
+from rallygap.pipeline.io.labels import method_label
+from rallygap.pipeline.io.report_items import ReportFigure
 
 COLOURS = {
     "rallygap": "#0f7fc4",

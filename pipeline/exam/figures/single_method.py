@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.ball.types import Floats
-from models.exam.records import AnswerRecord, ExamRecord
-from models.exam.scoring.rates import answered, covered, interval, of_base, of_group
-from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
-from pipeline.io.report_items import ReportFigure
+from rallygap.models.ball.types import Floats
+from rallygap.models.exam.records import AnswerRecord, ExamRecord
+from rallygap.models.exam.scoring.rates import answered, covered, interval, of_base, of_group
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
+from rallygap.pipeline.io.report_items import ReportFigure
 
 OTHERS = ("no gap", "unknown", "several", "failed")  # answers other than one cause
 NOTHING = "nothing"

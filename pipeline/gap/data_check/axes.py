@@ -4,14 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.segmentation.contacts import Contact
-from pipeline.gap.data_check.bounces import bounce_places, share_on_table
-from pipeline.gap.data_check.fall import Fall
-from pipeline.gap.data_check.flights import Flights
-from pipeline.gap.data_check.problem import Problem, Setup
-from pipeline.gap.data_check.spins import is_opposite
-from pipeline.io.frame import Frame
+from rallygap.models.ball.types import Floats
+from rallygap.models.segmentation.contacts import Contact
+from rallygap.pipeline.gap.data_check.bounces import bounce_places, share_on_table
+from rallygap.pipeline.gap.data_check.fall import Fall
+from rallygap.pipeline.gap.data_check.flights import Flights
+from rallygap.pipeline.gap.data_check.problem import Problem, Setup
+from rallygap.pipeline.gap.data_check.spins import is_opposite
+from rallygap.pipeline.io.frame import Frame
 
 DOMINANT = 2.0  # ratio of two axes' components above which one of them is meant
 BETTER = 0.2  # share of bounces on the table that an exchange of x and y must add

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.ball.types import Floats
-from models.segmentation.contacts import Contact
+from rallygap.models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from rallygap.models.ball.types import Floats
+from rallygap.models.segmentation.contacts import Contact
 
 SLOWEST = 0.5  # m/s towards and away from the surface
 MOST_GAIN = 0.5  # m/s of speed, more is a racket

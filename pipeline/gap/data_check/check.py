@@ -5,20 +5,25 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.gap.data_check.axes import axes_problem
-from pipeline.gap.data_check.bounces import bounce_places
-from pipeline.gap.data_check.doubts import doubts_of
-from pipeline.gap.data_check.fall import Fall, fall_of
-from pipeline.gap.data_check.flights import flights_of
-from pipeline.gap.data_check.heights import height_problem
-from pipeline.gap.data_check.problem import Problem, Setup
-from pipeline.gap.data_check.spins import spin_problem
-from pipeline.gap.data_check.tracks import Track, tracks_of
-from pipeline.gap.data_check.units import fall_problem, length_scale, time_scale, unit_problem
-from pipeline.io.frame import Frame
-from pipeline.runtime.errors import InputError
-from pipeline.sources.conversion import Conversion
-from pipeline.sources.source import RawTable
+from rallygap.pipeline.gap.data_check.axes import axes_problem
+from rallygap.pipeline.gap.data_check.bounces import bounce_places
+from rallygap.pipeline.gap.data_check.doubts import doubts_of
+from rallygap.pipeline.gap.data_check.fall import Fall, fall_of
+from rallygap.pipeline.gap.data_check.flights import flights_of
+from rallygap.pipeline.gap.data_check.heights import height_problem
+from rallygap.pipeline.gap.data_check.problem import Problem, Setup
+from rallygap.pipeline.gap.data_check.spins import spin_problem
+from rallygap.pipeline.gap.data_check.tracks import Track, tracks_of
+from rallygap.pipeline.gap.data_check.units import (
+    fall_problem,
+    length_scale,
+    time_scale,
+    unit_problem,
+)
+from rallygap.pipeline.io.frame import Frame
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sources.conversion import Conversion
+from rallygap.pipeline.sources.source import RawTable
 
 UP = np.array([0.0, 0.0, 1.0])
 

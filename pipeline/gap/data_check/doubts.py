@@ -4,15 +4,15 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from models.ball.types import Floats
-from pipeline.gap.data_check.axes import mostly_across
-from pipeline.gap.data_check.bounces import share_on_table
-from pipeline.gap.data_check.fall import Fall
-from pipeline.gap.data_check.flights import Flights
-from pipeline.gap.data_check.heights import height_doubts
-from pipeline.gap.data_check.spins import spin_doubts
-from pipeline.gap.data_check.tracks import Track
-from pipeline.gap.data_check.units import GRAVITY
+from rallygap.models.ball.types import Floats
+from rallygap.pipeline.gap.data_check.axes import mostly_across
+from rallygap.pipeline.gap.data_check.bounces import share_on_table
+from rallygap.pipeline.gap.data_check.fall import Fall
+from rallygap.pipeline.gap.data_check.flights import Flights
+from rallygap.pipeline.gap.data_check.heights import height_doubts
+from rallygap.pipeline.gap.data_check.spins import spin_doubts
+from rallygap.pipeline.gap.data_check.tracks import Track
+from rallygap.pipeline.gap.data_check.units import GRAVITY
 
 TILT = 30.0  # degrees between gravity and -z; less may be lift
 FALLS = (6.0, 15.0)  # m/s^2 beyond which lift is an unlikely explanation

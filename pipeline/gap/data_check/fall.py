@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.ball.types import Floats
-from pipeline.gap.data_check.tracks import Track
+from rallygap.models.ball.types import Floats
+from rallygap.pipeline.gap.data_check.tracks import Track
 
 WINDOW = 0.12  # s
 FEWEST_SAMPLES = 6  # in a window

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from models.ball.types import Floats
-from models.segmentation.contacts import Contact
-from models.segmentation.cuts import Cuts, cut
-from models.segmentation.settings import SegmentSettings
-from pipeline.gap.data_check.fall import parabola
-from pipeline.gap.data_check.tracks import Track
-from pipeline.gap.noise import coordinate_noise
+from rallygap.models.ball.types import Floats
+from rallygap.models.segmentation.contacts import Contact
+from rallygap.models.segmentation.cuts import Cuts, cut
+from rallygap.models.segmentation.settings import SegmentSettings
+from rallygap.pipeline.gap.data_check.fall import parabola
+from rallygap.pipeline.gap.data_check.tracks import Track
+from rallygap.pipeline.gap.noise import coordinate_noise
 
 FEWEST_SAMPLES = 10  # of a flight
 PARABOLA_ERROR = np.sqrt(720.0)  # of an acceleration over n samples in T: noise * this / (T^2 n^.5)

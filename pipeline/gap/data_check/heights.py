@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from models.ball.state import BALL_RADIUS
-from models.ball.types import Floats
-from pipeline.gap.data_check.problem import Problem, Setup
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.ball.types import Floats
+from rallygap.pipeline.gap.data_check.problem import Problem, Setup
 
 BAND = 0.06  # m to either side of the most frequent height
 FEWEST_BOUNCES = 3

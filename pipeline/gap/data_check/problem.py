@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.types import Floats
-from pipeline.io.frame import Frame
-from pipeline.sources.conversion import Conversion, Units
+from rallygap.models.ball.types import Floats
+from rallygap.pipeline.io.frame import Frame
+from rallygap.pipeline.sources.conversion import Conversion, Units
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.state import MAGNUS_FACTOR
-from pipeline.gap.data_check.flights import Flights
-from pipeline.gap.data_check.problem import Problem, Setup
-from pipeline.gap.data_check.units import GRAVITY
-from pipeline.io.schemas import FASTEST_SPIN
-from pipeline.sources.conversion import SPIN_UNITS, SpinUnit
+from rallygap.models.ball.state import MAGNUS_FACTOR
+from rallygap.pipeline.gap.data_check.flights import Flights
+from rallygap.pipeline.gap.data_check.problem import Problem, Setup
+from rallygap.pipeline.gap.data_check.units import GRAVITY
+from rallygap.pipeline.io.schemas import FASTEST_SPIN
+from rallygap.pipeline.sources.conversion import SPIN_UNITS, SpinUnit
 
 UNITS: tuple[SpinUnit, ...] = ("rad/s", "rpm", "rev/s", "deg/s")
 TYPICAL_CM = 0.12

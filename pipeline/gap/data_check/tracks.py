@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from models.ball.types import Floats
-from models.gap.fit.shots import spread_evenly
-from pipeline.io.frame import Frame
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
-from pipeline.sources.row_checks import SAMPLE_COLUMNS
-from pipeline.sources.source import RawTable
+from rallygap.models.ball.types import Floats
+from rallygap.models.gap.fit.shots import spread_evenly
+from rallygap.pipeline.io.frame import Frame
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
+from rallygap.pipeline.sources.row_checks import SAMPLE_COLUMNS
+from rallygap.pipeline.sources.source import RawTable
 
 MOST = 150  # recordings that are checked, spread evenly over all
 FEWEST_SAMPLES = 8

@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from pipeline.gap.data_check.fall import Fall
-from pipeline.gap.data_check.problem import Problem, Setup
-from pipeline.gap.data_check.tracks import Track
-from pipeline.sources.conversion import POSITION_UNITS, TIME_UNITS
+from rallygap.pipeline.gap.data_check.fall import Fall
+from rallygap.pipeline.gap.data_check.problem import Problem, Setup
+from rallygap.pipeline.gap.data_check.tracks import Track
+from rallygap.pipeline.sources.conversion import POSITION_UNITS, TIME_UNITS
 
 # s between two samples; beyond these limits no ball can be followed.
 SHORTEST_STEP, LONGEST_STEP = 1e-5, 0.2

@@ -5,18 +5,18 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.gap.verdict import Cause, Verdict
-from pipeline.gap.cases import Diagnosed
-from pipeline.gap.figures.verdict import (
+from rallygap.models.gap.verdict import Cause, Verdict
+from rallygap.pipeline.gap.cases import Diagnosed
+from rallygap.pipeline.gap.figures.verdict import (
     ROW_HEIGHT,
     add_legend,
     draw_departure,
     draw_errors,
     shade_undetectable,
 )
-from pipeline.io.figure_style import FIGURE_WIDTH
-from pipeline.io.labels import simulator_label
-from pipeline.io.report_items import ReportFigure
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH
+from rallygap.pipeline.io.labels import simulator_label
+from rallygap.pipeline.io.report_items import ReportFigure
 
 HEADROOM = 1.3  # inch, for titles, the axis and the legend
 SPREAD = 0.5  # of the marks of a row, which are 1 apart

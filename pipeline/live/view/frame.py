@@ -6,12 +6,12 @@ from typing import Any
 
 from scipy.special import chdtri
 
-from models.ball.types import Floats
-from models.live.drift import Alarm
-from models.live.track import LONGEST_GAP
-from pipeline.live.forecast import BallForecast
-from pipeline.live.latency import Latencies
-from pipeline.live.watch import alarm_sentence
+from rallygap.models.ball.types import Floats
+from rallygap.models.live.drift import Alarm
+from rallygap.models.live.track import LONGEST_GAP
+from rallygap.pipeline.live.forecast import BallForecast
+from rallygap.pipeline.live.latency import Latencies
+from rallygap.pipeline.live.watch import alarm_sentence
 
 OUTSIDE = 0.1  # probability that a position is outside of its set
 # Squared Mahalanobis radius of the set, for normally distributed errors in three dimensions.

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from pipeline.web.environment import page_environment
-from pipeline.web.table_geometry import table_geometry
+from rallygap.pipeline.web.environment import page_environment
+from rallygap.pipeline.web.table_geometry import table_geometry
 
 TEMPLATES = Path(__file__).parent / "templates"
 

@@ -15,10 +15,10 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Event, Thread
 from typing import Any
 
-from pipeline.live.latency import Latencies
-from pipeline.live.view.frame import Frame, picture
-from pipeline.live.view.page import render_view
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.live.latency import Latencies
+from rallygap.pipeline.live.view.frame import Frame, picture
+from rallygap.pipeline.live.view.page import render_view
+from rallygap.pipeline.runtime.errors import InputError
 
 HOST = "127.0.0.1"
 # Any other name may belong to a web site that lets it point here, to read the page (DNS rebinding).

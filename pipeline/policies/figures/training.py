@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from models.policy.scores import fitted_line
-from pipeline.io.figure_style import FIGURE_WIDTH, MUTED
-from pipeline.io.labels import simulator_label
+from rallygap.models.policy.scores import fitted_line
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, MUTED
+from rallygap.pipeline.io.labels import simulator_label
 
 RATES = {"return_rate": "returned (%)", "hit_rate": "hit (%)"}
 GOALS = {

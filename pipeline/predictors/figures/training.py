@@ -3,8 +3,8 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pipeline.io.figure_style import FIGURE_WIDTH, predictor_colour
-from pipeline.io.labels import predictor_label
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, predictor_colour
+from rallygap.pipeline.io.labels import predictor_label
 
 COLUMNS = 3
 

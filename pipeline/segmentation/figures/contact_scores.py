@@ -5,8 +5,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.io.figure_style import CONTACT_COLOURS, FIGURE_WIDTH
-from pipeline.io.report_items import ReportFigure
+from rallygap.pipeline.io.figure_style import CONTACT_COLOURS, FIGURE_WIDTH
+from rallygap.pipeline.io.report_items import ReportFigure
 
 LARGEST_ERROR = 5.0  # ms, that is drawn
 ERROR_BINS = np.linspace(-LARGEST_ERROR, LARGEST_ERROR, 101)

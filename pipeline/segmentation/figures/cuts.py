@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.io.figure_style import CONTACT_COLOURS, FIGURE_WIDTH, INK
-from pipeline.io.report_items import ReportFigure
+from rallygap.pipeline.io.figure_style import CONTACT_COLOURS, FIGURE_WIDTH, INK
+from rallygap.pipeline.io.report_items import ReportFigure
 
 COLUMNS = 4
 CELL_HEIGHT = 2.3  # inch, of one recording: height above, length below

@@ -7,8 +7,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour, predictor_order
-from pipeline.io.labels import predictor_label
+from rallygap.pipeline.io.figure_style import (
+    FIGURE_WIDTH,
+    INK,
+    MUTED,
+    predictor_colour,
+    predictor_order,
+)
+from rallygap.pipeline.io.labels import predictor_label
 
 BARS = 0.84  # width of all bars of a set; sets are 1 apart
 LABEL = 12  # letters of a set's name in a line

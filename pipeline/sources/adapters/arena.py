@@ -3,14 +3,14 @@
 import numpy as np
 import pandas as pd
 
-from models.arena.recording import ArenaRecording, Point, TrueContacts
-from models.arena.session import recordings
-from models.arena.settings import ArenaSettings
-from models.arena.truth import draw_truth
-from pipeline.io.schemas import POINTS, POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
-from pipeline.io.source_manifest import Description, PathKind
-from pipeline.runtime.parallel import parallel
-from pipeline.sources.source import RawTable, SourceContext, SourceData
+from rallygap.models.arena.recording import ArenaRecording, Point, TrueContacts
+from rallygap.models.arena.session import recordings
+from rallygap.models.arena.settings import ArenaSettings
+from rallygap.models.arena.truth import draw_truth
+from rallygap.pipeline.io.schemas import POINTS, POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
+from rallygap.pipeline.io.source_manifest import Description, PathKind
+from rallygap.pipeline.runtime.parallel import parallel
+from rallygap.pipeline.sources.source import RawTable, SourceContext, SourceData
 
 KINDS: dict[str, PathKind] = {
     "cannon": "cannon",

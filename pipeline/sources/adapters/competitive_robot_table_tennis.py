@@ -6,11 +6,11 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.io.source_manifest import Description
-from pipeline.runtime.errors import InputError
-from pipeline.sources.files import read_text, source_file
-from pipeline.sources.row_checks import LAUNCH_COLUMNS
-from pipeline.sources.source import RawTable, Refusal, SourceContext, SourceData
+from rallygap.pipeline.io.source_manifest import Description
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sources.files import read_text, source_file
+from rallygap.pipeline.sources.row_checks import LAUNCH_COLUMNS
+from rallygap.pipeline.sources.source import RawTable, Refusal, SourceContext, SourceData
 
 FILES = ("rallies.json", "serves.json")
 KEYS = [

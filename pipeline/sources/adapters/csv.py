@@ -5,14 +5,14 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from pipeline.io.frame import Frame
-from pipeline.io.schemas import SPIN_COLUMNS
-from pipeline.io.source_manifest import Description
-from pipeline.params import Name, as_json, read_yaml
-from pipeline.runtime.errors import InputError
-from pipeline.sources.conversion import Axes, Conversion, Units
-from pipeline.sources.files import check_header, read_separated, source_files
-from pipeline.sources.source import RawTable, SourceContext, SourceData
+from rallygap.pipeline.io.frame import Frame
+from rallygap.pipeline.io.schemas import SPIN_COLUMNS
+from rallygap.pipeline.io.source_manifest import Description
+from rallygap.pipeline.params import Name, as_json, read_yaml
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sources.conversion import Axes, Conversion, Units
+from rallygap.pipeline.sources.files import check_header, read_separated, source_files
+from rallygap.pipeline.sources.source import RawTable, SourceContext, SourceData
 
 HEADER = "t,x,y,z"
 HEADER_WITH_SPIN = "t,x,y,z,wx,wy,wz"

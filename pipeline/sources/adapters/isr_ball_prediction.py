@@ -8,13 +8,13 @@ import h5py
 import numpy as np
 import pandas as pd
 
-from models.ball.state import TABLE_HALF_LENGTH
-from pipeline.io.frame import Frame
-from pipeline.io.schemas import POSITION_COLUMNS
-from pipeline.io.source_manifest import Description
-from pipeline.runtime.errors import InputError
-from pipeline.sources.files import source_files
-from pipeline.sources.source import RawTable, SourceContext, SourceData
+from rallygap.models.ball.state import TABLE_HALF_LENGTH
+from rallygap.pipeline.io.frame import Frame
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS
+from rallygap.pipeline.io.source_manifest import Description
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sources.files import source_files
+from rallygap.pipeline.sources.source import RawTable, SourceContext, SourceData
 
 GROUP = "originals"
 SURFACE_HEIGHT = 0.74  # m above the set's origin

@@ -4,10 +4,16 @@ from pathlib import Path
 
 import pandas as pd
 
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
-from pipeline.io.source_manifest import Description
-from pipeline.sources.files import check_header, read_separated, source_file, source_files
-from pipeline.sources.source import NOT_STATED, RawTable, Refusal, SourceContext, SourceData
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
+from rallygap.pipeline.io.source_manifest import Description
+from rallygap.pipeline.sources.files import check_header, read_separated, source_file, source_files
+from rallygap.pipeline.sources.source import (
+    NOT_STATED,
+    RawTable,
+    Refusal,
+    SourceContext,
+    SourceData,
+)
 
 INDEX = "index.csv"
 INDEX_HEADER = "traj_file,x_spin,y_spin,z_spin"

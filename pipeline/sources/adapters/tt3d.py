@@ -1,9 +1,9 @@
 """TT3D: rallies of two amateurs, seen by several cameras, one csv file per recording."""
 
-from pipeline.io.schemas import POSITION_COLUMNS
-from pipeline.io.source_manifest import Description
-from pipeline.sources.files import check_header, read_separated, source_files
-from pipeline.sources.source import NOT_STATED, RawTable, SourceContext, SourceData
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS
+from rallygap.pipeline.io.source_manifest import Description
+from rallygap.pipeline.sources.files import check_header, read_separated, source_files
+from rallygap.pipeline.sources.source import NOT_STATED, RawTable, SourceContext, SourceData
 
 HEADER = "Timestamp,X,Y,Z"
 

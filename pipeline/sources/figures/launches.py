@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.stats import ks_2samp
 
-from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
 
 QUANTITIES = {
     "speed": "m/s",

@@ -7,14 +7,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from models.ball.state import (
+from rallygap.models.ball.state import (
     NET_HEIGHT,
     NET_OVERHANG,
     TABLE_HALF_LENGTH,
     TABLE_HALF_WIDTH,
 )
-from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
-from pipeline.io.schemas import POSITION_COLUMNS, VELOCITY_COLUMNS
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, VELOCITY_COLUMNS
 
 BALL_COLOUR = "#0f7fc4"
 TABLE_COLOUR = "#dfe9e4"

@@ -4,9 +4,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour
-from pipeline.io.labels import predictor_label
-from pipeline.transfer.figures.sample import sample
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour
+from rallygap.pipeline.io.labels import predictor_label
+from rallygap.pipeline.transfer.figures.sample import sample
 
 ROW = 0.3  # inch per bar
 HEADROOM = 1.0  # inch, for the title and the axis

@@ -9,10 +9,16 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_colour, predictor_order
-from pipeline.io.labels import predictor_label
-from pipeline.transfer.figures.sample import sample, trainings
-from pipeline.transfer.transfer_table import PROTOCOLS
+from rallygap.pipeline.io.figure_style import (
+    FIGURE_WIDTH,
+    INK,
+    MUTED,
+    predictor_colour,
+    predictor_order,
+)
+from rallygap.pipeline.io.labels import predictor_label
+from rallygap.pipeline.transfer.figures.sample import sample, trainings
+from rallygap.pipeline.transfer.transfer_table import PROTOCOLS
 
 Forecaster = tuple[str, str]  # predictor and protocol
 

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from pipeline.io.figure_style import FIGURE_WIDTH, INK
-from pipeline.io.labels import simulator_label
-from pipeline.transfer.figures.sample import sample
+from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, INK
+from rallygap.pipeline.io.labels import simulator_label
+from rallygap.pipeline.transfer.figures.sample import sample
 
 GROUND_TRUTH, IMPERFECT = "ground_truth", "imperfect"
 COLOURS = {GROUND_TRUTH: "#0f7fc4", IMPERFECT: "#d55e00"}

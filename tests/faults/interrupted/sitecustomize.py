@@ -23,5 +23,5 @@ def interrupted(temporary, target):
     return replace(temporary, target)
 
 
-if sys.orig_argv[1:3] == ["-m", f"stages.{os.environ.get('INTERRUPTED_STAGE')}"]:
+if sys.orig_argv[1:3] == ["-m", f"rallygap.stages.{os.environ.get('INTERRUPTED_STAGE')}"]:
     Path.replace = interrupted

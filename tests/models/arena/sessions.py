@@ -5,11 +5,11 @@ from functools import cache
 
 import numpy as np
 
-from models.arena.camera_field import CameraField
-from models.arena.session import recordings
-from models.arena.settings import ArenaSettings
-from models.arena.truth import draw_truth
-from models.ball.state import BALL_RADIUS
+from rallygap.models.arena.camera_field import CameraField
+from rallygap.models.arena.session import recordings
+from rallygap.models.arena.settings import ArenaSettings
+from rallygap.models.arena.truth import draw_truth
+from rallygap.models.ball.state import BALL_RADIUS
 
 HIDDEN = draw_truth(0)
 NO_FIELD = CameraField(standard_deviation=0.0, length=1.0, seed=0)

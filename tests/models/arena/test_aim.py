@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.arena.aim import aim_launches
+from rallygap.models.arena.aim import aim_launches
 from tests.models.arena.sessions import TRUTH
 
 AIR = TRUTH.simulator.without_surfaces()

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.arena.bounce_scatter import BounceScatter, table_normals
-from models.ball.simulator import Simulator
-from models.ball.state import BALL_RADIUS
+from rallygap.models.arena.bounce_scatter import BounceScatter, table_normals
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import BALL_RADIUS
 from tests.models.arena.sessions import TRUTH, flying
 from tests.models.ball.balls import energy
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.arena.camera_field import CameraField
-from models.arena.truth import draw_truth
+from rallygap.models.arena.camera_field import CameraField
+from rallygap.models.arena.truth import draw_truth
 
 DEVIATION, LENGTH = 0.0015, 0.8  # m
 FIELDS = [CameraField(DEVIATION, LENGTH, seed) for seed in range(400)]

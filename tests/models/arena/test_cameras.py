@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.arena.camera_field import CameraField
-from models.arena.cameras import OUTLIER_DISTANCE, Cameras, SlowError
+from rallygap.models.arena.camera_field import CameraField
+from rallygap.models.arena.cameras import OUTLIER_DISTANCE, Cameras, SlowError
 
 SAMPLES = 40_000
 SPIN = np.array([300.0, 0.0, 400.0])

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from models.arena.cannon import cannon_launches, launch_states
-from models.ball.contact_laws import TABLE
-from models.ball.simulator import Simulator
-from models.ball.state import POSITION, SPIN, VELOCITY
+from rallygap.models.arena.cannon import cannon_launches, launch_states
+from rallygap.models.ball.contact_laws import TABLE
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import POSITION, SPIN, VELOCITY
 from tests.models.arena.sessions import TRUTH, of_group
 
 SIMULATOR = TRUTH.simulator

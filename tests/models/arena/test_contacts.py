@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from models.arena.contacts import (
+from rallygap.models.arena.contacts import (
     FLOOR,
     FLOOR_SURFACE,
     bounce_off_floor,
     follow_contacts,
     in_view,
 )
-from models.ball.contact_laws import TABLE
-from models.ball.state import BALL_RADIUS
+from rallygap.models.ball.contact_laws import TABLE
+from rallygap.models.ball.state import BALL_RADIUS
 from tests.models.arena.sessions import TRUTH, flying
 from tests.models.ball.balls import energy
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from models.arena.cameras import Cameras, SlowError
-from models.arena.contacts import follow_contacts
-from models.arena.observation import TrackedBall, observe
-from models.arena.recording import TrueContacts
+from rallygap.models.arena.cameras import Cameras, SlowError
+from rallygap.models.arena.contacts import follow_contacts
+from rallygap.models.arena.observation import TrackedBall, observe
+from rallygap.models.arena.recording import TrueContacts
 from tests.models.arena.sessions import TRUTH, flying
 
 CAMERAS = Cameras(0.003, 0.05, 0.02, 0.01, SlowError(0.3, 0.05), interval=0.005)

@@ -4,7 +4,7 @@ from itertools import islice
 
 import pytest
 
-from models.arena.session import recordings, run_sequentially
+from rallygap.models.arena.session import recordings, run_sequentially
 from tests.models.arena.sessions import LEVELS, TRUTH, games, session, settings
 
 
@@ -41,7 +41,7 @@ def test_no_more_than_a_round_is_shared_out_at_once(
     monkeypatch, batches, wanted, recordings_taken, rounds
 ):
     """A longer session would have to wait in memory; the first round of games is a guess."""
-    monkeypatch.setattr("models.arena.session.ROUND", batches)
+    monkeypatch.setattr("rallygap.models.arena.session.ROUND", batches)
     shared = []
 
     def share(tasks):

@@ -6,9 +6,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from models.arena.session import recordings
-from models.arena.truth_path import true_states
-from models.ball.state import POSITION, SPIN
+from rallygap.models.arena.session import recordings
+from rallygap.models.arena.truth_path import true_states
+from rallygap.models.ball.state import POSITION, SPIN
 from tests.models.arena.sessions import HIDDEN, settings
 
 

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from models.arena.truth import Truth, draw_truth
-from models.ball.simulators import shipped, shipped_names
+from rallygap.models.arena.truth import Truth, draw_truth
+from rallygap.models.ball.simulators import shipped, shipped_names
 from tests.models.arena.sessions import flying
 from tests.models.ball.balls import energy
 

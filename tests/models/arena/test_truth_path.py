@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.arena.truth_path import true_states
+from rallygap.models.arena.truth_path import true_states
 from tests.models.arena.sessions import TRUTH, games, session
 
 

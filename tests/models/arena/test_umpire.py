@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.arena.contacts import FLOOR_SURFACE, ContactSequence
-from models.arena.umpire import judge_strokes, unreturned_outcome
-from models.ball.contact_laws import NET, TABLE
+from rallygap.models.arena.contacts import FLOOR_SURFACE, ContactSequence
+from rallygap.models.arena.umpire import judge_strokes, unreturned_outcome
+from rallygap.models.ball.contact_laws import NET, TABLE
 
 OWN, OTHER = (TABLE, -0.8), (TABLE, 0.8)
 CORD, FLOOR = (NET, 0.0), (FLOOR_SURFACE, 2.0)

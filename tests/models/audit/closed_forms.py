@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from models.ball.state import BALL_RADIUS
-from models.engines.engine import FunctionEngine
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.engines.engine import FunctionEngine
 
 GRAVITY = 9.81
 SOLID = 2 / 7

@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.audit.audit import audit
-from models.audit.bounces import SHELL
-from models.ball.simulator import Simulator
-from models.ball.simulators import shipped, shipped_names
-from models.ball.state import POSITION
-from models.engines.engine import EffectsEngine, FunctionEngine
+from rallygap.models.audit.audit import audit
+from rallygap.models.audit.bounces import SHELL
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.simulators import shipped, shipped_names
+from rallygap.models.ball.state import POSITION
+from rallygap.models.engines.engine import EffectsEngine, FunctionEngine
 
 PLAIN = {"gravity": {"g": 9.81}, "table_bounce": {"restitution": 0.92, "friction": 0.25}}
 # Ranges in which each effect matters by more than the threshold.

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from models.audit.audit import audit
-from models.audit.traps import traps
-from models.ball.simulator import Simulator
-from models.ball.simulators import shipped
-from models.engines.engine import EffectsEngine, FunctionEngine
+from rallygap.models.audit.audit import audit
+from rallygap.models.audit.traps import traps
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.engines.engine import EffectsEngine, FunctionEngine
 from tests.models.audit.closed_forms import SOLID, bouncing
 
 TABLE = {"table_bounce": {"restitution": 0.92, "friction": 0.25}}

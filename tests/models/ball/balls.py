@@ -3,8 +3,8 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from models.ball.simulator import Simulator
-from models.ball.state import BALL_MASS, BALL_RADIUS
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import BALL_MASS, BALL_RADIUS
 
 INERTIA = 2 / 3 * BALL_MASS * BALL_RADIUS**2
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from models.ball.contact_laws import NET, ROLLING, TABLE
-from models.ball.state import (
+from rallygap.models.ball.contact_laws import NET, ROLLING, TABLE
+from rallygap.models.ball.state import (
     BALL_MASS,
     BALL_RADIUS,
     NET_HEIGHT,

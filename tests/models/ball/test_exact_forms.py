@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from models.ball.catalogue import catalogue
-from models.ball.contact_laws import NET
-from models.ball.sensor import measured
-from models.ball.simulator import Simulator
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.contact_laws import NET
+from rallygap.models.ball.sensor import measured
+from rallygap.models.ball.simulator import Simulator
 from tests.models.ball.balls import NOMINAL, simulator
 
 MASS, RADIUS, DENSITY, G, CD, CM = 2.7e-3, 0.02, 1.2, 9.81, 0.55, 0.069

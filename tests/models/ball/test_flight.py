@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.ball.flight import flight_environment, step
-from models.ball.state import DRAG_FACTOR, MAGNUS_FACTOR
+from rallygap.models.ball.flight import flight_environment, step
+from rallygap.models.ball.state import DRAG_FACTOR, MAGNUS_FACTOR
 from tests.models.ball.balls import NOMINAL, simulator
 
 TIMES = np.arange(1, 61) * 0.005

@@ -6,9 +6,9 @@ import sys
 import numpy as np
 import pytest
 
-from models.ball.contact_laws import NET
-from models.ball.sensor import measured
-from models.ball.state import BALL_RADIUS, TABLE_HALF_LENGTH
+from rallygap.models.ball.contact_laws import NET
+from rallygap.models.ball.sensor import measured
+from rallygap.models.ball.state import BALL_RADIUS, TABLE_HALF_LENGTH
 from tests.models.ball.balls import NOMINAL, energy, simulator
 
 TIMES = np.arange(1, 101) * 0.005
@@ -137,5 +137,5 @@ def test_a_flight_at_absurd_speed_comes_to_its_end():
 
 
 def test_a_simulator_is_described_without_numba():
-    program = "import sys, models.ball.simulator; sys.exit('numba' in sys.modules)"
+    program = "import sys, rallygap.models.ball.simulator; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

@@ -11,9 +11,9 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.ball.catalogue import catalogue
-from models.ball.simulator import Simulator, SimulatorError
-from models.ball.simulators import shipped, shipped_names
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.simulator import Simulator, SimulatorError
+from rallygap.models.ball.simulators import shipped, shipped_names
 from tests.models.ball.balls import NOMINAL
 
 BALL = [0.1, 1.2, 0.3, 0.4, -9.0, 0.5, -150.0, 40.0, 30.0]
@@ -103,8 +103,8 @@ def test_the_order_of_the_list_changes_nothing():
 
 
 PLUGIN = """
-from models.ball.effect import Effect, Parameter
-from models.ball.quantities import Air
+from rallygap.models.ball.effect import Effect, Parameter
+from rallygap.models.ball.quantities import Air
 
 effect = Effect("updraft", "the air rises", "a += (0, 0, a)", "flight",
     (Parameter("a", unit="m/s^2", bounds=(-5.0, 5.0), observed="never"),))
@@ -122,7 +122,7 @@ def test_another_package_can_offer_an_effect(tmp_path):
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: updraft\nVersion: 1\n")
     (info / "entry_points.txt").write_text("[rallygap.effects]\nupdraft = updraft\n")
     program = (
-        "from models.ball.simulator import Simulator\n"
+        "from rallygap.models.ball.simulator import Simulator\n"
         "sim = Simulator.from_dict({'updraft': {'a': 2.0}})\n"
         "print(sim.fly([0.0] * 9, [1.0]).states[0, 0, 2])"
     )

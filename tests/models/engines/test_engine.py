@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 
-from models.ball.simulators import shipped
-from models.engines.engine import EffectsEngine, EngineError, FunctionEngine, check_deterministic
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.engines.engine import (
+    EffectsEngine,
+    EngineError,
+    FunctionEngine,
+    check_deterministic,
+)
 
 SIMULATOR = shipped("literature")
 BALLS = np.array([[0.1, 1.2, 0.3, 0.2, -6.0, 1.0, -100.0, 0.0, 20.0], [0.0, 1.0, 0.4, *[0.0] * 6]])

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from models.exam.design.questions import exam
-from models.exam.interface import NamedCause
-from models.exam.records import AnswerRecord, ExamRecord, HiddenCause
+from rallygap.models.exam.design.questions import exam
+from rallygap.models.exam.interface import NamedCause
+from rallygap.models.exam.records import AnswerRecord, ExamRecord, HiddenCause
 from tests.models.exam.example_trials import NOMINAL
 
 METHODS = ("rallygap", "sindy")

@@ -5,12 +5,12 @@ from functools import cache
 
 import numpy as np
 
-from models.arena.bounce_scatter import BounceScatter
-from models.arena.cameras import SlowError
-from models.ball.simulators import shipped
-from models.exam.simulate.launches import launches
-from models.exam.simulate.recordings import simulate_trial
-from models.exam.simulate.trial import CAMERAS, Trial
+from rallygap.models.arena.bounce_scatter import BounceScatter
+from rallygap.models.arena.cameras import SlowError
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.exam.simulate.launches import launches
+from rallygap.models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.simulate.trial import CAMERAS, Trial
 
 NOMINAL = shipped("literature")
 NO_SCATTER = BounceScatter(restitution=0.0, friction=0.0)

@@ -4,11 +4,11 @@ from dataclasses import fields, replace
 
 import pytest
 
-from models.exam.design.question import Question
-from models.exam.interface import Answer, NamedCause, Recording
-from models.exam.runner import run_question
-from models.exam.simulate.varying import Variation
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.exam.design.question import Question
+from rallygap.models.exam.interface import Answer, NamedCause, Recording
+from rallygap.models.exam.runner import run_question
+from rallygap.models.exam.simulate.varying import Variation
+from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL, trial
 
 WIND, DRAG = Hypothesis("wind", "x"), Hypothesis("drag", "cd")

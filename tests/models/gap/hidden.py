@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.gap.fit.measurement import Schedule, predict_measurements
-from models.gap.fit.shots import Shots
-from models.gap.hypotheses import hypotheses
-from models.gap.settings import GapSettings
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.fit.measurement import Schedule, predict_measurements
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.hypotheses import hypotheses
+from rallygap.models.gap.settings import GapSettings
 
 NOMINAL = Simulator.from_dict(
     {

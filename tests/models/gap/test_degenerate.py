@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.ball.simulator import Simulator
-from models.gap.diagnose import diagnose
-from models.gap.fit.horizons import first_samples
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.diagnose import diagnose
+from rallygap.models.gap.fit.horizons import first_samples
 from tests.models.gap.hidden import NOMINAL, measured
 
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.gap.amend.simulator import amended
-from models.gap.diagnose import diagnose
-from models.gap.fit.noise import Noise
-from models.gap.fit.refit import fit_nuisance
-from models.gap.fit.shots import held_out
-from models.gap.verify.limitations import UNSETTLED
-from models.gap.verify.prediction_error import HeldOut
+from rallygap.models.gap.amend.simulator import amended
+from rallygap.models.gap.diagnose import diagnose
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.refit import fit_nuisance
+from rallygap.models.gap.fit.shots import held_out
+from rallygap.models.gap.verify.limitations import UNSETTLED
+from rallygap.models.gap.verify.prediction_error import HeldOut
 from tests.models.gap.hidden import NOMINAL, SETTINGS, WITHOUT_MAGNUS, measured
 
 SIDE = NOMINAL.amended("side_force", cy=0.02)

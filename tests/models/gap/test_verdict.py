@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import yaml
 
-from models.ball.sensor import measured_positions
-from models.ball.simulator import Simulator
-from models.gap import verdict as verdict_module
-from models.gap.amend.simulator import amended, amended_yaml
-from models.gap.hypotheses import Hypothesis
-from models.gap.verdict import (
+from rallygap.models.ball.sensor import measured_positions
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap import verdict as verdict_module
+from rallygap.models.gap.amend.simulator import amended, amended_yaml
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.verdict import (
     CameraNodes,
     Cause,
     Check,
@@ -129,13 +129,14 @@ def test_a_missing_file_is_refused(tmp_path):
 
 def test_reading_a_verdict_imports_no_inference():
     code = (
-        "import sys; from models.gap.verdict import Verdict; "
-        "print([m for m in sys.modules if m.startswith(('scipy', 'numba', 'models.gap.'))])"
+        "import sys; from rallygap.models.gap.verdict import Verdict; "
+        "names = ('scipy', 'numba', 'rallygap.models.gap.'); "
+        "print([m for m in sys.modules if m.startswith(names)])"
     )
-    root = Path(verdict_module.__file__).parents[2]
+    root = Path(verdict_module.__file__).parents[3]
     shown = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, check=True)
     assert set(json.loads(shown.stdout.decode().replace("'", '"'))) == {
-        f"models.gap.{name}" for name in ("hypotheses", "location", "types", "verdict")
+        f"rallygap.models.gap.{name}" for name in ("hypotheses", "location", "types", "verdict")
     }
 
 

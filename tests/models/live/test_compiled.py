@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import torch
 
-from models.live.compiled import CompiledPredictor
-from models.live.forecaster import Forecaster
-from models.predictors.learned import LearnedPredictor, build_network
-from models.predictors.settings import HybridSettings, TaeSettings, TransformerSettings
-from models.predictors.spread import Spread
+from rallygap.models.live.compiled import CompiledPredictor
+from rallygap.models.live.forecaster import Forecaster
+from rallygap.models.predictors.learned import LearnedPredictor, build_network
+from rallygap.models.predictors.settings import HybridSettings, TaeSettings, TransformerSettings
+from rallygap.models.predictors.spread import Spread
 from tests.models.predictors.balls import TRUTH, observed
 from tests.models.predictors.small_training import data, network
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from models.ball.simulator import Simulator
-from models.ball.simulators import shipped
-from models.ball.state import BALL_RADIUS
-from models.live.crossings import apex, bounce, plane
-from models.live.forecaster import Forecaster
-from models.predictors.sensor import Sensor
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.live.crossings import apex, bounce, plane
+from rallygap.models.live.forecaster import Forecaster
+from rallygap.models.predictors.sensor import Sensor
 
 TRUTH = shipped("literature")
 VACUUM = Simulator.from_dict({"gravity": {"g": 9.81}})

@@ -2,7 +2,7 @@
 
 import pytest
 
-from models.live.drift import DriftMonitor
+from rallygap.models.live.drift import DriftMonitor
 from tests.models.gap.hidden import NOMINAL, measured
 
 REFERENCE = measured(count=80, seed=11)

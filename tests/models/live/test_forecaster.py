@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from models.ball.simulator import Simulator
-from models.ball.simulators import shipped
-from models.live.forecaster import NEW_BALL, Forecaster, NoBallError
-from models.live.track import KEPT
-from models.predictors.physics import PhysicsPredictor
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.live.forecaster import NEW_BALL, Forecaster, NoBallError
+from rallygap.models.live.track import KEPT
+from rallygap.models.predictors.physics import PhysicsPredictor
 
 TRUTH = shipped("literature")
 VACUUM = Simulator.from_dict({"gravity": {"g": 9.81}})

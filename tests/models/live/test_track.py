@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.ball.sensor import clock_times, measured
-from models.live.forecaster import Forecaster
-from models.predictors.ball_filter import ANY_BALL, Expected
+from rallygap.models.ball.sensor import clock_times, measured
+from rallygap.models.live.forecaster import Forecaster
+from rallygap.models.predictors.ball_filter import ANY_BALL, Expected
 from tests.models.predictors.balls import TRUTH
 from tests.models.predictors.test_sensor import CAMERAS
 

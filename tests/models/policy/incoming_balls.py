@@ -4,10 +4,10 @@ from functools import cache
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.ball.simulators import shipped
-from models.policy.incoming_balls import fly_incoming
-from models.policy.launches import draw_launches
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.policy.incoming_balls import fly_incoming
+from rallygap.models.policy.launches import draw_launches
 
 TRUTH, WRONG = shipped("ground_truth"), shipped("imperfect_c")
 VACUUM = Simulator.from_dict({"gravity": {"g": 9.81}})  # and no table

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from models.policy.incoming_balls import PATH_TIMES
-from models.replay.shots import Shot
+from rallygap.models.policy.incoming_balls import PATH_TIMES
+from rallygap.models.replay.shots import Shot
 from tests.models.predictors.balls import TRUTH
 from tests.models.predictors.episodes import flown
 

@@ -4,11 +4,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from models.policy.batch_simulation import ACTIONS
-from models.policy.observation import observation_size
-from models.policy.policy import Policy
-from models.policy.settings import GoalSettings, LearningSettings
-from models.policy.task import Task
+from rallygap.models.policy.batch_simulation import ACTIONS
+from rallygap.models.policy.observation import observation_size
+from rallygap.models.policy.policy import Policy
+from rallygap.models.policy.settings import GoalSettings, LearningSettings
+from rallygap.models.policy.task import Task
 from tests.models.policy.simulations import SIMULATOR
 
 GOALS = GoalSettings(landing_across=(-0.4, 0.4), landing_along=(0.5, 1.1), speed=None, topspin=None)

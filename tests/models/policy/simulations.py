@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from models.ball.simulators import shipped
-from models.policy.batch_simulation import BatchSimulation
-from models.policy.goals import Goals
-from models.policy.incoming_balls import PATH_TIMES, IncomingBalls, control_times
-from models.robot.constants import NEUTRAL
-from models.robot.kinematics import racket
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.policy.batch_simulation import BatchSimulation
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.incoming_balls import PATH_TIMES, IncomingBalls, control_times
+from rallygap.models.robot.constants import NEUTRAL
+from rallygap.models.robot.kinematics import racket
 
 SIMULATOR = shipped("ground_truth")
 WAITING = racket(NEUTRAL[None], np.zeros((1, 6)))

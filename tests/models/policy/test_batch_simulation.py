@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from models.ball.state import BALL_RADIUS
-from models.policy import batch_simulation
-from models.policy.batch_simulation import BatchSimulation
-from models.policy.outcome import judge
-from models.robot.control import joint_speeds
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.policy import batch_simulation
+from rallygap.models.policy.batch_simulation import BatchSimulation
+from rallygap.models.policy.outcome import judge
+from rallygap.models.robot.control import joint_speeds
 from tests.models.policy.simulations import (
     ARRIVAL,
     CENTRE,

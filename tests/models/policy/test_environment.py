@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from models.policy import ball_supply as supply
-from models.policy.environment import ReturnVecEnv
-from models.policy.settings import GoalSettings
-from models.policy.task import Task
+from rallygap.models.policy import ball_supply as supply
+from rallygap.models.policy.environment import ReturnVecEnv
+from rallygap.models.policy.settings import GoalSettings
+from rallygap.models.policy.task import Task
 from tests.models.policy.simulations import SIMULATOR
 
 GOALS = GoalSettings(

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from models.ball.simulators import shipped
-from models.policy.filtered_balls import filtered_balls
-from models.policy.forecasts import exact
-from models.policy.incoming_balls import FIRST_WINDOW, control_times, fly_incoming
-from models.policy.launches import draw_launches
-from models.policy.settings import GoalSettings
-from models.policy.task import Task
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.policy.filtered_balls import filtered_balls
+from rallygap.models.policy.forecasts import exact
+from rallygap.models.policy.incoming_balls import FIRST_WINDOW, control_times, fly_incoming
+from rallygap.models.policy.launches import draw_launches
+from rallygap.models.policy.settings import GoalSettings
+from rallygap.models.policy.task import Task
 
 TRUTH = shipped("literature")
 HORIZONS = (115, 120, 125)

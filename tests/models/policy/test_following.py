@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from models.policy.environment import ReturnVecEnv
-from models.policy.following import following_actions
-from models.robot.constants import NEUTRAL
-from models.robot.kinematics import racket
+from rallygap.models.policy.environment import ReturnVecEnv
+from rallygap.models.policy.following import following_actions
+from rallygap.models.robot.constants import NEUTRAL
+from rallygap.models.robot.kinematics import racket
 from tests.models.policy.schooling import TASK
 
 ARMS, AT_REST = np.tile(NEUTRAL, (400, 1)), np.zeros((400, 6))

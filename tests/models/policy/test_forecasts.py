@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.policy.forecasts import exact, first_state, forecast_error, re_anchored
-from models.policy.incoming_balls import IncomingBalls, control_times, fly_incoming
+from rallygap.models.policy.forecasts import exact, first_state, forecast_error, re_anchored
+from rallygap.models.policy.incoming_balls import IncomingBalls, control_times, fly_incoming
 from tests.models.policy.incoming_balls import (
     HORIZONS,
     THROWN,

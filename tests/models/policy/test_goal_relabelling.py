@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from gymnasium import spaces
 
-from models.policy.goal_relabelling import RelabellingReplayBuffer
-from models.policy.goals import Goals
-from models.policy.reward import goal_reward
-from models.policy.settings import GoalSettings
+from rallygap.models.policy.goal_relabelling import RelabellingReplayBuffer
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.reward import goal_reward
+from rallygap.models.policy.settings import GoalSettings
 
 GOALS = GoalSettings(landing_across=(-0.4, 0.4), landing_along=(0.5, 1.1), speed=None, topspin=None)
 COLUMNS = slice(3, 5)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.policy.goals import draw_goals
-from models.policy.settings import GoalSettings
+from rallygap.models.policy.goals import draw_goals
+from rallygap.models.policy.settings import GoalSettings
 
 LANDING = {"landing_across": (-0.45, 0.45), "landing_along": (0.5, 1.1)}
 STYLED = GoalSettings(**LANDING, speed=(4.0, 7.0), topspin=(-100.0, 100.0))

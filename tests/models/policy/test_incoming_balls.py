@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from models.policy.incoming_balls import (
+from rallygap.models.policy.incoming_balls import (
     CONTROL_STEP,
     FIRST_WINDOW,
     MAX_DURATION,

@@ -6,13 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
-from models.ball.contact_laws import TABLE
-from models.ball.state import BALL_RADIUS, NET_HEIGHT
-from models.policy import launches as documented
-from models.policy.incoming_balls import PATH_TIMES
-from models.policy.launches import draw_launches, draw_strokes, is_playable
-from models.robot.constants import JOINTS, NEUTRAL
-from models.robot.kinematics import racket
+from rallygap.models.ball.contact_laws import TABLE
+from rallygap.models.ball.state import BALL_RADIUS, NET_HEIGHT
+from rallygap.models.policy import launches as documented
+from rallygap.models.policy.incoming_balls import PATH_TIMES
+from rallygap.models.policy.launches import draw_launches, draw_strokes, is_playable
+from rallygap.models.robot.constants import JOINTS, NEUTRAL
+from rallygap.models.robot.kinematics import racket
 from tests.models.policy.incoming_balls import TRUTH, VACUUM, WRONG
 
 

@@ -8,7 +8,7 @@ import torch
 from stable_baselines3 import SAC
 from stable_baselines3.common.logger import Logger
 
-from models.policy.learning import (
+from rallygap.models.policy.learning import (
     LEARNER,
     MEMORY,
     AverageActor,
@@ -17,7 +17,7 @@ from models.policy.learning import (
     skip_critic_gradients,
     trained_policy,
 )
-from models.policy.observation import LIMIT
+from rallygap.models.policy.observation import LIMIT
 from tests.models.policy.schooling import BRIEF, TASK, same
 
 
@@ -130,7 +130,7 @@ def test_in_the_average_older_actors_count_less(schooled):
 
 
 def test_an_iteration_returns_the_mean_of_its_actors(schooled, tmp_path, monkeypatch):
-    monkeypatch.setattr("models.policy.learning.MEMORY", 0)  # the mean is the latest actor
+    monkeypatch.setattr("rallygap.models.policy.learning.MEMORY", 0)  # the mean is the latest actor
     latest = iteration(tmp_path / "latest")
 
     folders = schooled[0], tmp_path / "latest"

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from models.policy.measurements import measure
-from models.policy.settings import SensorNoise
+from rallygap.models.policy.measurements import measure
+from rallygap.models.policy.settings import SensorNoise
 from tests.models.policy.incoming_balls import struck
 
 CLEAN = SensorNoise(position=0.0, spin=0.0)

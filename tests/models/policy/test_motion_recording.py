@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.ball.state import BALL_RADIUS
-from models.policy.batch_simulation import ACTIONS
-from models.policy.goals import Goals
-from models.policy.incoming_balls import FLOOR, IncomingBalls
-from models.policy.motion_recording import AFTERWARDS, FRAME
-from models.policy.observation import observation_size
-from models.policy.policy import Policy
-from models.policy.trial import play
-from models.robot.arms import Arms
-from models.robot.constants import BULLET_STEP, NEUTRAL
-from models.robot.kinematics import racket
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.policy.batch_simulation import ACTIONS
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.incoming_balls import FLOOR, IncomingBalls
+from rallygap.models.policy.motion_recording import AFTERWARDS, FRAME
+from rallygap.models.policy.observation import observation_size
+from rallygap.models.policy.policy import Policy
+from rallygap.models.policy.trial import play
+from rallygap.models.robot.arms import Arms
+from rallygap.models.robot.constants import BULLET_STEP, NEUTRAL
+from rallygap.models.robot.kinematics import racket
 from tests.models.policy.simulations import CENTRE, SIMULATOR, beside_centre, goals, passing
 
 WEIGHTS = np.zeros((ACTIONS, observation_size(3, 2, "strict")), dtype=np.float32)
@@ -99,7 +99,7 @@ def test_the_arm_waits_for_the_first_window():
 
 
 def test_recording_changes_nothing_and_motions_are_those_of_single_trials(monkeypatch):
-    monkeypatch.setattr("models.policy.trial.ENVIRONMENTS", 2)
+    monkeypatch.setattr("rallygap.models.policy.trial.ENVIRONMENTS", 2)
     balls = together(RETURNED, ASIDE, TOO_FAST, RETURNED)
     plain, several = recorded(balls, 0), recorded(balls, 3)
     assert plain.table.equals(several.table) and plain.motions == ()

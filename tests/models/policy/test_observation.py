@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.ball.simulator import Simulator
-from models.policy.goals import Goals
-from models.policy.observation import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.observation import (
     CROSSING_SCALE,
     EARLIEST,
     LATEST,
@@ -15,8 +15,8 @@ from models.policy.observation import (
     observe,
     plane_crossing,
 )
-from models.robot.constants import LOWER, SPEED, UPPER
-from models.robot.kinematics import racket
+from rallygap.models.robot.constants import LOWER, SPEED, UPPER
+from rallygap.models.robot.kinematics import racket
 
 AIRLESS = Simulator.from_dict({"gravity": {"g": 9.81}})
 RANDOM = np.random.default_rng(5)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from models.ball.contact_laws import NET, TABLE
-from models.ball.simulator import Simulator
-from models.ball.state import BALL_RADIUS
-from models.policy.goals import Goals
-from models.policy.outcome import judge, topspin, with_net
+from rallygap.models.ball.contact_laws import NET, TABLE
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.outcome import judge, topspin, with_net
 
 AIRLESS = Simulator.from_dict(
     {"gravity": {"g": 9.81}, "table_bounce": {"restitution": 0.9, "friction": 0.25}}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.policy.policy import Policy
+from rallygap.models.policy.policy import Policy
 from tests.models.policy.schooling import drawn_policy, same
 
 

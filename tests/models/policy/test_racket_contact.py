@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from models.ball.state import BALL_RADIUS
-from models.policy.racket_contact import distances, find_contacts, racket_path
-from models.robot.constants import NEUTRAL
-from models.robot.kinematics import racket
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.policy.racket_contact import distances, find_contacts, racket_path
+from rallygap.models.robot.constants import NEUTRAL
+from rallygap.models.robot.kinematics import racket
 
 STEPS = 40
 

@@ -2,7 +2,11 @@
 
 import numpy as np
 
-from models.policy.random_streams import evaluation_stream, iteration_seed, validation_stream
+from rallygap.models.policy.random_streams import (
+    evaluation_stream,
+    iteration_seed,
+    validation_stream,
+)
 
 
 def test_training_watching_and_judging_see_different_balls():

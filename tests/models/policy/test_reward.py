@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.policy.goals import Goals
-from models.policy.outcome import Outcome
-from models.policy.reward import contact_reward, effort_reward, goal_reward, miss_reward
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.outcome import Outcome
+from rallygap.models.policy.reward import contact_reward, effort_reward, goal_reward, miss_reward
 
 
 def outcome(returned=True, distance=0.0, net_height=0.3, speed=6.0, topspin=50.0):

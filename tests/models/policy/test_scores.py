@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.policy.scores import fitted_line, scores
+from rallygap.models.policy.scores import fitted_line, scores
 
 PLAYED = pd.DataFrame(
     {

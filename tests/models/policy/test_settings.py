@@ -3,7 +3,7 @@
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from models.policy.settings import GoalSettings, HorizonsMs
+from rallygap.models.policy.settings import GoalSettings, HorizonsMs
 
 GOALS = {"landing_across": (-0.4, 0.4), "landing_along": (0.5, 1.1), "speed": None, "topspin": None}
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.policy.forecasts import exact
-from models.policy.incoming_balls import FIRST_WINDOW
-from models.policy.launches import is_playable
+from rallygap.models.policy.forecasts import exact
+from rallygap.models.policy.incoming_balls import FIRST_WINDOW
+from rallygap.models.policy.launches import is_playable
 from tests.models.policy.schooling import TASK
 
 

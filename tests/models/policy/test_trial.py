@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.policy import trial
-from models.policy.goals import Goals
-from models.policy.trial import play
+from rallygap.models.policy import trial
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.trial import play
 from tests.models.policy.schooling import TASK, drawn_policy, resting_policy
 from tests.models.policy.simulations import (
     SIMULATOR,

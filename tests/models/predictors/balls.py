@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from models.ball.simulators import shipped
-from models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES, History
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES, History
 
 TRUTH = shipped("literature")
 # Balls at their first measurement; the second one bounces inside the history.

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from models.predictors.windows import Episode
+from rallygap.models.predictors.windows import Episode
 from tests.models.predictors.balls import FIRST, TRUTH
 
 GRID = 0.005 * np.arange(121)

@@ -5,8 +5,8 @@ from filterpy.common import Q_discrete_white_noise
 from filterpy.kalman import ExtendedKalmanFilter
 from scipy.linalg import block_diag
 
-from models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
-from models.predictors.ball_filter import (
+from rallygap.models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
+from rallygap.models.predictors.ball_filter import (
     ACCELERATION_NOISE,
     FIRST_SAMPLES,
     OUTLIER_DISTANCE,
@@ -19,7 +19,7 @@ from models.predictors.ball_filter import (
     STEPS,
     VELOCITY_PRIOR,
 )
-from models.predictors.protocol import TICK
+from rallygap.models.predictors.protocol import TICK
 
 PROBES = np.vstack([np.zeros(STATE_SIZE), np.diag(STEPS), -np.diag(STEPS)])
 

@@ -7,16 +7,16 @@ import lightning
 import numpy as np
 import torch
 
-from models.predictors.learned import build_network
-from models.predictors.settings import (
+from rallygap.models.predictors.learned import build_network
+from rallygap.models.predictors.settings import (
     GruTaeSettings,
     HybridSettings,
     TaeSettings,
     TrainingSettings,
     TransformerSettings,
 )
-from models.predictors.training import ForecastTraining, WindowData
-from models.predictors.window_dataset import build_tracks
+from rallygap.models.predictors.training import ForecastTraining, WindowData
+from rallygap.models.predictors.window_dataset import build_tracks
 from tests.models.predictors.balls import FIRST
 from tests.models.predictors.episodes import degraded, flown
 

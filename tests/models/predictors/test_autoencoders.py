@@ -4,9 +4,9 @@ import pytest
 import torch
 from torch import nn
 
-from models.predictors.gru_tae import RecurrentAutoencoder
-from models.predictors.learned import LearnedPredictor
-from models.predictors.tae import TrajectoryAutoencoder
+from rallygap.models.predictors.gru_tae import RecurrentAutoencoder
+from rallygap.models.predictors.learned import LearnedPredictor
+from rallygap.models.predictors.tae import TrajectoryAutoencoder
 from tests.models.predictors.balls import observed
 from tests.models.predictors.small_training import (
     BRIEF,

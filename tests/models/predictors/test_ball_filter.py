@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.predictors.ball_filter import ANY_BALL, Expected, filtered
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import History
+from rallygap.models.predictors.ball_filter import ANY_BALL, Expected, filtered
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import History
 from tests.models.predictors.balls import FIRST, TRUTH, observed
 from tests.models.predictors.filterpy_filter import filtered_by_filterpy
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi, norm
 
-from models.predictors.calibration import LEVELS, NORMAL_MEDIAN, Calibration, Errors, crps
+from rallygap.models.predictors.calibration import LEVELS, NORMAL_MEDIAN, Calibration, Errors, crps
 
 SHAPE = np.array([[4.0, 1.0, 0.0], [1.0, 2.0, 0.5], [0.0, 0.5, 1.0]]) * 1e-4
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from models.ball.simulators import shipped
-from models.predictors.learned import LearnedPredictor
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import FUTURE, History
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.predictors.learned import LearnedPredictor
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import FUTURE, History
 from tests.models.predictors.balls import observed
 from tests.models.predictors.small_training import NETWORKS, network
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from models.ball.simulators import shipped
-from models.predictors.ensemble import EnsemblePredictor
-from models.predictors.physics import PhysicsPredictor
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.predictors.ensemble import EnsemblePredictor
+from rallygap.models.predictors.physics import PhysicsPredictor
 from tests.models.predictors.balls import observed
 
 MEMBERS = [PhysicsPredictor(shipped(name)) for name in ("literature", "imperfect_c")]

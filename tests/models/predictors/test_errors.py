@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.predictors.errors import error_norms, error_statistics
-from models.predictors.protocol import Forecast, History
-from models.predictors.windows import Windows
+from rallygap.models.predictors.errors import error_norms, error_statistics
+from rallygap.models.predictors.protocol import Forecast, History
+from rallygap.models.predictors.windows import Windows
 
 
 def measured_windows(count=4, measured=True):

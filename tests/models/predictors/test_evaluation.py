@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.predictors.errors import HORIZONS_MS
-from models.predictors.evaluation import ForecastErrors
+from rallygap.models.predictors.errors import HORIZONS_MS
+from rallygap.models.predictors.evaluation import ForecastErrors
 
 WINDOWS = 40
 HORIZONS = len(HORIZONS_MS)

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 import torch
 
-from models.ball.simulators import shipped
-from models.predictors.learned import LearnedPredictor, build_network
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import History
-from models.predictors.training import ForecastTraining
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.predictors.learned import LearnedPredictor, build_network
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import History
+from rallygap.models.predictors.training import ForecastTraining
 from tests.models.predictors.balls import FIRST, TRUTH, observed
 from tests.models.predictors.small_training import BRIEF, TINY_HYBRID, changed, data
 

@@ -3,9 +3,9 @@
 import numpy as np
 import torch
 
-from models.predictors.learned import ForecastNetwork, LearnedPredictor
-from models.predictors.normaliser import uniform_motion
-from models.predictors.protocol import History
+from rallygap.models.predictors.learned import ForecastNetwork, LearnedPredictor
+from rallygap.models.predictors.normaliser import uniform_motion
+from rallygap.models.predictors.protocol import History
 from tests.models.predictors.balls import observed
 from tests.models.predictors.small_training import network, small_training
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.predictors.long_forecast import forecast_at, rolled_out
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES, Forecast, History
+from rallygap.models.predictors.long_forecast import forecast_at, rolled_out
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES, Forecast, History
 from tests.models.predictors.balls import TRUTH, observed
 
 LAUNCH = np.array([[0.1, 1.2, 0.3], [0.0, 1.0, 0.2]])

@@ -9,8 +9,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from models.predictors.normaliser import Normaliser, uniform_motion
-from models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES
+from rallygap.models.predictors.normaliser import Normaliser, uniform_motion
+from rallygap.models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES
 from tests.models.predictors.balls import FIRST, observed
 
 ALL = torch.ones(1, 12, 6, dtype=torch.bool)

@@ -8,7 +8,7 @@ from torch import nn
 from torch.optim import Adam, Muon
 from torch.optim.lr_scheduler import LambdaLR
 
-from models.predictors.optimizer import MuonAndAdam, StackedMuon
+from rallygap.models.predictors.optimizer import MuonAndAdam, StackedMuon
 
 RATE, MATRIX_RATE = 0.01, 0.1
 

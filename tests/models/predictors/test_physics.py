@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import interp1d
 
-from models.ball.simulators import shipped
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import HISTORY_TIMES, History
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import HISTORY_TIMES, History
 from tests.models.predictors.balls import FIRST, TRUTH, observed
 
 TRUE_PHYSICS = PhysicsPredictor(TRUTH)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.ball.simulator import Simulator
-from models.ball.simulators import shipped
-from models.predictors.propagation import propagated
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.predictors.propagation import propagated
 
 TRUTH = shipped("literature")
 STATE = np.array([0.1, 1.2, 0.35, 0.3, -6.0, 1.0, -150.0, 20.0, 30.0])

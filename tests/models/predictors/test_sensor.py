@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from models.ball.sensor import measured
-from models.ball.simulators import shipped
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES, History
-from models.predictors.sensor import Sensor
+from rallygap.models.ball.sensor import measured
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES, History
+from rallygap.models.predictors.sensor import Sensor
 from tests.models.predictors.balls import FIRST, TRUTH
 
 NODES = [[0.0, y, 0.3, 0.5, 1.0, -0.8] for y in (-1.0, 0.0, 1.0)]

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from models.predictors.learned import LearnedPredictor
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import History
-from models.predictors.spread_training import fit_spread
+from rallygap.models.predictors.learned import LearnedPredictor
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import History
+from rallygap.models.predictors.spread_training import fit_spread
 from tests.models.predictors.balls import FIRST, TRUTH, observed
 from tests.models.predictors.small_training import network, small_training, tracks
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import torch
 
-from models.predictors.learned import ForecastNetwork, LearnedPredictor
-from models.predictors.normaliser import uniform_motion
-from models.predictors.protocol import History
-from models.predictors.training import ForecastTraining, WindowData, cosine
-from models.predictors.window_dataset import build_tracks
+from rallygap.models.predictors.learned import ForecastNetwork, LearnedPredictor
+from rallygap.models.predictors.normaliser import uniform_motion
+from rallygap.models.predictors.protocol import History
+from rallygap.models.predictors.training import ForecastTraining, WindowData, cosine
+from rallygap.models.predictors.window_dataset import build_tracks
 from tests.models.predictors.balls import FIRST
 from tests.models.predictors.episodes import flown
 from tests.models.predictors.small_training import (

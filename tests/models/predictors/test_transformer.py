@@ -7,7 +7,7 @@ import pytest
 import torch
 from torch import nn
 
-from models.predictors.transformer import ConvolutionBlock, Transformer, sinusoids
+from rallygap.models.predictors.transformer import ConvolutionBlock, Transformer, sinusoids
 
 HEADS, ENCODER_LAYERS, DECODER_LAYERS = 4, 3, 2
 

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chisquare
 
-from models.predictors.protocol import TICK
-from models.predictors.window_dataset import build_tracks
-from models.predictors.windows import cut_windows
+from rallygap.models.predictors.protocol import TICK
+from rallygap.models.predictors.window_dataset import build_tracks
+from rallygap.models.predictors.windows import cut_windows
 from tests.models.predictors.balls import FIRST
 from tests.models.predictors.episodes import GRID, degraded, flown
 

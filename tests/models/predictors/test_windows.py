@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES
-from models.predictors.windows import Episode, cut_windows
+from rallygap.models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES
+from rallygap.models.predictors.windows import Episode, cut_windows
 
 
 def path(times):

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.policy.incoming_balls import PATH_TIMES
-from models.replay.measured_path import measured_path
+from rallygap.models.policy.incoming_balls import PATH_TIMES
+from rallygap.models.replay.measured_path import measured_path
 from tests.models.policy.replayed_shots import SERVE, STROKE, sampled
 from tests.models.predictors.balls import TRUTH
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.replay.perturbed_forecasts import ERRORS
+from rallygap.models.replay.perturbed_forecasts import ERRORS
 
 FORECASTS = np.random.default_rng(0).normal(size=(400, 20, 3, 9))
 

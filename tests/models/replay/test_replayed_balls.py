@@ -7,18 +7,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.policy.incoming_balls import (
+from rallygap.models.policy.incoming_balls import (
     CONTROL_STEP,
     FIRST_WINDOW,
     PATH_TIMES,
     control_times,
     fly_incoming,
 )
-from models.policy.launches import WORKSPACE
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.protocol import FUTURE, HISTORY_TIMES, Forecast
-from models.predictors.windows import MIN_OBSERVED, cut_windows, observed_at
-from models.replay.replayed_balls import (
+from rallygap.models.policy.launches import WORKSPACE
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import FUTURE, HISTORY_TIMES, Forecast
+from rallygap.models.predictors.windows import MIN_OBSERVED, cut_windows, observed_at
+from rallygap.models.replay.replayed_balls import (
     anchored,
     every_step,
     fly_on,

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.policy.incoming_balls import PATH_TIMES
-from models.policy.settings import SensorNoise
-from models.replay.shots import (
+from rallygap.models.policy.incoming_balls import PATH_TIMES
+from rallygap.models.policy.settings import SensorNoise
+from rallygap.models.replay.shots import (
     NO_MEASUREMENTS,
     Shot,
     extend_measurements,

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from models.arena.truth_path import true_states
-from models.policy.incoming_balls import PATH_TIMES
-from models.replay.replayed_balls import fly_on
-from models.replay.shots import Shot
-from models.replay.true_path import true_path
+from rallygap.models.arena.truth_path import true_states
+from rallygap.models.policy.incoming_balls import PATH_TIMES
+from rallygap.models.replay.replayed_balls import fly_on
+from rallygap.models.replay.shots import Shot
+from rallygap.models.replay.true_path import true_path
 from tests.models.arena.sessions import TRUTH, games, session
 
 

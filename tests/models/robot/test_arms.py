@@ -3,10 +3,18 @@
 import numpy as np
 import pytest
 
-from models.robot.arms import Arms
-from models.robot.constants import BULLET_STEP, COMMAND_STEP, JOINTS, LOWER, NEUTRAL, SPEED, UPPER
-from models.robot.control import joint_speeds
-from models.robot.kinematics import racket
+from rallygap.models.robot.arms import Arms
+from rallygap.models.robot.constants import (
+    BULLET_STEP,
+    COMMAND_STEP,
+    JOINTS,
+    LOWER,
+    NEUTRAL,
+    SPEED,
+    UPPER,
+)
+from rallygap.models.robot.control import joint_speeds
+from rallygap.models.robot.kinematics import racket
 
 STEPS_A_COMMAND = round(COMMAND_STEP / BULLET_STEP)
 FREE = 25  # commands, 0.5 s

@@ -6,10 +6,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from models.ball.state import BALL_RADIUS
-from models.robot.constants import RACKET_RADIUS
-from models.robot.contact import first_contact
-from models.robot.kinematics import Racket
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.robot.constants import RACKET_RADIUS
+from rallygap.models.robot.contact import first_contact
+from rallygap.models.robot.kinematics import Racket
 
 STEP = 0.001  # s
 MARGIN = 0.0005  # m by which a turning blade's straight step may be off

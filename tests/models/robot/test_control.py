@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.robot.constants import COMMAND_STEP, JOINTS, LOWER, NEUTRAL, SPEED, UPPER
-from models.robot.control import DAMPING, HOMING, joint_speeds
-from models.robot.kinematics import racket
+from rallygap.models.robot.constants import COMMAND_STEP, JOINTS, LOWER, NEUTRAL, SPEED, UPPER
+from rallygap.models.robot.control import DAMPING, HOMING, joint_speeds
+from rallygap.models.robot.kinematics import racket
 
 RANDOM = np.random.default_rng(5)
 POSES = 0.4 * RANDOM.uniform(LOWER, UPPER, (200, len(JOINTS)))

@@ -4,9 +4,9 @@ import numpy as np
 import pybullet
 import pytest
 
-from models.robot.bullet import add_arm, open_world
-from models.robot.constants import BLADE, JOINTS, LOWER, NEUTRAL, SPEED, UPPER
-from models.robot.kinematics import racket
+from rallygap.models.robot.bullet import add_arm, open_world
+from rallygap.models.robot.constants import BLADE, JOINTS, LOWER, NEUTRAL, SPEED, UPPER
+from rallygap.models.robot.kinematics import racket
 
 RACKET_LINK = len(JOINTS) - 1
 POSES = np.random.default_rng(3).uniform(LOWER, UPPER, (40, len(JOINTS)))

@@ -4,9 +4,9 @@ import numpy as np
 import pybullet
 import pytest
 
-from models.robot.bullet import add_arm, open_world
-from models.robot.constants import JOINTS, Solid
-from models.robot.urdf import inertia
+from rallygap.models.robot.bullet import add_arm, open_world
+from rallygap.models.robot.constants import JOINTS, Solid
+from rallygap.models.robot.urdf import inertia
 
 
 @pytest.fixture(scope="module")

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.robot.constants import NEUTRAL
-from models.robot.view import HEIGHT, WIDTH, frames
+from rallygap.models.robot.constants import NEUTRAL
+from rallygap.models.robot.view import HEIGHT, WIDTH, frames
 
 POSES = np.tile(NEUTRAL, (2, 1))
 BALLS = np.array([[0.1, 0.8, 0.4], [np.nan, np.nan, np.nan]])

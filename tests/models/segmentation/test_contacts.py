@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.segmentation.contacts import Contact, closest_approach, extrapolated
+from rallygap.models.segmentation.contacts import Contact, closest_approach, extrapolated
 
 
 def contact(before, after, position=(0.0, 0.8, 0.02)):

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.segmentation.cuts import cut
-from models.segmentation.settings import SegmentSettings
+from rallygap.models.segmentation.cuts import cut
+from rallygap.models.segmentation.settings import SegmentSettings
 from tests.models.segmentation.rallies import scores, simulated_rally
 
 SETTINGS = SegmentSettings()

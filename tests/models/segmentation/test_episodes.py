@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.segmentation.contacts import Contact
-from models.segmentation.cuts import Cuts
-from models.segmentation.episodes import episodes
+from rallygap.models.segmentation.contacts import Contact
+from rallygap.models.segmentation.cuts import Cuts
+from rallygap.models.segmentation.episodes import episodes
 
 DOWN, UP, STRUCK = np.array([0.0, 4.0, -3.0]), np.array([0.0, 3.5, 2.8]), np.array([0.0, -6.0, 2.0])
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad_vec, solve_ivp
 
-from models.segmentation.flight import (
+from rallygap.models.segmentation.flight import (
     DRAG,
     JERK_DENSITY,
     negative_log_likelihood,

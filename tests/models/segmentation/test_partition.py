@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.segmentation.partition import FEWEST_SAMPLES, partition
+from rallygap.models.segmentation.partition import FEWEST_SAMPLES, partition
 
 NOISE, CONTACT_COST, OUTLIER_COST = 0.003, 16.0, 16.0
 STEP = 0.005

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from models.segmentation.cuts import flight_residuals
-from models.segmentation.flight import DRAG
+from rallygap.models.segmentation.cuts import flight_residuals
+from rallygap.models.segmentation.flight import DRAG
 
 T = 0.005 * np.arange(100)
 ALL = np.ones(100, dtype=bool)

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.segmentation.scoring import in_play, match_contacts, observable, score
-from models.segmentation.settings import ScoringSettings
+from rallygap.models.segmentation.scoring import in_play, match_contacts, observable, score
+from rallygap.models.segmentation.settings import ScoringSettings
 
 SETTINGS = ScoringSettings()
 

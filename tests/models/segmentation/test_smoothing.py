@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from models.segmentation import flight
-from models.segmentation.smoothing import smooth
+from rallygap.models.segmentation import flight
+from rallygap.models.segmentation.smoothing import smooth
 
 NOISE = 0.003
 

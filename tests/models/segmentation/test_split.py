@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.segmentation.settings import ReplaySettings, SplitSettings
-from models.segmentation.split import recording_groups, split
+from rallygap.models.segmentation.settings import ReplaySettings, SplitSettings
+from rallygap.models.segmentation.split import recording_groups, split
 
 GROUPS = ["cannon", "amateur", "club", "semi_pro", "pro"]
 NO_REPLAY = ReplaySettings(stroke_pro=0, stroke_uni=0, receive=0)

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.segmentation.settings import SegmentSettings
-from models.segmentation.tables import POSITION, SPIN, VELOCITY, segment_recordings
-from pipeline.io.schemas import CONTACTS, EPISODES, SAMPLES, checked
+from rallygap.models.segmentation.settings import SegmentSettings
+from rallygap.models.segmentation.tables import POSITION, SPIN, VELOCITY, segment_recordings
+from rallygap.pipeline.io.schemas import CONTACTS, EPISODES, SAMPLES, checked
 from tests.models.segmentation.rallies import simulated_rally
 
 SETTINGS = SegmentSettings()

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from models.shot_quality.settings import ForestSettings
-from models.shot_quality.shots import FEATURES
+from rallygap.models.shot_quality.settings import ForestSettings
+from rallygap.models.shot_quality.shots import FEATURES
 
 SETTINGS = ForestSettings(trees=20, min_samples_leaf=10)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from sklearn.metrics import brier_score_loss, roc_auc_score
 
-from models.shot_quality.cross_validation import (
+from rallygap.models.shot_quality.cross_validation import (
     bootstrap_score,
     brier,
     calibration,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.shot_quality.forest import Forest
+from rallygap.models.shot_quality.forest import Forest
 from tests.models.shot_quality.planted import SETTINGS, planted
 
 

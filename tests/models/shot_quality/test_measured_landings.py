@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.ball.state import BALL_RADIUS
-from models.predictors.windows import Episode
-from models.shot_quality.measured_landings import has_first_arc, landing, stroke_direction
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.predictors.windows import Episode
+from rallygap.models.shot_quality.measured_landings import has_first_arc, landing, stroke_direction
 
 START = np.array([0.2, -1.5, 0.35, -0.3, 6.0, 1.0])  # m, m/s
 SPIN = np.array([-120.0, 15.0, 4.0])

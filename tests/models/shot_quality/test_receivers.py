@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.arena.truth import draw_truth
-from models.shot_quality.receivers import RECEIVERS, Receiver, play_against
-from models.shot_quality.shots import FEATURES
+from rallygap.models.arena.truth import draw_truth
+from rallygap.models.shot_quality.receivers import RECEIVERS, Receiver, play_against
+from rallygap.models.shot_quality.shots import FEATURES
 
 
 def against(receiver):

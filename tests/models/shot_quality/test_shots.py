@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from models.ball.simulator import Simulator
-from models.ball.simulators import shipped
-from models.ball.state import BALL_RADIUS
-from models.policy.goals import Goals
-from models.policy.outcome import judge
-from models.shot_quality.shots import FEATURES, clearance, landings, shot_features
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.outcome import judge
+from rallygap.models.shot_quality.shots import FEATURES, clearance, landings, shot_features
 
 VACUUM = Simulator.from_dict(
     {"gravity": {"g": 9.81}, "table_bounce": {"restitution": 0.9, "friction": 0.25}}

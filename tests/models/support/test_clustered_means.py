@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import ttest_1samp
 
-from models.support.clustered_means import clustered_mean
+from rallygap.models.support.clustered_means import clustered_mean
 
 
 def drawn(trainings, recordings, shots, of_trainings=0.0, of_recordings=0.0, seed=0):

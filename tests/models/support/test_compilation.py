@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from models.support.compilation import compiler
+from rallygap.models.support.compilation import compiler
 
 
 @pytest.fixture

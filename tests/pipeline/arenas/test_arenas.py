@@ -4,17 +4,17 @@ import joblib
 import pandas as pd
 import pytest
 
-from pipeline.arenas import run
-from pipeline.arenas.scores import (
+from rallygap.pipeline.arenas import run
+from rallygap.pipeline.arenas.scores import (
     coverage,
     found_by_size,
     gap_closed,
     made_up,
     ratios,
 )
-from pipeline.arenas.world import arena_result
-from pipeline.gap import cases
-from pipeline.io.artifacts import read_json
+from rallygap.pipeline.arenas.world import arena_result
+from rallygap.pipeline.gap import cases
+from rallygap.pipeline.io.artifacts import read_json
 from tests.models.predictors.small_training import BRIEF, TINY, TINY_HYBRID, changed
 from tests.pipeline.arenas.made_up import CAUSES, ERRORS
 from tests.pipeline.known_answers.made_up import cause, found

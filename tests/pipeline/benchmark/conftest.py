@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeline.benchmark.windows import run_sets
+from rallygap.pipeline.benchmark.windows import run_sets
 from tests.pipeline.measured_shots import params, write_inputs
 
 

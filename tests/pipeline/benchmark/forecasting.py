@@ -3,9 +3,9 @@
 import numpy as np
 import pandas as pd
 
-from models.predictors.errors import EVALUATED, HORIZONS_MS
-from models.predictors.protocol import HISTORY, History
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
+from rallygap.models.predictors.errors import EVALUATED, HORIZONS_MS
+from rallygap.models.predictors.protocol import HISTORY, History
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
 
 
 def forecasts_of(predictor, exported: pd.DataFrame) -> pd.DataFrame:
@@ -26,6 +26,6 @@ class ZeroPredictor:
 
     def predict(self, history):
         """Forecast the origin."""
-        from models.predictors.protocol import FUTURE, Forecast
+        from rallygap.models.predictors.protocol import FUTURE, Forecast
 
         return Forecast(np.zeros((len(history), FUTURE, 9)), np.ones(len(history), bool))

@@ -8,9 +8,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from pipeline.benchmark.forecasts import read_forecasts
-from pipeline.benchmark.windows import window_ids, window_table
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.benchmark.forecasts import read_forecasts
+from rallygap.pipeline.benchmark.windows import window_ids, window_table
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.benchmark.forecasting import ZeroPredictor, forecasts_of
 
 

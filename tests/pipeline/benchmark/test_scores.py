@@ -13,14 +13,14 @@ import pandas as pd
 import pytest
 from rich.console import Console
 
-from models.predictors.evaluation import SHOWN_HORIZONS_MS
-from models.predictors.windows import cut_windows
-from pipeline.benchmark.scores import score, score_tables, write_scores
-from pipeline.benchmark.windows import export_windows, run_sets, window_table
-from pipeline.evaluation.predictors import read_predictors
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun
-from stages.evaluate_predictor import evaluate_predictor
+from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
+from rallygap.models.predictors.windows import cut_windows
+from rallygap.pipeline.benchmark.scores import score, score_tables, write_scores
+from rallygap.pipeline.benchmark.windows import export_windows, run_sets, window_table
+from rallygap.pipeline.evaluation.predictors import read_predictors
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.stages.evaluate_predictor import evaluate_predictor
 from tests.pipeline.benchmark.forecasting import ZeroPredictor, forecasts_of
 from tests.pipeline.measured_shots import params, write_inputs, write_trained
 from tests.stages.small_runs import run_ingest, run_segment
@@ -123,7 +123,7 @@ def repository(tmp_path_factory, root):
 
 def rallygap(*words, cwd):
     environment = {**os.environ, "PYTHONPATH": str(REPOSITORY), "COLUMNS": "80"}
-    command = [sys.executable, "-c", "from pipeline.cli import main; main()"]
+    command = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main()"]
     return subprocess.run(
         [*command, *words], cwd=cwd, env=environment, capture_output=True, text=True
     )

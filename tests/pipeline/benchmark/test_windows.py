@@ -4,12 +4,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.predictors.protocol import HISTORY
-from pipeline.benchmark.schemas import FORECASTS, WINDOWS, type_of
-from pipeline.benchmark.windows import export_windows, window_ids, window_table
-from pipeline.evaluation.test_windows import read_test_sets
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
-from pipeline.runtime.errors import InputError
+from rallygap.models.predictors.protocol import HISTORY
+from rallygap.pipeline.benchmark.schemas import FORECASTS, WINDOWS, type_of
+from rallygap.pipeline.benchmark.windows import export_windows, window_ids, window_table
+from rallygap.pipeline.evaluation.test_windows import read_test_sets
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.measured_shots import params, write_inputs
 
 EVERY = params().evaluate_predictor.window_every_ms / 1000  # s

@@ -2,12 +2,12 @@
 
 import pandas as pd
 
-from pipeline.documentation.answers import (
+from rallygap.pipeline.documentation.answers import (
     what_naming_buys,
     when_a_learned_predictor_helps,
     when_the_swap_helps,
 )
-from pipeline.io.artifacts import write_csv
+from rallygap.pipeline.io.artifacts import write_csv
 from tests.pipeline.arenas.made_up import ERRORS
 
 

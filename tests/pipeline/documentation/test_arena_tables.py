@@ -2,13 +2,13 @@
 
 import pandas as pd
 
-from pipeline.documentation.arena_tables import (
+from rallygap.pipeline.documentation.arena_tables import (
     arena_causes_found,
     arena_coverage,
     arena_coverage_share,
     arena_errors,
 )
-from pipeline.io.artifacts import write_csv
+from rallygap.pipeline.io.artifacts import write_csv
 from tests.pipeline.arenas.made_up import CAUSES, ERRORS
 
 

@@ -6,9 +6,14 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from pipeline.documentation.cost_tables import CORE_HOUR, EPOCH, extrapolation_table, scale_table
-from pipeline.io.artifacts import write_json
-from pipeline.params import load_params
+from rallygap.pipeline.documentation.cost_tables import (
+    CORE_HOUR,
+    EPOCH,
+    extrapolation_table,
+    scale_table,
+)
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.params import load_params
 
 ROOT = Path(__file__).parents[3]
 UNITS = ("episodes", "questions of the exam", "control steps", "windows")

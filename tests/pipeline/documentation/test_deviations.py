@@ -2,8 +2,8 @@
 
 import pandas as pd
 
-from pipeline.documentation.deviations import BLOCKS
-from pipeline.io.artifacts import write_csv
+from rallygap.pipeline.documentation.deviations import BLOCKS
+from rallygap.pipeline.io.artifacts import write_csv
 
 OF_RETURNS = {"predictor": "physics", "outcome": "returns", "protocol": "first_window"}
 ERRORS = {"set": "arena", "against": "measured", "bounce": "all", "horizon_ms": 300}

@@ -5,7 +5,7 @@ import json
 import pandas as pd
 import pytest
 
-from pipeline.documentation.gap_tables import (
+from rallygap.pipeline.documentation.gap_tables import (
     ROBUSTNESS_RATES,
     arena_causes,
     arena_verdict,
@@ -16,7 +16,7 @@ from pipeline.documentation.gap_tables import (
     real_summary,
     robustness_rates,
 )
-from pipeline.io.artifacts import write_csv
+from rallygap.pipeline.io.artifacts import write_csv
 
 CASE = {"source": ["tt3d"], "simulator": ["imperfect_c"], "split": [0]}
 SIZES = {"before_mm": [9.0] * 3, "after_mm": [5.0] * 3, "floor_mm": [4.0] * 3}

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.documentation import generated
-from pipeline.documentation.generated import regenerate
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.documentation import generated
+from rallygap.pipeline.documentation.generated import regenerate
+from rallygap.pipeline.runtime.errors import InputError
 
 ROOT = Path(__file__).parents[3]
 

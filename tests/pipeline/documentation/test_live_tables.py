@@ -1,7 +1,7 @@
 """Tables of live forecasts, from small reports."""
 
-from pipeline.documentation.live_tables import drift, latency
-from pipeline.io.artifacts import write_json
+from rallygap.pipeline.documentation.live_tables import drift, latency
+from rallygap.pipeline.io.artifacts import write_json
 
 
 def test_a_predictor_that_is_not_compiled_has_no_change(tmp_path):

@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from pipeline.documentation.predictor_tables import (
+from rallygap.pipeline.documentation.predictor_tables import (
     learning_curves,
     measured_coverage,
     measured_differences,

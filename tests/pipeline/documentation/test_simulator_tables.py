@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from pipeline.documentation.simulator_tables import (
+from rallygap.pipeline.documentation.simulator_tables import (
     larger_spins_table,
     real_scenes_table,
     scenes_table,

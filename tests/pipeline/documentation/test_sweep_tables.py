@@ -1,7 +1,7 @@
 """Tables of sweeps, from small reports."""
 
-from pipeline.documentation.sweep_tables import committed_sweeps, confirmed_sweeps
-from pipeline.io.artifacts import write_json
+from rallygap.pipeline.documentation.sweep_tables import committed_sweeps, confirmed_sweeps
+from rallygap.pipeline.io.artifacts import write_json
 
 SWEEP = {
     "sweep": "policy",

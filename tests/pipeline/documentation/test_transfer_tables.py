@@ -2,14 +2,14 @@
 
 import pandas as pd
 
-from pipeline.documentation.transfer_tables import (
+from rallygap.pipeline.documentation.transfer_tables import (
     both_readings,
     real_swap,
     shot_quality,
     sim2sim_returns,
     spread_policies,
 )
-from pipeline.io.artifacts import write_csv
+from rallygap.pipeline.io.artifacts import write_csv
 
 
 def test_returns_are_shares_and_their_difference_is_in_points(tmp_path):

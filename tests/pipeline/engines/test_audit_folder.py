@@ -5,10 +5,10 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from pipeline.cli import app
-from pipeline.engines.audit_folder import audit_folder
-from pipeline.io.simulators import load_simulator
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.cli import app
+from rallygap.pipeline.engines.audit_folder import audit_folder
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.runtime.errors import InputError
 
 FILES = ["audit.json", "figures/bounces.png", "figures/worth.png", "report.html", "simulator.yaml"]
 MINE = """

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from typer.testing import CliRunner
 
-from models.audit.probes import bounce_probes, flight_probes
-from models.ball.simulator import Simulator
-from models.gap.hypotheses import hypotheses
-from pipeline.cli import app
-from pipeline.engines.export.code import ENGINES, ball_effects
+from rallygap.models.audit.probes import bounce_probes, flight_probes
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.hypotheses import hypotheses
+from rallygap.pipeline.cli import app
+from rallygap.pipeline.engines.export.code import ENGINES, ball_effects
 from tests.models.audit.test_audit import FLIGHT, PLAIN, TABLE, some_of
 
 # Every effect of flight and of the table, away from its neutral value.

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.ball.simulators import shipped
-from pipeline.engines.load import load_engine
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.simulators import shipped
+from rallygap.pipeline.engines.load import load_engine
+from rallygap.pipeline.runtime.errors import InputError
 
 STATES, TIMES = np.array([[0.0, 0.0, 1.0, 1.0, -5.0, 0.0, 0.0, 0.0, 0.0]]), np.array([0.1, 0.2])
 CODE = """

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.engines.mujoco_file import load_scene
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.engines.mujoco_file import load_scene
+from rallygap.pipeline.runtime.errors import InputError
 
 SPHERE = '<geom type="sphere" size=".02" mass=".0027"/>'
 BALL = f'<body name="ball"><freejoint/>{SPHERE}</body>'
 SPARE = f'<body name="spare" pos="1 0 0"><freejoint/>{SPHERE}</body>'
-LOADS = "import sys, pipeline.engines.mujoco_file; sys.exit('mujoco' in sys.modules)"
+LOADS = "import sys, rallygap.pipeline.engines.mujoco_file; sys.exit('mujoco' in sys.modules)"
 
 
 @pytest.fixture
@@ -69,7 +69,7 @@ def test_a_file_that_is_not_there_is_refused(tmp_path):
 
 def test_without_mujoco_one_line_says_what_brings_it(written, monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    for name in [name for name in sys.modules if name.startswith("models.engines.mujoco")]:
+    for name in [name for name in sys.modules if name.startswith("rallygap.models.engines.mujoco")]:
         monkeypatch.delitem(sys.modules, name)
     with pytest.raises(InputError, match=r"scene.xml: pip install -e '.\[mujoco\]' brings MuJoCo"):
         load_scene(written(BALL))

@@ -6,10 +6,10 @@ import pytest
 
 pytest.importorskip("mujoco")
 
-from models.engines.mujoco.scene import MujocoScene
-from pipeline.engines.audit_folder import audit_folder
-from pipeline.engines.audited import audited
-from pipeline.engines.scene_audit import SceneAudit
+from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.pipeline.engines.audit_folder import audit_folder
+from rallygap.pipeline.engines.audited import audited
+from rallygap.pipeline.engines.scene_audit import SceneAudit
 from tests.models.engines.mujoco.scenes import (
     BALL,
     CONTACT,

@@ -9,15 +9,15 @@ import psutil
 import pytest
 import torch
 
-from models.predictors.protocol import History
-from pipeline.evaluation.costs import (
+from rallygap.models.predictors.protocol import History
+from rallygap.pipeline.evaluation.costs import (
     latency,
     measure_costs,
     one_core,
 )
-from pipeline.evaluation.error_table import KEYS, NUMBERS, REPORT
-from pipeline.io.artifacts import write_json
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.evaluation.error_table import KEYS, NUMBERS, REPORT
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.measured_shots import write_inputs
 
 REPOSITORY = Path(__file__).parents[3]
@@ -66,14 +66,14 @@ def root(tmp_path_factory):
 def costs(root):
     """What is measured there, with few calls."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pipeline.evaluation.costs.CALLS", 30)
-        patch.setattr("pipeline.evaluation.costs.WARM_UP", 3)
+        patch.setattr("rallygap.pipeline.evaluation.costs.CALLS", 30)
+        patch.setattr("rallygap.pipeline.evaluation.costs.WARM_UP", 3)
         return measure_costs(root)
 
 
 def test_latency_is_of_every_call_after_the_warm_up(monkeypatch):
     slow = Slow()
-    monkeypatch.setattr("pipeline.evaluation.costs.time", slow)
+    monkeypatch.setattr("rallygap.pipeline.evaluation.costs.time", slow)
     balls = [History(np.zeros((1, 12, 6)), np.zeros((1, 12, 6), bool))] * 20
     assert latency(slow, balls) == pytest.approx(np.full(20, 2.0))
 

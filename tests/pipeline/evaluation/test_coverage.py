@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.predictors.calibration import LEVELS, Errors
-from models.predictors.errors import HORIZONS_MS
-from pipeline.evaluation.coverage import Coverage
+from rallygap.models.predictors.calibration import LEVELS, Errors
+from rallygap.models.predictors.errors import HORIZONS_MS
+from rallygap.pipeline.evaluation.coverage import Coverage
 
 HORIZONS = len(HORIZONS_MS)
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from pipeline.evaluation.error_table import KEYS, NUMBERS, REPORT, read_errors
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.evaluation.error_table import KEYS, NUMBERS, REPORT, read_errors
+from rallygap.pipeline.runtime.errors import InputError
 
 REPOSITORY = Path(__file__).parents[3]
 

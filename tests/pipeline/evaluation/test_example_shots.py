@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from pipeline.evaluation.example_shots import read_shots, write_shots
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.evaluation.example_shots import read_shots, write_shots
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.web.example_reports import made_up_shots
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from models.predictors.protocol import FUTURE_TIMES, History
-from models.predictors.windows import Windows
-from pipeline.evaluation.example_shots import Forecast, Shot
-from pipeline.evaluation.forecasts import typical_first
+from rallygap.models.predictors.protocol import FUTURE_TIMES, History
+from rallygap.models.predictors.windows import Windows
+from rallygap.pipeline.evaluation.example_shots import Forecast, Shot
+from rallygap.pipeline.evaluation.forecasts import typical_first
 
 
 def window(measured_until=60):

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from models.exam.scoring.rates import rates
-from pipeline.exam.records import RECORDS, read_records, write_records
-from pipeline.exam.tables import methods_of
-from pipeline.runtime.errors import InputError
+from rallygap.models.exam.scoring.rates import rates
+from rallygap.pipeline.exam.records import RECORDS, read_records, write_records
+from rallygap.pipeline.exam.tables import methods_of
+from rallygap.pipeline.runtime.errors import InputError
 from tests.models.exam.example_records import example_exam, record
 
 REPOSITORY = Path(__file__).parents[3]

@@ -9,19 +9,19 @@ import joblib
 import numpy as np
 import pytest
 
-import pipeline.exam.full_run
-from models.exam.design.question import Question, seed_of
-from models.exam.design.questions import exam
-from models.exam.interface import Answer
-from models.exam.methods.registry import METHODS, RALLYGAP
-from models.exam.simulate.trial import Trial
-from pipeline.exam.full_run import main, run_exam, run_sample, verdict_costs
-from pipeline.exam.records import RECORDS, UNFINISHED, read_records, write_records
-from pipeline.exam.run import Result, assignments, code_of_records, run_questions
-from pipeline.io.artifacts import write_text
-from pipeline.io.simulators import load_simulator
-from pipeline.params import load_params
-from pipeline.runtime.errors import InputError
+import rallygap.pipeline.exam.full_run
+from rallygap.models.exam.design.question import Question, seed_of
+from rallygap.models.exam.design.questions import exam
+from rallygap.models.exam.interface import Answer
+from rallygap.models.exam.methods.registry import METHODS, RALLYGAP
+from rallygap.models.exam.simulate.trial import Trial
+from rallygap.pipeline.exam.full_run import main, run_exam, run_sample, verdict_costs
+from rallygap.pipeline.exam.records import RECORDS, UNFINISHED, read_records, write_records
+from rallygap.pipeline.exam.run import Result, assignments, code_of_records, run_questions
+from rallygap.pipeline.io.artifacts import write_text
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import load_params
+from rallygap.pipeline.runtime.errors import InputError
 from tests.models.exam.example_records import record
 from tests.models.exam.example_trials import NOMINAL
 
@@ -137,7 +137,7 @@ class Asked:
 
     def __init__(self, monkeypatch, stopped_after=1000):
         self.names, self.stopped_after = [], stopped_after
-        monkeypatch.setattr(pipeline.exam.full_run, "run_questions", self)
+        monkeypatch.setattr(rallygap.pipeline.exam.full_run, "run_questions", self)
 
     def __call__(self, assignments, folder):
         for question, _ in assignments:
@@ -153,7 +153,7 @@ class Asked:
 def few(monkeypatch):
     """An exam of a few questions."""
     asked = assignments(params())[::400]
-    monkeypatch.setattr(pipeline.exam.full_run, "assignments", lambda params: asked)
+    monkeypatch.setattr(rallygap.pipeline.exam.full_run, "assignments", lambda params: asked)
     return [question.trial.name for question, _ in asked]
 
 
@@ -217,7 +217,7 @@ def sampled(root, monkeypatch, groups, every):
         calls.append(folder)
         return [Result(record=record(name=q.trial.name), seconds={}) for q, _ in assignments]
 
-    monkeypatch.setattr(pipeline.exam.full_run, "run_questions", run)
+    monkeypatch.setattr(rallygap.pipeline.exam.full_run, "run_questions", run)
     run_sample(root, root / "sample.jsonl", groups, every)
     return [one.name for one in read_records(root / "sample.jsonl")], calls[0]
 

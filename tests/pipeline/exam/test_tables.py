@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeline.exam.tables import (
+from rallygap.pipeline.exam.tables import (
     answer_rows,
     different_answers,
     effect_table,

@@ -4,9 +4,9 @@ import shutil
 
 import pytest
 
-from pipeline.experiments.compare_commits import compare_commits
-from pipeline.io.artifacts import write_text
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.experiments.compare_commits import compare_commits
+from rallygap.pipeline.io.artifacts import write_text
+from rallygap.pipeline.runtime.errors import InputError
 from tests import clone
 from tests.clone import run
 

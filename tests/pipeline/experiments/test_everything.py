@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.experiments import everything
-from pipeline.experiments.everything import STEPS, Step, make_everything, step_results
-from pipeline.io.artifacts import read_json
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.experiments import everything
+from rallygap.pipeline.experiments.everything import STEPS, Step, make_everything, step_results
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.runtime.errors import InputError
 from tests.clone import commit, run
 
 

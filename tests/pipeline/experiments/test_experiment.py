@@ -6,9 +6,9 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from pipeline.experiments.experiment import running
-from pipeline.io.artifacts import read_json
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.experiments.experiment import running
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.runtime.errors import InputError
 from tests.clone import commit, run
 
 NAME = "arenas.run"
@@ -176,7 +176,7 @@ def test_what_is_wrong_is_said_in_one_line(repository, monkeypatch, capsys, name
     monkeypatch.setenv("DVC_ROOT", str(repository))
     monkeypatch.setenv("RALLYGAP_DATA", str(repository / "absent"))
     with pytest.raises(SystemExit) as ended:
-        runpy.run_module(f"pipeline.{name}", run_name="__main__")
+        runpy.run_module(f"rallygap.pipeline.{name}", run_name="__main__")
     assert ended.value.code == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "not committed" in line or "is not a folder" in line

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeline.experiments.file_content import do_the_same
+from rallygap.pipeline.experiments.file_content import do_the_same
 
 CODE = "def area(r: float) -> float:\n    return 3 * r"
 

@@ -6,9 +6,9 @@ import subprocess
 
 import pytest
 
-from pipeline.experiments import keep
-from pipeline.experiments.keep import keep_experiment
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.experiments import keep
+from rallygap.pipeline.experiments.keep import keep_experiment
+from rallygap.pipeline.runtime.errors import InputError
 
 PARAMS = "seed: 1\ningest: {folder: null}\n"
 CONTENTS = '{"stage": "segment", "command": "a", "fingerprint": "f00d", "items": []}'

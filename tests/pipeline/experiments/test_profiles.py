@@ -9,9 +9,9 @@ import pytest
 from dvc.utils.hydra import apply_overrides
 from ruamel.yaml import YAML
 
-from pipeline.experiments.profiles import flags, merged, profile_flags
-from pipeline.params import load_params, read_yaml
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.experiments.profiles import flags, merged, profile_flags
+from rallygap.pipeline.params import load_params, read_yaml
+from rallygap.pipeline.runtime.errors import InputError
 
 ROOT = Path(__file__).parents[3]
 

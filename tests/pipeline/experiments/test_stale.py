@@ -2,8 +2,8 @@
 
 import pytest
 
-from pipeline.experiments.stale import changed_code, kept_modules, kept_result, result_of
-from pipeline.io.artifacts import write_json
+from rallygap.pipeline.experiments.stale import changed_code, kept_modules, kept_result, result_of
+from rallygap.pipeline.io.artifacts import write_json
 from tests.clone import commit, run
 
 PRESENTED = (
@@ -49,7 +49,7 @@ def test_what_only_presents_results_makes_none_of_them_stale(repository, file):
 def test_the_exam_makes_no_kept_run_stale(repository):
     stages = "stages: {segment: {}, hidden_effects: {}}"
     (repository / "dvc.yaml").write_text(stages)
-    assert kept_modules(repository) == ["stages.segment"]
+    assert kept_modules(repository) == ["rallygap.stages.segment"]
 
 
 def test_comments_and_docstrings_make_no_results_stale(repository):

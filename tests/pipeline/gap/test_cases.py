@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from models.gap.fit.shots import held_out
-from models.gap.settings import DEFAULTS
-from models.predictors.windows import Episode
-from pipeline.gap.cases import cases, drawn, nominal_simulator
-from pipeline.gap.shots import source_shots
-from pipeline.io.episodes import MeasuredEpisode
-from pipeline.params import CloseGapSettings, ComparedSimulatorSettings
-from pipeline.runtime.errors import InputError
+from rallygap.models.gap.fit.shots import held_out
+from rallygap.models.gap.settings import DEFAULTS
+from rallygap.models.predictors.windows import Episode
+from rallygap.pipeline.gap.cases import cases, drawn, nominal_simulator
+from rallygap.pipeline.gap.shots import source_shots
+from rallygap.pipeline.io.episodes import MeasuredEpisode
+from rallygap.pipeline.params import CloseGapSettings, ComparedSimulatorSettings
+from rallygap.pipeline.runtime.errors import InputError
 
 TIMES, NONE = 0.01 * np.arange(20), np.empty(0)
 

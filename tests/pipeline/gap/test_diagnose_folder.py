@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from models.ball.simulator import Simulator
-from pipeline.gap import diagnose_folder as diagnosis
-from pipeline.gap.diagnose_folder import diagnose_folder, write_findings
-from pipeline.gap.expected_balls import read_expected
-from pipeline.io.simulators import load_simulator
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.simulator import Simulator
+from rallygap.pipeline.gap import diagnose_folder as diagnosis
+from rallygap.pipeline.gap.diagnose_folder import diagnose_folder, write_findings
+from rallygap.pipeline.gap.expected_balls import read_expected
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.recorded import NOMINAL, write_recordings
 from tests.pipeline.verdicts import CAMERA, CAMERA_NODES, MINOR, findings, verdict
 from tests.pipeline.verdicts import WIND as WIND_CAUSE
@@ -30,7 +30,12 @@ def files(folder):
 
 def rallygap(*words, cwd):
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-c", "from pipeline.cli import main; main()", *map(str, words)]
+    command = [
+        sys.executable,
+        "-c",
+        "from rallygap.pipeline.cli import main; main()",
+        *map(str, words),
+    ]
     return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True)
 
 
@@ -83,7 +88,7 @@ def test_clean_recordings_have_no_gap(tmp_path):
 
 
 MINE = """
-from models.ball.simulators import shipped
+from rallygap.models.ball.simulators import shipped
 
 def fly(states, times):
     return shipped("literature").fly(states, times).states

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.predictors.ball_filter import Expected
-from pipeline.gap.expected_balls import expected_balls, expected_json, read_expected
-from pipeline.runtime.errors import InputError
+from rallygap.models.predictors.ball_filter import Expected
+from rallygap.pipeline.gap.expected_balls import expected_balls, expected_json, read_expected
+from rallygap.pipeline.runtime.errors import InputError
 from tests.models.gap.hidden import NOMINAL, measured
 
 

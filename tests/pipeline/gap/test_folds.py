@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.gap.folds import fold_numbers
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.gap.folds import fold_numbers
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def test_folds_keep_recordings_whole_and_are_as_large_as_can_be():

@@ -6,11 +6,11 @@ import pytest
 
 pytest.importorskip("mujoco")
 
-from pipeline.engines.export.scene.handover import HandedOver
-from pipeline.engines.mujoco_file import load_scene
-from pipeline.gap.diagnose_folder import diagnose_folder, write_findings
-from pipeline.gap.handed_over import handed_over
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.engines.export.scene.handover import HandedOver
+from rallygap.pipeline.engines.mujoco_file import load_scene
+from rallygap.pipeline.gap.diagnose_folder import diagnose_folder, write_findings
+from rallygap.pipeline.gap.handed_over import handed_over
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.engines.export.scenes import SCENE, does, plain, source_of
 from tests.pipeline.verdicts import WIND, findings, verdict
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from models.exam.simulate.trial import CAMERAS
-from pipeline.gap.measured_shots import read_shots
-from pipeline.runtime.errors import InputError
+from rallygap.models.exam.simulate.trial import CAMERAS
+from rallygap.pipeline.gap.measured_shots import read_shots
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.recorded import write_recordings
 
 

@@ -3,9 +3,9 @@
 from dataclasses import replace
 from importlib.metadata import version
 
-from models.ball.simulators import shipped
-from models.gap.settings import DEFAULTS, GapSettings
-from pipeline.gap.provenance import changed_settings, made_from
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.settings import DEFAULTS, GapSettings
+from rallygap.pipeline.gap.provenance import changed_settings, made_from
 
 
 def test_of_a_path_only_the_name_is_kept():

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from models.predictors.windows import Episode
-from pipeline.gap.shots import (
+from rallygap.models.predictors.windows import Episode
+from rallygap.pipeline.gap.shots import (
     as_shot,
     net_contacts,
     read_training_shots,
     shots_of,
     why_left_out,
 )
-from pipeline.io.episodes import MeasuredEpisode
+from rallygap.pipeline.io.episodes import MeasuredEpisode
 from tests.pipeline.measured_shots import shot_tables, write_inputs
 
 

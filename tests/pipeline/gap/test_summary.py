@@ -2,8 +2,8 @@
 
 import pytest
 
-from models.gap.verdict import Check, DetectionLimits, NetErrors, Unexplained, Variation
-from pipeline.gap.summary import answer_title, detection_lines
+from rallygap.models.gap.verdict import Check, DetectionLimits, NetErrors, Unexplained, Variation
+from rallygap.pipeline.gap.summary import answer_title, detection_lines
 from tests.pipeline.verdicts import (
     CAMERA,
     GAP,

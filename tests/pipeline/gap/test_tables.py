@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from pipeline.gap.tables import (
+from rallygap.pipeline.gap.tables import (
     cause_table,
     error_table,
     metrics,

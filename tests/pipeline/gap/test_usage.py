@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pandas as pd
 
-from pipeline.gap.labels import LabelCounts
-from pipeline.gap.measured_shots import read_shots
-from pipeline.gap.usage import episodes_text, labels_text, usage_lines, with_doubts
+from rallygap.pipeline.gap.labels import LabelCounts
+from rallygap.pipeline.gap.measured_shots import read_shots
+from rallygap.pipeline.gap.usage import episodes_text, labels_text, usage_lines, with_doubts
 from tests.pipeline.recorded import write_recordings
 from tests.pipeline.verdicts import findings, verdict
 

@@ -5,9 +5,9 @@ import re
 
 import pytest
 
-from pipeline.gap.diagnose_folder import figures_of
-from pipeline.gap.verdict_page import render_gap_page
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.gap.diagnose_folder import figures_of
+from rallygap.pipeline.gap.verdict_page import render_gap_page
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.verdicts import (
     CAMERA,
     CAMERA_NODES,

@@ -2,10 +2,10 @@
 
 import pytest
 
-from models.ball.simulators import shipped
-from pipeline.io.amended_simulators import amended_by, case_name, read_amended
-from pipeline.io.artifacts import write_text
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.simulators import shipped
+from rallygap.pipeline.io.amended_simulators import amended_by, case_name, read_amended
+from rallygap.pipeline.io.artifacts import write_text
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.amendments import write_amended
 
 

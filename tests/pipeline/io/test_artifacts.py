@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.io.artifacts import (
+from rallygap.pipeline.io.artifacts import (
     count_row_groups,
     read_json,
     read_row_group,
@@ -18,7 +18,7 @@ from pipeline.io.artifacts import (
     write_table,
     write_text,
 )
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.errors import InputError
 
 TABLE = pd.DataFrame({"name": ["a", "b"], "value": [0.1, np.nan], "count": [1, 2]})
 

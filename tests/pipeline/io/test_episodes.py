@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.io.artifacts import table_writer, write_table
-from pipeline.io.episodes import read_episodes
-from pipeline.io.schemas import SAMPLES, empty
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.io.artifacts import table_writer, write_table
+from rallygap.pipeline.io.episodes import read_episodes
+from rallygap.pipeline.io.schemas import SAMPLES, empty
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.measured_shots import shot_tables
 
 HALF = 50  # samples in the first of two episodes

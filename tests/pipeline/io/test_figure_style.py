@@ -1,6 +1,6 @@
 """Colours that stay with what they stand for."""
 
-from pipeline.io.figure_style import predictor_colour
+from rallygap.pipeline.io.figure_style import predictor_colour
 from tests.pipeline.web.example_reports import OFFSETS
 
 

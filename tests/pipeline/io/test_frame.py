@@ -9,8 +9,8 @@ from hypothesis.extra.numpy import arrays
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-from pipeline.io.frame import Frame
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
+from rallygap.pipeline.io.frame import Frame
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
 
 COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
 VECTORS = arrays(float, (4, 9), elements=st.floats(-10, 10))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeline.io.metrics import over_seeds, place, rounded
+from rallygap.pipeline.io.metrics import over_seeds, place, rounded
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.io.artifacts import write_table
-from pipeline.io.schemas import (
+from rallygap.pipeline.io.artifacts import write_table
+from rallygap.pipeline.io.schemas import (
     CONTACTS,
     EPISODES,
     LAUNCHES,
@@ -20,7 +20,7 @@ from pipeline.io.schemas import (
     empty,
     read_checked,
 )
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def zeros(*columns):

@@ -2,9 +2,9 @@
 
 import pytest
 
-from models.ball.simulators import shipped
-from pipeline.io.simulators import load_simulator
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.simulators import shipped
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def test_a_shipped_simulator_goes_by_its_name():

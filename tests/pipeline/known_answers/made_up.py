@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from models.gap.fit.shots import Shots
-from models.gap.hypotheses import Hypothesis
-from models.gap.verdict import Cause
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.verdict import Cause
 from tests.pipeline.verdicts import verdict
 
 TIMES = 0.01 * np.arange(20)

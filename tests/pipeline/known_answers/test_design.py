@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeline.known_answers.design import DISTORTION, planted_errors, questions
+from rallygap.pipeline.known_answers.design import DISTORTION, planted_errors, questions
 
 
 def test_errors_have_rising_sizes_in_minimum_detectable_effects():

@@ -6,11 +6,16 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from models.ball.sensor import clock_times, measured_positions, measured_spins
-from models.ball.simulators import shipped
-from models.gap.hypotheses import Hypothesis
-from pipeline.known_answers.design import DISTORTION, IN_SIMULATOR, PlantedError, planted_errors
-from pipeline.known_answers.planting import plant, true_values
+from rallygap.models.ball.sensor import clock_times, measured_positions, measured_spins
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.pipeline.known_answers.design import (
+    DISTORTION,
+    IN_SIMULATOR,
+    PlantedError,
+    planted_errors,
+)
+from rallygap.pipeline.known_answers.planting import plant, true_values
 from tests.pipeline.known_answers.made_up import shots
 
 BASE = shipped("literature")

@@ -2,13 +2,13 @@
 
 import pytest
 
-from models.ball.simulators import shipped
-from models.gap.hypotheses import Hypothesis
-from models.gap.name.label_readings import without_labels
-from pipeline.gap.measured_shots import read_shots
-from pipeline.known_answers.answers import Diagnosis
-from pipeline.known_answers.references import IDENTITIES, reference_values, references
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.name.label_readings import without_labels
+from rallygap.pipeline.gap.measured_shots import read_shots
+from rallygap.pipeline.known_answers.answers import Diagnosis
+from rallygap.pipeline.known_answers.references import IDENTITIES, reference_values, references
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.known_answers.made_up import shots
 from tests.pipeline.recorded import write_recordings
 

@@ -7,15 +7,15 @@ import joblib
 import pandas as pd
 import pytest
 
-from models.ball.simulators import shipped
-from models.gap.hypotheses import Hypothesis, hypotheses
-from pipeline.documentation.known_answers import known_answers
-from pipeline.known_answers import answers, references
-from pipeline.known_answers.answers import Diagnosis, fingerprint, verdicts
-from pipeline.known_answers.design import IN_RECORDINGS, IN_SIMULATOR, PlantedError
-from pipeline.known_answers.references import IDENTITIES
-from pipeline.known_answers.run import REPORT, SCORES, TABLE, run_known_answers
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.hypotheses import Hypothesis, hypotheses
+from rallygap.pipeline.documentation.known_answers import known_answers
+from rallygap.pipeline.known_answers import answers, references
+from rallygap.pipeline.known_answers.answers import Diagnosis, fingerprint, verdicts
+from rallygap.pipeline.known_answers.design import IN_RECORDINGS, IN_SIMULATOR, PlantedError
+from rallygap.pipeline.known_answers.references import IDENTITIES
+from rallygap.pipeline.known_answers.run import REPORT, SCORES, TABLE, run_known_answers
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.known_answers.made_up import cause, found, shots
 from tests.pipeline.recorded import write_recordings
 
@@ -142,7 +142,7 @@ def test_a_damaged_file_of_a_killed_run_is_named(tmp_path, expert):
 
 
 def test_a_planted_error_is_found_by_the_gap_workflow(tmp_path):
-    from pipeline.gap.measured_shots import read_shots
+    from rallygap.pipeline.gap.measured_shots import read_shots
 
     write_recordings(tmp_path / "lab", shots=36)
     error = PlantedError("recordings", "position_scale.s", "medium", 0.02)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.learning_curves.curves import Errors, curve_rows
-from pipeline.learning_curves.figure import learning_curves_figure
+from rallygap.pipeline.learning_curves.curves import Errors, curve_rows
+from rallygap.pipeline.learning_curves.figure import learning_curves_figure
 
 TESTED = np.repeat(np.arange(30), 4)
 

@@ -3,10 +3,10 @@
 import pandas as pd
 import pytest
 
-from models.ball.simulators import shipped
-from pipeline.io.artifacts import read_json
-from pipeline.learning_curves import run
-from pipeline.learning_curves.subsets import Learner
+from rallygap.models.ball.simulators import shipped
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.learning_curves import run
+from rallygap.pipeline.learning_curves.subsets import Learner
 from tests.models.predictors.small_training import BRIEF, TINY
 from tests.pipeline.killed_runs import kill_at
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs

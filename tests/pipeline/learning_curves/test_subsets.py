@@ -2,8 +2,8 @@
 
 import pytest
 
-from models.ball.simulators import shipped
-from pipeline.learning_curves.subsets import Learner, subsets
+from rallygap.models.ball.simulators import shipped
+from rallygap.pipeline.learning_curves.subsets import Learner, subsets
 from tests.models.predictors.small_training import BRIEF, TINY
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.live.latency import Latencies, summary
+from rallygap.pipeline.live.latency import Latencies, summary
 
 
 def test_percentiles_are_right_to_a_hundredth_of_a_millisecond():

@@ -15,13 +15,13 @@ import pytest
 import zmq
 from typer.testing import CliRunner
 
-from models.ball.simulators import shipped
-from models.predictors.ball_filter import ANY_BALL, Expected
-from pipeline.cli import app
-from pipeline.gap.expected_balls import expected_json
-from pipeline.live.command import forecaster
-from pipeline.live.replay import measurements, paced
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.predictors.ball_filter import ANY_BALL, Expected
+from rallygap.pipeline.cli import app
+from rallygap.pipeline.gap.expected_balls import expected_json
+from rallygap.pipeline.live.command import forecaster
+from rallygap.pipeline.live.replay import measurements, paced
+from rallygap.pipeline.runtime.errors import InputError
 from tests.services import await_answer, free_port
 
 TRUTH = shipped("literature")
@@ -55,7 +55,7 @@ def ignoring_interrupts():
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
 def test_a_robot_gets_forecasts_of_what_a_camera_server_measures(stop):
     observations, forecasts = free_addresses(2)
-    command = [sys.executable, "-c", "from pipeline.cli import main; main()", "live"]
+    command = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main()", "live"]
     command += ["--simulator", "literature", "--observations", observations]
     live = subprocess.Popen(
         [*command, "--forecasts", forecasts],
@@ -117,7 +117,7 @@ def test_expected_balls_are_those_of_a_file(tmp_path):
 
 def test_the_view_has_what_is_replayed_until_the_end(recordings):
     port, address = free_port(), free_addresses(1)[0]
-    command = [sys.executable, "-c", "from pipeline.cli import main; main()", "live"]
+    command = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main()", "live"]
     command += ["--simulator", "literature", "--replay", str(recordings), "--speed", "0.01"]
     command += ["--forecasts", address, "--view", "--view-port", str(port)]
     hidden = {"DISPLAY", "WAYLAND_DISPLAY", "BROWSER"}

@@ -5,12 +5,12 @@ import time
 import numpy as np
 import pytest
 
-from models.ball.simulators import shipped
-from models.gap.hypotheses import Hypothesis
-from models.live.drift import Alarm, Session
-from models.live.forecaster import Forecaster
-from pipeline.live.messages import Measurement, forecast_message
-from pipeline.live.watch import ShotCollector, Watch, alarm_sentence
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.live.drift import Alarm, Session
+from rallygap.models.live.forecaster import Forecaster
+from rallygap.pipeline.live.messages import Measurement, forecast_message
+from rallygap.pipeline.live.watch import ShotCollector, Watch, alarm_sentence
 from tests.models.gap.hidden import NOMINAL, measured
 
 TRUTH = shipped("literature")

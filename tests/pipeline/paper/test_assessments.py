@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.paper.assessments import (
+from rallygap.pipeline.paper.assessments import (
     DIFFERS,
     FAILS,
     HIGHER,

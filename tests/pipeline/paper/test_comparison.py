@@ -5,7 +5,7 @@ import itertools
 import pandas as pd
 import pytest
 
-from pipeline.paper.assessments import (
+from rallygap.pipeline.paper.assessments import (
     FAILS,
     HIGHER,
     HOLDS,
@@ -17,11 +17,11 @@ from pipeline.paper.assessments import (
     OPEN,
     SAME,
 )
-from pipeline.paper.comparison import compare, exhibits, groups
-from pipeline.paper.run_reports import Reports
-from pipeline.paper.sources import Table
-from pipeline.paper.values import printed_transfer
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.paper.comparison import compare, exhibits, groups
+from rallygap.pipeline.paper.run_reports import Reports
+from rallygap.pipeline.paper.sources import Table
+from rallygap.pipeline.paper.values import printed_transfer
+from rallygap.pipeline.runtime.errors import InputError
 
 VALUES = {value.id: value for group in groups() for value in group.values}
 RIVALS = ("physics_c", "physics_literature", "tae", "gru_tae", "amended_imperfect_c", "oracle")

@@ -6,17 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from models.predictors.normaliser import INPUTS, OUTPUTS
-from models.predictors.transformer import Transformer
-from pipeline.experiments.profiles import merged
-from pipeline.io.artifacts import write_json
-from pipeline.paper.assessments import DIFFERS, MEANINGS, NOT_MEASURED
-from pipeline.paper.comparison import NOTHING, compare, exhibits, groups
-from pipeline.paper.page import paper_page
-from pipeline.paper.run_reports import Reports, laptop_reports, paper_reports
-from pipeline.params import read_yaml
-from pipeline.runtime.errors import InputError
-from pipeline.sweeps.settings import nested
+from rallygap.models.predictors.normaliser import INPUTS, OUTPUTS
+from rallygap.models.predictors.transformer import Transformer
+from rallygap.pipeline.experiments.profiles import merged
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.paper.assessments import DIFFERS, MEANINGS, NOT_MEASURED
+from rallygap.pipeline.paper.comparison import NOTHING, compare, exhibits, groups
+from rallygap.pipeline.paper.page import paper_page
+from rallygap.pipeline.paper.run_reports import Reports, laptop_reports, paper_reports
+from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sweeps.settings import nested
 
 ROOT = Path(__file__).parents[3]
 VALUES = [value for group in groups() for value in group.values]

@@ -5,16 +5,16 @@ import pandas as pd
 import pytest
 import torch
 
-from models.predictors.settings import TrainingSettings
-from models.predictors.training import ForecastTraining
-from pipeline.experiments.profiles import profile_params
-from pipeline.io.artifacts import read_json
-from pipeline.paper_network import prepared, run, training
-from pipeline.paper_network.training import on_gpu, read_trained_network, write_trained
-from pipeline.predictors.trainer import train
-from pipeline.predictors.training_data import untrained_network
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import repository_root
+from rallygap.models.predictors.settings import TrainingSettings
+from rallygap.models.predictors.training import ForecastTraining
+from rallygap.pipeline.experiments.profiles import profile_params
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.paper_network import prepared, run, training
+from rallygap.pipeline.paper_network.training import on_gpu, read_trained_network, write_trained
+from rallygap.pipeline.predictors.trainer import train
+from rallygap.pipeline.predictors.training_data import untrained_network
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.paths import repository_root
 from tests.models.predictors.small_training import BRIEF, TINY, changed, data, small_training
 from tests.pipeline.measured_shots import params
 from tests.pipeline.measured_shots import write_trained as write_kept

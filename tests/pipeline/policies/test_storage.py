@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from safetensors.numpy import save
 
-from pipeline.params import PolicyGroupSettings
-from pipeline.policies.storage import DESCRIPTION, WEIGHTS, load_policies, load_policy
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.params import PolicyGroupSettings
+from rallygap.pipeline.policies.storage import DESCRIPTION, WEIGHTS, load_policies, load_policy
+from rallygap.pipeline.runtime.errors import InputError
 from tests.models.policy.schooling import BRIEF, GOALS, drawn_policy, same
 from tests.pipeline.trained_policies import description, save_drawn
 

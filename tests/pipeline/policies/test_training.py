@@ -9,10 +9,10 @@ import pandas as pd
 import pytest
 from filelock import FileLock
 
-from models.policy import learning
-from models.policy.random_streams import validation_stream
-from pipeline.policies import training as policy_training
-from pipeline.policies.training import TrainingJob, play_test_shots, train_policies
+from rallygap.models.policy import learning
+from rallygap.models.policy.random_streams import validation_stream
+from rallygap.pipeline.policies import training as policy_training
+from rallygap.pipeline.policies.training import TrainingJob, play_test_shots, train_policies
 from tests.models.policy.schooling import BRIEF, same
 from tests.pipeline.trained_policies import description
 

@@ -10,9 +10,9 @@ import psutil
 import pytest
 from filelock import FileLock
 
-from models.predictors.training import ForecastTraining
-from pipeline.predictors import parallel_training as predictor_training
-from pipeline.predictors.parallel_training import TrainingJob, train_networks
+from rallygap.models.predictors.training import ForecastTraining
+from rallygap.pipeline.predictors import parallel_training as predictor_training
+from rallygap.pipeline.predictors.parallel_training import TrainingJob, train_networks
 from tests.models.predictors.small_training import BRIEF, TINY, TINY_TAE, changed, small_training
 
 
@@ -65,7 +65,7 @@ def test_a_training_waits_for_who_else_is_at_it(tmp_path, monkeypatch):
 ORPHAN = """
     import sys
     from pathlib import Path
-    from pipeline.predictors.parallel_training import train_networks
+    from rallygap.pipeline.predictors.parallel_training import train_networks
     from tests.models.predictors.small_training import BRIEF, TINY, TINY_TAE, changed
     from tests.pipeline.predictors.test_parallel_training import job
     long = changed(BRIEF, epochs=10_000)

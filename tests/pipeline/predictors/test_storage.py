@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from safetensors.torch import load_file, save_file
 
-from models.predictors.learned import LearnedPredictor
-from models.predictors.spread import Spread
-from pipeline.predictors.storage import (
+from rallygap.models.predictors.learned import LearnedPredictor
+from rallygap.models.predictors.spread import Spread
+from rallygap.pipeline.predictors.storage import (
     CARD,
     DESCRIPTION,
     SPREAD,
@@ -21,7 +21,7 @@ from pipeline.predictors.storage import (
     read_description,
     save_predictor,
 )
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.errors import InputError
 from tests.models.predictors.balls import observed
 from tests.models.predictors.small_training import (
     BRIEF,
@@ -140,7 +140,7 @@ def test_saving_that_fails_leaves_the_former_predictor_and_nothing_else(folder, 
     def fail(*_):
         raise OSError("the disk is full")
 
-    monkeypatch.setattr("pipeline.predictors.storage.write_text", fail)
+    monkeypatch.setattr("rallygap.pipeline.predictors.storage.write_text", fail)
     with pytest.raises(OSError, match="full"):
         save_predictor(folder, network(seed=1), Spread(), description(name="other"))
     after = {path: path.read_bytes() for path in folder.parent.rglob("*") if path.is_file()}

@@ -9,8 +9,8 @@ import pytest
 import torch
 from torch.nn.utils import parameters_to_vector
 
-from models.predictors.training import ForecastTraining
-from pipeline.predictors.trainer import StepReporter, train
+from rallygap.models.predictors.training import ForecastTraining
+from rallygap.pipeline.predictors.trainer import StepReporter, train
 from tests.models.predictors.small_training import BRIEF, changed, small_training
 
 

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 from PIL import Image
 
-from pipeline.io.artifacts import write_text
-from pipeline.print.results_pdf import PAGE, PDF, results_pdf
-from pipeline.print.typst_markup import typst_markup
+from rallygap.pipeline.io.artifacts import write_text
+from rallygap.pipeline.print.results_pdf import PAGE, PDF, results_pdf
+from rallygap.pipeline.print.typst_markup import typst_markup
 
 typst = pytest.importorskip("typst")
 

@@ -5,9 +5,9 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from models.predictors.windows import Episode
-from pipeline.io.episodes import MeasuredEpisode
-from pipeline.real_forecasts.digest import episodes_digest
+from rallygap.models.predictors.windows import Episode
+from rallygap.pipeline.io.episodes import MeasuredEpisode
+from rallygap.pipeline.real_forecasts.digest import episodes_digest
 
 TIMES = np.array([0.0, 0.1, 0.2])
 PLACES = np.arange(9.0).reshape(3, 3)

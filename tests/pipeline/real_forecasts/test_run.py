@@ -5,15 +5,15 @@ import pandas as pd
 import pytest
 import torch
 
-import pipeline.real_forecasts.run
-from models.ball.simulators import shipped
-from models.predictors.learned import build_network
-from models.predictors.physics import PhysicsPredictor
-from models.predictors.spread import Spread
-from pipeline.io.artifacts import read_json
-from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
-from pipeline.real_forecasts.adapted import FineTuning
-from pipeline.real_forecasts.run import real_forecasts
+import rallygap.pipeline.real_forecasts.run
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.predictors.learned import build_network
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.spread import Spread
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
+from rallygap.pipeline.real_forecasts.adapted import FineTuning
+from rallygap.pipeline.real_forecasts.run import real_forecasts
 from tests.models.predictors.small_training import BRIEF, TINY, TINY_HYBRID, network
 from tests.pipeline.measured_shots import SIMULATOR, params, write_trained
 
@@ -40,9 +40,9 @@ def root(tmp_path, monkeypatch):
     tuned = params().train_predictor.model_copy(update={"training": BRIEF})
     few = tuned.fine_tuning.model_copy(update={"epochs": 1, "windows_per_episode": 1})
     used = params(train_predictor=tuned.model_copy(update={"fine_tuning": few}))
-    monkeypatch.setattr(pipeline.real_forecasts.run, "load_params", lambda path: used)
-    monkeypatch.setattr(pipeline.real_forecasts.run, "SETS", ("csv",))
-    monkeypatch.setattr(pipeline.real_forecasts.run, "FOLDS", 2)
+    monkeypatch.setattr(rallygap.pipeline.real_forecasts.run, "load_params", lambda path: used)
+    monkeypatch.setattr(rallygap.pipeline.real_forecasts.run, "SETS", ("csv",))
+    monkeypatch.setattr(rallygap.pipeline.real_forecasts.run, "FOLDS", 2)
     return tmp_path
 
 
@@ -81,7 +81,7 @@ def test_every_recording_is_tested_once_by_every_predictor(root):
 def test_a_hybrid_on_another_simulator_starts_from_its_forecasts(root, tmp_path):
     hybrid = build_network(TINY_HYBRID, SIMULATOR)
     other = PhysicsPredictor(SIMULATOR.amended("drag", cd=0.3))
-    (fold, _) = pipeline.real_forecasts.run._folds(root / "data" / "csv", "csv")
+    (fold, _) = rallygap.pipeline.real_forecasts.run._folds(root / "data" / "csv", "csv")
     tuning = FineTuning(network(TINY), hybrid, BRIEF, 0)
     jobs = {one.name: one for one in tuning.jobs(fold.others, other, "one", tmp_path)}
     assert set(jobs) == {"transformer-one", "transformer_2-one", "hybrid-one"}

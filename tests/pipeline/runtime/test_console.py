@@ -2,7 +2,7 @@
 
 from rich.table import Table
 
-from pipeline.runtime.console import show
+from rallygap.pipeline.runtime.console import show
 
 
 def test_a_table_in_a_pipe_is_as_wide_as_it_is(capsys, monkeypatch):

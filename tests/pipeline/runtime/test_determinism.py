@@ -7,14 +7,14 @@ import sys
 
 import pytest
 
-from pipeline.runtime.determinism import ARITHMETIC
+from rallygap.pipeline.runtime.determinism import ARITHMETIC
 
 pytestmark = pytest.mark.skipif(
     platform.machine() not in ("x86_64", "AMD64"), reason="other processors have no AVX2"
 )
 
 LOADED = """
-import stages
+import rallygap.stages
 import numpy, threadpoolctl, torch
 from numpy._core._multiarray_umath import __cpu_features__ as features
 print([name for name in ("X86_V4", "AVX512_ICL", "AVX512_SPR") if features[name]])

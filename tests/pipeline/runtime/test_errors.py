@@ -4,8 +4,8 @@ import pickle
 
 import pytest
 
-from pipeline.params import ParameterError
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.params import ParameterError
+from rallygap.pipeline.runtime.errors import InputError
 
 ERROR = InputError("balls.csv", "is not a number", row=3, field="px")
 

@@ -12,9 +12,9 @@ from pathlib import Path
 import psutil
 import pytest
 
-from pipeline.runtime.console import warn
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.guard import guarded
+from rallygap.pipeline.runtime.console import warn
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.guard import guarded
 
 ROOT = Path(__file__).parents[3]
 
@@ -27,7 +27,7 @@ def folder(tmp_path, monkeypatch):
 
 def test_a_second_run_of_a_stage_waits_for_the_first(folder, monkeypatch, capsys):
     program = (
-        "from pipeline.runtime.guard import guarded\n"
+        "from rallygap.pipeline.runtime.guard import guarded\n"
         "with guarded('segment'): print('in', flush=True); input(); open('ended', 'w')"
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -44,7 +44,7 @@ def test_a_second_run_of_a_stage_waits_for_the_first(folder, monkeypatch, capsys
         warn(message)
         ending.start()
 
-    monkeypatch.setattr("pipeline.runtime.guard.warn", warned)
+    monkeypatch.setattr("rallygap.pipeline.runtime.guard.warn", warned)
     with guarded("segment"):
         assert (folder / "ended").exists()
     ending.join()
@@ -53,7 +53,7 @@ def test_a_second_run_of_a_stage_waits_for_the_first(folder, monkeypatch, capsys
 
 def test_a_killed_run_locks_nobody_out(folder, capsys):
     program = (
-        "import os, signal\nfrom pipeline.runtime.guard import guarded\n"
+        "import os, signal\nfrom rallygap.pipeline.runtime.guard import guarded\n"
         "with guarded('segment'): os.kill(os.getpid(), signal.SIGKILL)"
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -89,7 +89,7 @@ def test_other_errors_are_not_hidden():
 AT_WORK = """
 import time
 from joblib import Parallel, delayed
-from pipeline.runtime.guard import guarded
+from rallygap.pipeline.runtime.guard import guarded
 with guarded("segment"):
     parallel = Parallel(2, return_as="generator", max_nbytes=None)
     for _ in parallel(delayed(time.sleep)(seconds) for seconds in (0, 60, 60)):

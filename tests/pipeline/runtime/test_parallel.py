@@ -13,13 +13,13 @@ import pandas as pd
 import pytest
 from threadpoolctl import threadpool_info
 
-from models.exam.design.question import Question
-from models.exam.methods.registry import METHODS, RALLYGAP
-from models.exam.simulate.trial import Trial
-from pipeline.exam.run import run_questions
-from pipeline.policies.training import TrainingJob, play_test_shots, train_policies
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import CLUSTER, parallel
+from rallygap.models.exam.design.question import Question
+from rallygap.models.exam.methods.registry import METHODS, RALLYGAP
+from rallygap.models.exam.simulate.trial import Trial
+from rallygap.pipeline.exam.run import run_questions
+from rallygap.pipeline.policies.training import TrainingJob, play_test_shots, train_policies
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.parallel import CLUSTER, parallel
 from tests.cluster import ROOT, cluster
 from tests.models.exam.example_trials import NOMINAL
 from tests.models.policy.schooling import BRIEF, same
@@ -77,7 +77,7 @@ def test_a_task_has_one_thread():
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:{}", "127.0.0.1:{}", "carrier-pigeon://{}"])
 def test_an_address_without_a_scheduler_is_one_error(monkeypatch, address):
-    monkeypatch.setattr("pipeline.runtime.parallel.PATIENCE", 0.5)
+    monkeypatch.setattr("rallygap.pipeline.runtime.parallel.PATIENCE", 0.5)
     with socket.socket() as taken:  # bound, but nobody listens
         taken.bind(("127.0.0.1", 0))
         address = address.format(taken.getsockname()[1])
@@ -142,7 +142,7 @@ def test_workers_that_would_give_other_results_are_refused(tmp_path, monkeypatch
 
 @pytest.mark.slow
 def test_a_cluster_without_workers_is_one_error(tmp_path, monkeypatch):
-    monkeypatch.setattr("pipeline.runtime.parallel.PATIENCE", 5)
+    monkeypatch.setattr("rallygap.pipeline.runtime.parallel.PATIENCE", 5)
     with cluster(tmp_path, workers=0) as found:
         monkeypatch.setenv(CLUSTER, found.address)
         with pytest.raises(InputError, match="has no workers; start some"):

@@ -4,8 +4,8 @@ import os
 
 import pytest
 
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.paths import check_file, check_folder, clone, clone_with_run
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.paths import check_file, check_folder, clone, clone_with_run
 
 
 @pytest.fixture

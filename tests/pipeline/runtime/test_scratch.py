@@ -5,10 +5,10 @@ import threading
 
 import pytest
 
-from pipeline.io.artifacts import write_json
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.scratch import keep_timings, kept_timings, scratch_kept
-from pipeline.runtime.stage_run import StageRun
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.scratch import keep_timings, kept_timings, scratch_kept
+from rallygap.pipeline.runtime.stage_run import StageRun
 
 FINGERPRINT, OTHER = "f" * 64, "0" * 64
 

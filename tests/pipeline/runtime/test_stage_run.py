@@ -15,20 +15,20 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image, ImageSequence
 
-from pipeline.io.artifacts import write_table
-from pipeline.io.report_items import ReportAnimation, ReportFigure, ReportTable
-from pipeline.params import load_params
-from pipeline.runtime import stage_run as run_module
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.stage_run import StageRun, run_stage
-from pipeline.tracking import recording as tracking
+from rallygap.pipeline.io.artifacts import write_table
+from rallygap.pipeline.io.report_items import ReportAnimation, ReportFigure, ReportTable
+from rallygap.pipeline.params import load_params
+from rallygap.pipeline.runtime import stage_run as run_module
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.tracking import recording as tracking
 
 ROOT = Path(__file__).parents[3]
 
 DVC_YAML = """
 stages:
   segment:
-    cmd: python -m stages.segment
+    cmd: python -m rallygap.stages.segment
     deps: [code]
     params: [seed, segment]
     outs: [artifacts/segment]
@@ -85,7 +85,7 @@ def test_a_run_leaves_artefacts_a_report_and_its_contents(repository):
         ("animation", "figures/noise.png"),
         ("table", "values.csv"),
     ]
-    assert contents["command"] == "python -m stages.segment"
+    assert contents["command"] == "python -m rallygap.stages.segment"
 
 
 def test_an_animation_has_every_pixel_and_rests_on_its_last_frame(repository):
@@ -158,8 +158,8 @@ def test_a_killed_stage_leaves_no_half_file_and_runs_again(repository):
     lines = [
         "import os, signal",
         "from contextlib import nullcontext",
-        "from pipeline.runtime import stage_run as run",
-        "from pipeline.io.artifacts import replacing",
+        "from rallygap.pipeline.runtime import stage_run as run",
+        "from rallygap.pipeline.io.artifacts import replacing",
         "run.recorded = lambda *_: nullcontext()",
         "def segment(stage):",
         "    with replacing(stage.artifact('episodes.parquet')) as temporary:",

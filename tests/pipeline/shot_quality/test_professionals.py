@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.shot_quality.shots import FEATURES, landings
-from pipeline.io.artifacts import write_table
-from pipeline.io.schemas import POINTS, empty
-from pipeline.runtime.errors import InputError
-from pipeline.shot_quality.professionals import read_professionals
+from rallygap.models.shot_quality.shots import FEATURES, landings
+from rallygap.pipeline.io.artifacts import write_table
+from rallygap.pipeline.io.schemas import POINTS, empty
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.shot_quality.professionals import read_professionals
 from tests.pipeline.professional_games import TRUTH, played_games, write_games
 
 MATCHES = 4

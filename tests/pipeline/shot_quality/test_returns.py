@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.shot_quality.forest import Forest
-from models.shot_quality.shots import FEATURES, Shots
-from pipeline.params import ShotQualitySettings
-from pipeline.shot_quality.receivers import median_win_probabilities, order_agreement
-from pipeline.shot_quality.returns import (
+from rallygap.models.shot_quality.forest import Forest
+from rallygap.models.shot_quality.shots import FEATURES, Shots
+from rallygap.pipeline.params import ShotQualitySettings
+from rallygap.pipeline.shot_quality.receivers import median_win_probabilities, order_agreement
+from rallygap.pipeline.shot_quality.returns import (
     KEYS,
     METRICS,
     experiments,
@@ -18,7 +18,7 @@ from pipeline.shot_quality.returns import (
     returns_table,
     swap_table,
 )
-from pipeline.shot_quality.validation import (
+from rallygap.pipeline.shot_quality.validation import (
     calibration_table,
     importance_table,
     score_table,

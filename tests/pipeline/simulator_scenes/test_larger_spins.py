@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.arena.event_log import EventLog
-from pipeline.simulator_scenes import larger_spins
+from rallygap.models.arena.event_log import EventLog
+from rallygap.pipeline.simulator_scenes import larger_spins
 
 
 def test_spins_are_larger_and_bend_paths_more(monkeypatch):

@@ -6,17 +6,17 @@ import joblib
 import numpy as np
 import pytest
 
-from models.ball.simulators import shipped
-from models.engines.engine import EffectsEngine
-from models.gap.fit.noise import Noise
-from models.gap.fit.refit import fit_nuisance
-from models.gap.settings import DEFAULTS
-from models.gap.verify.prediction_error import HeldOut
-from pipeline.gap.measured_shots import read_shots
-from pipeline.known_answers import answers
-from pipeline.simulator_scenes import real
-from pipeline.simulator_scenes.held_out_flights import HORIZONS, FlownPredictions
-from pipeline.simulator_scenes.published import TABLE, PublishedModel, _scene
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.engines.engine import EffectsEngine
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.refit import fit_nuisance
+from rallygap.models.gap.settings import DEFAULTS
+from rallygap.models.gap.verify.prediction_error import HeldOut
+from rallygap.pipeline.gap.measured_shots import read_shots
+from rallygap.pipeline.known_answers import answers
+from rallygap.pipeline.simulator_scenes import real
+from rallygap.pipeline.simulator_scenes.held_out_flights import HORIZONS, FlownPredictions
+from rallygap.pipeline.simulator_scenes.published import TABLE, PublishedModel, _scene
 from tests.pipeline.known_answers.made_up import cause, found
 from tests.pipeline.recorded import write_recordings
 

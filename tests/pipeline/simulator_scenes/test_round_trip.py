@@ -4,13 +4,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import pipeline.simulator_scenes.round_trip_report as report
-from models.ball.catalogue import catalogue
-from pipeline.documentation.simulator_tables import round_trip_table, without_attribute
-from pipeline.io.artifacts import write_json
-from pipeline.simulator_scenes.named import named_summary, unsaid_of
-from pipeline.simulator_scenes.plain_scene import KINDS, Kind
-from pipeline.simulator_scenes.random_lists import (
+import rallygap.pipeline.simulator_scenes.round_trip_report as report
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.pipeline.documentation.simulator_tables import round_trip_table, without_attribute
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.simulator_scenes.named import named_summary, unsaid_of
+from rallygap.pipeline.simulator_scenes.plain_scene import KINDS, Kind
+from rallygap.pipeline.simulator_scenes.random_lists import (
     BASE,
     FRICTION,
     LINEAR_DRAG,
@@ -18,7 +18,7 @@ from pipeline.simulator_scenes.random_lists import (
     NEVER_LEFT_OUT,
     WITHOUT_ATTRIBUTE,
 )
-from pipeline.simulator_scenes.round_trip import RoundTrip, as_found, round_trip
+from rallygap.pipeline.simulator_scenes.round_trip import RoundTrip, as_found, round_trip
 
 pytest.importorskip("mujoco")
 

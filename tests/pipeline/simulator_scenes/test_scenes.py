@@ -4,11 +4,11 @@ import joblib
 import numpy as np
 import pytest
 
-import pipeline.simulator_scenes.run as experiment
-from models.exam.simulate.launches import launches
-from pipeline.simulator_scenes.amended_flights import amended_flights
-from pipeline.simulator_scenes.results import results
-from pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
+import rallygap.pipeline.simulator_scenes.run as experiment
+from rallygap.models.exam.simulate.launches import launches
+from rallygap.pipeline.simulator_scenes.amended_flights import amended_flights
+from rallygap.pipeline.simulator_scenes.results import results
+from rallygap.pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
 
 pytest.importorskip("mujoco")
 pytest.importorskip("pybullet")

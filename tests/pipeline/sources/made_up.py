@@ -10,11 +10,11 @@ import h5py
 import numpy as np
 import pandas as pd
 
-from models.arena.settings import ArenaSettings
-from pipeline.io.artifacts import read_table
-from pipeline.io.source_manifest import Manifest
-from pipeline.params import IngestSettings
-from pipeline.sources.gather import TABLES, gather
+from rallygap.models.arena.settings import ArenaSettings
+from rallygap.pipeline.io.artifacts import read_table
+from rallygap.pipeline.io.source_manifest import Manifest
+from rallygap.pipeline.params import IngestSettings
+from rallygap.pipeline.sources.gather import TABLES, gather
 
 TIMES = np.array([0.0, 0.007, 0.014, 0.021])
 # A ball towards -y, 5 m/s.

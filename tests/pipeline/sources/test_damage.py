@@ -7,8 +7,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.sources.made_up import WRITERS, read, write_csv, write_spindoe
 
 BYTES = st.binary(min_size=1, max_size=4) | st.sampled_from(

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.io.schemas import POSITION_COLUMNS
-from pipeline.sources import gather as gather_module
-from pipeline.sources.registry import registry
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS
+from rallygap.pipeline.sources import gather as gather_module
+from rallygap.pipeline.sources.registry import registry
 from tests.pipeline.sources.made_up import read, write_lines
 
 DOCS = Path(__file__).parents[3] / "docs"

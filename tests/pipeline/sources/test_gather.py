@@ -5,13 +5,13 @@ import hashlib
 import numpy as np
 import pytest
 
-from pipeline.io.artifacts import read_row_groups, write_json
-from pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
-from pipeline.io.source_manifest import read_manifest
-from pipeline.params import IngestSettings
-from pipeline.runtime.errors import InputError
-from pipeline.sources import source_import
-from pipeline.sources.gather import gather
+from rallygap.pipeline.io.artifacts import read_row_groups, write_json
+from rallygap.pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
+from rallygap.pipeline.io.source_manifest import read_manifest
+from rallygap.pipeline.params import IngestSettings
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sources import source_import
+from rallygap.pipeline.sources.gather import gather
 from tests.pipeline.sources.made_up import ARENA, WRITERS, lines, read, write_csv, write_lines
 
 HEADER = "t,x,y,z"

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from models.support import discovery
-from pipeline.runtime.errors import InputError
-from pipeline.sources import adapters, registry
-from pipeline.sources.registry import find_source
+from rallygap.models.support import discovery
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sources import adapters, registry
+from rallygap.pipeline.sources.registry import find_source
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from pipeline.spread_policies.figure import LABELS, spread_policies_figure
+from rallygap.pipeline.spread_policies.figure import LABELS, spread_policies_figure
 
 ENDS = {"return_rate": 0.8, "return_rate_low": 0.75, "return_rate_high": 0.85}
 

@@ -3,9 +3,9 @@
 import pandas as pd
 import pytest
 
-from pipeline.io.artifacts import read_json
-from pipeline.policies import training
-from pipeline.spread_policies import run
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.policies import training
+from rallygap.pipeline.spread_policies import run
 from tests.models.policy.schooling import BRIEF, GOALS
 from tests.pipeline.amendments import write_amended
 from tests.pipeline.killed_runs import kill_at

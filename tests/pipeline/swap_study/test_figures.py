@@ -4,7 +4,7 @@ from itertools import product
 
 import pandas as pd
 
-from pipeline.swap_study.figures import mechanism_figure, readings_figure
+from rallygap.pipeline.swap_study.figures import mechanism_figure, readings_figure
 
 PREDICTORS = ("physics_c", "amended", "oracle", "hybrid", "tae")
 OBSERVATIONS, HORIZONS = ("intercept", "strict"), ("115-125", "170-180")

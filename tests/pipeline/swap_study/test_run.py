@@ -4,10 +4,10 @@ import joblib
 import pandas as pd
 import pytest
 
-from pipeline.io.artifacts import read_json
-from pipeline.policies.training import TrainingResult
-from pipeline.swap_study import run, trials
-from pipeline.transfer.retraining import in_simulator
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.policies.training import TrainingResult
+from rallygap.pipeline.swap_study import run, trials
+from rallygap.pipeline.transfer.retraining import in_simulator
 from tests.pipeline.amendments import write_amended
 from tests.pipeline.measured_shots import params, write_trained
 from tests.pipeline.replayed import SETTINGS, replayed, write_replays

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.documentation import transfer_tables
-from pipeline.io.artifacts import write_csv
-from pipeline.swap_study.tables import study_tables
+from rallygap.pipeline.documentation import transfer_tables
+from rallygap.pipeline.io.artifacts import write_csv
+from rallygap.pipeline.swap_study.tables import study_tables
 
 PREDICTORS = ("physics_c", "amended", "transformer")
 SHOTS, TRAININGS = 12, 3

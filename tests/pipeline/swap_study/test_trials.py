@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from models.ball.simulators import shipped
-from models.predictors.physics import PhysicsPredictor
-from pipeline.swap_study.trials import (
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.pipeline.swap_study.trials import (
     OF_MECHANISM,
     SETTINGS,
     mechanism_trials,
     played,
     reading_trials,
 )
-from pipeline.transfer.replay_sets import read_replay_sets
+from rallygap.pipeline.transfer.replay_sets import read_replay_sets
 from tests.pipeline.replayed import LAUNCH, launched, write_replays
 from tests.pipeline.replayed import SETTINGS as REPLAY
 from tests.pipeline.trained_policies import chaser, description

@@ -4,7 +4,7 @@ from contextlib import nullcontext
 
 import pytest
 
-from pipeline.sweeps import trial, worker
+from rallygap.pipeline.sweeps import trial, worker
 
 
 @pytest.fixture(autouse=True)

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from ruamel.yaml import YAML
 
-from pipeline.sweeps.settings import load_sweep
-from pipeline.sweeps.study import open_study
-from pipeline.sweeps.worker import run_trials
+from rallygap.pipeline.sweeps.settings import load_sweep
+from rallygap.pipeline.sweeps.study import open_study
+from rallygap.pipeline.sweeps.worker import run_trials
 
 ROOT = Path(__file__).parents[3]
 RATE = "train_predictor.training.learning_rate"

@@ -6,16 +6,16 @@ from types import SimpleNamespace
 import pandas as pd
 import pytest
 
-from pipeline.experiments.profiles import merged
-from pipeline.io.artifacts import read_json
-from pipeline.params import check_params, read_yaml
-from pipeline.runtime.errors import InputError
-from pipeline.sweeps import report
-from pipeline.sweeps import trial as trials
-from pipeline.sweeps.figure import sweep_figure
-from pipeline.sweeps.report import write_report
-from pipeline.sweeps.settings import load_sweep
-from pipeline.tracking import recording as tracking
+from rallygap.pipeline.experiments.profiles import merged
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.params import check_params, read_yaml
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sweeps import report
+from rallygap.pipeline.sweeps import trial as trials
+from rallygap.pipeline.sweeps.figure import sweep_figure
+from rallygap.pipeline.sweeps.report import write_report
+from rallygap.pipeline.sweeps.settings import load_sweep
+from rallygap.pipeline.tracking import recording as tracking
 from tests.pipeline.sweeps.small_sweeps import HEADS, RATE, ROOT, run, small_sweep, valley
 
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from pipeline.runtime.errors import InputError
-from pipeline.sweeps.settings import load_sweep
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sweeps.settings import load_sweep
 from tests.pipeline.sweeps.small_sweeps import HEADS, RATE, ROOT, SETTINGS, small_sweep
 
 

@@ -11,19 +11,19 @@ from optuna import TrialPruned
 from ruamel.yaml import YAML
 from typer.testing import CliRunner
 
-from pipeline.cli import app
-from pipeline.experiments.profiles import merged
-from pipeline.io.artifacts import read_json
-from pipeline.params import load_params
-from pipeline.policies import training as policy_training
-from pipeline.policies.training import TrainingJob, train_policies
-from pipeline.runtime.errors import InputError
-from pipeline.sweeps.comparison import Comparison
-from pipeline.sweeps.confirm import compared_params, run_confirm
-from pipeline.sweeps.policy import described
-from pipeline.sweeps.predictor import PredictorTraining
-from pipeline.sweeps.settings import load_sweep
-from pipeline.sweeps.trial import training_of
+from rallygap.pipeline.cli import app
+from rallygap.pipeline.experiments.profiles import merged
+from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.params import load_params
+from rallygap.pipeline.policies import training as policy_training
+from rallygap.pipeline.policies.training import TrainingJob, train_policies
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sweeps.comparison import Comparison
+from rallygap.pipeline.sweeps.confirm import compared_params, run_confirm
+from rallygap.pipeline.sweeps.policy import described
+from rallygap.pipeline.sweeps.predictor import PredictorTraining
+from rallygap.pipeline.sweeps.settings import load_sweep
+from rallygap.pipeline.sweeps.trial import training_of
 from tests.models.policy.schooling import BRIEF
 from tests.pipeline.measured_shots import shot_tables, write_inputs
 from tests.pipeline.sweeps.small_sweeps import RATE, ROOT, SETTINGS, small_sweep, write_yaml
@@ -208,7 +208,13 @@ def sweep_with_two_workers(root, **environment):
     """Run a sweep of four trials with two workers from the command line; return its output."""
     (root / "pyproject.toml").touch()
     environment |= {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": str(root)}
-    program = [sys.executable, "-c", "from pipeline.cli import main; main()", "sweep", "tiny"]
+    program = [
+        sys.executable,
+        "-c",
+        "from rallygap.pipeline.cli import main; main()",
+        "sweep",
+        "tiny",
+    ]
     command = [*program, "--workers", "2", "--trials", "4"]
     run = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr

@@ -11,10 +11,10 @@ import psutil
 import pytest
 from optuna.trial import TrialState
 
-from pipeline.runtime.errors import InputError
-from pipeline.sweeps.study import ended, open_study, retry_lost
-from pipeline.sweeps.trial import training_of
-from pipeline.sweeps.worker import run_sweep
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sweeps.study import ended, open_study, retry_lost
+from rallygap.pipeline.sweeps.trial import training_of
+from rallygap.pipeline.sweeps.worker import run_sweep
 from tests.pipeline.sweeps.small_sweeps import HEADS, ROOT, run, small_sweep
 
 # Sweeps in the repository argv[1] with argv[2] workers until argv[3] trials; a trial says so
@@ -23,8 +23,8 @@ SCRIPT = """
 import os, sys, time
 from contextlib import nullcontext
 from pathlib import Path
-from pipeline.sweeps import study, trial, worker
-from pipeline.sweeps.settings import load_sweep
+from rallygap.pipeline.sweeps import study, trial, worker
+from rallygap.pipeline.sweeps.settings import load_sweep
 from tests.pipeline.sweeps.small_sweeps import valley
 
 root = Path(sys.argv[1])

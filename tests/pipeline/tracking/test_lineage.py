@@ -2,8 +2,8 @@
 
 import pytest
 
-from pipeline.runtime.errors import InputError
-from pipeline.tracking.lineage import origin_of
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.tracking.lineage import origin_of
 
 PIPELINE = "stages: {segment: {cmd: a, outs: [reports/segment/contents.json: {cache: false}]}}"
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 import torch
 
-from models.predictors.learned import build_network
-from models.predictors.settings import TrainingSettings, TransformerSettings
-from models.predictors.spread import Spread
-from pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
-from pipeline.runtime.provenance import Provenance
-from pipeline.tracking.model_registry import EXAMPLE, beats, register_predictors
-from pipeline.tracking.recording import InputData, Results, recorded
+from rallygap.models.predictors.learned import build_network
+from rallygap.models.predictors.settings import TrainingSettings, TransformerSettings
+from rallygap.models.predictors.spread import Spread
+from rallygap.pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
+from rallygap.pipeline.runtime.provenance import Provenance
+from rallygap.pipeline.tracking.model_registry import EXAMPLE, beats, register_predictors
+from rallygap.pipeline.tracking.recording import InputData, Results, recorded
 
 ROOT = Path(__file__).parents[3]
 NETWORK = TransformerSettings(

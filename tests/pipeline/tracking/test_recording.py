@@ -12,17 +12,17 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.io.artifacts import write_json
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.provenance import Provenance
-from pipeline.tracking import mlflow_run
-from pipeline.tracking import recording as tracking
-from pipeline.tracking.headlines import HEADLINES, headline_metrics
-from pipeline.tracking.mlflow_run import MlflowClient
-from pipeline.tracking.recording import InputData, Results, recorded
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.provenance import Provenance
+from rallygap.pipeline.tracking import mlflow_run
+from rallygap.pipeline.tracking import recording as tracking
+from rallygap.pipeline.tracking.headlines import HEADLINES, headline_metrics
+from rallygap.pipeline.tracking.mlflow_run import MlflowClient
+from rallygap.pipeline.tracking.recording import InputData, Results, recorded
 
 ROOT = Path(__file__).parents[3]
-ORIGIN = Provenance("python -m stages.segment", "f" * 64)
+ORIGIN = Provenance("python -m rallygap.stages.segment", "f" * 64)
 
 
 @pytest.fixture(scope="session")
@@ -173,8 +173,8 @@ def test_a_stage_stopped_by_a_signal_is_recorded_as_killed(store):
 def test_the_run_of_a_killed_stage_is_closed_by_the_next_one(store):
     lines = [
         "import os, signal",
-        "from pipeline.runtime.provenance import Provenance",
-        "from pipeline.tracking import recording",
+        "from rallygap.pipeline.runtime.provenance import Provenance",
+        "from rallygap.pipeline.tracking import recording",
         "recording.reproduction = lambda: '7-1'",
         "with recording.recorded('ingest', Provenance('', 'f'), {}, recording.Results):",
         "    os.kill(os.getpid(), signal.SIGKILL)",
@@ -231,7 +231,7 @@ def test_a_locked_store_costs_a_warning(store, monkeypatch, capfd):
 
 def test_a_dvc_process_above_makes_a_reproduction(tmp_path):
     program = tmp_path / "dvc"
-    show = "from pipeline.tracking.recording import reproduction; print(reproduction())"
+    show = "from rallygap.pipeline.tracking.recording import reproduction; print(reproduction())"
     program.write_text(
         "import os, subprocess, sys\nprint(os.getpid(), flush=True)\n"
         f"subprocess.run([sys.executable, '-c', {show!r}])\n"

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.transfer.rates import differences, holm, rates
+from rallygap.pipeline.transfer.rates import differences, holm, rates
 from tests.pipeline.played_trials import KEYS, everything, trials
 
 SETTING = KEYS[:2]

@@ -4,14 +4,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.ball.simulators import shipped
-from models.policy.incoming_balls import CONTROL_STEP, FIRST_WINDOW
-from models.predictors.physics import PhysicsPredictor
-from models.robot.kinematics import racket
-from pipeline.transfer.example_returns import read_returns, write_returns
-from pipeline.transfer.recorded_returns import choose, example_returns
-from pipeline.transfer.replay_sets import read_replay_sets
-from pipeline.transfer.replay_trials import EveryStep, FirstWindow, replay_trials
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.policy.incoming_balls import CONTROL_STEP, FIRST_WINDOW
+from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.robot.kinematics import racket
+from rallygap.pipeline.transfer.example_returns import read_returns, write_returns
+from rallygap.pipeline.transfer.recorded_returns import choose, example_returns
+from rallygap.pipeline.transfer.replay_sets import read_replay_sets
+from rallygap.pipeline.transfer.replay_trials import EveryStep, FirstWindow, replay_trials
 from tests.pipeline.replayed import LAUNCH, SETTINGS, launched, write_replays
 from tests.pipeline.trained_policies import chaser, description
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from models.ball.simulators import shipped
-from models.policy.incoming_balls import PATH_TIMES
-from pipeline.io.artifacts import read_json, write_json
-from pipeline.runtime.errors import InputError
-from pipeline.transfer.replay_sets import (
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.policy.incoming_balls import PATH_TIMES
+from rallygap.pipeline.io.artifacts import read_json, write_json
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.transfer.replay_sets import (
     FROM_NEAR,
     NO_BOUNCE,
     TOO_FEW_SAMPLES,

@@ -4,9 +4,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.ball.simulators import shipped
-from pipeline.policies.storage import TrainedPolicy
-from pipeline.transfer.retraining import in_simulator, pooled, retraining_table, share_closed
+from rallygap.models.ball.simulators import shipped
+from rallygap.pipeline.policies.storage import TrainedPolicy
+from rallygap.pipeline.transfer.retraining import (
+    in_simulator,
+    pooled,
+    retraining_table,
+    share_closed,
+)
 from tests.pipeline.played_trials import trials
 from tests.pipeline.trained_policies import description
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from pipeline.io.artifacts import write_table
-from pipeline.runtime.errors import InputError
-from pipeline.transfer.returns import AFTER, LANDED, read_played
+from rallygap.pipeline.io.artifacts import write_table
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.transfer.returns import AFTER, LANDED, read_played
 from tests.pipeline.returned import trials
 
 PLAYED = trials()

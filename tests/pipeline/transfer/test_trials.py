@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.policy.trial import play
-from pipeline.transfer.trials import play_policy
+from rallygap.models.policy.trial import play
+from rallygap.pipeline.transfer.trials import play_policy
 from tests.models.policy.schooling import drawn_policy
 from tests.pipeline.trained_policies import chaser, description
 

@@ -2,9 +2,9 @@
 
 import pandas as pd
 
-from models.ball.simulators import shipped
-from models.gap.amend.simulator import amended
-from pipeline.transfer.truth_comparison import NamedCauses, number_table
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.amend.simulator import amended
+from rallygap.pipeline.transfer.truth_comparison import NamedCauses, number_table
 from tests.pipeline.amendments import causes
 from tests.pipeline.verdicts import verdict
 

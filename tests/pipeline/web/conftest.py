@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.io.figure_style import apply_style
+from rallygap.pipeline.io.figure_style import apply_style
 from tests.pipeline.web.example_reports import made_up_page, make_reports
 
 

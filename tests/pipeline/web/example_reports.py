@@ -5,15 +5,20 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pipeline.evaluation.example_shots import Forecast, Shot, read_shots, write_shots
-from pipeline.evaluation.figures.forecast_error import forecast_error_figure
-from pipeline.io.artifacts import write_json
-from pipeline.io.report_items import ReportAnimation
-from pipeline.io.report_manifest import read_contents
-from pipeline.paper.run_reports import Reports
-from pipeline.runtime.stage_run import StageRun
-from pipeline.transfer.example_returns import Return, TimedForecast, read_returns, write_returns
-from pipeline.web.report_page import render_page
+from rallygap.pipeline.evaluation.example_shots import Forecast, Shot, read_shots, write_shots
+from rallygap.pipeline.evaluation.figures.forecast_error import forecast_error_figure
+from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.io.report_items import ReportAnimation
+from rallygap.pipeline.io.report_manifest import read_contents
+from rallygap.pipeline.paper.run_reports import Reports
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.pipeline.transfer.example_returns import (
+    Return,
+    TimedForecast,
+    read_returns,
+    write_returns,
+)
+from rallygap.pipeline.web.report_page import render_page
 
 COMMIT = "0123456789abcdef0123456789abcdef01234567"  # of experiments
 HORIZONS = range(100, 301, 5)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.robot.constants import BLADE, FOREARM, JOINTS, LOWER, UPPER, UPPER_ARM
-from models.robot.kinematics import racket
-from pipeline.web.arm import arm_lines
+from rallygap.models.robot.constants import BLADE, FOREARM, JOINTS, LOWER, UPPER, UPPER_ARM
+from rallygap.models.robot.kinematics import racket
+from rallygap.pipeline.web.arm import arm_lines
 
 POSES = np.random.default_rng(0).uniform(LOWER, UPPER, size=(20, len(JOINTS)))
 

@@ -12,8 +12,8 @@ from selenium.webdriver.common.actions.pointer_input import PointerInput
 from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
 
-from pipeline.io.figure_style import predictor_colour
-from pipeline.web.kept_page import kept_page, kept_runs
+from rallygap.pipeline.io.figure_style import predictor_colour
+from rallygap.pipeline.web.kept_page import kept_page, kept_runs
 from tests.pipeline.web.example_reports import OFFSETS
 
 pytestmark = pytest.mark.browser

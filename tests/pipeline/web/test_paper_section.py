@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.io.report_manifest import Contents, read_contents
-from pipeline.paper.assessments import NOT_DIFFERENT, Interval
-from pipeline.paper.comparison import Finding, Group, Value, exhibits, groups
-from pipeline.paper.run_reports import Reports, laptop_reports
-from pipeline.web.paper_section import mark, paper_section
-from stages.report import STAGES
+from rallygap.pipeline.io.report_manifest import Contents, read_contents
+from rallygap.pipeline.paper.assessments import NOT_DIFFERENT, Interval
+from rallygap.pipeline.paper.comparison import Finding, Group, Value, exhibits, groups
+from rallygap.pipeline.paper.run_reports import Reports, laptop_reports
+from rallygap.pipeline.web.paper_section import mark, paper_section
+from rallygap.stages.report import STAGES
 
 ROOT = Path(__file__).parents[3]
 VALUE = Value(id="id", what="what", place="Table I", value=50.0, rule="more", ours={"see": "file"})

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.io.figure_style import CONTACT_COLOURS, predictor_colour
-from pipeline.paper.comparison import groups
-from pipeline.runtime.errors import InputError
-from pipeline.web.kept_page import kept_page, kept_runs
+from rallygap.pipeline.io.figure_style import CONTACT_COLOURS, predictor_colour
+from rallygap.pipeline.paper.comparison import groups
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.web.kept_page import kept_page, kept_runs
 from tests.pipeline.web.example_reports import OFFSETS, made_up_page, make_reports
 
 ROOT = Path(__file__).parents[3]

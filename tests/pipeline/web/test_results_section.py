@@ -3,10 +3,10 @@
 import pandas as pd
 import pytest
 
-from pipeline.io.artifacts import write_csv, write_json
-from pipeline.paper.run_reports import Reports
-from pipeline.runtime.errors import InputError
-from pipeline.web.results_section import RESULTS, results_section
+from rallygap.pipeline.io.artifacts import write_csv, write_json
+from rallygap.pipeline.paper.run_reports import Reports
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.web.results_section import RESULTS, results_section
 
 POLICIES = [
     {

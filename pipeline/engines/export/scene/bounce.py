@@ -14,14 +14,14 @@ import mujoco
 import numpy as np
 from scipy.optimize import brentq
 
-from models.ball.simulator import Simulator
-from models.ball.state import BALL_RADIUS, STATE_SIZE
-from models.ball.types import Floats
-from models.engines.mujoco.contact import PLACE, Contact, restitution, table_contact
-from models.engines.mujoco.scene import MujocoScene
-from pipeline.engines.export.scene.flight import ROUNDING, numbers
-from pipeline.engines.export.scene.target import differs
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import BALL_RADIUS, STATE_SIZE
+from rallygap.models.ball.types import Floats
+from rallygap.models.engines.mujoco.contact import PLACE, Contact, restitution, table_contact
+from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.pipeline.engines.export.scene.flight import ROUNDING, numbers
+from rallygap.pipeline.engines.export.scene.target import differs
+from rallygap.pipeline.runtime.errors import InputError
 
 TABLE = "table_bounce"
 SURFACE = ("table_height", "table_tilt")  # where the table lies, which is no matter of its contact

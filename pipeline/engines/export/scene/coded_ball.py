@@ -6,11 +6,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from models.ball.types import Floats
-from models.engines.mujoco.initial import reset
-from models.engines.mujoco.log import collected_warnings
-from models.engines.mujoco.scene import MujocoScene
-from pipeline.engines.export.flown import flown
+from rallygap.models.ball.types import Floats
+from rallygap.models.engines.mujoco.initial import reset
+from rallygap.models.engines.mujoco.log import collected_warnings
+from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.pipeline.engines.export.flown import flown
 
 
 @dataclass(frozen=True)

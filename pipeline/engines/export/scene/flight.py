@@ -6,11 +6,11 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from models.ball.state import AIR_DENSITY, DRAG_FACTOR, MAGNUS_FACTOR
-from models.engines.mujoco.air import is_sphere, shaped_geoms
-from models.engines.mujoco.scene import MujocoScene
-from pipeline.engines.export.scene.target import Target
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.state import AIR_DENSITY, DRAG_FACTOR, MAGNUS_FACTOR
+from rallygap.models.engines.mujoco.air import is_sphere, shaped_geoms
+from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.pipeline.engines.export.scene.target import Target
+from rallygap.pipeline.runtime.errors import InputError
 
 AIR = {"wind_x", "wind_y", "wind_z", "drag", "lift", "linear", "spin_loss"}
 FALL = {"fall", "tilt_x", "tilt_y"}

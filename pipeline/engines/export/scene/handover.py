@@ -4,19 +4,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from models.ball.simulator import Simulator
-from models.engines.engine import EngineError
-from models.engines.mujoco.scene import MujocoScene
-from pipeline.engines.export.code import CODE
-from pipeline.engines.export.scene.coded_ball import CodedBall
-from pipeline.engines.export.scene.patch import Patch, patched
-from pipeline.engines.export.scene.shots import VerificationShots
-from pipeline.engines.export.scene.source import SceneSource
-from pipeline.engines.export.scene.tags import Edit, comments_above, tags, with_edits
-from pipeline.engines.export.scene.unsaid import unsaid
-from pipeline.engines.export.scene.verification import agreement, scene_sentences
-from pipeline.engines.export.scene_file import SCENE
-from pipeline.runtime.errors import InputError
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.engines.engine import EngineError
+from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.pipeline.engines.export.code import CODE
+from rallygap.pipeline.engines.export.scene.coded_ball import CodedBall
+from rallygap.pipeline.engines.export.scene.patch import Patch, patched
+from rallygap.pipeline.engines.export.scene.shots import VerificationShots
+from rallygap.pipeline.engines.export.scene.source import SceneSource
+from rallygap.pipeline.engines.export.scene.tags import Edit, comments_above, tags, with_edits
+from rallygap.pipeline.engines.export.scene.unsaid import unsaid
+from rallygap.pipeline.engines.export.scene.verification import agreement, scene_sentences
+from rallygap.pipeline.engines.export.scene_file import SCENE
+from rallygap.pipeline.runtime.errors import InputError
 
 SHARED = ("gravity", "wind", "density", "viscosity")  # attributes that act on all bodies
 CONTACT = ("solref", "friction")

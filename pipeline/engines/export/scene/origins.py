@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from models.ball.simulator import Simulator
-from models.gap.hypotheses import Hypothesis
-from pipeline.io.numbers import with_unit
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.pipeline.io.numbers import with_unit
 
 # The parameters that an attribute stands for.
 PARAMETERS = {

@@ -3,22 +3,27 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from models.ball.simulator import Simulator
-from models.engines.mujoco.contact import table_contact
-from models.engines.mujoco.says import says
-from models.engines.mujoco.scene import MujocoScene
-from pipeline.engines.export.scene.bounce import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.engines.mujoco.contact import table_contact
+from rallygap.models.engines.mujoco.says import says
+from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.pipeline.engines.export.scene.bounce import (
     TABLE,
     ContactChange,
     Party,
     friction_change,
     restitution_change,
 )
-from pipeline.engines.export.scene.flight import ball_changes, is_shell, numbers, option_changes
-from pipeline.engines.export.scene.origins import comment
-from pipeline.engines.export.scene.places import geom_tag, option_tag, pair_tag
-from pipeline.engines.export.scene.source import SceneSource
-from pipeline.engines.export.scene.tags import (
+from rallygap.pipeline.engines.export.scene.flight import (
+    ball_changes,
+    is_shell,
+    numbers,
+    option_changes,
+)
+from rallygap.pipeline.engines.export.scene.origins import comment
+from rallygap.pipeline.engines.export.scene.places import geom_tag, option_tag, pair_tag
+from rallygap.pipeline.engines.export.scene.source import SceneSource
+from rallygap.pipeline.engines.export.scene.tags import (
     Edit,
     Tag,
     comments_above,
@@ -27,8 +32,8 @@ from pipeline.engines.export.scene.tags import (
     with_attributes,
     with_edits,
 )
-from pipeline.engines.export.scene.target import Target, differs
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.engines.export.scene.target import Target, differs
+from rallygap.pipeline.runtime.errors import InputError
 
 
 @dataclass(frozen=True)

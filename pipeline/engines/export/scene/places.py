@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import mujoco
 
-from pipeline.engines.export.scene.tags import Tag
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.engines.export.scene.tags import Tag
+from rallygap.pipeline.runtime.errors import InputError
 
 
 def option_tag(tags: Sequence[Tag]) -> Tag | None:

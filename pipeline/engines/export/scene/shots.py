@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ball.contact_laws import TABLE
-from models.ball.simulator import Simulator
-from models.ball.simulators import shipped
-from models.ball.state import POSITION, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from models.ball.types import Floats
-from models.engines.engine import Engine
-from models.exam.simulate.launches import launches
+from rallygap.models.ball.contact_laws import TABLE
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.ball.state import POSITION, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
+from rallygap.models.ball.types import Floats
+from rallygap.models.engines.engine import Engine
+from rallygap.models.exam.simulate.launches import launches
 
 SHOTS = 200
 SEED = 0

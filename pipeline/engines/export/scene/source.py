@@ -7,10 +7,10 @@ from pathlib import Path
 
 import mujoco
 
-from models.engines.engine import EngineError
-from models.engines.mujoco.log import collected_warnings
-from models.engines.mujoco.scene import MujocoScene
-from pipeline.runtime.errors import InputError
+from rallygap.models.engines.engine import EngineError
+from rallygap.models.engines.mujoco.log import collected_warnings
+from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.pipeline.runtime.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from models.ball.state import MAGNUS_FACTOR
+from rallygap.models.ball.state import MAGNUS_FACTOR
 
 SAME = 1e-4  # relative; and of the unit of a number that is zero
 Effects = Mapping[str, Mapping[str, Any]]

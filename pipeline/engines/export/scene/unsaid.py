@@ -2,15 +2,21 @@
 
 from collections.abc import Iterator
 
-from models.ball.catalogue import catalogue
-from models.ball.simulator import Simulator
-from models.engines.engine import EffectsEngine
-from models.engines.mujoco.scene import MujocoScene
-from models.gap.hypotheses import Hypothesis
-from pipeline.engines.export.scene.flight import is_shell
-from pipeline.engines.export.scene.shots import AFTER, BEFORE, FLIGHT, VerificationShots, distances
-from pipeline.engines.export.scene.target import Target, differs
-from pipeline.io.numbers import number, with_unit
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.engines.engine import EffectsEngine
+from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.pipeline.engines.export.scene.flight import is_shell
+from rallygap.pipeline.engines.export.scene.shots import (
+    AFTER,
+    BEFORE,
+    FLIGHT,
+    VerificationShots,
+    distances,
+)
+from rallygap.pipeline.engines.export.scene.target import Target, differs
+from rallygap.pipeline.io.numbers import number, with_unit
 
 # Effects that have attributes; those of "table_bounce" are a matter of the verification.
 SAID = {

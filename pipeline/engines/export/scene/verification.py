@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import mujoco
 
-from models.ball.simulator import Simulator
-from models.engines.engine import EffectsEngine, Engine, EngineError
-from models.engines.mujoco.contact import table_contact
-from models.engines.mujoco.scene import MujocoScene
-from pipeline.engines.export.scene.shots import (
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.engines.engine import EffectsEngine, Engine, EngineError
+from rallygap.models.engines.mujoco.contact import table_contact
+from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.pipeline.engines.export.scene.shots import (
     AFTER,
     BEFORE,
     FLIGHT,
@@ -17,7 +17,7 @@ from pipeline.engines.export.scene.shots import (
     VerificationShots,
     distances,
 )
-from pipeline.io.numbers import number
+from rallygap.pipeline.io.numbers import number
 
 FLIGHT_LIMIT, BOUNCE_LIMIT = 1.0, 3.0  # mm
 EXACT = "RK4"

@@ -2,7 +2,7 @@
 
 import mujoco
 
-from models.engines.mujoco.scene import MujocoScene
+from rallygap.models.engines.mujoco.scene import MujocoScene
 
 BALL = 'type="sphere" size=".02" mass=".0027"'
 SHELL = 'shellinertia="true"'

@@ -2,8 +2,8 @@
 
 import pytest
 
-from models.engines.engine import EngineError
-from models.engines.mujoco.ball import find_ball
+from rallygap.models.engines.engine import EngineError
+from rallygap.models.engines.mujoco.ball import find_ball
 from tests.models.engines.mujoco.scenes import BALL, TABLE, ball, compiled
 
 RACKET = '<body name="racket"><freejoint/><geom type="box" size=".08 .08 .01" pos="2 0 0"/></body>'

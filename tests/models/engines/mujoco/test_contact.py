@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from models.ball.simulator import Simulator
-from models.engines.mujoco.contact import restitution, table_contact
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.engines.mujoco.contact import restitution, table_contact
 from tests.models.engines.mujoco.scenes import SHELL, TABLE, scene
 
 STEP = 5e-5

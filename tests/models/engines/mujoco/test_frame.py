@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.engines.mujoco.ball import find_ball
-from models.engines.mujoco.frame import find_frame
+from rallygap.models.engines.mujoco.ball import find_ball
+from rallygap.models.engines.mujoco.frame import find_frame
 from tests.models.engines.mujoco.scenes import BALL, TABLE, ball, compiled
 
 HALF = '<geom name="{}" type="box" size=".685 .7625 .01" pos="{} 0 .75"/>'

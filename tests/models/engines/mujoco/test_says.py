@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from models.ball.simulator import Simulator
-from models.engines.mujoco.notes import NoteKind
-from models.engines.mujoco.says import says
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.engines.mujoco.notes import NoteKind
+from rallygap.models.engines.mujoco.says import says
 from tests.models.engines.mujoco.scenes import SHELL, TABLE, air, pair, scene
 from tests.models.engines.mujoco.test_scene import BALLS, FLIGHT, STILL
 

@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.ball.simulator import Simulator
-from models.ball.state import BALL_MASS, BALL_RADIUS
-from models.engines.engine import EngineError, check_deterministic
-from models.engines.mujoco.scene import MujocoScene
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import BALL_MASS, BALL_RADIUS
+from rallygap.models.engines.engine import EngineError, check_deterministic
+from rallygap.models.engines.mujoco.scene import MujocoScene
 from tests.models.engines.mujoco.scenes import CONTACT, SHELL, TABLE, air, ball, compiled, scene
 
 FLIGHT = np.linspace(0.0, 0.6, 97)  # most of them between time steps

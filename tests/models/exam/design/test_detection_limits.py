@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.exam.design.detection_limits import DetectionLimits
-from models.exam.interface import shots_of
-from models.exam.simulate.recordings import simulate_trial
-from models.exam.simulate.trial import CAMERAS
-from models.gap.fit.refit import refit
-from models.gap.hypotheses import LABEL_SIGNS, Hypothesis
-from models.gap.inference.score_test import Evidence
-from models.gap.settings import GapSettings
+from rallygap.models.exam.design.detection_limits import DetectionLimits
+from rallygap.models.exam.interface import shots_of
+from rallygap.models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.simulate.trial import CAMERAS
+from rallygap.models.gap.fit.refit import refit
+from rallygap.models.gap.hypotheses import LABEL_SIGNS, Hypothesis
+from rallygap.models.gap.inference.score_test import Evidence
+from rallygap.models.gap.settings import GapSettings
 from tests.models.exam.example_trials import NOMINAL, trial
 
 WIND, GRAVITY, BUOYANCY = (

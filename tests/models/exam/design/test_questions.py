@@ -6,12 +6,12 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from models.ball.catalogue import catalogue
-from models.exam.design.parameters import NOT_OBSERVABLE, family, hideable
-from models.exam.design.questions import exam
-from models.exam.design.robustness import GROUPS
-from models.exam.simulate.recordings import simulate_trial
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.ball.catalogue import catalogue
+from rallygap.models.exam.design.parameters import NOT_OBSERVABLE, family, hideable
+from rallygap.models.exam.design.questions import exam
+from rallygap.models.exam.design.robustness import GROUPS
+from rallygap.models.exam.simulate.recordings import simulate_trial
+from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL
 
 QUESTIONS = exam(NOMINAL, seed=0)

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from models.exam.design.detection_limits import DetectionLimits
-from models.exam.design.parameters import family
-from models.exam.design.question import MULTIPLE
-from models.exam.design.robustness import GROUPS, VARYING, robustness
-from models.exam.interface import shots_of
-from models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.design.detection_limits import DetectionLimits
+from rallygap.models.exam.design.parameters import family
+from rallygap.models.exam.design.question import MULTIPLE
+from rallygap.models.exam.design.robustness import GROUPS, VARYING, robustness
+from rallygap.models.exam.interface import shots_of
+from rallygap.models.exam.simulate.recordings import simulate_trial
 from tests.models.exam.example_trials import NOMINAL
 
 QUESTIONS = list(robustness(NOMINAL, seed=0))

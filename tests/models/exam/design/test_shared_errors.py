@@ -5,10 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.exam.design.detection_limits import DetectionLimits
-from models.exam.simulate.camera_errors import CameraErrors, Distortion, LabelErrors, Stamps
-from models.exam.simulate.trial import CAMERAS
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.exam.design.detection_limits import DetectionLimits
+from rallygap.models.exam.simulate.camera_errors import (
+    CameraErrors,
+    Distortion,
+    LabelErrors,
+    Stamps,
+)
+from rallygap.models.exam.simulate.trial import CAMERAS
+from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import trial
 
 WIND, HEIGHT, TILT = (

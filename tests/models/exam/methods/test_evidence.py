@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from models.exam.methods.evidence import greedy, log_evidence, posterior
+from rallygap.models.exam.methods.evidence import greedy, log_evidence, posterior
 
 WIDTHS = np.array([0.7, 2.0, 0.1, 5.0])
 

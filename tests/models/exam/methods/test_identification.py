@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.exam.methods.identification import identification, jackknife, separable
-from models.exam.methods.regression import Regression
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.exam.methods.identification import identification, jackknife, separable
+from rallygap.models.exam.methods.regression import Regression
+from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL, recorded
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.ball.state import DRAG_FACTOR, MAGNUS_FACTOR, SPIN, VELOCITY
-from models.exam.methods.library import library, rates
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.ball.state import DRAG_FACTOR, MAGNUS_FACTOR, SPIN, VELOCITY
+from rallygap.models.exam.methods.library import library, rates
+from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL
 
 STATES = np.array([[0.1, -1.0, 0.5, 0.8, 6.0, 1.5, 150.0, -80.0, 40.0]])

@@ -2,11 +2,11 @@
 
 import pytest
 
-from models.exam.interface import rounded, shots_of
-from models.exam.methods.registry import METHODS
-from models.exam.simulate.recordings import simulate_trial
-from models.gap.amend.simulator import amended
-from models.gap.diagnose import diagnose
+from rallygap.models.exam.interface import rounded, shots_of
+from rallygap.models.exam.methods.registry import METHODS
+from rallygap.models.exam.simulate.recordings import simulate_trial
+from rallygap.models.gap.amend.simulator import amended
+from rallygap.models.gap.diagnose import diagnose
 from tests.models.exam.example_trials import NOMINAL, recorded, trial
 
 WIND = {

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.exam.methods.regression import Regression, answer, candidates
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.exam.methods.regression import Regression, answer, candidates
+from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL
 
 COLUMNS = (

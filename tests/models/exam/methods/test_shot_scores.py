@@ -5,9 +5,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from models.exam.methods.regression import Regression
-from models.exam.methods.shot_scores import score_gram, term_norms
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.exam.methods.regression import Regression
+from rallygap.models.exam.methods.shot_scores import score_gram, term_norms
+from rallygap.models.gap.hypotheses import Hypothesis
 
 COLUMNS = tuple(
     Hypothesis(effect, axis) for effect, axis in product(("wind", "spin_axis_bias"), "xyz")

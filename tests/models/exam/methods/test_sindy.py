@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from models.exam.methods.regression import Regression
-from models.exam.methods.sindy import bootstrap_weights, inclusion, sindy, sparse
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.exam.methods.regression import Regression
+from rallygap.models.exam.methods.sindy import bootstrap_weights, inclusion, sindy, sparse
+from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL, recorded
 
 

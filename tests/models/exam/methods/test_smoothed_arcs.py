@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.exam.interface import shots_of
-from models.exam.methods.smoothed_arcs import SmoothedArcs, arcs_of
-from models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.interface import shots_of
+from rallygap.models.exam.methods.smoothed_arcs import SmoothedArcs, arcs_of
+from rallygap.models.exam.simulate.recordings import simulate_trial
 from tests.models.exam.example_trials import NOMINAL, ideal
 
 

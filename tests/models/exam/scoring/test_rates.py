@@ -2,7 +2,7 @@
 
 import pytest
 
-from models.exam.scoring.rates import covered, interval, mark, rates, removable_gap, solved
+from rallygap.models.exam.scoring.rates import covered, interval, mark, rates, removable_gap, solved
 from tests.models.exam.example_records import answer, hidden, named, record
 
 WIND, DRAG = hidden("wind.x"), hidden("drag.cd")

@@ -2,8 +2,8 @@
 
 import pytest
 
-from models.exam.scoring.removable_gap import RemovableGap
-from models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.scoring.removable_gap import RemovableGap
+from rallygap.models.exam.simulate.recordings import simulate_trial
 from tests.models.exam.example_trials import NOMINAL, trial
 
 CAUSES = {"wind": {"x": 0.4}, "clock_rate": {"d": 0.004}}

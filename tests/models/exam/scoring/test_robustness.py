@@ -2,7 +2,7 @@
 
 import pytest
 
-from models.exam.scoring.rates import mark, rates, solved
+from rallygap.models.exam.scoring.rates import mark, rates, solved
 from tests.models.exam.example_records import answer, hidden, named, record
 
 RALLYGAP = "rallygap"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import kurtosis
 
-from models.arena.bounce_scatter import BounceScatter
-from models.exam.simulate.camera_errors import (
+from rallygap.models.arena.bounce_scatter import BounceScatter
+from rallygap.models.exam.simulate.camera_errors import (
     CameraErrors,
     Distortion,
     HeavyTailedScatter,
@@ -16,7 +16,7 @@ from models.exam.simulate.camera_errors import (
     rising,
     tail_factors,
 )
-from models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.simulate.recordings import simulate_trial
 from tests.models.exam.example_trials import NO_SCATTER, PERFECT, ideal, trial
 
 

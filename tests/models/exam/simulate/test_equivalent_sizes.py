@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from models.exam.simulate.equivalent_sizes import best_fit, equivalent_physics
-from models.exam.simulate.independent_ball import IndependentBall
-from models.exam.simulate.laws import FORMS, physics_of
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.exam.simulate.equivalent_sizes import best_fit, equivalent_physics
+from rallygap.models.exam.simulate.independent_ball import IndependentBall
+from rallygap.models.exam.simulate.laws import FORMS, physics_of
+from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NO_SCATTER, NOMINAL, drawn, trial
 
 SIZES = {

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from models.ball.state import BALL_RADIUS
-from models.exam.simulate.independent_ball import IndependentBall
-from models.exam.simulate.laws import bounce, derivative, normal_of, physics_of
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.exam.simulate.independent_ball import IndependentBall
+from rallygap.models.exam.simulate.laws import bounce, derivative, normal_of, physics_of
 from tests.models.exam.example_trials import NOMINAL, drawn
 
 PHYSICS = physics_of(NOMINAL)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.ball.simulator import Simulator
-from models.ball.state import BALL_MASS, BALL_RADIUS
-from models.exam.simulate.laws import bounce, derivative, physics_of
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import BALL_MASS, BALL_RADIUS
+from rallygap.models.exam.simulate.laws import bounce, derivative, physics_of
 from tests.models.ball.balls import energy
 from tests.models.ball.reference import Physics as Reference
 from tests.models.exam.example_trials import NOMINAL

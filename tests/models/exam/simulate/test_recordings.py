@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.exam.simulate.independent_ball import IndependentBall
-from models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.simulate.independent_ball import IndependentBall
+from rallygap.models.exam.simulate.recordings import simulate_trial
 from tests.models.exam.example_trials import PERFECT, ideal, trial
 
 

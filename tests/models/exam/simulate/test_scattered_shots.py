@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from models.arena.bounce_scatter import BounceScatter
-from models.exam.simulate.independent_ball import IndependentBall
-from models.exam.simulate.laws import physics_of
-from models.exam.simulate.scattered_shots import scattered_shots
+from rallygap.models.arena.bounce_scatter import BounceScatter
+from rallygap.models.exam.simulate.independent_ball import IndependentBall
+from rallygap.models.exam.simulate.laws import physics_of
+from rallygap.models.exam.simulate.scattered_shots import scattered_shots
 from tests.models.exam.example_trials import NO_SCATTER, NOMINAL, drawn
 
 LAUNCHES = drawn(shots=400)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from models.ball.simulator import Simulator
-from models.exam.simulate.recordings import simulate_trial
-from models.exam.simulate.varying import HalfRoom, Variation
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.simulate.varying import HalfRoom, Variation
+from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL, drawn, ideal
 
 DRAG, WIND = Hypothesis("drag", "cd"), Hypothesis("wind", "x")

@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.ball import sensor
-from models.ball.state import BALL_RADIUS
-from models.gap.fit.measurement import (
+from rallygap.models.ball import sensor
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.gap.fit.measurement import (
     KINK,
     Schedule,
     hypothesis_derivatives,
     nuisance_derivatives,
     predict_measurements,
 )
-from models.gap.fit.trajectory import SLOW_SLIP
-from models.gap.hypotheses import Hypothesis, hypotheses
+from rallygap.models.gap.fit.trajectory import SLOW_SLIP
+from rallygap.models.gap.hypotheses import Hypothesis, hypotheses
 from tests.models.gap.hidden import NOMINAL, launches, measured
 
 COUNT = 6

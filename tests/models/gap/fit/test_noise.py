@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag
 
-from models.gap.fit.linearize import ballistic_nuisance, linearise
-from models.gap.fit.noise import ANY_SPIN, Noise, gram_matrices, inlier_probability, white_gram
-from models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.fit.linearize import ballistic_nuisance, linearise
+from rallygap.models.gap.fit.noise import (
+    ANY_SPIN,
+    Noise,
+    gram_matrices,
+    inlier_probability,
+    white_gram,
+)
+from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.gap.hidden import NOMINAL, SETTINGS, launches, measured
 
 NOISE = Noise(

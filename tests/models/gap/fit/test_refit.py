@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.gap.fit.linearize import linearise
-from models.gap.fit.refit import likelihood_gain, likelihood_gains, refit
-from models.gap.hypotheses import Hypothesis
-from models.gap.inference.score_test import Evidence, familywise_p_values
+from rallygap.models.gap.fit.linearize import linearise
+from rallygap.models.gap.fit.refit import likelihood_gain, likelihood_gains, refit
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.inference.score_test import Evidence, familywise_p_values
 from tests.models.gap.hidden import NOMINAL, SETTINGS, listed, measured
 
 # About three times what 100 shots can show.

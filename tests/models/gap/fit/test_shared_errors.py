@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.ball.camera_field import covariance
-from models.gap.fit.camera_field import CameraField
-from models.gap.fit.projection import ReducedSystem
-from models.gap.fit.refit import refit
-from models.gap.fit.shared_errors import SharedErrors, VarianceLikelihood
-from models.gap.name.distortion import find_distortion, with_field
-from models.gap.name.selection import Explainer, evidence_about
-from models.gap.settings import Question
+from rallygap.models.ball.camera_field import covariance
+from rallygap.models.gap.fit.camera_field import CameraField
+from rallygap.models.gap.fit.projection import ReducedSystem
+from rallygap.models.gap.fit.refit import refit
+from rallygap.models.gap.fit.shared_errors import SharedErrors, VarianceLikelihood
+from rallygap.models.gap.name.distortion import find_distortion, with_field
+from rallygap.models.gap.name.selection import Explainer, evidence_about
+from rallygap.models.gap.settings import Question
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 FIELD = SETTINGS.fit.camera_field

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.gap.fit.noise import Noise
-from models.gap.fit.shot_fit import fit_shots, refit_shots
-from models.gap.fit.shots import Shots
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.shot_fit import fit_shots, refit_shots
+from rallygap.models.gap.fit.shots import Shots
 from tests.models.gap.hidden import NOMINAL, SETTINGS, launches, measured
 
 

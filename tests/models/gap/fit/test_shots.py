@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.gap.fit.shots import Shots
+from rallygap.models.gap.fit.shots import Shots
 
 TIMES = [np.array([0.0, 0.1, 0.2]), np.array([5.0, 5.1])]
 PLACES = [np.arange(9.0).reshape(3, 3), np.arange(6.0).reshape(2, 3)]

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.gap.fit.linearize import linearise
-from models.gap.fit.noise import Noise
-from models.gap.fit.shot_fit import fit_shots
-from models.gap.fit.variance_components import estimate_noise
-from models.gap.hypotheses import hypotheses
+from rallygap.models.gap.fit.linearize import linearise
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.shot_fit import fit_shots
+from rallygap.models.gap.fit.variance_components import estimate_noise
+from rallygap.models.gap.hypotheses import hypotheses
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 

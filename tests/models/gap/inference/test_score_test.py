@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
-from models.ball.simulator import Simulator
-from models.gap.fit.linearize import linearise
-from models.gap.fit.noise import Noise, gram_matrices
-from models.gap.fit.shots import Shots
-from models.gap.fit.variance_components import NoiseEstimate
-from models.gap.hypotheses import Hypothesis
-from models.gap.inference.score_test import Evidence, familywise_p_values
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.fit.linearize import linearise
+from rallygap.models.gap.fit.noise import Noise, gram_matrices
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.fit.variance_components import NoiseEstimate
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.inference.score_test import Evidence, familywise_p_values
 from tests.models.gap.hidden import SETTINGS
 
 SIGMA = 0.003

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.gap.fit.noise import Noise
-from models.gap.fit.refit import fit_nuisance
-from models.gap.hypotheses import Hypothesis
-from models.gap.locate.attribution import Part, locate
-from models.gap.settings import Question
-from models.gap.verify.prediction_error import HeldOut
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.refit import fit_nuisance
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.locate.attribution import Part, locate
+from rallygap.models.gap.settings import Question
+from rallygap.models.gap.verify.prediction_error import HeldOut
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.01, 0.02, 0.005))

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.ball.state import SPIN, VELOCITY
-from models.gap.fit.measurement import KINK, Schedule, predict_measurements
-from models.gap.locate.propagation import after_forcing, after_jump, arcs
+from rallygap.models.ball.state import SPIN, VELOCITY
+from rallygap.models.gap.fit.measurement import KINK, Schedule, predict_measurements
+from rallygap.models.gap.locate.propagation import after_forcing, after_jump, arcs
 from tests.models.gap.hidden import NOMINAL, launches
 
 TIMES = np.arange(0.0, 0.7, 0.005)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from models.ball.state import BALL_RADIUS
-from models.gap.fit.linearize import ballistic_nuisance, linearise
-from models.gap.hypotheses import Hypothesis
-from models.gap.locate.term_library import terms_about
-from models.gap.locate.terms import TYPICAL_FALL, TYPICAL_SPEED
+from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.gap.fit.linearize import ballistic_nuisance, linearise
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.locate.term_library import terms_about
+from rallygap.models.gap.locate.terms import TYPICAL_FALL, TYPICAL_SPEED
 from tests.models.gap.hidden import NOMINAL, launches, measured
 
 COLUMNS = (

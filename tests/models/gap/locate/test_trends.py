@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import f_oneway, ttest_1samp
 
-from models.gap.locate.covariates import Axis
-from models.gap.locate.trends import trends_against
+from rallygap.models.gap.locate.covariates import Axis
+from rallygap.models.gap.locate.trends import trends_against
 from tests.models.gap.hidden import SETTINGS
 
 

@@ -2,14 +2,14 @@
 
 import pytest
 
-from models.exam.interface import shots_of
-from models.exam.simulate.recordings import simulate_trial
-from models.exam.simulate.trial import Trial
-from models.exam.simulate.varying import Variation
-from models.gap.hypotheses import Hypothesis
-from models.gap.name.naming import name
-from models.gap.name.variation import variations
-from models.gap.settings import Question
+from rallygap.models.exam.interface import shots_of
+from rallygap.models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.simulate.trial import Trial
+from rallygap.models.exam.simulate.varying import Variation
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.name.naming import name
+from rallygap.models.gap.name.variation import variations
+from rallygap.models.gap.settings import Question
 from tests.models.gap.hidden import NOMINAL, SETTINGS
 
 WIND = Hypothesis("wind", "x")

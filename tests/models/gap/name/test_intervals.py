@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import truncnorm
 
-from models.gap.name.intervals import within
+from rallygap.models.gap.name.intervals import within
 from tests.models.gap.hidden import SETTINGS
 
 

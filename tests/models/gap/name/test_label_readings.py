@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.gap.fit.refit import refit
-from models.gap.name.label_readings import LabelReadings, read_labels
-from models.gap.name.path_spins import PathSpins
-from models.gap.name.reading_mixture import NEGATED, OUTLIER, ReadingMixture
+from rallygap.models.gap.fit.refit import refit
+from rallygap.models.gap.name.label_readings import LabelReadings, read_labels
+from rallygap.models.gap.name.path_spins import PathSpins
+from rallygap.models.gap.name.reading_mixture import NEGATED, OUTLIER, ReadingMixture
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 FLIPPED = [2, 5, 11, 17]

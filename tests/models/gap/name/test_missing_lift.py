@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from models.gap.fit.refit import refit
-from models.gap.hypotheses import Hypothesis
-from models.gap.inference.score_test import Evidence
-from models.gap.name.missing_lift import lift_test
+from rallygap.models.gap.fit.refit import refit
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.inference.score_test import Evidence
+from rallygap.models.gap.name.missing_lift import lift_test
 from tests.models.gap.hidden import SETTINGS, WITHOUT_MAGNUS, listed, measured
 
 

@@ -5,17 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.arena.truth import draw_truth
-from models.ball.simulator import Simulator
-from models.ball.simulators import shipped
-from models.gap.diagnose import diagnose
-from models.gap.fit.refit import refit
-from models.gap.hypotheses import Hypothesis
-from models.gap.name import naming
-from models.gap.name.label_readings import read_labels
-from models.gap.name.naming import name
-from models.gap.name.selection import Explainer, Explanation, best_explanation, evidence_about
-from models.gap.settings import Question
+from rallygap.models.arena.truth import draw_truth
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.diagnose import diagnose
+from rallygap.models.gap.fit.refit import refit
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.name import naming
+from rallygap.models.gap.name.label_readings import read_labels
+from rallygap.models.gap.name.naming import name
+from rallygap.models.gap.name.selection import (
+    Explainer,
+    Explanation,
+    best_explanation,
+    evidence_about,
+)
+from rallygap.models.gap.settings import Question
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 SIX = {

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.ball.simulator import Simulator
-from models.gap.hypotheses import Hypothesis
-from models.gap.inference.score_test import Evidence
-from models.gap.name.selection import Explainer, best_explanation
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.inference.score_test import Evidence
+from rallygap.models.gap.name.selection import Explainer, best_explanation
 from tests.models.gap.hidden import SETTINGS
 
 NOMINAL = Simulator.from_dict({"gravity": {"g": 9.81}, "drag": {"cd": 0.5}})

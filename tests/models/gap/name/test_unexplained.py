@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from models.gap.fit.refit import refit
-from models.gap.name.unexplained import find_unexplained, formula
-from models.gap.settings import Question
+from rallygap.models.gap.fit.refit import refit
+from rallygap.models.gap.name.unexplained import find_unexplained, formula
+from rallygap.models.gap.settings import Question
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 TILTED = NOMINAL.amended("table_tilt", x=0.01)

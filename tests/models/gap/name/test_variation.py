@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from models.gap.fit.shots import Shots
-from models.gap.name.naming import name
-from models.gap.name.variation import variations
-from models.gap.settings import Question
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.name.naming import name
+from rallygap.models.gap.name.variation import variations
+from rallygap.models.gap.settings import Question
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 

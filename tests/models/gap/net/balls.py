@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from models.ball.contact_laws import NET
-from models.gap.fit.shots import Shots
-from models.gap.net.contacts import NetContacts
+from rallygap.models.ball.contact_laws import NET
+from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.net.contacts import NetContacts
 from tests.models.gap.hidden import NOMINAL, RATE
 
 NET_LAW = {"restitution": 0.3, "friction": 0.4}

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.gap.fit.noise import Noise
-from models.gap.net.impacts import Impacts
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.net.impacts import Impacts
 from tests.models.gap.hidden import NOMINAL, SETTINGS
 from tests.models.gap.net.balls import NET_LAW, WITH_NET, contacts
 

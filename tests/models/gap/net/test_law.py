@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from models.gap.fit.noise import Noise
-from models.gap.net.impacts import Impacts
-from models.gap.net.law import NetLaw
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.net.impacts import Impacts
+from rallygap.models.gap.net.law import NetLaw
 from tests.models.gap.hidden import NOMINAL, SETTINGS
 from tests.models.gap.net.balls import NET_LAW, WITH_NET, contacts
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from models.gap.diagnose import diagnose
-from models.gap.settings import DEFAULTS
+from rallygap.models.gap.diagnose import diagnose
+from rallygap.models.gap.settings import DEFAULTS
 from tests.models.gap.hidden import NOMINAL, measured
 from tests.models.gap.net.balls import NET_LAW, WITH_NET, contacts
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.gap.verify.bootstrap import interval, resampled, root_mean_squares
+from rallygap.models.gap.verify.bootstrap import interval, resampled, root_mean_squares
 from tests.models.gap.hidden import SETTINGS
 
 

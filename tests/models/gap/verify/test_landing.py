@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from models.ball.simulator import Simulator
-from models.gap.verify.landing import landings
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.verify.landing import landings
 
 FALLING = Simulator.from_dict(
     {"gravity": {"g": 9.81}, "table_bounce": {"restitution": 0.9, "friction": 0.2}}

@@ -2,9 +2,9 @@
 
 import pytest
 
-from models.gap.name.label_readings import LabelReadings
-from models.gap.verdict import DetectionLimits
-from models.gap.verify.limitations import experiment, limitations, of_labels
+from rallygap.models.gap.name.label_readings import LabelReadings
+from rallygap.models.gap.verdict import DetectionLimits
+from rallygap.models.gap.verify.limitations import experiment, limitations, of_labels
 from tests.models.gap.hidden import SETTINGS, measured
 from tests.models.gap.test_verdict import WIND
 

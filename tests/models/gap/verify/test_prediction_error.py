@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from models.gap.fit.horizons import first_samples
-from models.gap.fit.noise import Noise
-from models.gap.fit.refit import fit_nuisance
-from models.gap.verify.prediction_error import Errors, HeldOut, gap
+from rallygap.models.gap.fit.horizons import first_samples
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.fit.refit import fit_nuisance
+from rallygap.models.gap.verify.prediction_error import Errors, HeldOut, gap
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.01, 0.02, 0.005))

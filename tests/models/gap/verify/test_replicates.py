@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.gap.fit.measurement import Schedule, predict_measurements
-from models.gap.fit.noise import Noise
-from models.gap.verify.replicates import simulate_replicate
+from rallygap.models.gap.fit.measurement import Schedule, predict_measurements
+from rallygap.models.gap.fit.noise import Noise
+from rallygap.models.gap.verify.replicates import simulate_replicate
 from tests.models.gap.hidden import NOMINAL, SETTINGS, launches, measured
 
 NOISE = Noise(white=0.003, slow=0.004, slow_time=0.02, label=0.1, label_common=0.05, timing=0.0)

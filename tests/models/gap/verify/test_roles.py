@@ -5,17 +5,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from models.gap.diagnose import _reduced, diagnose
-from models.gap.fit.refit import refit
-from models.gap.hypotheses import Hypothesis
-from models.gap.name.label_readings import all_as_read
-from models.gap.name.naming import Named, without_cause
-from models.gap.name.selection import Explainer, best_explanation, evidence_about
-from models.gap.settings import Question
-from models.gap.verdict import Worth
-from models.gap.verify.roles import Judgement
-from models.gap.verify.verified import Verified
-from models.gap.verify.worth import Worths
+from rallygap.models.gap.diagnose import _reduced, diagnose
+from rallygap.models.gap.fit.refit import refit
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.name.label_readings import all_as_read
+from rallygap.models.gap.name.naming import Named, without_cause
+from rallygap.models.gap.name.selection import Explainer, best_explanation, evidence_about
+from rallygap.models.gap.settings import Question
+from rallygap.models.gap.verdict import Worth
+from rallygap.models.gap.verify.roles import Judgement
+from rallygap.models.gap.verify.verified import Verified
+from rallygap.models.gap.verify.worth import Worths
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 QUESTION = Question(NOMINAL, SETTINGS)
@@ -154,7 +154,7 @@ class Needless:
 
 
 def test_an_error_of_the_cameras_does_not_take_the_place_of_a_cause(monkeypatch):
-    monkeypatch.setattr("models.gap.diagnose.cause", lambda named, k, *of: k)
+    monkeypatch.setattr("rallygap.models.gap.diagnose.cause", lambda named, k, *of: k)
     main, _, minor = _reduced(Replaced(high=0.003), True, {})
     assert (main.causes, minor) == ((0,), [1])
     main, _, minor = _reduced(Replaced(high=0.03), True, {})  # it may be so large in any case
@@ -163,7 +163,7 @@ def test_an_error_of_the_cameras_does_not_take_the_place_of_a_cause(monkeypatch)
 
 @pytest.mark.parametrize(("fits", "kept"), [(True, (0, 1)), (False, ())])
 def test_needed_causes_stay_where_the_model_fits(monkeypatch, fits, kept):
-    monkeypatch.setattr("models.gap.diagnose.cause", lambda named, k, *of: k)
+    monkeypatch.setattr("rallygap.models.gap.diagnose.cause", lambda named, k, *of: k)
     monkeypatch.setattr(Replaced, "is_likelier_than", lambda self, other: True)
     main, _, _ = _reduced(Replaced(high=0.03), fits, {})
     assert main.causes == kept

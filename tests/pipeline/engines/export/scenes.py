@@ -1,9 +1,9 @@
 """Scenes to be patched, and lists of effects for them."""
 
-from models.ball.simulator import Simulator
-from models.engines.mujoco.says import says
-from pipeline.engines.export.scene.patch import patched
-from pipeline.engines.export.scene.source import SceneSource
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.engines.mujoco.says import says
+from rallygap.pipeline.engines.export.scene.patch import patched
+from rallygap.pipeline.engines.export.scene.source import SceneSource
 
 SCENE = """<?xml version="1.0"?>
 <!-- A table. <option wind="9 9 9"/> and <geom name="ball"/> are not here -- and stay. -->

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from models.ball.simulators import shipped
-from pipeline.engines.export.command import export
-from pipeline.engines.load import module_of_file
-from pipeline.runtime.paths import repository_root
+from rallygap.models.ball.simulators import shipped
+from rallygap.pipeline.engines.export.command import export
+from rallygap.pipeline.engines.load import module_of_file
+from rallygap.pipeline.runtime.paths import repository_root
 
 LITERATURE = shipped("literature")
 STILL = np.zeros(2, dtype=np.float32)

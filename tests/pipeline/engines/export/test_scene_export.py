@@ -3,18 +3,18 @@
 import pytest
 from typer.testing import CliRunner
 
-from models.engines.mujoco.scene import MujocoScene
-from pipeline.cli import app
-from pipeline.engines.export.code import ball_effects
-from pipeline.engines.export.command import export_scene
-from pipeline.engines.export.scene.coded_ball import CodedBall
-from pipeline.engines.export.scene.handover import handed_over, without_scene
-from pipeline.engines.export.scene.shots import VerificationShots
-from pipeline.engines.export.scene.unsaid import unsaid
-from pipeline.engines.export.scene.verification import agreement, scene_sentences
-from pipeline.engines.export.scene_file import check_place, former_scene
-from pipeline.engines.mujoco_file import load_scene
-from pipeline.runtime.errors import InputError
+from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.pipeline.cli import app
+from rallygap.pipeline.engines.export.code import ball_effects
+from rallygap.pipeline.engines.export.command import export_scene
+from rallygap.pipeline.engines.export.scene.coded_ball import CodedBall
+from rallygap.pipeline.engines.export.scene.handover import handed_over, without_scene
+from rallygap.pipeline.engines.export.scene.shots import VerificationShots
+from rallygap.pipeline.engines.export.scene.unsaid import unsaid
+from rallygap.pipeline.engines.export.scene.verification import agreement, scene_sentences
+from rallygap.pipeline.engines.export.scene_file import check_place, former_scene
+from rallygap.pipeline.engines.mujoco_file import load_scene
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.engines.export.scenes import SCENE, amended, does, patch_of, source_of
 
 LIST = """gravity: {g: 9.81}
@@ -46,7 +46,7 @@ def test_the_command_writes_a_verified_scene_and_code(tmp_path):
 
 
 def does_drag(scene: MujocoScene):
-    from models.engines.mujoco.says import says
+    from rallygap.models.engines.mujoco.says import says
 
     return says(scene).effects["drag"]["cd"]
 

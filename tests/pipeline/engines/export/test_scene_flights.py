@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from models.engines.engine import EffectsEngine
-from pipeline.engines.export.scene.patch import patched
-from pipeline.engines.export.scene.shots import (
+from rallygap.models.engines.engine import EffectsEngine
+from rallygap.pipeline.engines.export.scene.patch import patched
+from rallygap.pipeline.engines.export.scene.shots import (
     AFTER,
     BEFORE,
     FLIGHT,

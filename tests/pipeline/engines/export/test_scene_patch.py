@@ -4,9 +4,9 @@ import re
 
 import pytest
 
-from models.engines.mujoco.contact import table_contact
-from pipeline.engines.export.scene.source import SceneSource
-from pipeline.runtime.errors import InputError
+from rallygap.models.engines.mujoco.contact import table_contact
+from rallygap.pipeline.engines.export.scene.source import SceneSource
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.engines.export.scenes import SCENE, does, patch_of, plain, source_of
 
 COMMENT = re.compile(r"<!-- rallygap: .*? -->(\r?\n *| )", re.DOTALL)

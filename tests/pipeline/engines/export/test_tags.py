@@ -1,6 +1,6 @@
 """Start tags in text that looks like tags, and attributes changed in place."""
 
-from pipeline.engines.export.scene.tags import (
+from rallygap.pipeline.engines.export.scene.tags import (
     Edit,
     comments_above,
     tags,

@@ -5,7 +5,7 @@ from itertools import product
 import pandas as pd
 import pytest
 
-from pipeline.evaluation.figures.coverage import coverage_figure
+from rallygap.pipeline.evaluation.figures.coverage import coverage_figure
 
 
 def lines(*predictors):

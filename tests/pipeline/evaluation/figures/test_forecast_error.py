@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.evaluation.figures.forecast_error import forecast_error_figure
-from pipeline.io.figure_style import predictor_colour
+from rallygap.pipeline.evaluation.figures.forecast_error import forecast_error_figure
+from rallygap.pipeline.io.figure_style import predictor_colour
 from tests.pipeline.web.example_reports import HORIZONS, forecast_errors
 
 

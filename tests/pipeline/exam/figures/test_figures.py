@@ -5,12 +5,12 @@ import io
 import numpy as np
 import pytest
 
-from models.exam.design.robustness import GROUPS
-from models.exam.scoring.rates import covered, rates
-from pipeline.exam.figures import exam_figures
-from pipeline.exam.figures.methods import accuracy_figure, methods_figure
-from pipeline.exam.figures.single_method import confusion_figure, coverage_figure
-from pipeline.io.figure_style import apply_style
+from rallygap.models.exam.design.robustness import GROUPS
+from rallygap.models.exam.scoring.rates import covered, rates
+from rallygap.pipeline.exam.figures import exam_figures
+from rallygap.pipeline.exam.figures.methods import accuracy_figure, methods_figure
+from rallygap.pipeline.exam.figures.single_method import confusion_figure, coverage_figure
+from rallygap.pipeline.io.figure_style import apply_style
 from tests.models.exam.example_records import METHODS, answer, example_exam, hidden, named, record
 
 RALLYGAP = "rallygap"

@@ -3,12 +3,12 @@
 import pandas as pd
 import pytest
 
-from pipeline.gap.data_check.check import check_recordings
-from pipeline.gap.measured_shots import read_shots
-from pipeline.io.frame import Frame
-from pipeline.io.schemas import POSITION_COLUMNS
-from pipeline.runtime.errors import InputError
-from pipeline.sources.source import RawTable
+from rallygap.pipeline.gap.data_check.check import check_recordings
+from rallygap.pipeline.gap.measured_shots import read_shots
+from rallygap.pipeline.io.frame import Frame
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sources.source import RawTable
 from tests.pipeline.recorded import write_recordings
 
 # Sizes at or near the bounds of the catalogue; the pairs are the worst for spins and for axes.

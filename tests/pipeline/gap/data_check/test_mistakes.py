@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.gap.measured_shots import read_shots
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.gap.measured_shots import read_shots
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.recorded import write_recordings
 
 POSITIONS, SPINS = ["x", "y", "z"], ["wx", "wy", "wz"]

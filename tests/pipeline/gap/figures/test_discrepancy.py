@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
-from pipeline.gap.figures.discrepancy import (
+from rallygap.pipeline.gap.figures.discrepancy import (
     DIRECTIONS,
     PHASE_COLOURS,
     discrepancy_figure,
     growth_figure,
 )
-from pipeline.io.figure_style import MUTED
+from rallygap.pipeline.io.figure_style import MUTED
 from tests.pipeline.verdicts import LOCATED
 
 

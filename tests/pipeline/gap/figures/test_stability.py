@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from pipeline.gap.figures.stability import closing_figure, stability_figure
-from pipeline.gap.figures.verdict import LINE_NAMES, LINES
-from pipeline.io.figure_style import apply_style
+from rallygap.pipeline.gap.figures.stability import closing_figure, stability_figure
+from rallygap.pipeline.gap.figures.verdict import LINE_NAMES, LINES
+from rallygap.pipeline.io.figure_style import apply_style
 from tests.pipeline.verdicts import CAMERA, GAP, GRAVITY, MINOR, WIND, diagnosed, verdict
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.gap.figures.verdict import causes_figure, error_figure
+from rallygap.pipeline.gap.figures.verdict import causes_figure, error_figure
 from tests.pipeline.verdicts import GAP, GRAVITY, MINOR, WIND, verdict
 
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from models.ball.simulators import shipped
-from models.gap.hypotheses import Hypothesis
-from models.live.drift import Alarm
-from models.live.forecaster import Forecaster
-from pipeline.live.latency import Latencies
-from pipeline.live.loop import forecast_each
-from pipeline.live.messages import Measurement
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.live.drift import Alarm
+from rallygap.models.live.forecaster import Forecaster
+from rallygap.pipeline.live.latency import Latencies
+from rallygap.pipeline.live.loop import forecast_each
+from rallygap.pipeline.live.messages import Measurement
 
 TRUTH = shipped("literature")
 FIRST = np.array([0.1, 1.2, 0.35, 0.3, -6.0, 1.0, -150.0, 20.0, 30.0])

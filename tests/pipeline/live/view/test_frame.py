@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from pipeline.live.latency import Latencies
-from pipeline.live.view.frame import picture
+from rallygap.pipeline.live.latency import Latencies
+from rallygap.pipeline.live.view.frame import picture
 from tests.pipeline.live.view.example_frames import ALARM, PLACES, frames, rows
 
 

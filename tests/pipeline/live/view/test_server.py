@@ -11,10 +11,10 @@ from itertools import cycle, islice
 
 import pytest
 
-from pipeline.live.latency import Latencies
-from pipeline.live.view import server as view
-from pipeline.live.view.server import served
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.live.latency import Latencies
+from rallygap.pipeline.live.view import server as view
+from rallygap.pipeline.live.view.server import served
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.live.view.example_frames import frames, rows
 from tests.services import free_port
 

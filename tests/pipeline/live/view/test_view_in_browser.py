@@ -3,8 +3,8 @@
 import pytest
 from selenium.webdriver.support.wait import WebDriverWait
 
-from pipeline.live.latency import Latencies
-from pipeline.live.view.server import served
+from rallygap.pipeline.live.latency import Latencies
+from rallygap.pipeline.live.view.server import served
 from tests.pipeline.live.view.example_frames import ALARM, frames, rows
 from tests.pipeline.web.test_page_in_browser import (
     COLOURS_DRAWN,

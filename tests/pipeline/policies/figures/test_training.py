@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.io.figure_style import apply_style
-from pipeline.policies.figures.training import GOALS, achieved_figure, learning_figure
+from rallygap.pipeline.io.figure_style import apply_style
+from rallygap.pipeline.policies.figures.training import GOALS, achieved_figure, learning_figure
 
 TICKS = np.array([16_000, 32_000, 48_000])
 

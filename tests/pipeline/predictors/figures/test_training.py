@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.io.figure_style import apply_style
-from pipeline.predictors.figures.training import training_figure
+from rallygap.pipeline.io.figure_style import apply_style
+from rallygap.pipeline.predictors.figures.training import training_figure
 
 CURVES = pd.DataFrame(
     {

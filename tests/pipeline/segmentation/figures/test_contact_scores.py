@@ -4,7 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.segmentation.figures.contact_scores import LARGEST_ERROR, contact_scores_figure
+from rallygap.pipeline.segmentation.figures.contact_scores import (
+    LARGEST_ERROR,
+    contact_scores_figure,
+)
 
 CONTACTS = pd.DataFrame(
     {

@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from pipeline.shot_quality.figures.returns import HATCH, calibration_figure, medians_figure
+from rallygap.pipeline.shot_quality.figures.returns import HATCH, calibration_figure, medians_figure
 
 ROWS = [
     {"set": name, "horizons_ms": ahead, "predictor": predictor, "speed": height,

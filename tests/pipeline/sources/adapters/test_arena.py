@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from models.arena.recording import TrueContacts
-from models.arena.truth import Truth, draw_truth
-from models.arena.truth_path import true_states
-from models.ball.state import POSITION
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
-from pipeline.params import IngestSettings
-from pipeline.runtime.errors import InputError
-from pipeline.runtime.parallel import CLUSTER
-from pipeline.sources.gather import TABLES, gather
+from rallygap.models.arena.recording import TrueContacts
+from rallygap.models.arena.truth import Truth, draw_truth
+from rallygap.models.arena.truth_path import true_states
+from rallygap.models.ball.state import POSITION
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
+from rallygap.pipeline.params import IngestSettings
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.parallel import CLUSTER
+from rallygap.pipeline.sources.gather import TABLES, gather
 from tests.cluster import cluster
 from tests.pipeline.sources.made_up import ARENA, read
 
@@ -66,7 +66,7 @@ def test_a_cluster_writes_the_same_bytes(tmp_path, monkeypatch, files):
 
 
 def test_a_cluster_that_is_not_there_is_an_error_and_leaves_nothing(tmp_path, monkeypatch):
-    monkeypatch.setattr("pipeline.runtime.parallel.PATIENCE", 0.5)
+    monkeypatch.setattr("rallygap.pipeline.runtime.parallel.PATIENCE", 0.5)
     monkeypatch.setenv(CLUSTER, "carrier-pigeon://loft:1")
     with pytest.raises(InputError, match=f"{CLUSTER}: no scheduler answers"):
         written(tmp_path, 1)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.sources.made_up import launch, read, write_competitive, write_lines
 
 NAME = "competitive_robot_table_tennis"

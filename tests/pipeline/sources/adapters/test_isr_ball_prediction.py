@@ -4,8 +4,8 @@ import h5py
 import numpy as np
 import pytest
 
-from pipeline.io.schemas import POSITION_COLUMNS
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.sources.made_up import PATH, TIMES, read, write_isr
 
 

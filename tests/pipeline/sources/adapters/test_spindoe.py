@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
-from pipeline.runtime.errors import InputError
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
+from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.sources.made_up import PATH, SPIN, TIMES, read, write_spindoe
 
 

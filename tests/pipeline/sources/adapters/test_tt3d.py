@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
 from tests.pipeline.sources.made_up import PATH, TIMES, read, write_tt3d
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
-from pipeline.sources.figures.launches import (
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
+from rallygap.pipeline.sources.figures.launches import (
     launch_distributions,
     launches_figure,
     measured_launches,

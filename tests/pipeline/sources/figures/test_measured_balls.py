@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.io.schemas import POSITION_COLUMNS
-from pipeline.sources.figures.measured_balls import (
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS
+from rallygap.pipeline.sources.figures.measured_balls import (
     DRAWN_BALLS,
     DRAWN_LAUNCHES,
     DRAWN_RUN,

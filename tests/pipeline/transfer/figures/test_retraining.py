@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from pipeline.io.figure_style import apply_style
-from pipeline.transfer.figures.retraining import retraining_figure
+from rallygap.pipeline.io.figure_style import apply_style
+from rallygap.pipeline.transfer.figures.retraining import retraining_figure
 
 PAIRS = [("original", "physics"), ("original", "oracle"), ("retrained", "amended")]
 

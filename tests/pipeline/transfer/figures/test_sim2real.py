@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.io.figure_style import apply_style, predictor_colour
-from pipeline.transfer.figures.sim2real import tolerance_figure, transfer_figure
+from rallygap.pipeline.io.figure_style import apply_style, predictor_colour
+from rallygap.pipeline.transfer.figures.sim2real import tolerance_figure, transfer_figure
 
 FORECASTERS = [
     ("physics", "first_window"),

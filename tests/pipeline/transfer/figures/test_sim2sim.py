@@ -5,8 +5,8 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
-from pipeline.io.figure_style import apply_style
-from pipeline.transfer.figures.sim2sim import COLOURS, PROTOCOLS, sim2sim_figure
+from rallygap.pipeline.io.figure_style import apply_style
+from rallygap.pipeline.transfer.figures.sim2sim import COLOURS, PROTOCOLS, sim2sim_figure
 
 SIMULATORS = ["imperfect_a", "imperfect_b", "imperfect_c"]
 HORIZONS = ["115-125", "170-180"]
