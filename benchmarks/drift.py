@@ -23,9 +23,9 @@ from rallygap.models.exam.simulate.trial import Trial
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.live.drift import REFERENCE, DriftMonitor
 from rallygap.pipeline.io.artifacts import write_json
-from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, apply_style, save_figure
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.runtime.parallel import parallel
+from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, apply_style, save_figure
 
 SIMULATOR = load_simulator("literature")
 QUIET_SESSIONS, QUIET_SHOTS = 25, 400  # without a change

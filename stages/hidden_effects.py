@@ -8,13 +8,14 @@ from rallygap.models.exam.records import ExamRecord
 from rallygap.models.exam.scoring.rates import rates
 from rallygap.models.exam.scoring.robustness import of_robustness, of_sweeps
 from rallygap.models.gap.fit.shots import spread_evenly
-from rallygap.pipeline.exam.figures import exam_figures
+from rallygap.pipeline.exam.answers import answer_rows, different_answers, methods_of
 from rallygap.pipeline.exam.records import RECORDS, read_records
-from rallygap.pipeline.exam.run import assignments, code_of_records, run_questions
-from rallygap.pipeline.exam.tables import different_answers, exam_tables, methods_of, rerun_table
+from rallygap.pipeline.exam.run import assignments, run_questions
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.runtime.console import warn
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+
+HEADLINES = ("false_alarm_rate", "top1_at_3x", "coverage", "removable_closed")  # of ``rates``
 
 
 def hidden_effects(run: StageRun) -> None:
@@ -24,26 +25,20 @@ def hidden_effects(run: StageRun) -> None:
     run.log_input("exam records", path, len(records))
     rerun = _rerun(run, records)
     different = different_answers(rerun, records)
-    code = code_of_records(run.root, run.params)
-    earlier = sum(record.code != code for record in records)
-    if earlier:
-        warn(f"{earlier} of {len(records)} records are of earlier code; run `make exam`")
     if different:
-        warn(f"{len(different)} of {len(rerun)} answers differ from {RECORDS}; run `make exam`")
-    first, *others = methods = methods_of(records)
+        warn(f"{len(different)} of {len(rerun)} answers differ from {RECORDS}; run the exam again")
+    first, *others = methods_of(records)
     results = {
         **_counts(of_sweeps(records), ""),
         **_counts(of_robustness(records), "_new"),
         **rates(records, first),
-        "records_of_earlier_code": earlier,
         "compared": {name: rates(records, name) for name in others},
     }
-    write_json(run.report("exam.json"), results)
-    numbers = {name: value for name, value in results.items() if isinstance(value, int | float)}
-    counts = {"questions": len(rerun), "different": len(different)}
-    run.write_metrics({"exam": numbers, "rerun": counts})
-    run.add(*exam_figures(records, methods), *exam_tables(records, first))
-    run.add(rerun_table(rerun, different))
+    write_json(run.artifact("exam.json"), results)
+    answers = answer_rows(rerun, methods_of(rerun))
+    run.keep(rerun=answers.assign(as_recorded=~answers["trial"].isin(different)))
+    metrics = {name: results[name] for name in HEADLINES}
+    run.write_metrics({**metrics, "rerun": len(rerun), "rerun_different": len(different)})
 
 
 def _counts(records: Sequence[ExamRecord], suffix: str) -> dict[str, int]:
@@ -57,7 +52,7 @@ def _rerun(run: StageRun, records: Sequence[ExamRecord]) -> list[ExamRecord]:
     asked = assignments(run.params)
     whole = [one for one in asked if one[0].trial.name in known]
     if len(whole) < len(asked):
-        warn(f"{len(asked) - len(whole)} questions have no record; run `make exam`")
+        warn(f"{len(asked) - len(whole)} questions have no record; run the exam again")
     count = min(run.params.hidden_effects.rerun_questions, len(whole))
     chosen = [whole[k] for k in spread_evenly(len(whole), count)]
     results = run_questions(chosen, run.scratch("records"))

@@ -24,7 +24,7 @@ from rallygap.pipeline.gap.wording import (
     percent,
     worth_text,
 )
-from rallygap.pipeline.io.numbers import number, with_unit
+from rallygap.pipeline.web.numbers import number, with_unit
 
 if TYPE_CHECKING:
     from rallygap.pipeline.engines.export.scene.handover import HandedOver

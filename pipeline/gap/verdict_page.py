@@ -10,10 +10,10 @@ from rallygap.pipeline.gap.figures.verdict import KIND_NAMES
 from rallygap.pipeline.gap.summary import Findings, answer_title, minor_causes, title
 from rallygap.pipeline.gap.usage import episodes_text, labels_text
 from rallygap.pipeline.gap.wording import ROLES, interval_text, percent
-from rallygap.pipeline.io.numbers import number, with_unit
-from rallygap.pipeline.io.report_items import ReportFigure
 from rallygap.pipeline.web.environment import page_environment
 from rallygap.pipeline.web.items import page_table, shown_figure
+from rallygap.pipeline.web.numbers import number, with_unit
+from rallygap.pipeline.web.report_items import ReportFigure
 
 TEMPLATES = Path(__file__).parent / "templates"
 SMALLEST_P = 1e-4  # that permutations resolve

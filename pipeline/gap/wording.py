@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from rallygap.models.gap.types import Phase
 from rallygap.models.gap.verdict import Role, Worth
-from rallygap.pipeline.io.numbers import number
+from rallygap.pipeline.web.numbers import number
 
 PLACES: dict[Phase, str] = {
     "flight": "in flight",

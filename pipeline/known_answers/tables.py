@@ -8,8 +8,8 @@ import pandas as pd
 
 from rallygap.models.gap.verdict import Cause, Gap
 from rallygap.pipeline.gap.wording import interval_text
-from rallygap.pipeline.io.numbers import number
 from rallygap.pipeline.known_answers.scores import Answer
+from rallygap.pipeline.web.numbers import number
 
 COLUMNS = [
     *("set", "fold", "place", "planted", "size", "value"),

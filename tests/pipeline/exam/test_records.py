@@ -7,7 +7,7 @@ import pytest
 
 from rallygap.models.exam.scoring.rates import rates
 from rallygap.pipeline.exam.records import RECORDS, read_records, write_records
-from rallygap.pipeline.exam.tables import methods_of
+from rallygap.pipeline.report.exam_tables import methods_of
 from rallygap.pipeline.runtime.errors import InputError
 from tests.models.exam.example_records import example_exam, record
 
