@@ -5,12 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from rallygap.models.exam.records import ExamRecord
-from rallygap.models.exam.scoring.rates import rates
-from rallygap.models.exam.scoring.robustness import of_robustness, of_sweeps
+from rallygap.models.exam.scoring.rates import of_robustness, of_sweeps, rates
 from rallygap.models.gap.fit.shots import spread_evenly
 from rallygap.pipeline.exam.figures import exam_figures
 from rallygap.pipeline.exam.records import RECORDS, read_records
-from rallygap.pipeline.exam.run import assignments, code_of_records, run_questions
+from rallygap.pipeline.exam.run import assignments, run_questions
 from rallygap.pipeline.exam.tables import different_answers, exam_tables, methods_of, rerun_table
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.runtime.console import warn
@@ -24,10 +23,6 @@ def hidden_effects(run: StageRun) -> None:
     run.log_input("exam records", path, len(records))
     rerun = _rerun(run, records)
     different = different_answers(rerun, records)
-    code = code_of_records(run.root, run.params)
-    earlier = sum(record.code != code for record in records)
-    if earlier:
-        warn(f"{earlier} of {len(records)} records are of earlier code; run `make exam`")
     if different:
         warn(f"{len(different)} of {len(rerun)} answers differ from {RECORDS}; run `make exam`")
     first, *others = methods = methods_of(records)
@@ -35,7 +30,6 @@ def hidden_effects(run: StageRun) -> None:
         **_counts(of_sweeps(records), ""),
         **_counts(of_robustness(records), "_new"),
         **rates(records, first),
-        "records_of_earlier_code": earlier,
         "compared": {name: rates(records, name) for name in others},
     }
     write_json(run.report("exam.json"), results)
@@ -53,18 +47,18 @@ def _counts(records: Sequence[ExamRecord], suffix: str) -> dict[str, int]:
 
 def _rerun(run: StageRun, records: Sequence[ExamRecord]) -> list[ExamRecord]:
     """Run a few questions, evenly spaced over the records, and note the time of each method."""
-    known = {record.name for record in records}
+    names = {record.name for record in records}
     asked = assignments(run.params)
-    whole = [one for one in asked if one[0].trial.name in known]
-    if len(whole) < len(asked):
-        warn(f"{len(asked) - len(whole)} questions have no record; run `make exam`")
-    count = min(run.params.hidden_effects.rerun_questions, len(whole))
-    chosen = [whole[k] for k in spread_evenly(len(whole), count)]
-    results = run_questions(chosen, run.scratch("records"))
-    for method in sorted({name for result in results for name in result.seconds}):
-        seconds = [result.seconds[method] for result in results if method in result.seconds]
+    known = [(question, methods) for question, methods in asked if question.trial.name in names]
+    if len(known) < len(asked):
+        warn(f"{len(asked) - len(known)} questions have no record; run `make exam`")
+    count = min(run.params.hidden_effects.rerun_questions, len(known))
+    chosen = [known[k] for k in spread_evenly(len(known), count)]
+    rerun = run_questions(chosen, run.scratch("records"))
+    for method in sorted({name for record in rerun for name in record.seconds}):
+        seconds = [record.seconds[method] for record in rerun if method in record.seconds]
         run.timings[f"{method}_cpu_s_median"] = float(np.median(seconds))
-    return [result.record for result in results]
+    return rerun
 
 
 if __name__ == "__main__":

@@ -47,9 +47,8 @@ def _small(monkeypatch):
 
 
 def reported(root, *more):
-    record, _ = run_question(QUESTION, METHODS)
+    record = run_question(QUESTION, METHODS)
     write_records(root / RECORDS, [*example_exam(every=20), *(more or [record])])
-    (root / "constraints.txt").touch()
     run = StageRun("hidden_effects", root, params())
     hidden_effects(run)
     return run
@@ -69,7 +68,7 @@ def test_rates_of_rallygap_come_first_and_those_of_others_below(tmp_path):
 
 
 def test_answers_that_differ_from_the_records_are_reported(tmp_path, capsys):
-    record, _ = run_question(QUESTION, METHODS)
+    record = run_question(QUESTION, METHODS)
     unknown = {"rallygap": AnswerRecord(conclusion="unknown")}
     other = record.model_copy(update={"answers": unknown})
     run = reported(tmp_path, other)

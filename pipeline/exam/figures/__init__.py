@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from rallygap.models.exam.records import ExamRecord
-from rallygap.models.exam.scoring.robustness import of_sweeps
+from rallygap.models.exam.scoring.rates import of_sweeps
 from rallygap.pipeline.exam.figures.methods import accuracy_figure, methods_figure
 from rallygap.pipeline.exam.figures.single_method import confusion_figure, coverage_figure
 from rallygap.pipeline.io.report_items import ReportFigure
