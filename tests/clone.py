@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-# Of which the stages hidden_effects and report make theirs.
+# Of experiments, which take hours.
 KEPT = tuple(
     f"reports/{name}/"
     for name in (

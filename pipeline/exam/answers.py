@@ -1,4 +1,4 @@
-"""Answers of methods in words, and whether they are those of other records."""
+"""Answers of methods in words."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -45,23 +45,3 @@ def _causes(answer: AnswerRecord) -> Iterator[str]:
         others = [name for name in cause.possible if name != cause.identity]
         alternatives = f" (or {', '.join(others)})" if others else ""
         yield f"{cause.identity}={cause.estimate:.4g}{alternatives}"
-
-
-def different_answers(rerun: Sequence[ExamRecord], kept: Sequence[ExamRecord]) -> list[str]:
-    """Return the names of records that ``kept`` lacks, or has with other answers.
-
-    Answers differ if their conclusions or named causes do; digits may differ between machines.
-    """
-    known = {record.name: record for record in kept}
-    return [record.name for record in rerun if not _same_answers(record, known.get(record.name))]
-
-
-def _same_answers(record: ExamRecord, kept: ExamRecord | None) -> bool:
-    if kept is None or record.not_posed != kept.not_posed:
-        return False
-    both = record.answers.keys() & kept.answers.keys()
-    return all(_named(record.answers[name]) == _named(kept.answers[name]) for name in both)
-
-
-def _named(answer: AnswerRecord) -> tuple[str | None, set[str]]:
-    return answer.conclusion, {cause.identity for cause in answer.causes}

@@ -1,8 +1,8 @@
-"""The report of `hidden_effects`: rates of the exam, by group, effect and method."""
+"""The report of `exam`: rates of the exam, by group, effect and method."""
 
 from collections.abc import Iterator
 
-from rallygap.models.exam.scoring.robustness import of_sweeps
+from rallygap.models.exam.scoring.rates import of_sweeps
 from rallygap.pipeline.exam.answers import methods_of
 from rallygap.pipeline.exam.records import RECORDS, read_records
 from rallygap.pipeline.report.exam_method import confusion_figure, coverage_figure
@@ -16,11 +16,11 @@ from rallygap.pipeline.report.exam_tables import (
     shortfall_table,
 )
 from rallygap.pipeline.runtime.stage_run import StageRun
-from rallygap.pipeline.web.report_items import ReportItem, ReportTable
+from rallygap.pipeline.web.report_items import ReportItem
 
 
 def items(run: StageRun) -> Iterator[ReportItem]:
-    """Yield figures and tables of the records, and the questions that were run again.
+    """Yield figures and tables of the records.
 
     Figures leave the robustness groups out; their rates are in a table.
     """
@@ -37,12 +37,3 @@ def items(run: StageRun) -> Iterator[ReportItem]:
     yield robustness_table(records, first)
     yield shortfall_table(records, first)
     yield not_posed_table(records)
-    rerun = run.kept("hidden_effects", "rerun")
-    yield ReportTable(
-        rerun,
-        "rerun",
-        title="The exam: questions that were run again",
-        caption=f"{rerun['trial'].nunique()} questions, evenly spaced over the exam, with "
-        f"{len(rerun)} answers. "
-        "as_recorded: the answer is that of the records from which all rates are computed.",
-    )

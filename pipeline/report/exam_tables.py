@@ -13,11 +13,11 @@ from rallygap.models.exam.scoring.rates import (
     distinguishable,
     mark,
     of_base,
+    of_robustness,
     rates,
     removable_closed,
     solved,
 )
-from rallygap.models.exam.scoring.robustness import of_robustness
 from rallygap.pipeline.exam.answers import answer_rows, methods_of
 from rallygap.pipeline.web.report_items import ReportTable
 
