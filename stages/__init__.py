@@ -1,3 +1,3 @@
 """One short script a stage, by the name that it has in dvc.yaml, params.yaml and reports/."""
 
-import pipeline  # noqa: F401  before numpy: it holds the arithmetic
+import rallygap.pipeline  # noqa: F401  before numpy: it holds the arithmetic

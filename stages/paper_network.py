@@ -31,9 +31,7 @@ from rallygap.pipeline.io.artifacts import read_json, write_json
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.params import Params
 from rallygap.pipeline.predictors.training_data import TrainingEpisodes
-from rallygap.pipeline.report.paper_network import paper_network_figure
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
-from rallygap.pipeline.web.figure_style import save_figure
 
 NAME, PROFILE, NETWORK = "paper_network", "paper", "transformer"
 PHYSICS = {"physics_c": "imperfect_c", "physics_c_with_net": "imperfect_c_with_net"}
@@ -56,7 +54,6 @@ def paper_network(run: StageRun) -> None:
     shown = table[table["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
     differences = errors.differences([NAME])
     run.publish({"errors": shown, "differences": differences, "training": curve})
-    save_figure(run.report("figures/errors.png"), paper_network_figure(table, curve))
     known = {key: value for key, value in record.items() if key != "curve"}
     sample = {"seed": run.seed, "parameters": network.parameter_count, **known}
     write_json(run.report("network.json"), sample)

@@ -1,11 +1,15 @@
 """Figure of the paper's network: its errors next to those of others, and its training."""
 
+from collections.abc import Iterator
+
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
+from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, predictor_colour
+from rallygap.pipeline.web.report_items import ReportFigure, ReportItem
 
 LOSSES = (0.05, 0.1, 0.2, 0.5, 1, 2)
 # Predictor to label and dashes.
@@ -18,11 +22,23 @@ LINES = {
 }
 
 
+def items(run: StageRun) -> Iterator[ReportItem]:
+    """Yield errors and losses of the paper's network."""
+    errors, curve = (run.published("paper_network", name) for name in ("errors", "training"))
+    yield ReportFigure(
+        paper_network_figure(errors, curve),
+        "errors",
+        title="The paper's network",
+        caption="Left: mean position error on test recordings 100, 200 and 300 ms ahead. Right: "
+        "losses of the paper's network over the epochs.",
+    )
+
+
 def paper_network_figure(errors: pd.DataFrame, curve: pd.DataFrame) -> Figure:
     """Draw mean position errors over the horizon, and losses over the epochs.
 
     Args:
-        errors: of ``ForecastErrors.over_horizon``.
+        errors: of ``ForecastErrors.over_horizon``, perhaps at some horizons only.
         curve: ``epoch``, ``training`` and ``validation`` loss of the paper's network.
     """
     figure = Figure(figsize=(FIGURE_WIDTH, 3.4))

@@ -141,15 +141,7 @@ def _swap(run: Reports) -> str:
 RESULTS = (
     Result("gap", "The gap", "close_gap/figures/errors_arena.png", _gap),
     Result("exam", "The exam", "exam/figures/accuracy.png", _exam),
-    Result(
-        "real", "Measured recordings", "real_forecasts/figures/errors.png", _real, "real_forecasts"
-    ),
-    Result(
-        "predictor",
-        "Predictors",
-        "learning_curves/figures/errors.png",
-        _predictor,
-        "learning_curves",
-    ),
+    Result("real", "Measured recordings", "real_forecasts/figures/errors.png", _real),
+    Result("predictor", "Predictors", "learning_curves/figures/errors.png", _predictor),
     Result("swap", "The predictor swap", "swap_study/figures/readings.png", _swap),
 )

@@ -10,6 +10,7 @@ from rallygap.pipeline.report import (
     exam,
     ingest,
     learning_curves,
+    paper_network,
     real_forecasts,
     retrain_policy,
     score_segmentation,
@@ -50,6 +51,7 @@ EXPERIMENTS: Reports = {
     "real_forecasts": real_forecasts.items,
     "swap_study": swap_study.items,
     "spread_policies": spread_policies.items,
+    "paper_network": paper_network.items,
 }
 
 
