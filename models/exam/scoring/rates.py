@@ -137,19 +137,35 @@ def interval(part: int, whole: int) -> tuple[float, float]:
 def rates(records: Sequence[ExamRecord], method: str) -> dict[str, Any]:
     """Return all rates of a method, each after its counts, those of robustness groups last."""
     given = answered(of_sweeps(records), method)
+    false_alarms = [mark(record, method) != "right" for record in of_group(given, "clean")]
+    upper = None
+    if false_alarms:
+        # One-sided: with 95 % confidence the rate is no larger.
+        test = binomtest(sum(false_alarms), len(false_alarms), alternative="less")
+        upper = rounded(float(test.proportion_ci(0.95, "exact").high))
+
+    def of_solved(questions: list[ExamRecord], counted: str, rate: str) -> dict[str, Any]:
+        flags = [solved(record, method) for record in questions]
+        return _counts(flags, counted, f"{counted}_right", rate)
+
     base = of_base(given)
     clear = [record for record in base if distinguishable(record)]
     other = [record for record in base if not distinguishable(record)]
+    gaps, before, after = removable_gap(given, method)
     return {
         "trials": len(given),
         "failures": sum(mark(record, method) == "failed" for record in given),
-        **_false_alarms(of_group(given, "clean"), method),
-        **_solved(clear, method, "distinguishable", "top1_at_3x"),
-        **_solved(other, method, "indistinguishable", "class_at_3x"),
-        **_solved(of_group(given, "pair"), method, "pairs", "pairs_both"),
-        **_solved(of_group(given, "withheld"), method, "withheld", "unknown_recall"),
-        **_coverage(given, method),
-        **_closed(given, method),
+        **_counts(false_alarms, "clean_sets", "false_alarms", "false_alarm_rate"),
+        "false_alarm_upper95": upper,
+        **of_solved(clear, "distinguishable", "top1_at_3x"),
+        **of_solved(other, "indistinguishable", "class_at_3x"),
+        **of_solved(of_group(given, "pair"), "pairs", "pairs_both"),
+        **of_solved(of_group(given, "withheld"), "withheld", "unknown_recall"),
+        **_counts(covered(given, method), "intervals", "intervals_right", "coverage"),
+        "gaps": gaps,
+        "gap_before_mm": rounded(before),
+        "gap_after_mm": rounded(after),
+        "removable_closed": removable_closed(given, method),
         **_robustness(answered(of_robustness(records), method), method),
     }
 
@@ -161,75 +177,29 @@ def removable_closed(records: Iterable[ExamRecord], method: str) -> float | None
 
 
 def _robustness(given: Sequence[ExamRecord], method: str) -> dict[str, Any]:
-    """Return the rates of the robustness groups (robustness.py)."""
+    """Return the rates of the robustness groups."""
     clean = [record for record in given if not record.hidden]
     varying = [record for record in given if varies(record)]
-    constant = [
-        record
-        for record in given
-        if record.hidden and not varies(record) and record.multiple >= MULTIPLE
-    ]
-    false = sum(mark(record, method) != "right" for record in clean)
-    leads = sum(_names_leading(record, record.answers[method]) for record in constant)
-    exact = sum(solved(record, method) for record in constant)
-    admitted = sum(mark(record, method) == "right" for record in varying)
+    large = [record for record in given if record.hidden and record.multiple >= MULTIPLE]
+    constant = [record for record in large if not varies(record)]
+    false = [mark(record, method) != "right" for record in clean]
+    leading = [_names_leading(record, record.answers[method]) for record in constant]
+    exact = [solved(record, method) for record in constant]
+    admitted = [mark(record, method) == "right" for record in varying]
     contains = covered(constant, method)
     return {
-        "clean_sets_new": len(clean),
-        "false_leading": false,
-        "false_leading_rate": _share(false, len(clean)),
-        "constant_new": len(constant),
-        "leading_right": leads,
-        "leading_at_3x": _share(leads, len(constant)),
-        "exact_right": exact,
-        "exact_at_3x": _share(exact, len(constant)),
-        "intervals_new": len(contains),
-        "intervals_new_right": sum(contains),
-        "coverage_new": _share(sum(contains), len(contains)),
-        "varying_new": len(varying),
-        "varying_new_right": admitted,
-        "unknown_recall_new": _share(admitted, len(varying)),
+        **_counts(false, "clean_sets_new", "false_leading", "false_leading_rate"),
+        **_counts(leading, "constant_new", "leading_right", "leading_at_3x"),
+        **_counts(exact, "constant_new", "exact_right", "exact_at_3x"),
+        **_counts(contains, "intervals_new", "intervals_new_right", "coverage_new"),
+        **_counts(admitted, "varying_new", "varying_new_right", "unknown_recall_new"),
     }
 
 
-def _false_alarms(clean: Sequence[ExamRecord], method: str) -> dict[str, Any]:
-    alarms = sum(mark(record, method) != "right" for record in clean)
-    upper = None
-    if clean:
-        # One-sided: with 95 % confidence the rate is no larger.
-        test = binomtest(alarms, len(clean), alternative="less")
-        upper = rounded(float(test.proportion_ci(0.95, "exact").high))
-    return {
-        "clean_sets": len(clean),
-        "false_alarms": alarms,
-        "false_alarm_rate": _share(alarms, len(clean)),
-        "false_alarm_upper95": upper,
-    }
-
-
-def _solved(records: Sequence[ExamRecord], method: str, counted: str, rate: str) -> dict[str, Any]:
-    right = sum(solved(record, method) for record in records)
-    return {counted: len(records), f"{counted}_right": right, rate: _share(right, len(records))}
-
-
-def _coverage(records: Sequence[ExamRecord], method: str) -> dict[str, Any]:
-    contains = covered(records, method)
-    share = _share(sum(contains), len(contains))
-    return {"intervals": len(contains), "intervals_right": sum(contains), "coverage": share}
-
-
-def _closed(records: Sequence[ExamRecord], method: str) -> dict[str, Any]:
-    trials, before, after = removable_gap(records, method)
-    return {
-        "gaps": trials,
-        "gap_before_mm": rounded(before),
-        "gap_after_mm": rounded(after),
-        "removable_closed": removable_closed(records, method),
-    }
-
-
-def _share(part: int, whole: int) -> float | None:
-    return rounded(part / whole) if whole else None
+def _counts(flags: Sequence[bool], counted: str, true: str, rate: str) -> dict[str, Any]:
+    """Return the number of flags, of true ones, and their share, by these names."""
+    share = rounded(sum(flags) / len(flags)) if flags else None
+    return {counted: len(flags), true: sum(flags), rate: share}
 
 
 def _named(record: ExamRecord, answer: AnswerRecord) -> list[NamedCause]:

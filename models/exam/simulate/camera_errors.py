@@ -30,6 +30,27 @@ class LabelErrors:
     shot: float = 0.0  # the same in all rows of a shot
     session: float = 0.0  # the same in all rows of all shots
 
+    def added(self, labels: Floats, arcs: Integers, random: np.random.Generator) -> Floats:
+        """Return (B, T, 3) labels with these errors, from exact ones in rad/s.
+
+        Args:
+            labels: of a session.
+            arcs: (B, T) number of bounces before each row.
+            random: of the errors.
+        """
+        session = self.session * random.standard_normal(3)
+        with_errors = []
+        for shot_labels, shot_arcs in zip(labels, arcs, strict=True):
+            shift = session + self.shot * random.standard_normal(3)
+            rows, member = shot_labels, np.arange(len(shot_labels))
+            if self.arc:
+                _, first, member = np.unique(shot_arcs, return_index=True, return_inverse=True)
+                rows = shot_labels[first]
+                shift = shift + self.arc * random.standard_normal(rows.shape)
+            sizes = np.linalg.norm(rows, axis=-1, keepdims=True)
+            with_errors.append((rows + shift * sizes)[member])
+        return np.array(with_errors)
+
 
 @dataclass(frozen=True)
 class Distortion:
@@ -118,39 +139,8 @@ def tail_factors(count: int, degrees: float, random: np.random.Generator) -> Flo
     return factors
 
 
-def with_shared_errors(
-    labels: Floats,
-    arcs: Integers,
-    errors: LabelErrors,
-    session: Floats,
-    random: np.random.Generator,
-) -> Floats:
-    """Return (T, 3) labels of one shot with the errors that its rows share.
-
-    Args:
-        labels: (T, 3) exact ones, rad/s.
-        arcs: (T,) number of bounces before each row.
-        errors: their sizes.
-        session: (3,) error of the session, as a share of the spin.
-        random: of the errors of this shot.
-    """
-    shift = session + errors.shot * random.standard_normal(3)
-    if not errors.arc:
-        return labels + shift * _sizes(labels)
-    _, first, member = np.unique(arcs, return_index=True, return_inverse=True)
-    of_arcs = labels[first]
-    own = errors.arc * random.standard_normal(of_arcs.shape)
-    repeated: Floats = (of_arcs + (shift + own) * _sizes(of_arcs))[member]
-    return repeated
-
-
 def rising(stamps: Floats, kept: Bools) -> Bools:
     """Return which of (T,) kept rows have a stamp later than all kept rows before."""
     before = np.maximum.accumulate(np.where(kept, stamps, -np.inf))
     later = stamps > np.concatenate([[-np.inf], before[:-1]])
     return np.logical_and(kept, later)
-
-
-def _sizes(labels: Floats) -> Floats:
-    sizes: Floats = np.linalg.norm(labels, axis=-1, keepdims=True)
-    return sizes

@@ -46,11 +46,6 @@ class Fit:
     gain: Floats  # (P, B, R) from residuals to changes of the parameters
     errors: Floats  # (P,) standard errors
 
-    def changes(self, residuals: Floats) -> Floats:
-        """Return the (P,) least-squares changes of the parameters for (B, R) residuals."""
-        changes: Floats = np.einsum("pbr,br->p", self.gain, residuals)
-        return changes
-
 
 def equivalent_physics(trial: Trial, launches: Launches) -> Physics:
     """Return the independent constants for which a best fit finds the trial's causes.
@@ -73,7 +68,8 @@ def equivalent_physics(trial: Trial, launches: Launches) -> Physics:
 
     def deviations(steps: Floats) -> Floats:
         residuals = measure(IndependentBall(constants(steps))) - expected
-        return fit.changes(residuals) / fit.errors
+        changes: Floats = np.einsum("pbr,br->p", fit.gain, residuals)
+        return changes / fit.errors
 
     solution = root(deviations, np.zeros(len(names)), options={"xtol": 1e-4, "eps": 1e-4})
     if not np.abs(solution.fun).max() < 0.1:

@@ -16,7 +16,6 @@ from rallygap.models.exam.simulate.camera_errors import (
     Stamps,
     rising,
     tail_factors,
-    with_shared_errors,
 )
 from rallygap.models.exam.simulate.equivalent_sizes import equivalent_physics
 from rallygap.models.exam.simulate.independent_ball import IndependentBall
@@ -31,7 +30,6 @@ MARGIN = 0.1  # s simulated beyond the end of a recording, for a sensor that loo
 # Streams of random numbers; the removable gap has number 5.
 LAUNCHES, BOUNCES, SENSOR, FRAMES, NOISE = range(5)
 SHARED, OTHERS, VARIATION = 6, 7, 8
-NO_LABEL_ERRORS, EXACT = LabelErrors(), Stamps()
 
 
 @dataclass(frozen=True)
@@ -134,7 +132,12 @@ def _recordings(truth: SealedTruth) -> list[Recording]:
     frames, noise = _random(trial, FRAMES), _random(trial, NOISE)
     times, counts = _frames(truth.durations, trial.cameras.interval, frames)
     positions, labels = truth.measured(times, _random(trial, SENSOR))
-    positions, labels = _with_shared_errors(truth, times, positions, labels)
+    shared = _random(trial, SHARED)  # errors that several rows share
+    if trial.errors.distortion is not None:
+        positions = positions + trial.errors.distortion.errors(positions, shared)
+    if trial.errors.labels != LabelErrors():
+        arcs = (times[:, :, None] >= truth.bounce_times[:, None]).sum(axis=2)
+        labels = trial.errors.labels.added(labels, arcs, shared)
     others = _random(trial, OTHERS)
     return [
         _recording(
@@ -142,23 +145,6 @@ def _recordings(truth: SealedTruth) -> list[Recording]:
         )
         for shot, count in enumerate(counts)
     ]
-
-
-def _with_shared_errors(
-    truth: SealedTruth, times: Floats, positions: Floats, labels: Floats
-) -> tuple[Floats, Floats]:
-    """Return (B, T, 3) positions and labels with the errors that several rows share."""
-    errors, random = truth.trial.errors, _random(truth.trial, SHARED)
-    if errors.distortion is not None:
-        positions = positions + errors.distortion.errors(positions, random)
-    if errors.labels != NO_LABEL_ERRORS:
-        session = errors.labels.session * random.standard_normal(3)
-        arcs = (times[:, :, None] >= truth.bounce_times[:, None]).sum(axis=2)
-        rows = zip(labels, arcs, strict=True)
-        labels = np.array(
-            [with_shared_errors(*row, errors.labels, session, random) for row in rows]
-        )
-    return positions, labels
 
 
 def _frames(
@@ -200,7 +186,7 @@ def _recording(
         seen = positions + factors[:, None] * (seen - positions)
     if trial.time_resolution > 0.0:
         times = np.round(times / trial.time_resolution) * trial.time_resolution
-    if trial.errors.stamps != EXACT:
+    if trial.errors.stamps != Stamps():
         times = trial.errors.stamps.stamped(times, others)
         kept = rising(times, kept)
     labelled = {
