@@ -16,7 +16,7 @@ from rallygap.pipeline.evaluation.report import (
     net_table,
     predictor_table,
 )
-from rallygap.pipeline.evaluation.test_windows import read_sets, read_test_sets
+from rallygap.pipeline.evaluation.evaluation_windows import read_sets, read_test_sets
 from rallygap.pipeline.io.ground_truth import net_contacts, read_contacts, read_truth, true_windows
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.runtime.torch_threads import one_thread

@@ -71,5 +71,4 @@ class BallsInFlight:
 
     def _now(self, values: Floats) -> Floats:
         """Return those of (B, T, ...) values that belong to the control step of each ball."""
-        now: Floats = values[self._rows, np.minimum(self._step, values.shape[1] - 1)]
-        return now
+        return values[self._rows, np.minimum(self._step, values.shape[1] - 1)]

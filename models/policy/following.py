@@ -28,5 +28,4 @@ def following_actions(rackets: Racket, forecasts: Floats, random: np.random.Gene
     actions = NOISE * random.standard_normal((len(time), len(NOISE)))
     actions[:, [0, 2]] += GAIN * away
     actions[:, 1] = np.where(time < NEAR, random.uniform(size=len(time)), actions[:, 1])
-    clipped: Floats = np.clip(actions, -1.0, 1.0)
-    return clipped
+    return np.clip(actions, -1.0, 1.0)

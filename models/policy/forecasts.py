@@ -46,8 +46,7 @@ def re_anchored(simulator: Simulator, path: Floats, horizons: HorizonsMs) -> Flo
     """
     now = path[:, np.rint(control_times(0.0) / PATH_STEP).astype(np.int64)]
     flown = simulator.fly(now.reshape(-1, STATE_SIZE), np.array(horizons) / 1000).states
-    forecasts: Floats = flown.reshape(len(now), -1, len(horizons), STATE_SIZE)
-    return forecasts
+    return flown.reshape(len(now), -1, len(horizons), STATE_SIZE)
 
 
 def forecast_error(incoming: IncomingBalls, horizons: HorizonsMs) -> float:
@@ -63,5 +62,4 @@ def forecast_error(incoming: IncomingBalls, horizons: HorizonsMs) -> float:
 
 def _forecast_times(horizons: HorizonsMs, start: float) -> Floats:
     """Return the (T, H) times that are forecast, s from the launch."""
-    times: Floats = control_times(start)[:, None] + np.array(horizons) / 1000
-    return times
+    return control_times(start)[:, None] + np.array(horizons) / 1000

@@ -133,8 +133,7 @@ def _over_net(paths: Floats) -> Bools:
     y0, y1, z0, z1 = y[rows, behind - 1], y[rows, behind], z[rows, behind - 1], z[rows, behind]
     crosses = (y0 >= 0) & (y1 < 0)
     height = z0 + (z1 - z0) * y0 / np.where(crosses, y0 - y1, 1.0)
-    passes: Bools = crosses & (height > NET_HEIGHT + BALL_RADIUS)
-    return passes
+    return crosses & (height > NET_HEIGHT + BALL_RADIUS)
 
 
 def _in_reach(paths: Floats, between: Floats) -> Bools:
@@ -150,5 +149,4 @@ def _in_reach(paths: Floats, between: Floats) -> Bools:
     upper = np.minimum(WORKSPACE[:, 1], RACKET_HOME + travel)
     inside = ((lower <= places) & (places <= upper)).all(axis=2)
     bounced, gone = between[:, :1] < FLIGHT_TIMES, between[:, 1:] <= FLIGHT_TIMES
-    reached: Bools = (inside & bounced & ~gone).any(axis=1)
-    return reached
+    return (inside & bounced & ~gone).any(axis=1)

@@ -79,8 +79,7 @@ def topspin(states: Floats) -> Floats:
     """Return the topspin of (B, 9) balls, rad/s; negative is backspin."""
     _, _, _, vx, vy, _, wx, wy, _ = states.T
     along = np.maximum(np.hypot(vx, vy), 1e-9)
-    rate: Floats = (wy * vx - wx * vy) / along
-    return rate
+    return (wy * vx - wx * vy) / along
 
 
 def _touches(flight: Flight) -> ContactSequence:
@@ -109,5 +108,4 @@ def _zero_crossing(paths: Floats, values: Floats) -> Floats:
     before, after = values[rows, k - 1], values[rows, k]
     share = np.divide(before, before - after, out=np.zeros(len(paths)), where=before > after)
     start, end = paths[rows, k - 1, :3], paths[rows, k, :3]
-    reached: Floats = start + np.clip(share, 0, 1)[:, None] * (end - start)
-    return reached
+    return start + np.clip(share, 0, 1)[:, None] * (end - start)

@@ -101,5 +101,4 @@ def resampled_means(
     )
     uniform = np.full(len(names), 1 / len(names))
     weights = generator.multinomial(len(names), uniform, size=resamples)
-    means: Floats = (weights @ sums) / (weights @ counts)
-    return means
+    return (weights @ sums) / (weights @ counts)

@@ -32,8 +32,7 @@ class RecurrentUnit(nn.Module):
 
     def forward(self, rows: Tensor) -> Tensor:
         """Return the state after each of (B, T, inputs) rows, (B, T, width)."""
-        states: Tensor = self.projections(rows)[0]
-        return states
+        return self.projections(rows)[0]
 
 
 class RecurrentAutoencoder(nn.Module):

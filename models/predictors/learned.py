@@ -79,13 +79,12 @@ class ForecastNetwork(nn.Module):
     def deviation(self, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
         """Return the (B, 60, 9) normalised deviations from the baseline, which training fits."""
         normaliser = self.normaliser
-        deviation: Tensor = self.network(
+        return self.network(
             normaliser.normalised(history, mask, motion),
             mask,
             normaliser.residual(history, mask, motion),
             normaliser.expected(motion),
         )
-        return deviation
 
     @property
     def parameter_count(self) -> int:

@@ -39,5 +39,4 @@ def _between(states: Floats, ahead: Floats) -> Floats:
     before = place.astype(np.int64)
     after, share = np.minimum(before + 1, states.shape[1] - 1), (place - before)[..., None]
     rows = np.arange(len(states))[:, None]
-    found: Floats = (1 - share) * states[rows, before] + share * states[rows, after]
-    return found
+    return (1 - share) * states[rows, before] + share * states[rows, after]

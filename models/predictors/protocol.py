@@ -42,8 +42,7 @@ class History:
     @property
     def spin_measured(self) -> Bools:
         """(B,) whether the history has a spin label."""
-        labelled: Bools = np.any(self.mask[:, :, 3:].all(axis=2), axis=1)
-        return labelled
+        return np.any(self.mask[:, :, 3:].all(axis=2), axis=1)
 
     def __len__(self) -> int:
         return len(self.states)

@@ -116,8 +116,7 @@ def _anchors(episode: Episode, every: float) -> Floats:
     last = episode.times[-1] - MIN_FUTURE
     sample = np.searchsorted(episode.times, np.arange(first, last, every))
     anchors: Floats = np.unique(episode.times[sample])
-    within: Floats = anchors[anchors <= last + ROUNDING]
-    return within
+    return anchors[anchors <= last + ROUNDING]
 
 
 def _history(episode: Episode, anchor: np.float64) -> tuple[Floats, Bools]:

@@ -95,8 +95,7 @@ def reachable(path: Floats, playable: Floats) -> Bools:
     places = path[..., POSITION]
     inside = ((WORKSPACE[:, 0] <= places) & (places <= WORKSPACE[:, 1])).all(axis=2)
     in_time = (playable[:, :1] < PATH_TIMES) & (playable[:, 1:] > PATH_TIMES)
-    reached: Bools = np.any(inside & in_time, axis=1)
-    return reached
+    return np.any(inside & in_time, axis=1)
 
 
 def measurement_histories(shots: Sequence[Shot]) -> Histories:
@@ -159,8 +158,7 @@ def every_step(forecasts: Floats, histories: Histories, horizons: HorizonsMs) ->
     before = place.astype(np.int64)
     after, share = np.minimum(before + 1, FUTURE - 1), (place - before)[..., None]
     rows = histories.latest[..., None]
-    states: Floats = (1 - share) * forecasts[rows, before] + share * forecasts[rows, after]
-    return states
+    return (1 - share) * forecasts[rows, before] + share * forecasts[rows, after]
 
 
 def anchored(

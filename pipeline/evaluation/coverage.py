@@ -14,7 +14,7 @@ from rallygap.models.predictors.protocol import Floats, ProbabilisticPredictor
 from rallygap.models.predictors.windows import Windows
 from rallygap.pipeline.evaluation.figures.coverage import coverage_figure
 from rallygap.pipeline.evaluation.predictors import NamedPredictor
-from rallygap.pipeline.evaluation.test_windows import MeasuredSet
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
 from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
 from rallygap.pipeline.runtime.parallel import parallel
 
@@ -182,5 +182,4 @@ def _batches(windows: Windows) -> list[Windows]:
 
 def _mean(values: Floats, known: np.ndarray) -> Floats:
     sums = np.where(known, values, 0.0).sum(axis=0)
-    means: Floats = sums / np.maximum(known.sum(axis=0), 1)
-    return means
+    return sums / np.maximum(known.sum(axis=0), 1)

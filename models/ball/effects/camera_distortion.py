@@ -37,5 +37,4 @@ effect = Effect(
 def position_error(view: View, amplitude: float, length: float, nodes: Any) -> Floats:
     places, rows = np.asarray(view.place), np.asarray(nodes, dtype=np.float64).reshape(-1, 6)
     sums = weighted_covariances(places.reshape(-1, 3), rows[:, :3], rows[:, 3:], length)
-    error: Floats = amplitude * sums.reshape(places.shape)
-    return error
+    return amplitude * sums.reshape(places.shape)
