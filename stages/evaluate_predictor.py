@@ -1,6 +1,7 @@
 """Evaluate the predictors: forecast error over the horizon, on every set of measured balls."""
 
 from rallygap.pipeline.evaluation.coverage import coverage_figures, coverage_rows, coverage_table
+from rallygap.pipeline.evaluation.evaluation_windows import read_sets, read_test_sets
 from rallygap.pipeline.evaluation.example_shots import write_shots
 from rallygap.pipeline.evaluation.forecasts import draw_shots, evaluate, forecast_windows
 from rallygap.pipeline.evaluation.predictors import ARENA, read_predictors
@@ -16,7 +17,6 @@ from rallygap.pipeline.evaluation.report import (
     net_table,
     predictor_table,
 )
-from rallygap.pipeline.evaluation.evaluation_windows import read_sets, read_test_sets
 from rallygap.pipeline.io.ground_truth import net_contacts, read_contacts, read_truth, true_windows
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.runtime.torch_threads import one_thread

@@ -15,9 +15,9 @@ from rallygap.models.predictors.protocol import ProbabilisticPredictor
 from rallygap.pipeline.arenas.networks import trained_networks
 from rallygap.pipeline.arenas.recordings import record_arena
 from rallygap.pipeline.arenas.scores import PREDICTORS
+from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.evaluation.forecasts import forecast_windows
 from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
-from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.gap.cases import Diagnosed, cases
 from rallygap.pipeline.gap.shots import read_training_shots
 from rallygap.pipeline.io.amended_simulators import AMENDED

@@ -20,8 +20,8 @@ from rich.table import Table
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
 from rallygap.models.predictors.protocol import History, Predictor
 from rallygap.pipeline.evaluation.error_table import read_errors
-from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_predictors
 from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
+from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_predictors
 from rallygap.pipeline.io.artifacts import write_csv, write_json
 from rallygap.pipeline.params import load_params
 from rallygap.pipeline.runtime.git import git_commit

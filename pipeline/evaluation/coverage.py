@@ -12,9 +12,9 @@ from rallygap.models.predictors.errors import EVALUATED, HORIZONS_MS, error_stat
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS, concat_tables
 from rallygap.models.predictors.protocol import Floats, ProbabilisticPredictor
 from rallygap.models.predictors.windows import Windows
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
 from rallygap.pipeline.evaluation.figures.coverage import coverage_figure
 from rallygap.pipeline.evaluation.predictors import NamedPredictor
-from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
 from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
 from rallygap.pipeline.runtime.parallel import parallel
 

@@ -14,9 +14,9 @@ from rallygap.models.predictors.evaluation import (
 )
 from rallygap.models.predictors.protocol import Bools
 from rallygap.models.segmentation.split import recording_groups
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
 from rallygap.pipeline.evaluation.figures.forecast_error import forecast_error_figure
 from rallygap.pipeline.evaluation.predictors import NamedPredictor
-from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
 from rallygap.pipeline.io.metrics import place, rounded
 from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
 

@@ -16,9 +16,9 @@ from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErr
 from rallygap.models.predictors.learned import ForecastNetwork, LearnedPredictor
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.pipeline.arenas.recordings import record_arena
+from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.evaluation.forecasts import evaluate, forecast_windows
 from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, read_trained
-from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.experiments.experiment import running
 from rallygap.pipeline.experiments.profiles import profile_params
 from rallygap.pipeline.io.artifacts import read_json, write_json
