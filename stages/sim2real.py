@@ -10,12 +10,11 @@ from rallygap.pipeline.transfer.example_returns import write_returns
 from rallygap.pipeline.transfer.recorded_returns import example_returns
 from rallygap.pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import (
-    EveryStep,
-    FirstWindow,
+    ONCE,
     Forecaster,
     Policies,
     ReplayTrial,
-    informed_forecasters,
+    informed_predictors,
     load_players,
     replay_trials,
     source_of,
@@ -61,10 +60,10 @@ def _trials(
     simulator = run.params.sim2real.simulator
     physics = PhysicsPredictor(load_simulator(simulator))
     amended = amended_by(run.input("close_gap", ""), source_of(one), simulator)
-    forecasters: list[Forecaster] = [
-        FirstWindow(PHYSICS, physics),
-        EveryStep(PHYSICS, physics),
-        *informed_forecasters(one, learned, amended),
+    informed = informed_predictors(one, learned, amended)
+    forecasters = [
+        Forecaster(PHYSICS, physics, ONCE),
+        *(Forecaster(*named) for named in {PHYSICS: physics, **informed}.items()),
     ]
     recorded = [PHYSICS, *(predictor.name for predictor in learned)]
     return replay_trials(one, forecasters, policies, run.seed, recorded)

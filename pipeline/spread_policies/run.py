@@ -29,7 +29,7 @@ from rallygap.pipeline.spread_policies.figure import spread_policies_figure
 from rallygap.pipeline.transfer.rates import differences, rates
 from rallygap.pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import (
-    EveryStepWithSpreads,
+    Forecaster,
     Policies,
     informed_predictors,
     replay_trials,
@@ -119,7 +119,7 @@ def _played(
 ) -> pd.DataFrame:
     """Return one row a policy, shot and predictor; ``policy`` is the kind."""
     forecasters = {
-        name: [EveryStepWithSpreads(*named) for named in some.items()]
+        name: [Forecaster(*named, spreads=True) for named in some.items()]
         for name, some in predictors.items()
     }
     tables = []

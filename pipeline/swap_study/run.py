@@ -31,7 +31,7 @@ from rallygap.pipeline.swap_study.tables import EXPERIMENTS, PHYSICS, study_tabl
 from rallygap.pipeline.swap_study.trials import Predictors, mechanism_trials, played, reading_trials
 from rallygap.pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import (
-    EveryStep,
+    Forecaster,
     ReplayTrial,
     informed_predictors,
     replay_trials,
@@ -109,7 +109,7 @@ def _trials(
         for it in (True, False)
     )
     seed = params.seed
-    every_step = [EveryStep(*named) for named in predictors.items()]
+    every_step = [Forecaster(*named) for named in predictors.items()]
     plain: dict[str, str | float] = {}
     return {
         "readings": [(plain, one) for one in reading_trials(shots, predictors, original, seed)],

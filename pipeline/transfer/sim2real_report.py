@@ -11,10 +11,10 @@ from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.transfer.figures.sim2real import transfer_figure
 from rallygap.pipeline.transfer.rates import differences, rates
 from rallygap.pipeline.transfer.replay_sets import ReplaySet
-from rallygap.pipeline.transfer.replay_trials import FirstWindow
+from rallygap.pipeline.transfer.replay_trials import ONCE
 from rallygap.pipeline.transfer.transfer_table import BASELINE, PHYSICS, SETTING, paper_form_table
 
-FIRST_BASELINE = {"predictor": PHYSICS, "protocol": FirstWindow.protocol}
+FIRST_BASELINE = {"predictor": PHYSICS, "protocol": ONCE}
 KEYS = [*SETTING, *BASELINE]  # of an experiment
 
 

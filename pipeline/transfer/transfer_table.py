@@ -7,13 +7,13 @@ import pandas as pd
 
 from rallygap.pipeline.paper.values import printed_transfer
 from rallygap.pipeline.transfer.rates import OUTCOMES
-from rallygap.pipeline.transfer.replay_trials import EveryStep, FirstWindow
+from rallygap.pipeline.transfer.replay_trials import EVERY_STEP, ONCE
 
 SETTING = ["set", "horizons_ms"]  # of a comparison
 PHYSICS = "physics"
-BASELINE = {"predictor": PHYSICS, "protocol": EveryStep.protocol}  # of gains
+BASELINE = {"predictor": PHYSICS, "protocol": EVERY_STEP}  # of gains
 PAPER_ROW = "the paper's"
-PROTOCOLS = {FirstWindow.protocol: "first window", EveryStep.protocol: "every control step"}
+PROTOCOLS = {ONCE: "first window", EVERY_STEP: "every control step"}
 COUNTS = [outcome.counts for outcome in OUTCOMES]
 
 
@@ -27,7 +27,7 @@ def paper_form_table(table: pd.DataFrame, learned: Sequence[str]) -> pd.DataFram
     Returns:
         One row per set and learned predictor, and the paper's row for each set that it has.
     """
-    every_step = table[table["protocol"] == EveryStep.protocol]
+    every_step = table[table["protocol"] == EVERY_STEP]
     horizons = list(table["horizons_ms"].unique())
     rows = []
     for name, members in every_step.groupby("set", sort=False):
