@@ -42,8 +42,10 @@ def measured(
         return simulator.fly(states, moments).states
 
     seen = in_rising_order(fly, true - delays(simulator, speeds))
-    positions = measured_positions(simulator, seen[..., POSITION])
-    return positions, _with_flips(simulator, measured_spins(simulator, flown[..., SPIN]), generator)
+    labels = measured_spins(simulator, flown[..., SPIN])
+    flipped = generator.random(len(labels)) < sensor_quantity(simulator, "spin_flip_share")
+    signed = np.where(flipped[:, None, None], -1.0, 1.0) * labels
+    return measured_positions(simulator, seen[..., POSITION]), signed
 
 
 def true_times(simulator: Simulator, times: Floats) -> Floats:
@@ -87,11 +89,6 @@ def in_rising_order(fly: Callable[[Floats], Floats], times: Floats) -> Floats:
     flown = fly(np.take_along_axis(times, order, axis=1))
     original = np.argsort(order, axis=1, kind="stable")
     return np.take_along_axis(flown, original[..., None], axis=1)
-
-
-def _with_flips(simulator: Simulator, labels: Floats, generator: np.random.Generator) -> Floats:
-    flipped = generator.random(len(labels)) < sensor_quantity(simulator, "spin_flip_share")
-    return np.where(flipped[:, None, None], -1.0, 1.0) * labels
 
 
 def sensor_quantity(simulator: Simulator, name: str, view: View | None = None) -> Any:

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.types import Bools, Floats, Integers
-from rallygap.models.policy.balls_in_flight import PATH_STEPS_PER_CONTROL, BallsInFlight
 from rallygap.models.policy.episodes import (
     ARM_ON_TABLE,
     BEFORE_BOUNCE,
@@ -16,10 +15,15 @@ from rallygap.models.policy.episodes import (
     Episodes,
     conclude,
 )
-from rallygap.models.policy.following import following_actions
 from rallygap.models.policy.goals import Goals
-from rallygap.models.policy.incoming_balls import CONTROL_STEP, PATH_STEP, IncomingBalls
-from rallygap.models.policy.observation import Observations, observe
+from rallygap.models.policy.incoming_balls import (
+    CONTROL_STEP,
+    PATH_STEP,
+    PATH_STEPS_PER_CONTROL,
+    BallsInFlight,
+    IncomingBalls,
+)
+from rallygap.models.policy.observation import Observations, observe, plane_crossing
 from rallygap.models.policy.outcome import with_net
 from rallygap.models.policy.racket_contact import (
     RacketContacts,
@@ -32,7 +36,7 @@ from rallygap.models.policy.settings import ObservationKind
 from rallygap.models.robot.arms import Arms
 from rallygap.models.robot.constants import BULLET_STEP, COMMAND_STEP
 from rallygap.models.robot.control import joint_speeds
-from rallygap.models.robot.kinematics import racket
+from rallygap.models.robot.kinematics import Racket, racket
 
 # Racket motion for an action of one: m/s across, along and up; rad/s of its two turning rates.
 VELOCITY = np.array([2.5, 1.5, 2.0])
@@ -42,6 +46,12 @@ ACTIONS = 5
 COMMANDS = round(CONTROL_STEP / COMMAND_STEP)  # of joint speeds, per control step
 BULLET_STEPS = round(COMMAND_STEP / BULLET_STEP)  # per command
 PATH_STEPS = round(BULLET_STEP / PATH_STEP)  # per Bullet step
+
+
+# Following balls.
+GAIN = 8.0  # of the racket's velocity across and up, 1/m: full speed at an eighth of a metre
+NEAR = 0.075  # s from the nearest forecast to the crossing, from when rackets move ahead
+NOISE = np.array([0.1, 0.3, 0.1, 0.2, 0.2])  # standard deviations of actions
 
 
 @dataclass(frozen=True)
@@ -195,6 +205,25 @@ class BatchSimulation:
             contacts[hit[contacts.envs]],
             moments[hit] * PATH_STEP,
         )
+
+
+def following_actions(rackets: Racket, forecasts: Floats, random: np.random.Generator) -> Floats:
+    """Return (B, 5) actions that bring rackets to where balls cross their planes.
+
+    The warm-up of a training uses them, so that its replay buffer begins with strokes: they hit two
+    balls in three and return one in six, uniformly drawn actions hit one in fifty.
+
+    Args:
+        rackets: B of them.
+        forecasts: (B, 9), of the nearest horizon.
+        random: for the noise, and for how fast a racket moves ahead once its ball is near.
+    """
+    crossing = plane_crossing(rackets, forecasts)
+    time, away = crossing[:, 0], crossing[:, 1:3]
+    actions = NOISE * random.standard_normal((len(time), len(NOISE)))
+    actions[:, [0, 2]] += GAIN * away
+    actions[:, 1] = np.where(time < NEAR, random.uniform(size=len(time)), actions[:, 1])
+    return np.clip(actions, -1.0, 1.0)
 
 
 def _replace(kept: Goals, which: Bools, goals: Goals) -> None:

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
 
-from rallygap.models.ball.types import Floats, Integers
-from rallygap.models.policy.ball_supply import BallSupply
+from rallygap.models.ball.types import Bools, Floats, Integers
 from rallygap.models.policy.batch_simulation import ACTIONS, BatchSimulation
 from rallygap.models.policy.episodes import Episodes
 from rallygap.models.policy.observation import LIMIT, Observations, observation_size
 from rallygap.models.policy.task import Task
+
+BATCH = 256  # balls generated at once, which makes a new episode cheap
 
 # In the info of an ended episode, with its landing, its goal and its ball's number.
 REPORTED = (
@@ -30,6 +31,41 @@ REPORTED = (
     "speed",
     "topspin",
 )
+
+
+class BallSupply:
+    """The balls generated from one random generator, for B environments.
+
+    Attributes:
+        numbers: (B,) of the balls that the environments have, counted from zero.
+    """
+
+    def __init__(self, task: Task, environments: int, random: np.random.Generator) -> None:
+        """Generate the first batch."""
+        self.numbers = np.zeros(environments, dtype=np.int64)
+        self._task, self._random = task, random
+        self._size = max(BATCH, environments)
+        self._handed_out = 0
+        self._fill()
+
+    def start_episodes(self, simulation: BatchSimulation, which: Bools) -> None:
+        """Start new episodes in the environments of ``which`` (B,)."""
+        waiting = np.flatnonzero(which)
+        while len(waiting):
+            if self._next == self._size:
+                self._fill()
+            served = waiting[: self._size - self._next]
+            waiting = waiting[len(served) :]
+            rows = slice(self._next, self._next + len(served))
+            given = np.isin(np.arange(len(which)), served)
+            simulation.reset(given, self._incoming[rows], self._goals[rows])
+            self.numbers[served] = self._handed_out + np.arange(len(served))
+            self._handed_out += len(served)
+            self._next += len(served)
+
+    def _fill(self) -> None:
+        self._incoming, self._goals = self._task.draw(self._size, self._random)
+        self._next = 0
 
 
 class ReturnVecEnv(VecEnv):

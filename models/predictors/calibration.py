@@ -11,6 +11,7 @@ import numpy as np
 from scipy.special import erf
 
 from rallygap.models.ball.state import POSITION
+from rallygap.models.predictors.errors import deviations
 from rallygap.models.predictors.protocol import Floats, Forecast
 from rallygap.models.predictors.windows import Windows
 
@@ -33,9 +34,7 @@ class Errors:
     @classmethod
     def of(cls, forecast: Forecast, covariances: Floats, windows: Windows) -> "Errors":
         """Return the errors of forecasts of windows."""
-        away = (forecast.states - windows.future)[..., POSITION]
-        measured = windows.measured[..., POSITION].all(axis=-1, keepdims=True)
-        return cls(np.where(measured, away, np.nan), covariances)
+        return cls(deviations(forecast, windows, POSITION), covariances)
 
     @property
     def distances(self) -> Floats:

@@ -5,7 +5,7 @@ import torch
 from torch import Tensor, nn
 
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.predictors.gru_tae import RecurrentAutoencoder
+from rallygap.models.predictors.autoencoders import RecurrentAutoencoder, TrajectoryAutoencoder
 from rallygap.models.predictors.normaliser import Normaliser, uniform_motion
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import Floats, Forecast, History
@@ -16,7 +16,6 @@ from rallygap.models.predictors.settings import (
     TaeSettings,
 )
 from rallygap.models.predictors.spread import Spread
-from rallygap.models.predictors.tae import TrajectoryAutoencoder
 from rallygap.models.predictors.transformer import Transformer
 
 

@@ -7,6 +7,7 @@ either; the future leaves them out.
 """
 
 from dataclasses import dataclass
+from itertools import compress
 
 import numpy as np
 
@@ -83,10 +84,10 @@ class Windows:
 def cut_windows(episode: Episode, every: float) -> Windows:
     """Cut an episode into windows: after its first 12 ticks, then every ``every`` seconds."""
     tried = _anchors(episode, every)
-    candidates = [(anchor, _history(episode, anchor)) for anchor in tried]
-    kept = [(anchor, history) for anchor, history in candidates if _enough(history)]
-    anchors = np.array([anchor for anchor, _ in kept])
-    histories = [history for _, history in kept]
+    pasts = [observed_at(episode, anchor + HISTORY_TIMES, until=anchor) for anchor in tried]
+    kept = [int(mask[:, :3].all(axis=1).sum()) >= MIN_OBSERVED for _, mask in pasts]
+    anchors = tried[np.array(kept, dtype=bool)]
+    histories = list(compress(pasts, kept))
     futures = [measured_at(episode, anchor + FUTURE_TIMES) for anchor in anchors]
     shape = (len(anchors), len(HISTORY_TIMES), 6)
     states = np.array([states for states, _ in histories]).reshape(shape)
@@ -119,15 +120,6 @@ def _anchors(episode: Episode, every: float) -> Floats:
     return anchors[anchors <= last + ROUNDING]
 
 
-def _history(episode: Episode, anchor: np.float64) -> tuple[Floats, Bools]:
-    return observed_at(episode, anchor + HISTORY_TIMES, until=anchor)
-
-
-def _enough(history: tuple[Floats, Bools]) -> bool:
-    _, mask = history
-    return int(mask[:, :3].all(axis=1).sum()) >= MIN_OBSERVED
-
-
 def observed_at(episode: Episode, times: Floats, until: float = np.inf) -> tuple[Floats, Bools]:
     """Return (T, 6) measured positions and spins, outliers included, and where they are known.
 
@@ -157,9 +149,8 @@ def _interpolated(
     """
     right = np.clip(np.searchsorted(known, times - ROUNDING), 1, max(len(known) - 1, 1))
     if len(known) < 2:
-        return np.zeros((len(times), values.shape[1])), np.zeros(
-            (len(times), values.shape[1]), bool
-        )
+        shape = (len(times), values.shape[1])
+        return np.zeros(shape), np.zeros(shape, dtype=bool)
     left = right - 1
     gap = known[right] - known[left]
     share = ((times - known[left]) / gap)[:, None]

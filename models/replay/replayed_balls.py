@@ -29,11 +29,9 @@ from rallygap.models.policy.incoming_balls import (
 from rallygap.models.policy.launches import WORKSPACE
 from rallygap.models.policy.outcome import with_net
 from rallygap.models.policy.settings import HorizonsMs
-from rallygap.models.predictors.long_forecast import forecast_at
+from rallygap.models.predictors.long_forecast import between_ticks, forecast_at
 from rallygap.models.predictors.protocol import (
-    FUTURE,
     HISTORY_TIMES,
-    TICK,
     History,
     Predictor,
     ProbabilisticPredictor,
@@ -153,12 +151,8 @@ def every_step(forecasts: Floats, histories: Histories, horizons: HorizonsMs) ->
         histories: of B balls.
         horizons: ms.
     """
-    ahead = (histories.age[..., None] + np.array(horizons) / 1000) / TICK - 1
-    place = np.minimum(ahead.round(6), FUTURE - 1)  # among the states of a forecast
-    before = place.astype(np.int64)
-    after, share = np.minimum(before + 1, FUTURE - 1), (place - before)[..., None]
-    rows = histories.latest[..., None]
-    return (1 - share) * forecasts[rows, before] + share * forecasts[rows, after]
+    ahead = histories.age[..., None] + np.array(horizons) / 1000
+    return between_ticks(forecasts, histories.latest[..., None], ahead)
 
 
 def anchored(

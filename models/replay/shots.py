@@ -80,8 +80,8 @@ def extend_measurements(
         noise: of every measurement.
         random: of the noise.
     """
-    measured = measure(path, until, noise, random)
-    parts = zip(shots, measured.states, measured.mask[..., 0], strict=True)
+    states, mask = measure(path, until, noise, random)
+    parts = zip(shots, states, mask[..., 0], strict=True)
     return [replace(shot, measured=_extended(shot, *later)) for shot, *later in parts]
 
 

@@ -116,7 +116,10 @@ def fitted_changes(
 
     @lru_cache(maxsize=1)  # residuals and slopes of the same values are asked for in turn
     def rows(*values: float) -> Floats:
-        return trajectories.rows(_changed(nominal, columns, values), columns)
+        changed = {
+            (one.effect, one.parameter): value for one, value in zip(columns, values, strict=True)
+        }
+        return trajectories.rows(nominal.with_values(changed), columns)
 
     def residuals(values: Floats) -> Floats:
         return rows(*values)[..., -1].ravel()
@@ -144,12 +147,3 @@ def jackknife(grams: Floats) -> tuple[Floats, Floats]:
     without = np.linalg.solve(regularised(others[:, :-1, :-1]), others[:, :-1, -1:])[..., 0]
     spread = (count - 1) / count * ((without - whole) ** 2).sum(axis=0)
     return whole, np.sqrt(np.maximum(spread, np.diag(np.linalg.inv(inner))))
-
-
-def _changed(
-    nominal: Simulator, columns: tuple[Hypothesis, ...], values: Sequence[float]
-) -> Simulator:
-    simulator = nominal
-    for hypothesis, value in zip(columns, values, strict=True):
-        simulator = hypothesis.at(simulator, float(value))
-    return simulator

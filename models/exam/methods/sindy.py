@@ -16,6 +16,7 @@ from rallygap.models.ball.types import Floats
 from rallygap.models.exam.interface import Answer, Recording
 from rallygap.models.exam.methods.derivatives import derivative_regression
 from rallygap.models.exam.methods.regression import Places, Regression, answer
+from rallygap.models.support.bootstrap import resampled_counts
 
 # The thresholds of the largest mean accuracy on 24 clean sets of the exam's design (seed 1000), and
 # on these with effects added to first order at 3 detection limits (190 sets, 64 for ensembles).
@@ -76,9 +77,7 @@ def sparse(gram: Floats, threshold: float) -> Places:
 
 def bootstrap_weights(shots: int) -> Floats:
     """Return (MODELS, shots) how often each model of an ensemble has each shot."""
-    counts = np.random.default_rng(0).multinomial(shots, np.full(shots, 1 / shots), MODELS)
-    weights: Floats = counts.astype(np.float64)
-    return weights
+    return resampled_counts(shots, MODELS, np.random.default_rng(0)).astype(np.float64)
 
 
 def inclusion(regression: Regression, weights: Floats, threshold: float) -> Floats:

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from rallygap.models.ball.simulators import shipped
-from rallygap.models.policy.filtered_balls import filtered_balls
-from rallygap.models.policy.forecasts import exact
+from rallygap.models.policy.forecasts import exact, filtered_balls
 from rallygap.models.policy.incoming_balls import FIRST_WINDOW, control_times, fly_incoming
 from rallygap.models.policy.launches import draw_launches
 from rallygap.models.policy.settings import GoalSettings

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from rallygap.models.policy.batch_simulation import following_actions
 from rallygap.models.policy.environment import ReturnVecEnv
-from rallygap.models.policy.following import following_actions
 from rallygap.models.robot.constants import NEUTRAL
 from rallygap.models.robot.kinematics import racket
 from tests.models.policy.schooling import TASK

@@ -4,9 +4,8 @@ import pytest
 import torch
 from torch import nn
 
-from rallygap.models.predictors.gru_tae import RecurrentAutoencoder
+from rallygap.models.predictors.autoencoders import RecurrentAutoencoder, TrajectoryAutoencoder
 from rallygap.models.predictors.learned import LearnedPredictor
-from rallygap.models.predictors.tae import TrajectoryAutoencoder
 from tests.models.predictors.balls import observed
 from tests.models.predictors.small_training import (
     BRIEF,
