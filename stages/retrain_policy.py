@@ -110,7 +110,7 @@ def _replay(
             forecasters = [Forecaster(*named) for named in informed.items()]
             trials += replay_trials(one, forecasters, retrained, run.seed)
         before = known[known["set"].isin([one.name for one in own])]
-        after = joined(run_trials(trials)).assign(policy=RETRAINED)
+        after = joined(run_trials([trial.run for trial in trials])).assign(policy=RETRAINED)
         replayed[source] = pd.concat([before, after], ignore_index=True)
     return replayed
 

@@ -36,7 +36,7 @@ def sim2real(run: StageRun) -> None:
     learned = read_learned(run.input("train_predictor", ""), settings.learned)
     names = [one.name for one in learned]
     trials = [trial for one in sets for trial in _trials(run, one, policies, learned)]
-    results = run_trials(trials)
+    results = run_trials([trial.run for trial in trials])
     played = joined(results)
     write_table(run.artifact("played.parquet"), played)
     pairs = list(zip(trials, results, strict=True))

@@ -1,8 +1,9 @@
 """Uncertainty of forecasts: coverage and size of prediction regions, and CRPS."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 
 import numpy as np
 import pandas as pd
@@ -46,14 +47,14 @@ class Coverage:
     @classmethod
     def crossed(cls, parts: Sequence[Errors]) -> "Coverage":
         """Return the coverage of all parts, each with regions that the other parts calibrate."""
-        found = []
-        for k, part in enumerate(parts):
-            others = joined_errors([*parts[:k], *parts[k + 1 :]])
-            found.append(cls.of(Calibration.of(others), part))
+        others = [joined_errors([*parts[:k], *parts[k + 1 :]]) for k in range(len(parts))]
+        crossed = [
+            cls.of(Calibration.of(rest), part) for rest, part in zip(others, parts, strict=True)
+        ]
         return cls(
-            np.concatenate([one.covered for one in found], axis=1),
-            np.concatenate([one.sizes for one in found], axis=1),
-            np.concatenate([one.scores for one in found]),
+            np.concatenate([part.covered for part in crossed], axis=1),
+            np.concatenate([part.sizes for part in crossed], axis=1),
+            np.concatenate([part.scores for part in crossed]),
         )
 
     def table(self, recordings: np.ndarray, resamples: int, seed: int) -> pd.DataFrame:
@@ -111,17 +112,19 @@ def coverage_rows(
     Returns:
         Columns predictor, level, horizon_ms, coverage with ci_low and ci_high, size_mm, crps_mm, n.
     """
+    batches = [_batches(part.windows) for part in (validation, test)]
     tasks = [
-        task for one in predictors for part in (validation, test) for task in _tasks(one, part)
+        partial(_errors_of_batch, named.predictor, batch)
+        for named in predictors
+        for part in batches
+        for batch in part
     ]
-    found = iter(parallel(tasks, f"uncertainty on {test.name}"))
+    results = parallel(tasks, f"uncertainty on {test.name}")
     frames = {}
-    for one in predictors:
-        known, new = (
-            joined_errors([next(found) for _ in _tasks(one, part)]) for part in (validation, test)
-        )
+    for named in predictors:
+        known, new = (joined_errors(list(islice(results, len(part)))) for part in batches)
         coverage = Coverage.of(Calibration.of(known), new)
-        frames[(one.name,)] = coverage.table(test.recordings, resamples, seed)
+        frames[(named.name,)] = coverage.table(test.recordings, resamples, seed)
     return concat_tables(frames, ["predictor"])
 
 
@@ -165,10 +168,6 @@ def joined_errors(parts: Sequence[Errors]) -> Errors:
     """Return the errors of several parts as one."""
     away = np.concatenate([one.away for one in parts])
     return Errors(away, np.concatenate([one.covariances for one in parts]))
-
-
-def _tasks(one: NamedPredictor, part: MeasuredSet) -> list[Callable[[], Errors]]:
-    return [partial(_errors_of_batch, one.predictor, batch) for batch in _batches(part.windows)]
 
 
 def _errors_of_batch(predictor: ProbabilisticPredictor, windows: Windows) -> Errors:

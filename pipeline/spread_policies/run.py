@@ -126,7 +126,9 @@ def _played(
     for kind in KINDS:
         own = [one for one in policies if one[1].group == kind]
         trials = [
-            trial for one in sets for trial in replay_trials(one, forecasters[one.name], own, seed)
+            trial.run
+            for one in sets
+            for trial in replay_trials(one, forecasters[one.name], own, seed)
         ]
         tables.append(joined(run_trials(trials)).assign(policy=kind))
     return pd.concat(tables, ignore_index=True)
