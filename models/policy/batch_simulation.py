@@ -1,12 +1,12 @@
 """Batch simulation: parallel environments in one Bullet world."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.ball.types import Bools, Floats, Integers
+from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.policy.episodes import (
     ARM_ON_TABLE,
     BEFORE_BOUNCE,
@@ -111,7 +111,9 @@ class BatchSimulation:
             self._balls, self._goals = BallsInFlight(incoming), goals[np.arange(len(goals))]
         else:
             self._balls.replace(which, incoming)
-            _replace(self._goals, which, goals)
+            for kept, new in zip(vars(self._goals).values(), vars(goals).values(), strict=True):
+                if kept is not None:
+                    kept[which] = new
         self.arms.reset(which)
         self._actions[:, which] = 0.0
         self.finished[which], self._nearest[which] = False, np.inf
@@ -141,7 +143,9 @@ class BatchSimulation:
         rackets, on_table = self._move()
         moments, balls = self._balls.ahead()
         distance = distances(balls, rackets)
-        self._update_nearest(moments, distance)
+        playable = (moments >= self._balls.bounce) & (moments <= self._balls.gone)
+        nearest = np.where(playable, distance, np.inf).min(axis=0)
+        self._nearest = np.minimum(self._nearest, nearest)
         live = (moments[1:] <= self._balls.gone) & ~self.finished & ~on_table[:-1]
         ended = self._ended(find_contacts(balls, rackets, distance, live), on_table[-1])
         self._balls.advance()
@@ -177,11 +181,6 @@ class BatchSimulation:
                 touched.append(touched[-1] | arms.touching_table())
         rackets = racket_path(np.array(joints), np.array(speeds), PATH_STEPS)
         return rackets, np.repeat(touched, PATH_STEPS, axis=0)[: len(rackets)]
-
-    def _update_nearest(self, moments: Integers, distance: Floats) -> None:
-        playable = (moments >= self._balls.bounce) & (moments <= self._balls.gone)
-        nearest = np.where(playable, distance, np.inf).min(axis=0)
-        self._nearest = np.minimum(self._nearest, nearest)
 
     def _ended(self, contacts: RacketContacts, on_table: Bools) -> Episodes:
         """Return the episodes that end, given racket contacts and arms on the table."""
@@ -224,10 +223,3 @@ def following_actions(rackets: Racket, forecasts: Floats, random: np.random.Gene
     actions[:, [0, 2]] += GAIN * away
     actions[:, 1] = np.where(time < NEAR, random.uniform(size=len(time)), actions[:, 1])
     return np.clip(actions, -1.0, 1.0)
-
-
-def _replace(kept: Goals, which: Bools, goals: Goals) -> None:
-    for field in fields(Goals):
-        column = getattr(kept, field.name)
-        if column is not None:
-            column[which] = getattr(goals, field.name)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rallygap.models.arena.contacts import ContactSequence
 from rallygap.models.arena.umpire import judge_strokes
-from rallygap.models.ball.simulator import Flight, Simulator
+from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import BALL_RADIUS, VELOCITY
 from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.policy.goals import Goals
@@ -54,9 +54,13 @@ def judge(simulator: Simulator, after: Floats, goals: Goals) -> Outcome:
         goals: (B,) of the returns.
     """
     flight = with_net(simulator).fly(after, [LONGEST_FLIGHT])
-    call = judge_strokes(_touches(flight), np.ones(len(after)), serve=False)
+    met = flight.contacts
+    ends = np.full(len(after), LONGEST_FLIGHT)
+    times = np.where(np.isnan(met.time), np.inf, met.time)
+    touches = ContactSequence(times, met.surface, met.after, ends)
+    call = judge_strokes(touches, np.ones(len(after)), serve=False)
     over_net, down = _without_net(simulator, after)
-    touched = flight.contacts.before[np.arange(len(after)), call.landing]
+    touched = met.before[np.arange(len(after)), call.landing]
     landing = np.where(call.good[:, None], touched[:, :2], down[:, :2])
     return Outcome(
         returned=call.good,
@@ -80,12 +84,6 @@ def topspin(states: Floats) -> Floats:
     _, _, _, vx, vy, _, wx, wy, _ = states.T
     along = np.maximum(np.hypot(vx, vy), 1e-9)
     return (wy * vx - wx * vy) / along
-
-
-def _touches(flight: Flight) -> ContactSequence:
-    met = flight.contacts
-    times = np.where(np.isnan(met.time), np.inf, met.time)
-    return ContactSequence(times, met.surface, met.after, np.full(len(times), LONGEST_FLIGHT))
 
 
 def _without_net(simulator: Simulator, after: Floats) -> tuple[Floats, Floats]:
