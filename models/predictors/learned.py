@@ -72,8 +72,7 @@ class ForecastNetwork(nn.Module):
             mask,
             normaliser.residual(history, mask, motion),
         ).mT
-        turned = normaliser.turned(normaliser.position_size * rows.flatten(1, 2), motion)
-        return turned.view(rows.shape)
+        return normaliser.distances(rows.flatten(1, 2), motion).view(rows.shape)
 
     def deviation(self, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
         """Return the (B, 60, 9) normalised deviations from the baseline, which training fits."""

@@ -19,6 +19,7 @@ from rallygap.models.predictors.protocol import (
     Bools,
     Floats,
     History,
+    concatenate_histories,
 )
 
 MAX_GAP = 0.0151  # s between two samples, for interpolation: two lost frames at 200 Hz
@@ -72,13 +73,7 @@ class Windows:
         return len(self.anchors)
 
     def __getitem__(self, rows: slice) -> "Windows":
-        return Windows(
-            self.history[rows],
-            self.anchors[rows],
-            self.future[rows],
-            self.measured[rows],
-            self.bounced[rows],
-        )
+        return Windows(*(part[rows] for part in vars(self).values()))
 
 
 def cut_windows(episode: Episode, every: float) -> Windows:
@@ -103,10 +98,7 @@ def cut_windows(episode: Episode, every: float) -> Windows:
 
 def concatenate_windows(parts: list[Windows]) -> Windows:
     """Return the windows of several episodes as one batch."""
-    history = History(
-        np.concatenate([part.history.states for part in parts]),
-        np.concatenate([part.history.mask for part in parts]),
-    )
+    history = concatenate_histories([part.history for part in parts])
     fields = ("anchors", "future", "measured", "bounced")
     rest = [np.concatenate([getattr(part, field) for part in parts]) for field in fields]
     return Windows(history, *rest)

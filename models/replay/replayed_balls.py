@@ -35,6 +35,7 @@ from rallygap.models.predictors.protocol import (
     History,
     Predictor,
     ProbabilisticPredictor,
+    concatenate_histories,
 )
 from rallygap.models.predictors.windows import MIN_OBSERVED, ROUNDING, Episode, observed_at
 from rallygap.models.replay.shots import Shot
@@ -112,9 +113,7 @@ def measurement_histories(shots: Sequence[Shot]) -> Histories:
         age.append(steps - ends[newest])
         parts.append(history)
         before += len(history)
-    states = np.concatenate([part.states for part in parts])
-    masks = np.concatenate([part.mask for part in parts])
-    return Histories(History(states, masks), np.array(latest), np.array(age))
+    return Histories(concatenate_histories(parts), np.array(latest), np.array(age))
 
 
 def measured_in_time(measured: Episode) -> bool:
@@ -135,8 +134,8 @@ def predict_all_with_spreads(
     """Return the (S, 60, 9) forecasts and (S, 60, 3) m, standard deviations of their positions."""
     states, spreads = [], []
     for first in range(0, len(history), BATCH):
-        found, covariances = predictor.predict_with_covariances(history[first : first + BATCH])
-        states.append(found.states)
+        forecast, covariances = predictor.predict_with_covariances(history[first : first + BATCH])
+        states.append(forecast.states)
         spreads.append(np.sqrt(np.diagonal(covariances, axis1=2, axis2=3)))
     return np.concatenate(states), np.concatenate(spreads)
 
