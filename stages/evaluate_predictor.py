@@ -10,6 +10,7 @@ from rallygap.models.predictors.evaluation import STATISTICS, ForecastErrors, co
 from rallygap.models.predictors.protocol import Bools
 from rallygap.models.segmentation.split import recording_groups
 from rallygap.pipeline.evaluation.coverage import COLUMNS, coverage_rows
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet, read_sets, read_test_sets
 from rallygap.pipeline.evaluation.example_shots import write_shots
 from rallygap.pipeline.evaluation.forecasts import (
     MEASURED,
@@ -19,7 +20,6 @@ from rallygap.pipeline.evaluation.forecasts import (
     forecast_windows,
 )
 from rallygap.pipeline.evaluation.predictors import ARENA, NamedPredictor, read_predictors
-from rallygap.pipeline.evaluation.test_windows import MeasuredSet, read_sets, read_test_sets
 from rallygap.pipeline.io.ground_truth import net_contacts, read_contacts, read_truth, true_windows
 from rallygap.pipeline.io.metrics import place, rounded
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage

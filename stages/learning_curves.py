@@ -15,9 +15,9 @@ from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
 from rallygap.models.predictors.learned import LearnedPredictor
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import ProbabilisticPredictor
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet, read_test_sets
 from rallygap.pipeline.evaluation.forecasts import forecast_windows
 from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
-from rallygap.pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
 from rallygap.pipeline.experiments.learning_curves.curves import Errors, curve_rows
 from rallygap.pipeline.experiments.learning_curves.subsets import Learner, Subset, subsets
 from rallygap.pipeline.gap.amended_files import amended_simulators

@@ -15,9 +15,9 @@ from rallygap.models.arena.truth import Truth
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS, ForecastErrors
 from rallygap.models.predictors.learned import ForecastNetwork, LearnedPredictor
 from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.evaluation.forecasts import evaluate, forecast_windows
 from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, read_trained
-from rallygap.pipeline.evaluation.test_windows import read_test_sets
 from rallygap.pipeline.experiments.arenas.recordings import record_arena
 from rallygap.pipeline.experiments.paper_network.training import (
     RECORD,

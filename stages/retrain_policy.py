@@ -26,9 +26,10 @@ from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.transfer.rates import rates
 from rallygap.pipeline.transfer.replay_sets import read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import (
-    EveryStep,
+    EVERY_STEP,
+    Forecaster,
     Policies,
-    informed_forecasters,
+    informed_predictors,
     load_players,
     replay_trials,
     source_of,
@@ -129,7 +130,7 @@ def _replay(
 ) -> dict[str, pd.DataFrame]:
     """Return the trials of original and retrained policies, by source."""
     known = read_table(run.input("sim2real", "played.parquet"))
-    known = known[known["protocol"] == EveryStep.protocol].assign(policy=ORIGINAL)
+    known = known[known["protocol"] == EVERY_STEP].assign(policy=ORIGINAL)
     sets = read_replay_sets(run.root / "artifacts", settings, run.seed)
     learned = read_learned(run.input("train_predictor", ""), settings.learned)
     replayed = {}
@@ -143,15 +144,13 @@ def _replay(
             for one in results
             if one.description.simulator == amended_name(source)
         ]
-        trials = [
-            trial
-            for one in own
-            for trial in replay_trials(
-                one, informed_forecasters(one, learned, simulator), retrained, run.seed
-            )
-        ]
+        trials = []
+        for one in own:
+            informed = informed_predictors(one, learned, simulator)
+            forecasters = [Forecaster(*named) for named in informed.items()]
+            trials += replay_trials(one, forecasters, retrained, run.seed)
         before = known[known["set"].isin([one.name for one in own])]
-        after = joined(run_trials(trials)).assign(policy=RETRAINED)
+        after = joined(run_trials([trial.run for trial in trials])).assign(policy=RETRAINED)
         replayed[source] = pd.concat([before, after], ignore_index=True)
     return replayed
 

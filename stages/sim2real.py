@@ -17,12 +17,11 @@ from rallygap.pipeline.transfer.rates import differences, rates
 from rallygap.pipeline.transfer.recorded_returns import example_returns
 from rallygap.pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import (
-    EveryStep,
-    FirstWindow,
+    ONCE,
     Forecaster,
     Policies,
     ReplayTrial,
-    informed_forecasters,
+    informed_predictors,
     load_players,
     replay_trials,
     source_of,
@@ -31,7 +30,7 @@ from rallygap.pipeline.transfer.tolerance import tolerance_trials
 from rallygap.pipeline.transfer.transfer_table import BASELINE, PHYSICS, SETTING
 from rallygap.pipeline.transfer.trials import joined, run_trials
 
-FIRST_BASELINE = {"predictor": PHYSICS, "protocol": FirstWindow.protocol}
+FIRST_BASELINE = {"predictor": PHYSICS, "protocol": ONCE}
 KEYS = [*SETTING, *BASELINE]  # of an experiment
 
 
@@ -46,7 +45,7 @@ def sim2real(run: StageRun) -> None:
     learned = read_learned(run.input("train_predictor", ""), settings.learned)
     names = [one.name for one in learned]
     trials = [trial for one in sets for trial in _trials(run, one, policies, learned)]
-    results = run_trials(trials)
+    results = run_trials([trial.run for trial in trials])
     played = joined(results)
     write_table(run.artifact("played.parquet"), played)
     pairs = list(zip(trials, results, strict=True))
@@ -76,10 +75,10 @@ def _trials(
     simulator = run.params.sim2real.simulator
     physics = PhysicsPredictor(load_simulator(simulator))
     amended = amended_by(run.input("close_gap", ""), source_of(one), simulator)
-    forecasters: list[Forecaster] = [
-        FirstWindow(PHYSICS, physics),
-        EveryStep(PHYSICS, physics),
-        *informed_forecasters(one, learned, amended),
+    informed = informed_predictors(one, learned, amended)
+    forecasters = [
+        Forecaster(PHYSICS, physics, ONCE),
+        *(Forecaster(*named) for named in {PHYSICS: physics, **informed}.items()),
     ]
     recorded = [PHYSICS, *(predictor.name for predictor in learned)]
     return replay_trials(one, forecasters, policies, run.seed, recorded)

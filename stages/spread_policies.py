@@ -24,7 +24,7 @@ from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.transfer.rates import differences, rates
 from rallygap.pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import (
-    EveryStepWithSpreads,
+    Forecaster,
     Policies,
     informed_predictors,
     replay_trials,
@@ -96,14 +96,16 @@ def _played(
 ) -> pd.DataFrame:
     """Return one row a policy, shot and predictor; ``policy`` is the kind."""
     forecasters = {
-        name: [EveryStepWithSpreads(*named) for named in some.items()]
+        name: [Forecaster(*named, spreads=True) for named in some.items()]
         for name, some in predictors.items()
     }
     tables = []
     for kind in KINDS:
         own = [one for one in policies if one[1].group == kind]
         trials = [
-            trial for one in sets for trial in replay_trials(one, forecasters[one.name], own, seed)
+            trial.run
+            for one in sets
+            for trial in replay_trials(one, forecasters[one.name], own, seed)
         ]
         tables.append(joined(run_trials(trials)).assign(policy=kind))
     return pd.concat(tables, ignore_index=True)

@@ -32,7 +32,7 @@ from rallygap.pipeline.runtime.parallel import make_missing
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import (
-    EveryStep,
+    Forecaster,
     ReplayTrial,
     informed_predictors,
     replay_trials,
@@ -95,7 +95,7 @@ def _trials(
         for it in (True, False)
     )
     seed = params.seed
-    every_step = [EveryStep(*named) for named in predictors.items()]
+    every_step = [Forecaster(*named) for named in predictors.items()]
     plain: dict[str, str | float] = {}
     return {
         "readings": [(plain, one) for one in reading_trials(shots, predictors, original, seed)],

@@ -143,10 +143,12 @@ def _without_idle(
 
 def _at_all(simulator: Simulator, parameters: Sequence[Hypothesis], steps: Floats) -> Simulator:
     """Return the simulator with values changed by steps, within their bounds."""
-    for one, step in zip(parameters, steps, strict=True):
-        low, high = one.declaration.bounds
-        simulator = one.at(simulator, float(np.clip(one.value(simulator) + step, low, high)))
-    return simulator
+    return simulator.with_values(
+        {
+            (one.effect, one.parameter): one.value(simulator) + step
+            for one, step in zip(parameters, steps, strict=True)
+        }
+    )
 
 
 def _rms(residuals: Floats) -> float:

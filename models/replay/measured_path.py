@@ -104,8 +104,7 @@ def _arc(measured: Episode, rows: Integers, begin: float, end: float, before: _A
 def _spin(labels: Floats, path: CubicHermiteSpline, before: _Arc | None) -> Floats:
     labelled = np.isfinite(labels).all(axis=1)
     if labelled.any():
-        mean: Floats = labels[labelled].mean(axis=0)
-        return mean
+        return labels[labelled].mean(axis=0)
     if before is None:
         return np.zeros(3)
     change = path(before.end, 1) - before.path(before.end, 1)

@@ -16,6 +16,7 @@ from rallygap.models.ball.types import Floats, Integers
 from rallygap.models.predictors.protocol import Bools
 from rallygap.models.shot_quality.forest import forest_classifier, win_probabilities
 from rallygap.models.shot_quality.settings import ForestSettings
+from rallygap.models.support.bootstrap import resampled_counts
 
 PERMUTATIONS = 5  # of each feature, for its importance
 
@@ -134,8 +135,7 @@ def bootstrap_score(
     """
     value = score(metric, wins, probabilities)
     names, member = np.unique(matches, return_inverse=True)
-    uniform = np.full(len(names), 1 / len(names))
-    counts = np.random.default_rng(seed).multinomial(len(names), uniform, size=resamples)
+    counts = resampled_counts(len(names), resamples, np.random.default_rng(seed))
     resampled = metric(wins, probabilities, counts[:, member])
     if not np.isfinite(resampled).any():
         return value, value, value

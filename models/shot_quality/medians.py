@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.support.bootstrap import resampled_counts
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,7 @@ def resampled_median(
     known, owners = np.asarray(values, dtype=np.float64), np.asarray(balls, dtype=np.int64)
     if not len(known):
         return Estimate(np.nan, np.full(resamples, np.nan))
-    uniform = np.full(count, 1 / count)
-    drawn = np.random.default_rng(seed).multinomial(count, uniform, size=resamples)
+    drawn = resampled_counts(count, resamples, np.random.default_rng(seed))
     return Estimate(float(np.median(known)), weighted_medians(known, drawn[:, owners]))
 
 

@@ -14,7 +14,7 @@ from rallygap.models.predictors.errors import EVALUATED, HORIZONS_MS
 from rallygap.models.predictors.protocol import FUTURE, Forecast
 from rallygap.pipeline.benchmark.schemas import FORECASTS, type_of
 from rallygap.pipeline.benchmark.windows import window_ids
-from rallygap.pipeline.evaluation.test_windows import MeasuredSet
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
 from rallygap.pipeline.io.schemas import STATE_COLUMNS, checked
 from rallygap.pipeline.runtime.errors import InputError
 

@@ -16,8 +16,8 @@ from rallygap.models.predictors.evaluation import (
 from rallygap.models.predictors.protocol import Forecast
 from rallygap.pipeline.benchmark.forecasts import read_forecasts
 from rallygap.pipeline.benchmark.windows import run_sets
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
 from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_predictors
-from rallygap.pipeline.evaluation.test_windows import MeasuredSet
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.io.metrics import nested
 from rallygap.pipeline.params import Params

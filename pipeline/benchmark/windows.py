@@ -13,7 +13,7 @@ from rallygap.models.predictors.errors import HORIZONS_MS
 from rallygap.models.predictors.protocol import HISTORY, HISTORY_TIMES, History
 from rallygap.models.predictors.windows import Windows
 from rallygap.pipeline.benchmark.schemas import FORECASTS, WINDOWS, type_of
-from rallygap.pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet, read_test_sets
 from rallygap.pipeline.io.artifacts import write_table, write_text
 from rallygap.pipeline.io.markdown import markdown_page
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, checked

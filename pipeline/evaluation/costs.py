@@ -20,8 +20,8 @@ from rich.table import Table
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
 from rallygap.models.predictors.protocol import History, Predictor
 from rallygap.pipeline.evaluation.error_table import read_errors
+from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_predictors
-from rallygap.pipeline.evaluation.test_windows import read_test_sets
 from rallygap.pipeline.io.artifacts import write_csv, write_json
 from rallygap.pipeline.params import load_params
 from rallygap.pipeline.runtime.git import git_commit
@@ -62,20 +62,26 @@ def measure_costs(root: Path) -> pd.DataFrame:
     predictors = [
         one for one in read_predictors(root / "artifacts", settings) if one.forecasts(first.name)
     ]
-    errors = _position_errors(read_errors(root), first.name)
+    errors = read_errors(root).query(
+        "against == 'measured' and quantity == 'position' and bounce == 'all'"
+    )
+    of_set = errors[errors["set"] == first.name]
+    position_errors = of_set.pivot_table("mean", "predictor", "horizon_ms")
     timings = kept_timings(root, "train_predictor")
     training = {
         name: one["training_s"]
         for name, one in timings.items()
         if isinstance(one, dict) and "training_s" in one
     }
-    histories = _single_histories(first.windows.history)
+    history = first.windows.history
+    evenly = np.linspace(0, len(history) - 1, CALLS).astype(int)
+    histories = [history[row : row + 1] for row in evenly]
     with one_core():
         latencies = {
             one.name: latency(one.predictor, histories)
             for one in progress(predictors, "latency", len(predictors))
         }
-    rows = [_row(one, errors, training, latencies[one.name]) for one in predictors]
+    rows = [_row(one, position_errors, training, latencies[one.name]) for one in predictors]
     return pd.DataFrame(rows).astype({"parameters": "Int64", "training_s": "Float64"})
 
 
@@ -152,20 +158,6 @@ def _row(
         "latency_ms_median": float(np.median(times)),
         "latency_ms_p99": float(np.quantile(times, 0.99)),
     }
-
-
-def _position_errors(errors: pd.DataFrame, source: str) -> pd.DataFrame:
-    """Return the mean errors (mm) of one set against the measured state: predictor by horizon."""
-    chosen = errors.query(
-        "set == @source and against == 'measured' and quantity == 'position' and bounce == 'all'"
-    )
-    return chosen.pivot_table("mean", "predictor", "horizon_ms")
-
-
-def _single_histories(history: History) -> list[History]:
-    """Return single balls, evenly spaced over all windows."""
-    rows = np.linspace(0, len(history) - 1, CALLS).astype(int)
-    return [history[row : row + 1] for row in rows]
 
 
 def _cpu_model() -> str:

@@ -15,7 +15,7 @@ from rallygap.pipeline.paper.values import printed_transfer
 from rallygap.pipeline.report.sample import sample, trainings
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.transfer.rates import OUTCOMES
-from rallygap.pipeline.transfer.replay_trials import EveryStep
+from rallygap.pipeline.transfer.replay_trials import EVERY_STEP
 from rallygap.pipeline.transfer.transfer_table import PHYSICS, PROTOCOLS
 from rallygap.pipeline.web.figure_style import (
     FIGURE_WIDTH,
@@ -132,7 +132,7 @@ def paper_form_table(table: pd.DataFrame, learned: Sequence[str]) -> pd.DataFram
     Returns:
         One row per set and learned predictor, and the paper's row for each set that it has.
     """
-    every_step = table[table["protocol"] == EveryStep.protocol]
+    every_step = table[table["protocol"] == EVERY_STEP]
     horizons = list(table["horizons_ms"].unique())
     rows = []
     for name, members in every_step.groupby("set", sort=False):

@@ -12,9 +12,9 @@ from rallygap.models.gap.amend.simulator import amended
 from rallygap.models.predictors.errors import HORIZONS_MS, error_norms
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import ProbabilisticPredictor
+from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.evaluation.forecasts import forecast_windows
 from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
-from rallygap.pipeline.evaluation.test_windows import read_test_sets
 from rallygap.pipeline.experiments.arenas.networks import trained_networks
 from rallygap.pipeline.experiments.arenas.recordings import record_arena
 from rallygap.pipeline.experiments.arenas.scores import PREDICTORS

@@ -6,7 +6,7 @@ import pandas as pd
 
 from rallygap.pipeline.experiments.swap_study.policies import RETRAINED_KIND
 from rallygap.pipeline.transfer.rates import differences, rates
-from rallygap.pipeline.transfer.replay_trials import EveryStep, FirstWindow
+from rallygap.pipeline.transfer.replay_trials import EVERY_STEP, ONCE
 from rallygap.pipeline.transfer.retraining import ORIGINAL, RETRAINED
 
 EXPERIMENTS = ("readings", "mechanism", "retrained")
@@ -26,7 +26,7 @@ def study_tables(played: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
         "retrained": (both, ["policy", "horizons_ms", "predictor"]),
     }
     physics = {"predictor": PHYSICS}
-    first, original = {"protocol": FirstWindow.protocol}, {"policy": ORIGINAL}
+    first, original = {"protocol": ONCE}, {"policy": ORIGINAL}
     gains = {
         "gains": (readings, [*POLICY, "protocol"], physics),
         "gains_by_set": (readings, ["set", *POLICY, "protocol"], physics),
@@ -42,7 +42,5 @@ def study_tables(played: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
 
 def _as_retrained(readings: pd.DataFrame) -> pd.DataFrame:
     """Return the trials of the original policies like those that are trained again."""
-    alike = (readings["observation"] == RETRAINED_KIND) & (
-        readings["protocol"] == EveryStep.protocol
-    )
+    alike = (readings["observation"] == RETRAINED_KIND) & (readings["protocol"] == EVERY_STEP)
     return readings[alike].assign(policy=ORIGINAL)

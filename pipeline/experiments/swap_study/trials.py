@@ -3,20 +3,19 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import ClassVar
 
 import numpy as np
 import pandas as pd
 
 from rallygap.models.policy.incoming_balls import CONTROL_STEP
 from rallygap.models.predictors.protocol import Predictor
-from rallygap.models.replay.replayed_balls import Histories, anchored, with_label_error
+from rallygap.models.replay.replayed_balls import with_label_error
 from rallygap.pipeline.transfer.replay_sets import ReplaySet
 from rallygap.pipeline.transfer.replay_trials import (
-    EveryStep,
-    FirstWindow,
+    EVERY_STEP,
+    EVERY_STEPS,
+    ONCE,
     Forecaster,
-    Forecasts,
     Policies,
     ReplayTrial,
     replay_trials,
@@ -32,26 +31,6 @@ OF_MECHANISM = ("physics_c", "amended", "transformer", "oracle")
 Predictors = Mapping[str, Predictor]  # by name
 KEPT = ["set", "recording", "ball", "predictor", "protocol", "horizons_ms", "repeat", "hit",
         "returned"]  # fmt: skip
-
-
-@dataclass(frozen=True)
-class EverySteps:
-    """A predictor that forecasts again after some control steps.
-
-    Attributes:
-        name: of the predictor.
-        predictor: forecasts.
-        steps: from one forecast to the next.
-    """
-
-    name: str
-    predictor: Predictor
-    steps: int
-    protocol: ClassVar[str] = "every_steps"
-
-    def forecasts(self, histories: Histories) -> Forecasts:
-        """Forecast from the histories at these steps."""
-        return lambda horizons: (anchored(self.predictor, histories, horizons, self.steps), None)
 
 
 @dataclass(frozen=True)
@@ -78,8 +57,8 @@ class Setting:
     def forecaster(self, name: str, predictor: Predictor) -> Forecaster:
         """Return a predictor as a forecaster that forecasts as often."""
         if self.every_ms is None:
-            return FirstWindow(name, predictor)
-        return EverySteps(name, predictor, self.every_ms // STEP_MS)
+            return Forecaster(name, predictor, ONCE)
+        return Forecaster(name, predictor, EVERY_STEPS, steps=self.every_ms // STEP_MS)
 
 
 SETTINGS = [Setting(*one) for one in product(INTERVALS_MS, LATENCIES_MS, LABEL_ERRORS)]
@@ -90,7 +69,7 @@ def reading_trials(
 ) -> list[ReplayTrial]:
     """Return the trials of a set with all predictors under both readings of Table I."""
     forecasters = [
-        kind(*named) for kind in (FirstWindow, EveryStep) for named in predictors.items()
+        Forecaster(*named, mode) for mode in (ONCE, EVERY_STEP) for named in predictors.items()
     ]
     return replay_trials(shots, forecasters, policies, seed)
 

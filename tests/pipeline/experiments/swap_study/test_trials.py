@@ -31,7 +31,7 @@ def shots(tmp_path_factory):
 
 def test_all_predictors_forecast_once_and_at_every_control_step(shots):
     trials = reading_trials(shots, PREDICTORS, POLICIES, 0)
-    kinds = [(one.forecaster.name, one.forecaster.protocol) for one in trials]
+    kinds = [(one.forecaster.name, one.forecaster.mode) for one in trials]
     assert len(set(kinds)) == len(kinds) == 2 * len(PREDICTORS)
 
 
