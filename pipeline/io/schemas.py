@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pandera.pandas as pa
 
-from rallygap.pipeline.io.artifacts import read_column_names, read_table
+from rallygap.pipeline.io.artifacts import open_table, read_table
 from rallygap.pipeline.runtime.errors import InputError
 
 POSITION_COLUMNS = ["px", "py", "pz"]
@@ -192,7 +192,8 @@ def check_columns(path: Path, contract: pa.DataFrameSchema) -> None:
     Raises:
         InputError: it is missing, is no parquet table, or has other columns.
     """
-    names = read_column_names(path)
+    with open_table(path) as table:
+        names = table.schema_arrow.names
     for name in contract.columns:
         if names.count(name) != 1:
             problem = "is there twice" if name in names else "is missing"

@@ -11,12 +11,7 @@ import pandas as pd
 from rallygap.models.segmentation.settings import SegmentSettings
 from rallygap.models.segmentation.split import recording_groups
 from rallygap.models.segmentation.tables import Segmented, segment_recordings
-from rallygap.pipeline.io.artifacts import (
-    count_row_groups,
-    read_row_group,
-    read_row_groups,
-    table_writer,
-)
+from rallygap.pipeline.io.artifacts import open_table, read_row_groups, table_writer
 from rallygap.pipeline.io.schemas import RECORDINGS, SAMPLES, check_columns, checked, empty
 from rallygap.pipeline.io.source_manifest import Manifest
 from rallygap.pipeline.runtime.errors import InputError
@@ -83,7 +78,8 @@ def cut_recordings(
     Raises:
         InputError: the recordings break their data contract.
     """
-    numbers = range(count_row_groups(recordings))
+    with open_table(recordings) as table:
+        numbers = range(table.num_row_groups)
     tasks = [partial(_cut, recordings, number, manifest, settings, drawn) for number in numbers]
     cuts = []
     with table_writer(samples, empty(SAMPLES)) as write:
@@ -100,7 +96,9 @@ def _cut(
     path: Path, number: int, manifest: Manifest, settings: SegmentSettings, drawn: Sequence[str]
 ) -> CutRecordings:
     """Cut the recordings of a row group; ``segmented`` has all their samples."""
-    recordings = checked(read_row_group(path, number), RECORDINGS, path)
+    with open_table(path) as table:
+        recordings = table.read_row_group(number).to_pandas()
+    recordings = checked(recordings, RECORDINGS, path)
     found = segment_recordings(recordings, manifest.starts_with_launch, settings)
     checked(found.samples, SAMPLES)
     ids = recordings["recording_id"]
