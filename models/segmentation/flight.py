@@ -11,12 +11,17 @@ place: the partition calls them millions of times.
 """
 
 import math
+from pathlib import Path
 
 import numpy as np
 
+from rallygap.models.ball import state
 from rallygap.models.ball.state import DRAG_FACTOR
 from rallygap.models.ball.types import Floats
-from rallygap.models.segmentation.compiled import compiled
+from rallygap.models.support.compilation import compiler
+
+# The decorator of this package's compiled functions.
+compiled = compiler([*sorted(Path(__file__).parent.glob("*.py")), Path(state.__file__)])
 
 GRAVITY = 9.81  # m/s^2
 DRAG = DRAG_FACTOR * 0.54  # 1/m, the literature's drag coefficient

@@ -3,8 +3,8 @@
 import numpy as np
 
 from rallygap.models.ball.types import Bools, Floats
-from rallygap.models.segmentation.compiled import compiled
 from rallygap.models.segmentation.flight import (
+    compiled,
     initialise,
     predict_covariance,
     predict_mean,

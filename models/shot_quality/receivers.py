@@ -4,9 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rallygap.models.arena.event_log import EventLog
 from rallygap.models.arena.levels import Players
-from rallygap.models.arena.rallies import Rallies
+from rallygap.models.arena.rallies import EventLog, Rallies
 from rallygap.models.arena.truth import Truth
 from rallygap.models.ball.types import Floats, Integers
 from rallygap.models.policy.goals import Goals

@@ -56,8 +56,7 @@ def _by_recording(influence: Floats, recordings: NDArray[np.generic]) -> Floats:
     """Return (D, R, K) sums over the shots of each recording."""
     names, member = np.unique(recordings, return_inverse=True)
     belongs = (member == np.arange(len(names))[:, None]).astype(np.float64)
-    sums: Floats = belongs @ influence
-    return sums
+    return belongs @ influence
 
 
 def _standard_error(sums: Floats) -> tuple[Floats, Floats]:
@@ -82,5 +81,4 @@ def _variance(sums: Floats) -> Floats:
     clusters = len(sums)
     if clusters == 1:
         return np.zeros(sums.shape[1])
-    variance: Floats = clusters / (clusters - 1) * (sums**2).sum(axis=0)
-    return variance
+    return clusters / (clusters - 1) * (sums**2).sum(axis=0)

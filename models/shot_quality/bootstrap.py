@@ -1,4 +1,4 @@
-"""Medians over returns, with intervals bootstrapped over the balls that were played."""
+"""Statistics with intervals bootstrapped over clusters: the balls played, or the matches."""
 
 from dataclasses import dataclass
 
@@ -10,11 +10,11 @@ from rallygap.models.ball.types import Floats, Integers
 
 @dataclass(frozen=True)
 class Estimate:
-    """A statistic of returns, with its values on bootstrap resamples of the balls.
+    """A statistic, with its values on bootstrap resamples of the clusters.
 
     Attributes:
-        value: NaN where no ball was returned.
-        resampled: (S,) on the resamples; NaN where no ball of one was returned.
+        value: NaN where it is not defined.
+        resampled: (S,) on the resamples; NaN where it is not defined on one.
     """
 
     value: float
@@ -34,9 +34,23 @@ class Estimate:
         Both must be resampled from one seed: each resample then has the same balls in both, so
         differences between balls cancel.
         """
-        return Estimate(
-            float(_ratio(self.value, other.value)), _ratio(self.resampled, other.resampled)
-        )
+        value = self.value / other.value if other.value > 0 else np.nan
+        positive = np.where(other.resampled > 0, other.resampled, np.nan)
+        return Estimate(value, self.resampled / positive)
+
+
+def resampled_weights(clusters: Integers, count: int, resamples: int, seed: int) -> Integers:
+    """Return (S, R) how often each of R rows counts in resamples of the clusters.
+
+    Args:
+        clusters: (R,) the cluster of each row, of 0 ... count - 1.
+        count: of the clusters.
+        resamples: how many.
+        seed: of the resamples.
+    """
+    uniform = np.full(count, 1 / count)
+    drawn = np.random.default_rng(seed).multinomial(count, uniform, size=resamples)
+    return drawn[:, clusters]
 
 
 def resampled_median(
@@ -52,12 +66,11 @@ def resampled_median(
         resamples: how many.
         seed: of the resamples.
     """
-    known, owners = np.asarray(values, dtype=np.float64), np.asarray(balls, dtype=np.int64)
+    known = np.asarray(values, dtype=np.float64)
     if not len(known):
         return Estimate(np.nan, np.full(resamples, np.nan))
-    uniform = np.full(count, 1 / count)
-    drawn = np.random.default_rng(seed).multinomial(count, uniform, size=resamples)
-    return Estimate(float(np.median(known)), weighted_medians(known, drawn[:, owners]))
+    weights = resampled_weights(np.asarray(balls, dtype=np.int64), count, resamples, seed)
+    return Estimate(float(np.median(known)), weighted_medians(known, weights))
 
 
 def weighted_medians(values: Floats, counts: Integers) -> Floats:
@@ -69,8 +82,3 @@ def weighted_medians(values: Floats, counts: Integers) -> Floats:
     upper = (cumulative > total // 2).argmax(axis=1)
     ordered = values[order]
     return np.where(total[:, 0] > 0, (ordered[lower] + ordered[upper]) / 2, np.nan)
-
-
-def _ratio(numerator: ArrayLike, denominator: ArrayLike) -> Floats:
-    below = np.asarray(denominator, dtype=np.float64)
-    return np.asarray(numerator / np.where(below > 0, below, np.nan))
