@@ -12,7 +12,7 @@ from rallygap.models.arena.recording import ArenaRecording, Point, TrueContacts
 from rallygap.models.arena.sides import SIDES
 from rallygap.models.arena.truth import Truth
 from rallygap.models.arena.truth_path import TrackedBall, observe
-from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.ball.types import Floats
 
 POINTS = 2  # per recording
 SERVES = 2  # in a row (ITTF Law 2.13.3)
@@ -36,7 +36,17 @@ def games(
     starts = starts.ravel()
     balls = _balls(log, starts)
     samples = list(observe(truth, cameras, balls, random))
-    points = [_point(log, number, starts, servers) for number in range(len(balls))]
+    points = [
+        Point(
+            start=float(starts[number]),
+            end=float(starts[number] + log.end[number]),
+            server=SIDES[servers[number]],
+            winner=SIDES[log.winner[number]],
+            ended_by=str(log.ended_by[number]),
+            strokes=int(log.strokes[number]),
+        )
+        for number in range(len(balls))
+    ]
     for index, match in enumerate(matches):
         rows = slice(index * POINTS, (index + 1) * POINTS)
         times, positions, spins = map(np.concatenate, zip(*samples[rows], strict=True))
@@ -53,14 +63,3 @@ def _balls(log: EventLog, starts: Floats) -> list[TrackedBall]:
         TrackedBall(contacts.take(slice(*rows)), end)
         for rows, end in zip(pairwise(borders), starts + log.last_visible, strict=True)
     ]
-
-
-def _point(log: EventLog, number: int, starts: Floats, servers: Integers) -> Point:
-    return Point(
-        start=float(starts[number]),
-        end=float(starts[number] + log.end[number]),
-        server=SIDES[servers[number]],
-        winner=SIDES[log.winner[number]],
-        ended_by=str(log.ended_by[number]),
-        strokes=int(log.strokes[number]),
-    )

@@ -8,10 +8,9 @@ from scipy.integrate import cumulative_trapezoid
 
 from rallygap.models.ball.types import Bools, Floats, Integers
 from rallygap.models.segmentation.contacts import Contact, closest_approach, extrapolated
-from rallygap.models.segmentation.flight import DRAG
+from rallygap.models.segmentation.flight import DRAG, smooth
 from rallygap.models.segmentation.partition import UNUSED, filter_arc, partition
 from rallygap.models.segmentation.settings import SegmentSettings
-from rallygap.models.segmentation.smoothing import smooth
 
 # Paths of two arcs of three samples, extrapolated over 50 ms of dropouts, approach this closely.
 MAX_DISTANCE = 0.05  # m

@@ -88,12 +88,17 @@ def read_episodes(
     path = folder / "samples.parquet"
     parts = _read_parts(path, chosen, bounces, label_ends)
     measured = []
-    for origin in chosen[ORIGIN].itertuples(index=False):
-        name = origin.episode_id
+    for name, recording_id, source, split, unbroken in chosen[ORIGIN].itertuples(index=False):
         if name not in parts:
             raise InputError(path, f"has no samples of episode {name}; run `dvc repro -f segment`")
-        others = (_inside(times.get(name, NO_TIMES), parts[name]) for times in (touched, nets))
-        measured.append(MeasuredEpisode(*origin, parts[name], *others))
+        touches, met_nets = (
+            _inside(times.get(name, NO_TIMES), parts[name]) for times in (touched, nets)
+        )
+        measured.append(
+            MeasuredEpisode(
+                name, recording_id, source, split, unbroken, parts[name], touches, met_nets
+            )
+        )
     return measured
 
 

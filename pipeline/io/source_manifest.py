@@ -52,7 +52,7 @@ class FileRecord(BaseModel, extra="forbid"):
     sha256: str
 
 
-class SourceRecord(Description):
+class SourceRecord(Description, frozen=True):
     """What was read from one source.
 
     Attributes:

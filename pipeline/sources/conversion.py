@@ -63,7 +63,7 @@ class Conversion(BaseModel, extra="forbid", frozen=True):
         Args:
             rows: columns t, x, y, z, and wx, wy, wz where there are spins, as users name them.
         """
-        columns = {}
+        columns: dict[str, str] = {}
         for name, axis in zip("xyz", self.axes, strict=True):
             columns |= {name: f"p{axis}", f"w{name}": f"w{axis}"}
         units, converted = self.units, rows.rename(columns=columns)

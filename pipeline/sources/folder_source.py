@@ -61,14 +61,14 @@ class FolderSource:
             InputError: there is no file, or one is not of this format; or source.yaml is invalid.
         """
         folder = context.folder(self.name)
-        settings = None if self.description else self._settings(folder / SETTINGS_FILE)
-        files = source_files(folder, self.pattern)
-        tables = [table for file in files for table in self.read_file(file)]
-        if settings is None:
-            return SourceData(self.description, tables)
+        if self.description is not None:
+            return SourceData(self.description, self._tables(folder))
+        settings = self._settings(folder / SETTINGS_FILE)
         conversion = Conversion(axes=settings.axes, units=settings.units)
-        converted = [replace(table, rows=conversion.to_si(table.rows)) for table in tables]
-        has_spin = any(SPIN_COLUMNS[0] in table.rows for table in converted)
+        tables = [
+            replace(table, rows=conversion.to_si(table.rows)) for table in self._tables(folder)
+        ]
+        has_spin = any(SPIN_COLUMNS[0] in table.rows for table in tables)
         description = Description(
             name=settings.name,
             kind=settings.kind,
@@ -79,7 +79,11 @@ class FolderSource:
             note=f"Read from {self.name} files as {SETTINGS_FILE} describes them.",
         )
         side_files = [path for path in [folder / SETTINGS_FILE] if path.is_file()]
-        return SourceData(description, converted, side_files, conversion=conversion)
+        return SourceData(description, tables, side_files, conversion=conversion)
+
+    def _tables(self, folder: Path) -> list[RawTable]:
+        files = source_files(folder, self.pattern)
+        return [table for file in files for table in self.read_file(file)]
 
     def _settings(self, path: Path) -> FolderSettings:
         if not path.is_file():

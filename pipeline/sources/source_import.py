@@ -143,7 +143,12 @@ class SourceImport:
         Raises:
             InputError: two recordings of the source have the same name.
         """
-        self._check_names(batch)
+        for table in batch:
+            if table.name in self._names:
+                where = table.file or self._description.name
+                problem = f"there is another recording {table.name}"
+                raise InputError(where, problem, field=table.part or None)
+            self._names.add(table.name)
         checks = check_rows(batch, self._description.frame, launches=self.is_launches)
         self._count(batch, checks)
         names = [f"{self._description.name}/{table.name}" for table in batch]
@@ -180,14 +185,6 @@ class SourceImport:
             labels_refused=_by_reason(entry for entry in self._refusals if entry.what == "label"),
             files=[FileRecord(file=path.name, sha256=_sha256(path)) for path in files],
         )
-
-    def _check_names(self, batch: Sequence[RawTable]) -> None:
-        for table in batch:
-            if table.name in self._names:
-                where = table.file or self._description.name
-                problem = f"there is another recording {table.name}"
-                raise InputError(where, problem, field=table.part or None)
-            self._names.add(table.name)
 
     def _count(self, batch: Sequence[RawTable], checks: RowChecks) -> None:
         self._refusals += checks.refusals
