@@ -19,7 +19,7 @@ from rallygap.models.policy.incoming_balls import PATH_TIMES
 from rallygap.models.predictors.ball_filter import POSITION_NOISE
 from rallygap.models.predictors.windows import Episode
 from rallygap.models.segmentation.contacts import extrapolated
-from rallygap.models.segmentation.smoothing import smooth
+from rallygap.models.segmentation.flight import smooth
 
 FEWEST_SAMPLES = 3  # needed to estimate an arc's velocity
 

@@ -15,7 +15,7 @@ from rallygap.models.gap.fit.shots import Shots
 from rallygap.models.gap.locate.covariates import course_frames
 from rallygap.models.gap.settings import DEFAULTS
 from rallygap.models.predictors.ball_filter import Expected
-from rallygap.pipeline.io.artifacts import read_valid
+from rallygap.pipeline.io.artifacts import read_as
 
 LEAST_SPREAD = 5.0  # rad/s
 
@@ -52,7 +52,7 @@ def read_expected(path: Path) -> Expected:
     Raises:
         InputError: it is missing, or a value in it is invalid.
     """
-    content = read_valid(path, _Content, "give the balls.json of a verdict")
+    content = read_as(path, _Content, advice="give the balls.json of a verdict")
     return Expected(**content.model_dump())
 
 

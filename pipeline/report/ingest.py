@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from rallygap.pipeline.io.artifacts import read_rows
+from rallygap.pipeline.io.artifacts import read_table
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, VELOCITY_COLUMNS
 from rallygap.pipeline.io.source_manifest import Manifest, SourceRecord, read_manifest
 from rallygap.pipeline.report.launches import launch_distributions, launches_figure
@@ -60,7 +60,7 @@ def _drawn_balls(manifest: Manifest, artifacts: Path) -> dict[str, pd.DataFrame]
         table = "launches" if is_launches else "recordings"
         columns = POSITION_COLUMNS + (VELOCITY_COLUMNS if is_launches else [])
         rows = first[table] + drawn_rows(record.rows_kept, launches=is_launches)
-        drawn[name] = read_rows(artifacts / f"{table}.parquet", rows, columns)
+        drawn[name] = read_table(artifacts / f"{table}.parquet", columns).iloc[rows]
         first[table] += record.rows_kept
     return drawn
 

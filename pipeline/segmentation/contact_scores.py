@@ -10,7 +10,7 @@ import pandas as pd
 from rallygap.models.segmentation.scoring import SCORED_KINDS, Scored, score
 from rallygap.models.segmentation.settings import ScoringSettings
 from rallygap.models.segmentation.split import recording_groups
-from rallygap.pipeline.io.artifacts import read_row_groups
+from rallygap.pipeline.io.artifacts import read_table
 from rallygap.pipeline.io.schemas import (
     CONTACTS,
     EPISODES,
@@ -43,10 +43,8 @@ def score_test_recordings(
     detected = read_checked(segmented / "contacts.parquet", CONTACTS)
     path = ingested / "recordings.parquet"
     check_columns(path, RECORDINGS)
-    samples = pd.concat(
-        part.loc[part["recording_id"].isin(testing), ["recording_id", "t"]]
-        for part in read_row_groups(path)
-    )
+    samples = read_table(path, ["recording_id", "t"])
+    samples = samples[samples["recording_id"].isin(testing)]
     true, detected = (table[table["recording_id"].isin(testing)] for table in (true, detected))
     return score(true, detected, samples, settings)
 

@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from rallygap.models.arena.event_log import EventLog
 from rallygap.models.arena.levels import Players
-from rallygap.models.arena.rallies import Rallies
+from rallygap.models.arena.rallies import EventLog, Rallies
 from rallygap.models.arena.truth import draw_truth
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import POSITION, SPIN

@@ -42,18 +42,14 @@ METHODS = {
 
 def predictor_label(name: str) -> str:
     """Return what a predictor is called in a figure."""
-    return PREDICTORS.get(name, _words(name)).removeprefix("physics, ")
+    return PREDICTORS.get(name, name.replace("_", " ")).removeprefix("physics, ")
 
 
 def simulator_label(name: str) -> str:
     """Return what a simulator is called in a figure."""
-    return SIMULATORS.get(name, _words(name))
+    return SIMULATORS.get(name, name.replace("_", " "))
 
 
 def method_label(name: str) -> str:
     """Return what a method of the exam is called in a figure."""
-    return METHODS.get(name, _words(name))
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
+    return METHODS.get(name, name.replace("_", " "))

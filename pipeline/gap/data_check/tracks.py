@@ -10,8 +10,7 @@ from rallygap.models.ball.types import Floats
 from rallygap.models.gap.fit.shots import spread_evenly
 from rallygap.pipeline.io.frame import Frame
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
-from rallygap.pipeline.sources.row_checks import SAMPLE_COLUMNS
-from rallygap.pipeline.sources.source import RawTable
+from rallygap.pipeline.sources.source import SAMPLE_COLUMNS, RawTable
 
 MOST = 150  # recordings that are checked, spread evenly over all
 FEWEST_SAMPLES = 8

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rallygap.models.arena.event_log import EventLog
+from rallygap.models.arena.rallies import EventLog
 from rallygap.pipeline.simulator_scenes import larger_spins
 
 

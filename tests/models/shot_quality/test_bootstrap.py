@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rallygap.models.shot_quality.medians import Estimate, resampled_median, weighted_medians
+from rallygap.models.shot_quality.bootstrap import Estimate, resampled_median, weighted_medians
 
 
 @pytest.mark.parametrize("size", [1, 2, 9, 10])

@@ -1,4 +1,4 @@
-"""Medians over returns, with intervals bootstrapped over the balls that were played."""
+"""Statistics with intervals bootstrapped over clusters: the balls played, or the matches."""
 
 from dataclasses import dataclass
 
@@ -11,11 +11,11 @@ from rallygap.models.support.bootstrap import resampled_counts
 
 @dataclass(frozen=True)
 class Estimate:
-    """A statistic of returns, with its values on bootstrap resamples of the balls.
+    """A statistic, with its values on bootstrap resamples of the clusters.
 
     Attributes:
-        value: NaN where no ball was returned.
-        resampled: (S,) on the resamples; NaN where no ball of one was returned.
+        value: NaN where it is not defined.
+        resampled: (S,) on the resamples; NaN where it is not defined on one.
     """
 
     value: float
@@ -35,9 +35,9 @@ class Estimate:
         Both must be resampled from one seed: each resample then has the same balls in both, so
         differences between balls cancel.
         """
-        return Estimate(
-            float(_ratio(self.value, other.value)), _ratio(self.resampled, other.resampled)
-        )
+        value = self.value / other.value if other.value > 0 else np.nan
+        positive = np.where(other.resampled > 0, other.resampled, np.nan)
+        return Estimate(value, self.resampled / positive)
 
 
 def resampled_median(
@@ -53,11 +53,12 @@ def resampled_median(
         resamples: how many.
         seed: of the resamples.
     """
-    known, owners = np.asarray(values, dtype=np.float64), np.asarray(balls, dtype=np.int64)
+    known = np.asarray(values, dtype=np.float64)
     if not len(known):
         return Estimate(np.nan, np.full(resamples, np.nan))
-    drawn = resampled_counts(count, resamples, np.random.default_rng(seed))
-    return Estimate(float(np.median(known)), weighted_medians(known, drawn[:, owners]))
+    counts = resampled_counts(count, resamples, np.random.default_rng(seed))
+    owners = np.asarray(balls, dtype=np.int64)
+    return Estimate(float(np.median(known)), weighted_medians(known, counts[:, owners]))
 
 
 def weighted_medians(values: Floats, counts: Integers) -> Floats:
@@ -69,8 +70,3 @@ def weighted_medians(values: Floats, counts: Integers) -> Floats:
     upper = (cumulative > total // 2).argmax(axis=1)
     ordered = values[order]
     return np.where(total[:, 0] > 0, (ordered[lower] + ordered[upper]) / 2, np.nan)
-
-
-def _ratio(numerator: ArrayLike, denominator: ArrayLike) -> Floats:
-    below = np.asarray(denominator, dtype=np.float64)
-    return np.asarray(numerator / np.where(below > 0, below, np.nan))
