@@ -10,9 +10,8 @@ from rallygap.models.gap.diagnose import diagnose
 from rallygap.models.gap.settings import DEFAULTS, GapSettings
 from rallygap.models.gap.verdict import DetectionLimits, Verdict
 from rallygap.pipeline.engines.audited import effects_of
-from rallygap.pipeline.engines.export.code import CODE
-from rallygap.pipeline.engines.export.command import code_of
-from rallygap.pipeline.engines.export.scene_file import SCENE, check_place, former_scene
+from rallygap.pipeline.engines.export.code import CODE, SCENE
+from rallygap.pipeline.engines.export.command import check_place, code_of, former_scene
 from rallygap.pipeline.engines.load import names_function, names_scene
 from rallygap.pipeline.gap.expected_balls import expected_balls, expected_json
 from rallygap.pipeline.gap.figures.camera import camera_figure
@@ -180,8 +179,8 @@ def _write_for_engine(findings: Findings, folder: Path) -> None:
         write_text(folder / CODE, code_of(str(folder / "amended.yaml"), "python"))
     if handed is not None:
         write_text(folder / CODE, handed.code)
-    if handed is not None and handed.scene is not None:
-        write_text(folder / SCENE, handed.scene)
+    if handed is not None and handed.text is not None:
+        write_text(folder / SCENE, handed.text)
 
 
 def _check_enough(measured: MeasuredShots, data: Path) -> None:

@@ -27,7 +27,7 @@ from rallygap.pipeline.gap.wording import (
 from rallygap.pipeline.web.numbers import number, with_unit
 
 if TYPE_CHECKING:
-    from rallygap.pipeline.engines.export.scene.handover import HandedOver
+    from rallygap.pipeline.engines.export.scene.amended_scene import AmendedScene
 
 TYPICAL_MS = 200  # the horizon of the summary, where shots are that long
 SIGNIFICANT = 0.05  # p-value up to which a covariate is reported
@@ -53,7 +53,7 @@ class Findings:
     settings: GapSettings
     verdict: Verdict
     balls: Expected
-    handed: "HandedOver | None" = None
+    handed: "AmendedScene | None" = None
 
     @property
     def outcome(self) -> list[str]:

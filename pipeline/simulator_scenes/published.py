@@ -5,13 +5,12 @@ does not say, such as a table of another shape, is ours.
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+
+import mujoco
 
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.engines.engine import EffectsEngine, Engine
-
-if TYPE_CHECKING:
-    from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.models.engines.mujoco.scene import MujocoScene
 
 SCENE = """<mujoco>
   <option timestep="0.002" integrator="RK4" cone="elliptic" {option}/>
@@ -57,12 +56,8 @@ class PublishedModel:
             return EffectsEngine(self.name, self.effects)
         return self.scene_of_mujoco()
 
-    def scene_of_mujoco(self) -> "MujocoScene":
+    def scene_of_mujoco(self) -> MujocoScene:
         """Return the scene of a model of MuJoCo."""
-        import mujoco
-
-        from rallygap.models.engines.mujoco.scene import MujocoScene
-
         assert self.scene is not None  # of MuJoCo
         return MujocoScene.of(self.name, mujoco.MjModel.from_xml_string(self.scene))
 

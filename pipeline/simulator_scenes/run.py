@@ -1,8 +1,7 @@
 """The experiment ``make simulators``: minutes; writes ``reports/simulators``.
 
-Published models are audited. Games are played with larger spins than published ones. Random lists
-of effects are written into scenes, where audits are to find them again. And recordings are
-simulated under the hidden physics; every scene is audited and diagnosed on them, and its ball
+Published models are audited. Games are played with larger spins than published ones. And recordings
+are simulated under the hidden physics; every scene is audited and diagnosed on them, and its ball
 amended. Then the scene as it is, and with the amended ball, fly other shots in their own engine.
 They start from their true launches, so a correct simulator errs by nothing.
 """
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rallygap.pipeline.experiments.experiment import running
 
 from rallygap.models.audit.traps import traps
 from rallygap.models.ball.state import POSITION
@@ -25,16 +25,13 @@ from rallygap.models.gap.amend.simulator import amended
 from rallygap.models.gap.diagnose import diagnose
 from rallygap.pipeline.engines.audit_text import audit_content
 from rallygap.pipeline.engines.audited import audited
-from rallygap.pipeline.experiments.experiment import running
-from rallygap.pipeline.io.artifacts import replacing_files, write_json
+from rallygap.pipeline.io.artifacts import read_json, replacing_files, write_json
 from rallygap.pipeline.runtime.console import refuse
 from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.parallel import make_missing
 from rallygap.pipeline.runtime.paths import repository_root
-from rallygap.pipeline.simulator_scenes.amended_flights import amended_flights
 from rallygap.pipeline.simulator_scenes.larger_spins import larger_spins
 from rallygap.pipeline.simulator_scenes.published import PUBLISHED
-from rallygap.pipeline.simulator_scenes.results import results
-from rallygap.pipeline.simulator_scenes.round_trip_report import round_trips
 from rallygap.pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
 
 SHOTS, TESTED = 100, 40  # to diagnose on, and to fly
@@ -54,7 +51,6 @@ def simulators(root: Path) -> None:
         contents = {
             "published": published_models(),
             "larger_spins": larger_spins(),
-            "round_trip": round_trips(run.scratch),
             "scenes": simulator_scenes(run.scratch),
         }
         with replacing_files(root / REPORTS) as folder:
@@ -68,23 +64,26 @@ def simulator_scenes(scratch: Path) -> dict[str, dict[str, Any]]:
     Args:
         scratch: folder of what a killed run leaves to the next one.
     """
-    found = {f"{one.engine}-{one.name}": one for one in scenes()}
-    makers = {name: partial(scene_result, one) for name, one in found.items()}
-    made = results(scratch, makers, "scenes")
+    places = {scratch / f"{scene.engine}-{scene.name}.json": scene for scene in scenes()}
+    make_missing({path: partial(_write, path, scene) for path, scene in places.items()}, "scenes")
     content: dict[str, dict[str, Any]] = {}
-    for name, one in found.items():
-        content.setdefault(one.engine, {})[one.name] = made[name]
+    for path, scene in places.items():
+        content.setdefault(scene.engine, {})[scene.name] = read_json(path)
     return content
+
+
+def _write(path: Path, scene: HiddenScene) -> None:
+    write_json(path, scene_result(scene))
 
 
 def published_models() -> dict[str, dict[str, Any]]:
     """Return the audits of published models."""
     content = {}
-    for one in PUBLISHED:
-        found = audited(one.build(), patience=inf)
-        known = tuple(trap for trap in traps(found) if one.bounces or trap.identifier != NO_TABLE)
-        described = {"file": one.file, "says": one.says}
-        content[one.name] = described | audit_content(one.name, found, known)
+    for model in PUBLISHED:
+        audit = audited(model.build(), patience=inf)
+        known = tuple(trap for trap in traps(audit) if model.bounces or trap.identifier != NO_TABLE)
+        described = {"file": model.file, "says": model.says}
+        content[model.name] = described | audit_content(model.name, audit, known)
     return content
 
 
@@ -94,14 +93,14 @@ def scene_result(scene: HiddenScene) -> dict[str, Any]:
     audit = audited(engine, patience=inf)
     recordings = shots_of(simulate_trial(Trial("scenes", TRUTH, shots=SHOTS))[0])
     verdict = diagnose(recordings, audit.simulator)
-    leading = [one.identity for one in verdict.causes if one.role == "leading"]
+    leading = [cause.identity for cause in verdict.causes if cause.role == "leading"]
     tested = launches(TRUTH, TESTED, 2, np.random.default_rng(1)).states
     before = _error(engine.fly(tested, TIMES), tested)
     known = amended(audit.simulator, verdict)
-    after = _error(amended_flights(scene, known, tested, TIMES), tested)
+    after = _error(scene.fly_amended(known, tested, TIMES), tested)
     return {
         "hidden": scene.hidden,
-        "traps": [one.identifier for one in traps(audit)],
+        "traps": [trap.identifier for trap in traps(audit)],
         "verdict": verdict.verdict,
         "leading": leading,
         "named_right": bool(set(scene.causes) & set(leading)),

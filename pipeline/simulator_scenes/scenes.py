@@ -1,19 +1,21 @@
-"""The scenes: each has the hidden physics as far as its engine can say it, but for one thing."""
+"""The scenes: each has the hidden physics as far as its engine can state it, but for one thing."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import mujoco
 import numpy as np
 
 from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
 from rallygap.models.engines.engine import Engine, FunctionEngine
+from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.pipeline.engines.export.code import ball_effects
+from rallygap.pipeline.engines.export.code_engine import CodeEngine, steps_of
 from rallygap.pipeline.engines.load import module_of_file
 from rallygap.pipeline.runtime.paths import repository_root
-
-if TYPE_CHECKING:
-    from rallygap.models.engines.mujoco.scene import MujocoScene
 
 # The hidden physics.
 TRUTH = Simulator.from_dict(
@@ -76,24 +78,46 @@ class HiddenScene:
 
     def build(self) -> Engine:
         """Return the scene as an engine."""
-        return self.scene() if self.engine == "mujoco" else pybullet_engine(self.changes)
+        if self.engine == "mujoco":
+            return self._scene()
+        module = self._module()
+        return FunctionEngine("pybullet", lambda states, times: np.array(module.fly(states, times)))
 
-    def scene(self) -> "MujocoScene":
-        """Return the scene of MuJoCo."""
-        import mujoco
+    def fly_amended(self, simulator: Simulator, states: Floats, times: Floats) -> Floats:
+        """Return (B, T, 9) states of balls that the code of a simulator flies in the engine."""
+        code = ball_effects(simulator, self.name, [], self.engine)
+        if self.engine == "mujoco":
+            return CodeEngine(self.name, code, self._scene()).fly(states, times)
+        import pybullet
 
-        from rallygap.models.engines.mujoco.scene import MujocoScene
+        names: dict[str, Any] = {}
+        exec(code, names)
+        module = self._module()
+        client = pybullet.connect(pybullet.DIRECT)
+        try:
+            body, table = module.world(client)
+            ball = names["Ball"](body, table, module.STEP, client=client)
+            return np.array([steps_of(ball, state, times, module.STEP) for state in states])
+        finally:
+            pybullet.disconnect(client)
 
+    def _scene(self) -> MujocoScene:
         text = MJCF.format(**{**RIGHT, **self.changes})
         return MujocoScene.of(self.name, mujoco.MjModel.from_xml_string(text))
+
+    def _module(self) -> ModuleType:
+        """Return the example of PyBullet with other values of its constants."""
+        module = module_of_file(repository_root() / EXAMPLE)
+        for name, value in self.changes.items():
+            setattr(module, name, value)
+        return module
 
 
 def scenes() -> Iterator[HiddenScene]:
     """Yield all scenes."""
-    for name, hidden, causes, changes in MUJOCO:
-        yield HiddenScene("mujoco", name, hidden, causes, changes)
-    for name, hidden, causes, changes in PYBULLET:
-        yield HiddenScene("pybullet", name, hidden, causes, changes)
+    for engine, rows in (("mujoco", MUJOCO), ("pybullet", PYBULLET)):
+        for row in rows:
+            yield HiddenScene(engine, *row)
 
 
 _Row = tuple[str, str, tuple[str, ...], Mapping[str, Any]]
@@ -123,17 +147,3 @@ PYBULLET: tuple[_Row, ...] = (
     ("damping", "the default damping", ("linear_drag.k1", "drag.cd"), {"DAMPING": 0.04}),
     ("restitution", "restitution .75", _RESTITUTION, {"RESTITUTION": 0.75}),
 )
-
-
-def pybullet_engine(changes: Mapping[str, Any]) -> FunctionEngine:
-    """Return the example of PyBullet with other values of its constants."""
-    module = pybullet_module(changes)
-    return FunctionEngine("pybullet", lambda states, times: np.array(module.fly(states, times)))
-
-
-def pybullet_module(changes: Mapping[str, Any]) -> ModuleType:
-    """Return the module of the example with other values of its constants."""
-    module = module_of_file(repository_root() / EXAMPLE)
-    for name, value in changes.items():
-        setattr(module, name, value)
-    return module

@@ -14,13 +14,14 @@ from rallygap.models.gap.settings import DEFAULTS
 from rallygap.models.gap.verify.prediction_error import HeldOut
 from rallygap.pipeline.gap.measured_shots import read_shots
 from rallygap.pipeline.known_answers import answers
-from rallygap.pipeline.simulator_scenes import real
-from rallygap.pipeline.simulator_scenes.held_out_flights import HORIZONS, FlownPredictions
-from rallygap.pipeline.simulator_scenes.published import TABLE, PublishedModel, _scene
 from tests.pipeline.known_answers.made_up import cause, found
 from tests.pipeline.recorded import write_recordings
 
 pytest.importorskip("mujoco")
+
+from rallygap.pipeline.simulator_scenes import real
+from rallygap.pipeline.simulator_scenes.published import TABLE, PublishedModel, _scene
+from rallygap.pipeline.simulator_scenes.real import HORIZONS, FlownPredictions
 
 TRUTH = shipped("literature")
 NOISE = Noise()

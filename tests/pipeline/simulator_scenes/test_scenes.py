@@ -4,14 +4,13 @@ import joblib
 import numpy as np
 import pytest
 
-import rallygap.pipeline.simulator_scenes.run as experiment
 from rallygap.models.exam.simulate.launches import launches
-from rallygap.pipeline.simulator_scenes.amended_flights import amended_flights
-from rallygap.pipeline.simulator_scenes.results import results
-from rallygap.pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
 
 pytest.importorskip("mujoco")
 pytest.importorskip("pybullet")
+
+import rallygap.pipeline.simulator_scenes.run as experiment
+from rallygap.pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
 
 SCENES = {f"{one.engine}.{one.name}": one for one in scenes()}
 TIMES = np.array([0.1, 0.3])
@@ -20,7 +19,7 @@ TIMES = np.array([0.1, 0.3])
 @pytest.mark.parametrize("name", ["mujoco.euler", "pybullet.vacuum"])
 def test_the_true_physics_as_code_is_exact_in_the_engine(name):
     states = launches(TRUTH, 6, 2, np.random.default_rng(0)).states
-    flown = amended_flights(SCENES[name], TRUTH, states, TIMES)
+    flown = SCENES[name].fly_amended(TRUTH, states, TIMES)
     away = np.linalg.norm((flown - TRUTH.fly(states, TIMES).states)[..., :3], axis=-1)
     assert away.max() < 1e-4
 
@@ -54,28 +53,24 @@ def test_what_becomes_of_a_scene(tmp_path, monkeypatch):
 def test_a_killed_run_publishes_nothing_and_goes_on(tmp_path, monkeypatch):
     made = []
 
-    def made_once():
-        made.append("trips")
+    def result(scene):
+        made.append(scene.name)
+        if len(made) == 2:
+            raise KeyboardInterrupt
         return {}
-
-    def round_trips(scratch):
-        return results(scratch, {"trip": made_once}, "round trips")
-
-    def killed(scratch):
-        raise KeyboardInterrupt
 
     (tmp_path / "params.yaml").write_text("seed: 1")
     for name in ("published_models", "larger_spins"):
         monkeypatch.setattr(experiment, name, dict)
-    monkeypatch.setattr(experiment, "round_trips", round_trips)
-    monkeypatch.setattr(experiment, "simulator_scenes", killed)
+    two = [SCENES["mujoco.vacuum"], SCENES["mujoco.drag"]]
+    monkeypatch.setattr(experiment, "scenes", lambda: iter(two))
+    monkeypatch.setattr(experiment, "scene_result", result)
     with joblib.parallel_config(backend="sequential"):
         with pytest.raises(KeyboardInterrupt):
             experiment.simulators(tmp_path)
         assert not (tmp_path / "reports").exists()
-        monkeypatch.setattr(experiment, "simulator_scenes", lambda scratch: {})
         experiment.simulators(tmp_path)
-    assert made == ["trips"]
+    assert made == ["vacuum", "drag", "drag"]
     names = {path.name for path in (tmp_path / experiment.REPORTS).iterdir()}
-    assert names == {"larger_spins.json", "published.json", "round_trip.json", "scenes.json"}
+    assert names == {"larger_spins.json", "published.json", "scenes.json"}
     assert not list((tmp_path / "scratch").rglob("*.json"))

@@ -9,7 +9,7 @@ pytest.importorskip("mujoco")
 from rallygap.models.engines.mujoco.scene import MujocoScene
 from rallygap.pipeline.engines.audit_folder import audit_folder
 from rallygap.pipeline.engines.audited import audited
-from rallygap.pipeline.engines.scene_audit import SceneAudit
+from rallygap.pipeline.engines.comparison import StatedScene
 from tests.models.engines.mujoco.scenes import (
     BALL,
     CONTACT,
@@ -30,7 +30,7 @@ NATURAL = TABLE + ball(f"{BALL} {SHELL} {CONTACT} {COEFFICIENTS}")
 def test_a_scene_does_what_it_says():
     scene = MujocoScene.of("scene", compiled(WORLD, OPTION))
     audit = audited(scene)
-    table = SceneAudit.of(scene, audit).says_and_does(audit)
+    table = StatedScene.of(scene, audit).table()
     rows = {name: cells for name, *cells in zip(*table.values(), strict=True)}
     assert rows["drag.cd"] == ["0.47", "0.47"]
     assert rows["magnus.cm"] == ["0.12", "0.12"]
@@ -40,7 +40,7 @@ def test_a_scene_does_what_it_says():
 
 def test_flights_do_not_change_with_a_shorter_step_and_contacts_may():
     scene = MujocoScene.of("scene", compiled(WORLD, OPTION))
-    variants = SceneAudit.of(scene, audited(scene)).variants
+    variants = StatedScene.of(scene, audited(scene)).variants
     assert [one.name for one in variants] == [
         "time step 0.25 ms", "time step 0.125 ms", "integrator RK4",
     ]  # fmt: skip

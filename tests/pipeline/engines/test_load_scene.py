@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from rallygap.pipeline.engines.mujoco_file import load_scene
+from rallygap.pipeline.engines.load import load_scene
 from rallygap.pipeline.runtime.errors import InputError
 
 SPHERE = '<geom type="sphere" size=".02" mass=".0027"/>'
 BALL = f'<body name="ball"><freejoint/>{SPHERE}</body>'
 SPARE = f'<body name="spare" pos="1 0 0"><freejoint/>{SPHERE}</body>'
-LOADS = "import sys, rallygap.pipeline.engines.mujoco_file; sys.exit('mujoco' in sys.modules)"
+LOADS = "import sys, rallygap.pipeline.engines.load; sys.exit('mujoco' in sys.modules)"
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def written(tmp_path, monkeypatch):
 
     def write(world):
         Path("scene.xml").write_text(f"<mujoco><worldbody>{world}</worldbody></mujoco>")
-        return Path("scene.xml")
+        return "scene.xml"
 
     return write
 
@@ -30,7 +30,7 @@ def written(tmp_path, monkeypatch):
 def test_a_scene_has_the_name_of_its_file(written):
     pytest.importorskip("mujoco")
     assert load_scene(written(BALL)).name == "scene"
-    assert load_scene(str(written(BALL + SPARE)), "spare").ball.name == "spare"
+    assert load_scene(f"{written(BALL + SPARE)}#spare").ball.name == "spare"
 
 
 @pytest.mark.parametrize(
@@ -56,7 +56,7 @@ def test_a_file_that_is_no_scene_with_a_ball_is_refused(written, world, problem)
 def test_other_files_are_refused(written, content):
     pytest.importorskip("mujoco")
     path = written("")
-    path.write_bytes(content)
+    Path(path).write_bytes(content)
     with pytest.raises(InputError, match=r"scene\.xml: "):
         load_scene(path)
 
@@ -64,7 +64,7 @@ def test_other_files_are_refused(written, content):
 def test_a_file_that_is_not_there_is_refused(tmp_path):
     for path in (tmp_path / "none.xml", tmp_path):
         with pytest.raises(InputError, match="there is no such file"):
-            load_scene(path)
+            load_scene(str(path))
 
 
 def test_without_mujoco_one_line_says_what_brings_it(written, monkeypatch):

@@ -1,4 +1,4 @@
-"""The ball of ``ball_effects.py`` in its scene, as an engine."""
+"""The ball of a ``ball_effects.py`` as an engine, in a scene of MuJoCo."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -7,14 +7,12 @@ import mujoco
 import numpy as np
 
 from rallygap.models.ball.types import Floats
-from rallygap.models.engines.mujoco.initial import reset
-from rallygap.models.engines.mujoco.log import collected_warnings
 from rallygap.models.engines.mujoco.scene import MujocoScene
-from rallygap.pipeline.engines.export.flown import flown
+from rallygap.models.engines.mujoco.simulation import collected_warnings, reset
 
 
 @dataclass(frozen=True)
-class CodedBall:
+class CodeEngine:
     """A scene whose ball the code flies.
 
     Attributes:
@@ -48,5 +46,24 @@ class CodedBall:
         with collected_warnings():
             for state in states:
                 reset(model, data)
-                paths.append(flown(ball, state, times, float(model.opt.timestep)))
+                paths.append(steps_of(ball, state, times, float(model.opt.timestep)))
         return np.array(paths)
+
+
+def steps_of(ball: Any, state: Floats, times: Floats, step: float) -> list[tuple[float, ...]]:
+    """Return the T states of a ``Ball`` of the code, in whatever engine it is.
+
+    Args:
+        ball: in any engine.
+        state: (9,) at time zero.
+        times: (T,) s, rising, multiples of the step.
+        step: s, of the engine.
+    """
+    marks = np.rint(times / step).astype(int).tolist()
+    ball.set(tuple(state.tolist()))
+    path = []
+    for number in range(1, marks[-1] + 1):
+        ball.step()
+        if number in marks:
+            path.append(ball.state())
+    return path

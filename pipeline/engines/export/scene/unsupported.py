@@ -1,4 +1,4 @@
-"""What a list of effects has and the attributes of a scene cannot say, with its cost."""
+"""Effects of a list that a scene has no attributes for, with their cost."""
 
 from collections.abc import Iterator
 
@@ -7,15 +7,14 @@ from rallygap.models.ball.simulator import Simulator
 from rallygap.models.engines.engine import EffectsEngine
 from rallygap.models.engines.mujoco.scene import MujocoScene
 from rallygap.models.gap.hypotheses import Hypothesis
-from rallygap.pipeline.engines.export.scene.flight import is_shell
-from rallygap.pipeline.engines.export.scene.shots import (
+from rallygap.pipeline.engines.export.scene.flight import Target, differs, is_shell
+from rallygap.pipeline.engines.export.scene.verification import (
     AFTER,
     BEFORE,
     FLIGHT,
     VerificationShots,
     distances,
 )
-from rallygap.pipeline.engines.export.scene.target import Target, differs
 from rallygap.pipeline.web.numbers import number, with_unit
 
 # Effects that have attributes; those of "table_bounce" are a matter of the verification.
@@ -33,10 +32,10 @@ SMALLEST_MM = 0.05  # a cost that is worth a sentence
 SAME_DRAG = 1e-4  # 1/s
 
 
-def unsaid(
+def unsupported(
     scene: MujocoScene, before: Simulator, after: Simulator, shots: VerificationShots
 ) -> Iterator[str]:
-    """Yield what no attribute says of what a list changes, in sentences.
+    """Yield what a list changes and no attribute states, in sentences.
 
     Args:
         scene: amended.
