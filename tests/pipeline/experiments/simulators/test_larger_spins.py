@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rallygap.models.arena.rallies import EventLog
-from rallygap.pipeline.simulator_scenes import larger_spins
+from rallygap.pipeline.experiments.simulators import larger_spins
 
 
 def test_spins_are_larger_and_bend_paths_more(monkeypatch):

@@ -30,9 +30,9 @@ from rallygap.pipeline.runtime.console import refuse
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.parallel import make_missing
 from rallygap.pipeline.runtime.paths import repository_root
-from rallygap.pipeline.simulator_scenes.larger_spins import larger_spins
-from rallygap.pipeline.simulator_scenes.published import PUBLISHED
-from rallygap.pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
+from rallygap.pipeline.experiments.simulators.larger_spins import larger_spins
+from rallygap.pipeline.experiments.simulators.published import PUBLISHED
+from rallygap.pipeline.experiments.simulators.scenes import TRUTH, HiddenScene, scenes
 
 SHOTS, TESTED = 100, 40  # to diagnose on, and to fly
 TIMES: Floats = np.array([0.1, 0.2, 0.3, 0.4])  # s

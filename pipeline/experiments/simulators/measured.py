@@ -53,7 +53,7 @@ from rallygap.pipeline.runtime.console import refuse
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.parallel import parallel
 from rallygap.pipeline.runtime.paths import repository_root
-from rallygap.pipeline.simulator_scenes.published import PUBLISHED, PublishedModel
+from rallygap.pipeline.experiments.simulators.published import PUBLISHED, PublishedModel
 
 SETS = ("tt3d", "spindoe")
 # Scenes whose balls bounce.

@@ -9,8 +9,8 @@ from rallygap.models.exam.simulate.launches import launches
 pytest.importorskip("mujoco")
 pytest.importorskip("pybullet")
 
-import rallygap.pipeline.simulator_scenes.run as experiment
-from rallygap.pipeline.simulator_scenes.scenes import TRUTH, HiddenScene, scenes
+import rallygap.stages.simulators as experiment
+from rallygap.pipeline.experiments.simulators.scenes import TRUTH, HiddenScene, scenes
 
 SCENES = {f"{one.engine}.{one.name}": one for one in scenes()}
 TIMES = np.array([0.1, 0.3])

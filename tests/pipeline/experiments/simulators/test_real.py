@@ -19,9 +19,9 @@ from tests.pipeline.recorded import write_recordings
 
 pytest.importorskip("mujoco")
 
-from rallygap.pipeline.simulator_scenes import real
-from rallygap.pipeline.simulator_scenes.published import TABLE, PublishedModel, _scene
-from rallygap.pipeline.simulator_scenes.real import HORIZONS, FlownPredictions
+from rallygap.pipeline.experiments.simulators import real
+from rallygap.pipeline.experiments.simulators.published import TABLE, PublishedModel, _scene
+from rallygap.stages.real_scenes import HORIZONS, FlownPredictions
 
 TRUTH = shipped("literature")
 NOISE = Noise()
