@@ -1,6 +1,6 @@
 """The segmented tables as episodes, the way predictors' windows take them."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -78,17 +78,45 @@ def read_episodes(
     """
     contacts = read_checked(folder / "contacts.parquet", CONTACTS)
     episodes = read_checked(folder / "episodes.parquet", EPISODES)
+    path = folder / "samples.parquet"
+    check_columns(path, SAMPLES)
+    return episodes_of(read_row_groups(path), contacts, episodes, labelled_once, splits, path)
+
+
+def episodes_of(
+    samples: Iterable[pd.DataFrame],
+    contacts: pd.DataFrame,
+    episodes: pd.DataFrame,
+    labelled_once: set[str],
+    splits: Collection[str] = SPLITS,
+    path: Path | None = None,
+) -> list[MeasuredEpisode]:
+    """Return the episodes of segmented tables, without the tosses of serves.
+
+    Args:
+        samples: rows of ``SAMPLES`` in parts, each of whole episodes.
+        contacts: rows of ``CONTACTS``.
+        episodes: rows of ``EPISODES``.
+        labelled_once: sources with one spin label a shot, as in ``read_episodes``.
+        splits: which to return.
+        path: of the samples, if they are from a file.
+
+    Raises:
+        InputError: samples are broken or lack an episode.
+    """
     label_ends = _label_ends(contacts, episodes, labelled_once)
     chosen = episodes[episodes["split"].isin(splits) & ~_tosses(episodes)]
     kind = contacts["kind"]
     bounces, touched, nets = (
         _times(contacts[some]) for some in (kind == "table", kind != "table", kind == "net")
     )
-    path = folder / "samples.parquet"
-    parts = dict(_episodes(path, chosen, bounces, label_ends))
+    parts = dict(_episodes(samples, chosen, bounces, label_ends, path))
     absent = [name for name in chosen["episode_id"] if name not in parts]
     if absent:
-        raise InputError(path, f"has no samples of episode {absent[0]}; run `dvc repro -f segment`")
+        where = path or "samples"
+        raise InputError(
+            where, f"has no samples of episode {absent[0]}; run `dvc repro -f segment`"
+        )
     return [
         MeasuredEpisode(
             name,
@@ -135,16 +163,16 @@ def _label_ends(
 
 
 def _episodes(
-    path: Path,
+    samples: Iterable[pd.DataFrame],
     chosen: pd.DataFrame,
     bounces: dict[str, Floats],
     label_ends: dict[str, float],
+    path: Path | None,
 ) -> Iterator[tuple[str, Episode]]:
-    """Yield the chosen episodes by id, one row group of their samples in memory at a time."""
+    """Yield the chosen episodes by id, one part of the samples in memory at a time."""
     recordings = dict(zip(chosen["episode_id"], chosen["recording_id"], strict=True))
-    check_columns(path, SAMPLES)
-    for samples in read_row_groups(path):
-        wanted = checked(samples[samples["episode_id"].isin(chosen["episode_id"])], SAMPLES, path)
+    for part in samples:
+        wanted = checked(part[part["episode_id"].isin(chosen["episode_id"])], SAMPLES, path)
         whole = as_episode(wanted)
         for name, rows in wanted.groupby("episode_id", sort=False).indices.items():
             episode_id = str(name)

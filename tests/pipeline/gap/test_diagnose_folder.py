@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -112,7 +113,7 @@ def test_a_function_is_audited_diagnosed_and_given_back_as_code(tmp_path):
 def test_minor_structure_is_amended_on_request_only(tmp_path):
     found = findings(verdict(causes=(WIND_CAUSE, MINOR)))
     for minor in (False, True):
-        write_findings(found, tmp_path, minor)
+        write_findings(replace(found, minor=minor), tmp_path)
         amended = load_simulator(str(tmp_path / "amended.yaml")).effects
         assert ("spin_decay" in amended) == minor
         assert amended["wind"]["x"] == WIND_CAUSE.estimate

@@ -5,7 +5,7 @@ from importlib.metadata import version
 
 from rallygap.models.ball.simulators import shipped
 from rallygap.models.gap.settings import DEFAULTS, GapSettings
-from rallygap.pipeline.gap.provenance import changed_settings, made_from
+from rallygap.pipeline.gap.provenance import made_from
 
 
 def test_of_a_path_only_the_name_is_kept():
@@ -18,6 +18,9 @@ def test_of_a_path_only_the_name_is_kept():
 
 
 def test_settings_are_the_level_and_what_differs_from_the_default():
-    assert changed_settings(GapSettings()) == {"level": DEFAULTS.level}
-    settings = replace(DEFAULTS, level=0.01, fit=replace(DEFAULTS.fit, refit_steps=9))
-    assert changed_settings(settings) == {"level": 0.01, "fit.refit_steps": 9}
+    def settings_of(settings):
+        return made_from("lab", None, (3, 40), shipped("literature"), "mine", settings).settings
+
+    assert settings_of(GapSettings()) == {"level": DEFAULTS.level}
+    changed = replace(DEFAULTS, level=0.01, fit=replace(DEFAULTS.fit, refit_steps=9))
+    assert settings_of(changed) == {"level": 0.01, "fit.refit_steps": 9}

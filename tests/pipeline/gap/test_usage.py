@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pandas as pd
 
-from rallygap.pipeline.gap.labels import LabelCounts
-from rallygap.pipeline.gap.measured_shots import read_shots
-from rallygap.pipeline.gap.usage import episodes_text, labels_text, usage_lines, with_doubts
+from rallygap.pipeline.gap.measured_shots import LabelCounts, read_shots
+from rallygap.pipeline.gap.summary import usage_lines
+from rallygap.pipeline.gap.wording import episodes_text, labels_text
 from tests.pipeline.recorded import write_recordings
-from tests.pipeline.verdicts import findings, verdict
+from tests.pipeline.verdicts import findings
 
 
 def test_episodes_and_labels_that_are_left_out_have_a_reason(tmp_path):
@@ -34,8 +34,6 @@ def test_numbers_are_written_with_their_reasons():
     assert labels_text(LabelCounts(read=0, implausible=0, used=0)) == "none"
 
 
-def test_doubts_are_said_first_and_are_limitations_of_the_verdict():
+def test_doubts_are_said():
     measured = replace(findings().measured, doubts=("rounded",))
     assert list(usage_lines(measured))[1:] == ["Doubtful: rounded."]
-    limitations = with_doubts(verdict(), measured).limitations
-    assert limitations == ("rounded", "all shots go in one direction")
