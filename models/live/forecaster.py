@@ -17,8 +17,7 @@ from rallygap.models.ball.state import POSITION, STATE_SIZE
 from rallygap.models.ball.types import Floats
 from rallygap.models.live import crossings
 from rallygap.models.live.crossings import Crossing
-from rallygap.models.live.history import history_of
-from rallygap.models.live.track import Track
+from rallygap.models.live.track import Track, history_of
 from rallygap.models.predictors.ball_filter import ANY_BALL, Expected
 from rallygap.models.predictors.propagation import propagated
 from rallygap.models.predictors.protocol import FUTURE_TIMES, TICK, ProbabilisticPredictor
