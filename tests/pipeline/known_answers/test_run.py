@@ -10,10 +10,9 @@ import pytest
 from rallygap.models.ball.simulators import shipped
 from rallygap.models.gap.hypotheses import Hypothesis, hypotheses
 from rallygap.pipeline.documentation.known_answers import known_answers
-from rallygap.pipeline.known_answers import answers, references
-from rallygap.pipeline.known_answers.answers import Diagnosis, fingerprint, verdicts
+from rallygap.pipeline.known_answers import answers
+from rallygap.pipeline.known_answers.answers import IDENTITIES, Diagnosis, fingerprint, verdicts
 from rallygap.pipeline.known_answers.design import IN_RECORDINGS, IN_SIMULATOR, PlantedError
-from rallygap.pipeline.known_answers.references import IDENTITIES
 from rallygap.pipeline.known_answers.run import REPORT, SCORES, TABLE, run_known_answers
 from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.known_answers.made_up import cause, found, shots
@@ -53,7 +52,7 @@ def expert(monkeypatch):
     def employ(**settings):
         made = Expert(**settings)
         monkeypatch.setattr(answers, "diagnose", made)
-        monkeypatch.setattr(references, "reference_values", made.reference_values)
+        monkeypatch.setattr(answers, "reference_values", made.reference_values)
         return made
 
     return employ
