@@ -40,7 +40,7 @@ def read_forecasts(path: Path, sets: Sequence[MeasuredSet]) -> dict[str, Forecas
         InputError: the file is missing, is no such table, or forecasts unknown windows, a window
             twice or not at all; naming the row and field.
     """
-    ids = {one.name: window_ids(one) for one in sets}
+    ids = {measured.name: window_ids(measured) for measured in sets}
     set_of = {name: of for of, names in ids.items() for name in names.tolist()}
     table = checked(_read(path, rows=len(set_of) * len(HORIZONS_MS)), FORECASTS, path)
     if table.empty:
