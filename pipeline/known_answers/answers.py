@@ -3,8 +3,8 @@
 import hashlib
 import json
 import warnings
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 
@@ -16,12 +16,7 @@ from rallygap.models.gap.name.naming import Named, name, with_estimates
 from rallygap.models.gap.settings import DEFAULTS, Question
 from rallygap.models.gap.verdict import Verdict, VerdictError
 from rallygap.pipeline.io.artifacts import read_json, write_json, write_text
-from rallygap.pipeline.known_answers.design import (
-    IN_RECORDINGS,
-    IN_SIMULATOR,
-    PlantedError,
-    plant,
-)
+from rallygap.pipeline.known_answers.design import IN_RECORDINGS, IN_SIMULATOR
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.parallel import make_missing
 from rallygap.pipeline.runtime.provenance import content_hash
@@ -43,19 +38,13 @@ class Diagnosis:
 
     Attributes:
         file: of the verdict.
-        shots: without the error.
-        simulator: without the error.
-        error: that is planted before the diagnosis, if any.
-        references: values in the shots without the error, by identity.
-        seed: of the error, where it is random.
+        shots: to diagnose.
+        simulator: the nominal one.
     """
 
     file: Path
     shots: Shots
     simulator: Simulator
-    error: PlantedError | None = None
-    references: Mapping[str, float] = field(default_factory=dict)
-    seed: int = 0
 
 
 def verdicts(diagnoses: Sequence[Diagnosis], description: str) -> list[Verdict]:
@@ -111,10 +100,9 @@ def fingerprint(root: Path, shots: Shots, folds: int) -> str:
 
 
 def _diagnose(task: Diagnosis) -> None:
-    simulator, shots = plant(task.error, task.simulator, task.shots, task.references, task.seed)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # numerical warnings would hide the progress
-        verdict = diagnose(shots, simulator)
+        verdict = diagnose(task.shots, task.simulator)
     write_text(task.file, verdict.to_json())
 
 

@@ -22,7 +22,7 @@ from rallygap.pipeline.gap.measured_shots import read_shots
 from rallygap.pipeline.io.artifacts import write_csv, write_json
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.known_answers.answers import Diagnosis, fingerprint, references, verdicts
-from rallygap.pipeline.known_answers.design import Question, planted_errors
+from rallygap.pipeline.known_answers.design import Question, plant, planted_errors
 from rallygap.pipeline.known_answers.scores import Answer, answer_table, set_scores
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.git import git_commit
@@ -92,8 +92,9 @@ class _Fold:
     folder: Path
 
     def diagnosis(self, question: Question, references: Mapping[str, float]) -> Diagnosis:
-        file = self.folder / f"{question.name}.json"
-        return Diagnosis(file, self.shots, self.base, question.error, references, question.seed)
+        error, seed = question.error, question.seed
+        simulator, shots = plant(error, self.base, self.shots, references, seed)
+        return Diagnosis(self.folder / f"{question.name}.json", shots, simulator)
 
     def before_planting(self) -> Diagnosis:
         file = self.folder / f"{self.unplanted.fold}.references.json"
