@@ -99,17 +99,17 @@ def read_shots(folder: Path | str, source: str) -> MeasuredShots:
     """
     recordings = _read(Path(folder), source)
     episodes, record = recordings.episodes(), recordings.record
-    found = source_shots(episodes)
+    chosen = source_shots(episodes)
     return MeasuredShots(
         name=record.name,
-        shots=shots_of(found.members),
-        nets=found.nets,
+        shots=shots_of(chosen.members),
+        nets=chosen.nets,
         recordings=record.recordings,
         refused=record.refused_counts,
         episodes=len(episodes),
-        left_out=found.left_out,
-        labels=_label_counts(recordings, found.members),
-        bounces=sum(bool(member.episode.arc.any()) for member in found.members),
+        left_out=chosen.left_out,
+        labels=_label_counts(recordings, chosen.members),
+        bounces=sum(bool(member.episode.arc.any()) for member in chosen.members),
         noise=recordings.noise,
         doubts=recordings.doubts,
     )

@@ -139,7 +139,7 @@ def _drift(alarm: Alarm | None) -> dict[str, Any] | None:
         "identity": alarm.hypothesis.identity,
         "change": alarm.change,
         "error": alarm.error,
-        "possible": [one.identity for one in alarm.possible],
+        "possible": [hypothesis.identity for hypothesis in alarm.possible],
     }
 
 
