@@ -1,6 +1,6 @@
-"""Shared by benchmarks: rates in CPU time, and the report of comparisons with peers.
+"""Shared by benchmarks: rates in CPU time, comparisons with peers, and what is written.
 
-``reports/costs/benchmarks.json`` has the last run of each benchmark, with machine and commit.
+``reports/costs/benchmarks.json`` has the last run of each comparison, with machine and commit.
 """
 
 import time
@@ -9,14 +9,16 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 from rich.console import Console
 from rich.table import Table
 
 from rallygap.pipeline.evaluation.costs import machine
-from rallygap.pipeline.io.artifacts import read_json, write_json
+from rallygap.pipeline.io.artifacts import read_json, write_csv, write_json
 
 ROOT = Path(__file__).parents[1]
-REPORT = ROOT / "reports" / "costs" / "benchmarks.json"
+COSTS = ROOT / "reports" / "costs"
+REPORT = COSTS / "benchmarks.json"
 MEASURED = 1.0  # s of CPU time, at least, of every measurement
 REPEATS = 3  # of which the fastest counts
 
@@ -56,21 +58,20 @@ def rate(work: Callable[[], int]) -> float:
         work: does some units and returns how many.
     """
     work()
-    return max(_rate(work) for _ in range(REPEATS))
-
-
-def _rate(work: Callable[[], int]) -> float:
-    start, done = time.process_time(), 0
-    while (passed := time.process_time() - start) < MEASURED:
-        done += work()
-    return done / passed
+    rates = []
+    for _ in range(REPEATS):
+        start, done = time.process_time(), 0
+        while (passed := time.process_time() - start) < MEASURED:
+            done += work()
+        rates.append(done / passed)
+    return max(rates)
 
 
 def report(benchmark: str, comparisons: Sequence[Comparison], **details: float) -> None:
     """Print comparisons and details, and write them into the committed report."""
     reports = read_json(REPORT) if REPORT.is_file() else {}
-    rows = [{name: _rounded(value) for name, value in asdict(one).items()} for one in comparisons]
-    numbers = {name: _rounded(value) for name, value in details.items()}
+    rows = [_rounded(asdict(comparison)) for comparison in comparisons]
+    numbers = _rounded(details)
     reports[benchmark] = {**machine(ROOT), "comparisons": rows, "details": numbers}
     write_json(REPORT, dict(sorted(reports.items())))
     console = Console()
@@ -79,16 +80,23 @@ def report(benchmark: str, comparisons: Sequence[Comparison], **details: float) 
         console.print(f"{name.replace('_', ' ')}: {value}")
 
 
-def _rounded(value: Any) -> Any:
-    return float(f"{value:.4g}") if isinstance(value, float) else value
+def write_measured(name: str, table: pd.DataFrame, **details: Any) -> None:
+    """Write a table to ``reports/costs`` and print it; machine and details are a JSON beside it."""
+    write_csv(COSTS / f"{name}.csv", table, digits=4)
+    write_json(COSTS / f"{name}.json", {**machine(ROOT), **_rounded(details)})
+    Console().print((COSTS / f"{name}.csv").read_text(), details)
+
+
+def _rounded(values: dict[str, Any]) -> dict[str, Any]:
+    return {k: float(f"{v:.4g}") if isinstance(v, float) else v for k, v in values.items()}
 
 
 def comparison_table(comparisons: Sequence[Comparison]) -> Table:
     """Return comparisons as a table for the terminal."""
     table = Table("measure", "rallygap", "peer", "peer's value", "ratio")
-    for one in comparisons:
-        ratio = "not reached" if one.ratio is None else f"{one.ratio:,.1f}"
-        bound = "more than " if one.lower_bound and one.ratio is not None else ""
-        values = (f"{one.rallygap:,.4g}", one.peer, f"{one.peer_value:,.4g}", f"{bound}{ratio}")
-        table.add_row(one.measure, *values)
+    for row in comparisons:
+        ratio = "not reached" if row.ratio is None else f"{row.ratio:,.1f}"
+        bound = "more than " if row.lower_bound and row.ratio is not None else ""
+        values = (f"{row.rallygap:,.4g}", row.peer, f"{row.peer_value:,.4g}", f"{bound}{ratio}")
+        table.add_row(row.measure, *values)
     return table

@@ -23,9 +23,9 @@ from rallygap.models.exam.simulate.trial import Trial
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.live.drift import REFERENCE, DriftMonitor
 from rallygap.pipeline.io.artifacts import write_json
-from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, apply_style, save_figure
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.runtime.parallel import parallel
+from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, apply_style, save_figure
 
 SIMULATOR = load_simulator("literature")
 QUIET_SESSIONS, QUIET_SHOTS = 25, 400  # without a change
@@ -69,9 +69,8 @@ def first_alarm(session: Session) -> tuple[int, str] | None:
     changed = Trial("drift", SIMULATOR, causes=causes, shots=session.shots, seed=seed)
     shots = shots_of(simulate_trial(changed)[0])
     parts = (shots[k : k + AT_ONCE] for k in range(0, len(shots), AT_ONCE))
-    alarms = (alarm for part in parts for alarm in monitor.add(part))
-    found = ((k, alarm.hypothesis.identity) for k, alarm in enumerate(alarms, 1) if alarm)
-    return next(found, None)
+    alarms = enumerate((alarm for part in parts for alarm in monitor.add(part)), 1)
+    return next(((k, alarm.hypothesis.identity) for k, alarm in alarms if alarm), None)
 
 
 def sessions() -> Iterator[Session]:
@@ -85,11 +84,11 @@ def sessions() -> Iterator[Session]:
                 yield Session(number, SHOTS, cause, size)
 
 
-def summary(asked: Sequence[Session], found: Sequence[tuple[int, str] | None]) -> dict[str, Any]:
+def summary(asked: Sequence[Session], alarms: Sequence[tuple[int, str] | None]) -> dict[str, Any]:
     """Return the content of the report."""
     by_case: dict[tuple[str, float], list[tuple[int, str] | None]] = {}
-    for one, alarm in zip(asked, found, strict=True):
-        case = (one.cause.identity if one.cause else "", one.size)
+    for session, alarm in zip(asked, alarms, strict=True):
+        case = (session.cause.identity if session.cause else "", session.size)
         by_case.setdefault(case, []).append(alarm)
     quiet = by_case["", 0.0]
     return {
@@ -118,9 +117,10 @@ def drift_figure(causes: dict[str, Any]) -> Figure:
     figure = Figure(figsize=(FIGURE_WIDTH, 3.2))
     soon, right = figure.subplots(1, 2)
     for identity, label in CAUSES.items():
-        found = causes[identity].values()
-        soon.plot(SIZES, [one["median_shots"] or np.nan for one in found], marker="o", label=label)
-        right.plot(SIZES, [100 * one["named_right"] for one in found], marker="o")
+        scores = causes[identity].values()
+        shots = [score["median_shots"] or np.nan for score in scores]
+        soon.plot(SIZES, shots, marker="o", label=label)
+        right.plot(SIZES, [100 * score["named_right"] for score in scores], marker="o")
     for axes in (soon, right):
         axes.set_xscale("log")
         axes.set_xticks(SIZES, [f"{size}" for size in SIZES])
@@ -137,8 +137,8 @@ def drift_figure(causes: dict[str, Any]) -> Figure:
 def main() -> None:
     """Measure, write, print."""
     asked = list(sessions())
-    found = list(parallel([partial(first_alarm, one) for one in asked], "sessions"))
-    content = summary(asked, found)
+    alarms = list(parallel([partial(first_alarm, session) for session in asked], "sessions"))
+    content = summary(asked, alarms)
     write_json(REPORT, content)
     apply_style()
     save_figure(REPORT.with_suffix(".png"), drift_figure(content["causes"]))

@@ -72,23 +72,21 @@ def train(name: str, policies: Iterator[Policy], patience: float, seed: int) -> 
 
 def return_rate(policy: Policy, seed: int) -> float:
     """Return the return rate of a policy on the validation shots of a seed."""
-    balls, goals = TASK.draw(SHOTS, validation_stream(seed))
-    return float(
-        play(policy, TASK.simulator, balls, goals, TASK.observation).table["returned"].mean()
-    )
+    shots = TASK.draw(SHOTS, validation_stream(seed))
+    return float(play(policy, TASK.simulator, *shots, TASK.observation).table["returned"].mean())
 
 
 def compared(ours: Sequence[Progress], peer: Sequence[Progress]) -> list[Comparison]:
     """Compare steps and seconds; the ratio to a peer that missed the goal is a lower bound."""
-    reached = all(one.return_rate >= GOAL for one in ours)
-    bound = any(one.return_rate < GOAL for one in peer)
-    found = []
+    reached = all(training.return_rate >= GOAL for training in ours)
+    bound = any(training.return_rate < GOAL for training in peer)
+    comparisons = []
     for measure, name in (("control steps", "steps"), ("CPU seconds", "seconds")):
-        value, theirs = (float(np.mean([getattr(one, name) for one in of])) for of in (ours, peer))
+        value, theirs = (float(np.mean([getattr(t, name) for t in of])) for of in (ours, peer))
         ratio = theirs / value if reached else None
         title = f"{measure} to a return rate of {GOAL:.0%}"
-        found.append(Comparison(title, value, PEER, theirs, ratio, bound))
-    return found
+        comparisons.append(Comparison(title, value, PEER, theirs, ratio, bound))
+    return comparisons
 
 
 def main() -> None:
@@ -103,8 +101,8 @@ def main() -> None:
     report(
         "learning",
         compared(ours, peer),
-        return_rates=[one.return_rate for one in ours],
-        return_rates_of_peer=[one.return_rate for one in peer],
+        return_rates=[training.return_rate for training in ours],
+        return_rates_of_peer=[training.return_rate for training in peer],
     )
 
 

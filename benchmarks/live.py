@@ -27,7 +27,7 @@ from rallygap.models.predictors.protocol import FUTURE_TIMES, Floats, Probabilis
 from rallygap.models.predictors.settings import TransformerSettings
 from rallygap.models.predictors.spread import Spread
 from rallygap.pipeline.evaluation.costs import machine, one_core
-from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor, read_predictors
+from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, read_predictors
 from rallygap.pipeline.io.artifacts import read_table, write_json
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.live.messages import Measurement
@@ -46,10 +46,10 @@ REPORT = ROOT / "reports" / "live" / "latency.json"
 def frames(root: Path) -> list[Measurement]:
     """Return the first frames of the last run's recordings."""
     rows = read_table(root / "artifacts" / "ingest" / "recordings.parquet")
-    found = list(islice(measurements([rows]), FRAMES))
-    if len(found) < FRAMES:
-        raise ValueError(f"{len(found)} frames are too few; ingest {FRAMES}")
-    return found
+    first = list(islice(measurements([rows]), FRAMES))
+    if len(first) < FRAMES:
+        raise ValueError(f"{len(first)} frames are too few; ingest {FRAMES}")
+    return first
 
 
 @dataclass(frozen=True)
@@ -69,9 +69,8 @@ class Latency:
     max_change_mm: float | None
 
 
-def measure(one: NamedPredictor, rows: Sequence[Measurement]) -> Latency:
+def measure(predictor: ProbabilisticPredictor, rows: Sequence[Measurement]) -> Latency:
     """Return the latency of a predictor; simulators forecast from all measurements of a ball."""
-    predictor = one.predictor
     if isinstance(predictor, PhysicsPredictor):
         forecaster = Forecaster(predictor.simulator)
     else:
@@ -111,14 +110,14 @@ def _compared(
     return float(np.median(eager)), max(changes)
 
 
-def _paper_size(trained: LearnedPredictor) -> NamedPredictor:
+def _paper_size(trained: LearnedPredictor) -> LearnedPredictor:
     """Return the transformer of the paper's size with the normaliser of the laptop's."""
     paper = read_yaml(ROOT / "profiles" / "paper.yaml")["train_predictor"]["networks"]
     settings = TransformerSettings(kind="transformer", **paper["transformer"])
     torch.manual_seed(0)
     network = build_network(settings)
     network.normaliser = trained.network.normaliser
-    return NamedPredictor(PAPER, LearnedPredictor(network, Spread()), "transformer")
+    return LearnedPredictor(network, Spread())
 
 
 def _answer(forecaster: Forecaster, row: Measurement) -> Floats | None:
@@ -135,21 +134,23 @@ def _rounded(thousandths: float) -> float:
 def main() -> None:
     """Measure, write, print."""
     settings = load_params(ROOT / "params.yaml").evaluate_predictor
-    rows, found = frames(ROOT), {}
-    known = [
-        one
-        for one in read_predictors(ROOT / "artifacts", settings)
-        if one.forecasts(ARENA) and one.kind not in ("physics", ORACLE)
-    ]
-    learned = {one.name: one.predictor for one in known}["transformer"]
-    assert isinstance(learned, LearnedPredictor)
-    known.append(_paper_size(learned))
+    rows = frames(ROOT)
+    predictors = {
+        named.name: named.predictor
+        for named in read_predictors(ROOT / "artifacts", settings)
+        if named.forecasts(ARENA) and named.kind not in ("physics", ORACLE)
+    }
+    trained = predictors["transformer"]
+    assert isinstance(trained, LearnedPredictor)
+    predictors[PAPER] = _paper_size(trained)
     with one_core():
-        for one in progress(known, "latency", len(known)):
-            found[one.name] = asdict(measure(one, rows))
-    write_json(REPORT, found)
+        measured = {
+            name: asdict(measure(predictor, rows))
+            for name, predictor in progress(predictors.items(), "latency", len(predictors))
+        }
+    write_json(REPORT, measured)
     write_json(REPORT.with_name("machine.json"), machine(ROOT))
-    Console().print(found)
+    Console().print(measured)
 
 
 if __name__ == "__main__":

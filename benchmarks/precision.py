@@ -7,16 +7,15 @@ and forecasts the test windows. Needs `dvc repro segment`; writes ``reports/cost
 import tempfile
 from pathlib import Path
 
-import pandas as pd
 from rich.console import Console
 
-from benchmarks.comparison import ROOT
+from benchmarks.comparison import COSTS, ROOT
 from rallygap.pipeline.io.artifacts import write_csv
 from rallygap.pipeline.params import Params, load_params
 from rallygap.pipeline.sweeps.predictor import compare_predictors
 from rallygap.pipeline.sweeps.settings import PredictorSweep, load_sweep
 
-MEASURED = ROOT / "reports" / "costs" / "precision.csv"
+MEASURED = COSTS / "precision.csv"
 EPOCHS = 8
 PRECISIONS = ("32-true", "bf16-mixed")
 
@@ -24,29 +23,23 @@ PRECISIONS = ("32-true", "bf16-mixed")
 def compared() -> list[Params]:
     """Return params.yaml with short trainings in both precisions."""
     params = load_params(ROOT / "params.yaml")
-    settings = params.train_predictor
-    trainings = [
-        settings.training.model_copy(update={"precision": precision, "epochs": EPOCHS})
-        for precision in PRECISIONS
-    ]
-    return [
-        params.model_copy(update={"train_predictor": settings.model_copy(update={"training": one})})
-        for one in trainings
-    ]
-
-
-def measure() -> pd.DataFrame:
-    """Return the table of ``Comparison``; `params` are 32 bits, `found` 16."""
-    sweep = load_sweep(ROOT, "predictor").settings
-    assert isinstance(sweep, PredictorSweep)
-    both = compared()
-    with tempfile.TemporaryDirectory() as folder:
-        return compare_predictors(ROOT, sweep, both, Path(folder)).table(both[0].seed)
+    short = []
+    for precision in PRECISIONS:
+        changes = {"precision": precision, "epochs": EPOCHS}
+        training = params.train_predictor.training.model_copy(update=changes)
+        settings = params.train_predictor.model_copy(update={"training": training})
+        short.append(params.model_copy(update={"train_predictor": settings}))
+    return short
 
 
 def main() -> None:
     """Measure, write, print."""
-    table = measure().rename(columns={"params": PRECISIONS[0], "found": PRECISIONS[1]})
+    sweep = load_sweep(ROOT, "predictor").settings
+    assert isinstance(sweep, PredictorSweep)
+    both = compared()
+    with tempfile.TemporaryDirectory() as folder:
+        table = compare_predictors(ROOT, sweep, both, Path(folder)).table(both[0].seed)
+    table = table.rename(columns={"params": PRECISIONS[0], "found": PRECISIONS[1]})
     write_csv(MEASURED, table.drop(columns="holds"), digits=4)
     Console().print(MEASURED.read_text())
 

@@ -14,22 +14,11 @@ from itertools import pairwise
 from pathlib import Path
 
 import pandas as pd
-from rich.console import Console
 
-from benchmarks.comparison import ROOT
-from rallygap.pipeline.evaluation.costs import machine
-from rallygap.pipeline.io.artifacts import write_csv, write_json
+from benchmarks.comparison import ROOT, write_measured
 
-MEASURED = ROOT / "reports" / "costs" / "reproduce.csv"
 SET_UP = "set-up"
 RUNNING = re.compile(r"Running stage '(\w+)'")
-
-
-def cloned(folder: Path) -> Path:
-    """Clone the last commit."""
-    clone = folder / "clone"
-    subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)
-    return clone
 
 
 def reproduced(clone: Path) -> pd.DataFrame:
@@ -54,26 +43,16 @@ def reproduced(clone: Path) -> pd.DataFrame:
     return pd.DataFrame({"part": list(starts), "seconds": seconds})
 
 
-def changed(clone: Path) -> list[str]:
-    """Return the committed files that differ now."""
-    status = ["git", "status", "--porcelain"]
-    listed = subprocess.run(status, cwd=clone, capture_output=True, text=True, check=True)
-    return listed.stdout.splitlines()
-
-
 def main() -> None:
     """Measure, write, print."""
     with tempfile.TemporaryDirectory() as folder:
-        clone = cloned(Path(folder))
+        clone = Path(folder) / "clone"
+        subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)
         table = reproduced(clone)
-        found = {
-            **machine(clone),
-            "seconds": round(table["seconds"].sum()),
-            "changed": changed(clone),
-        }
-    write_csv(MEASURED, table.round())
-    write_json(MEASURED.with_suffix(".json"), found)
-    Console().print(MEASURED.read_text(), found)
+        status = ["git", "status", "--porcelain"]
+        listed = subprocess.run(status, cwd=clone, capture_output=True, text=True, check=True)
+    seconds, changed = round(table["seconds"].sum()), listed.stdout.splitlines()
+    write_measured("reproduce", table.round(), seconds=seconds, changed=changed)
 
 
 if __name__ == "__main__":

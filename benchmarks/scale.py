@@ -19,9 +19,8 @@ import numpy as np
 import pandas as pd
 import torch
 from joblib.externals.loky import get_reusable_executor
-from rich.console import Console
 
-from benchmarks.comparison import ROOT
+from benchmarks.comparison import write_measured
 from benchmarks.policy_training import LEARNING, PARAMS, SEED, TASK
 from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.exam.design.question import Question
@@ -32,23 +31,22 @@ from rallygap.models.policy.learning import learn_iteration
 from rallygap.models.predictors.learned import build_network
 from rallygap.models.predictors.training import ForecastTraining, WindowData
 from rallygap.models.predictors.window_dataset import build_tracks
+from rallygap.models.predictors.windows import Episode
 from rallygap.models.segmentation.tables import Segmented
-from rallygap.pipeline.evaluation.costs import machine
-from rallygap.pipeline.io.artifacts import read_table, write_csv, write_json
+from rallygap.pipeline.io.artifacts import read_table
 from rallygap.pipeline.io.episodes import as_episode
 from rallygap.pipeline.predictors.trainer import train
 from rallygap.pipeline.runtime.parallel import parallel
 from rallygap.pipeline.segmentation.cut_recordings import cut_recordings
 from rallygap.pipeline.sources.gather import gather
-from tests.models.predictors.small_training import tracks
-from tests.pipeline.sources.made_up import ARENA
 
-MEASURED = ROOT / "reports" / "costs" / "scale.csv"
-SMALL_ARENA = ARENA.model_copy(update={"game_episodes": 1500, "cannon_shots": 1500})
+ARENA = PARAMS.ingest.arena
+ARENA_SHOTS = {"game_episodes": 1500, "cannon_shots": 1500}
 SHOTS = 100  # per question of the exam
 NOT_NOMINAL = sorted(set(catalogue()) - set(TASK.simulator.effects))
 SHORT = LEARNING.model_copy(update={"iterations": 1, "steps_per_iteration": 3200, "warm_up": 320})
 EPISODES = 1000  # that the predictor learns from
+VALIDATION_EPISODES = 3
 EPOCHS = 4
 
 SETTINGS = ((1, 1), (1, 2), (2, 2))  # processes, multiple of the work
@@ -131,8 +129,8 @@ def segment_arena(times: int) -> int:
 
 def segmented(root: Path, times: int = 1) -> Segmented:
     """Run `ingest` and `segment` on an arena with a multiple of the shots."""
-    shots = {name: times * getattr(SMALL_ARENA, name) for name in ("game_episodes", "cannon_shots")}
-    settings = PARAMS.ingest.model_copy(update={"arena": SMALL_ARENA.model_copy(update=shots)})
+    shots = {name: times * count for name, count in ARENA_SHOTS.items()}
+    settings = PARAMS.ingest.model_copy(update={"arena": ARENA.model_copy(update=shots)})
     artifacts = root / "artifacts"
     gathered = gather(settings, SEED, artifacts / "ingest")
     recordings = artifacts / "ingest" / "recordings.parquet"
@@ -140,14 +138,15 @@ def segmented(root: Path, times: int = 1) -> Segmented:
     return cut_recordings(recordings, samples, gathered.manifest, PARAMS.segment).segmented
 
 
-def measure_training(processes: int, times: int) -> dict[str, Any]:
+def measure_training(episodes: list[Episode], processes: int, times: int) -> dict[str, Any]:
     """Measure the training of the predictor on a multiple of the episodes, without its start."""
     settings = PARAMS.train_predictor
     shape = settings.networks["transformer"]
     changed = settings.training.model_copy(update={"epochs": EPOCHS, "devices": processes})
     lightning.seed_everything(SEED, verbose=False)
     training = ForecastTraining(build_network(shape), changed)
-    data = WindowData(tracks(times * EPISODES, 0), tracks(3, 1), changed, SEED)
+    learned, validation = episodes[: times * EPISODES], episodes[-VALIDATION_EPISODES:]
+    data = WindowData(build_tracks(learned), build_tracks(validation), changed, SEED)
     data.fit_normaliser(training.network)
     with tempfile.TemporaryDirectory() as folder:
         train(training, data, Path(folder))
@@ -164,31 +163,33 @@ def row(work: str, unit: str, processes: int, units: int, seconds: float) -> dic
     }  # fmt: skip
 
 
-def sizes() -> dict[str, float]:
-    """Return bytes of an episode: on disk in all tables, and in memory during training."""
+def arena_episodes() -> tuple[list[Episode], float]:
+    """Return the episodes of an arena, and the bytes of each on disk in all tables."""
     set_processes(1)
     with tempfile.TemporaryDirectory() as root:
         segmented(Path(root))
         disk = sum(path.stat().st_size for path in Path(root).rglob("*.parquet"))
         samples = read_table(Path(root) / "artifacts" / "segment" / "samples.parquet")
     episodes = [as_episode(rows) for _, rows in samples.groupby("episode_id")]
+    return episodes, disk / len(episodes)
+
+
+def memory_of(episodes: list[Episode]) -> float:
+    """Return the bytes of an episode in the memory of a training."""
     held = [*episodes, build_tracks(episodes)]  # a training holds both
-    arrays = (part for one in held for part in vars(one).values())
+    arrays = (part for holder in held for part in vars(holder).values())
     memory = sum(part.nbytes for part in arrays if isinstance(part, np.ndarray | torch.Tensor))
-    return {"disk_bytes": disk / len(episodes), "memory_bytes": memory / len(episodes)}
+    return memory / len(episodes)
 
 
 def main() -> None:
     """Measure, write, print."""
-    rows = [measure_training(*setting) for setting in SETTINGS]
+    episodes, disk = arena_episodes()
+    rows = [measure_training(episodes, *setting) for setting in SETTINGS]
     rows += [measure_arena(*setting) for setting in SETTINGS]
     rows += [measure(work, *setting) for work in WORKS for setting in SETTINGS]
-    write_csv(MEASURED, pd.DataFrame(rows), digits=4)
-    write_json(
-        MEASURED.with_suffix(".json"),
-        {**machine(ROOT), **{k: float(f"{v:.4g}") for k, v in sizes().items()}},
-    )
-    Console().print(MEASURED.read_text())
+    memory = memory_of(episodes)
+    write_measured("scale", pd.DataFrame(rows), disk_bytes=disk, memory_bytes=memory)
 
 
 if __name__ == "__main__":

@@ -2,10 +2,8 @@
 
 import os
 import socket
-import subprocess
 import sys
 from pathlib import Path
-from textwrap import fill
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -194,17 +192,6 @@ def profile(name: Annotated[str, typer.Argument(help="a file of the folder profi
     typer.echo(" ".join(profile_flags(clone(), name)))
 
 
-@app.command("run-of", rich_help_panel=RUNS)
-def run_of(path: Annotated[Path, typer.Argument(help="a file under reports or artifacts")]) -> None:
-    """Say which run wrote a file: stage, commit, DVC experiment, and its page in MLflow."""
-    from dataclasses import asdict
-
-    from rallygap.pipeline.tracking.lineage import origin_of
-
-    for name, value in asdict(origin_of(clone(), path)).items():
-        typer.echo(f"{name:<12}{value or '–'}")
-
-
 @app.command(rich_help_panel=RUNS)
 def ui(
     port: Annotated[int, typer.Option(min=1, max=65535, help="on this machine only")] = 5000,
@@ -265,34 +252,6 @@ def confirm(
 
 
 app.add_typer(benchmark, name="benchmark", rich_help_panel=RUNS)
-
-
-@app.command(rich_help_panel=RUNS)
-def real(
-    folder: Annotated[
-        Path | None,
-        typer.Argument(envvar="RALLYGAP_DATA", help="with spindoe, tt3d, … in it"),
-    ] = None,
-) -> None:
-    """Run the pipeline on the measured sets in FOLDER and keep the results as `real`."""
-    from rallygap.pipeline.experiments.keep import keep_experiment
-    from rallygap.pipeline.experiments.profiles import profile_flags
-
-    require("dvc")
-    if folder is None:
-        raise InputError("real", "say where the measured sets are: make real DATA=~/sets")
-    if not folder.is_dir():
-        raise InputError(folder, "is not a folder; give the one that holds the measured sets")
-    root = clone()
-    # DVC does not watch the folder, so nothing may be taken for up to date.
-    command = ["dvc", "exp", "run", "--temp", "--force", "--name", "real"]
-    environment = {**os.environ, "RALLYGAP_DATA": str(folder.resolve())}
-    command = [sys.executable, "-m", *command, *profile_flags(root, "real")]
-    finished = subprocess.run(command, cwd=root, env=environment, check=False)
-    if finished.returncode != 0:
-        raise typer.Exit(finished.returncode)
-    keep_experiment(root, "real")
-    typer.echo(f"All of it: {root / 'reports' / 'real'}")
 
 
 @app.command(rich_help_panel=GAP)
@@ -358,28 +317,6 @@ def known_answers(
 
 
 @app.command(rich_help_panel=MAINTENANCE)
-def keep(name: Annotated[str, typer.Argument(help="as `dvc exp list` shows it")]) -> None:
-    """Copy the results of a DVC experiment into reports/NAME, to be committed."""
-    from rallygap.pipeline.experiments.keep import keep_experiment
-
-    root = clone()
-    keep_experiment(root, name)
-    typer.echo(f"All of it: {root / 'reports' / name}")
-
-
-@app.command(rich_help_panel=MAINTENANCE)
-def page(name: Annotated[str, typer.Argument(help="of the folder in reports")]) -> None:
-    """Write the page of a kept run, reports/NAME/index.html, from its figures and tables."""
-    from rallygap.pipeline.io.artifacts import write_text
-    from rallygap.pipeline.web.kept_page import kept_page
-
-    root = clone()
-    file = root / "reports" / name / "index.html"
-    write_text(file, kept_page(root, name))
-    typer.echo(f"Page: {file}")
-
-
-@app.command(rich_help_panel=MAINTENANCE)
 def costs() -> None:
     """Measure what the predictors of the last run cost on this machine; write reports/costs."""
     from rallygap.pipeline.evaluation.costs import costs_table, machine, measure_costs, write_costs
@@ -390,45 +327,6 @@ def costs() -> None:
     write_costs(folder, measured, machine(root))
     show(costs_table(measured))
     typer.echo(f"All of it: {folder}")
-
-
-@app.command(rich_help_panel=MAINTENANCE)
-def everything(
-    names: Annotated[
-        list[str] | None, typer.Argument(help="of steps; without any, all that are stale")
-    ] = None,
-) -> None:
-    """Make all kept results that are older than the code; a day on two cores, resumes."""
-    from rallygap.pipeline.experiments.everything import make_everything
-
-    require("dvc")
-    make_everything(clone(), names or [])
-
-
-@app.command(rich_help_panel=MAINTENANCE)
-def stale() -> None:
-    """List the steps of `everything` whose code has changed since, with what differs."""
-    from rallygap.pipeline.experiments.everything import step_results
-
-    for step in filter(lambda step: step.is_stale, step_results(clone())):
-        changed = f" Changed: {', '.join(step.changed)}." if step.changed else ""
-        typer.echo(f"{step.folder}:")
-        text = step.sentence + changed
-        typer.echo(fill(text, 100, initial_indent="    ", subsequent_indent="    "))
-
-
-@app.command("compare-commits", rich_help_panel=MAINTENANCE)
-def compare_commits(
-    base: Annotated[str, typer.Argument(help="a commit, such as main")],
-    new: Annotated[str, typer.Argument(help="another one")] = "HEAD",
-) -> None:
-    """List the numbers in which the committed tables and metrics of two commits differ."""
-    from rallygap.pipeline.experiments.compare_commits import compare_commits
-
-    count, differences = compare_commits(clone(), base, new)
-    for path, what in differences.items():
-        typer.echo(f"{path}: {what}")
-    typer.echo(f"{count} files compared, {len(differences)} differences.")
 
 
 @app.command(rich_help_panel=MAINTENANCE)

@@ -58,4 +58,3 @@ class ExamRecord(Record):
     gap_before_mm: Number | None = None
     answers: dict[str, AnswerRecord] = Field(default={})  # by method
     seconds: dict[str, Number] = Field(default={})  # CPU time of each method
-    code: str = ""  # fingerprint of the code and settings that made the record

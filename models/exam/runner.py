@@ -5,70 +5,50 @@ The sealed truth stays in this module, which reads it only after all methods hav
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from rallygap.models.exam.design.detection_limits import DetectionLimits
 from rallygap.models.exam.design.question import Question
-from rallygap.models.exam.interface import Answer, Method, Recording
+from rallygap.models.exam.interface import Answer, Method
 from rallygap.models.exam.records import AnswerRecord, ExamRecord, HiddenCause
 from rallygap.models.exam.scoring.removable_gap import RemovableGap
 from rallygap.models.exam.simulate.recordings import simulate_trial
 from rallygap.models.exam.simulate.trial import Trial
-from rallygap.models.gap.hypotheses import Hypothesis
 
 NOT_DETECTABLE = "these shots do not show it at any value that makes sense"
 
 
-def run_question(
-    question: Question, methods: Mapping[str, Method]
-) -> tuple[ExamRecord, dict[str, float]]:
-    """Pose a question to methods.
-
-    Returns:
-        Its record, and the CPU seconds that each method took.
-    """
+def run_question(question: Question, methods: Mapping[str, Method]) -> ExamRecord:
+    """Pose a question to methods and return its record."""
     limits = DetectionLimits.of(question.trial) if question.hidden else None
     try:
         trial = question.posed(limits.minimum_sizes(question.hidden) if limits else ())
         if trial is None:
-            return _record(question, not_posed=NOT_DETECTABLE), {}
+            return _record(question, not_posed=NOT_DETECTABLE)
         recordings, truth = simulate_trial(trial)
     except (RuntimeError, np.linalg.LinAlgError) as error:  # no equivalent independent dynamics
-        return _record(question, not_posed=str(error)), {}
+        return _record(question, not_posed=str(error))
     answers: dict[str, Answer | Exception] = {}
     seconds: dict[str, float] = {}
     for name, method in methods.items():
-        answers[name], seconds[name] = _answer(method, recordings, trial)
+        start = time.process_time()
+        try:
+            answers[name] = method(recordings, trial.nominal, trial.withheld)
+        except Exception as error:  # any failure is the method's, and counts as one
+            answers[name] = error
+        seconds[name] = time.process_time() - start
     constant = trial.variation is None  # otherwise no simulator of the catalogue has no gap
     gap = RemovableGap(truth) if limits and constant else None
-    causes = (
-        [_hidden_cause(c, question, trial, limits, gap) for c in question.differences]
-        if limits
-        else []
-    )
-    record = _record(
+    return _record(
         question,
-        hidden=tuple(causes),
+        hidden=tuple(_hidden_causes(question, trial, limits, gap)) if limits else (),
         gap_before_mm=gap.remaining(trial.nominal) if gap else None,
         answers={name: _answer_record(answer, gap) for name, answer in answers.items()},
+        seconds=seconds,
     )
-    return record, seconds
-
-
-def _answer(
-    method: Method, recordings: tuple[Recording, ...], trial: Trial
-) -> tuple[Answer | Exception, float]:
-    """Return what a method answers, or why it fails, and the CPU seconds that takes."""
-    start = time.process_time()
-    answer: Answer | Exception
-    try:
-        answer = method(recordings, trial.nominal, trial.withheld)
-    except Exception as error:  # any failure is the method's, and counts as one
-        answer = error
-    return answer, time.process_time() - start
 
 
 def _answer_record(answer: Answer | Exception, gap: RemovableGap | None) -> AnswerRecord:
@@ -81,26 +61,23 @@ def _answer_record(answer: Answer | Exception, gap: RemovableGap | None) -> Answ
         return AnswerRecord(conclusion=None, error=f"{type(error).__name__}: {error}")
 
 
-def _hidden_cause(
-    hidden: Hypothesis,
-    question: Question,
-    trial: Trial,
-    limits: DetectionLimits,
-    gap: RemovableGap | None,
-) -> HiddenCause:
-    """Return the truth about a cause; its effect is measured where there are several."""
-    nominal, value = hidden.value(trial.nominal), hidden.value(trial.simulator)
-    others = tuple(other for other in question.hidden if other != hidden)
-    without = hidden.at(trial.simulator, nominal)
-    measured = gap if len(question.differences) > 1 else None
-    return HiddenCause(
-        identity=hidden.identity,
-        kind="wrong_value" if hidden.listed(trial.nominal) else "missing_effect",
-        nominal=nominal,
-        value=value,
-        indistinguishable=limits.indistinguishable(hidden, value - nominal, others),
-        effect_mm=measured.between(trial.simulator, without) if measured else None,
-    )
+def _hidden_causes(
+    question: Question, trial: Trial, limits: DetectionLimits, gap: RemovableGap | None
+) -> Iterator[HiddenCause]:
+    """Yield the truth about each cause; its effect is measured where there are several."""
+    several = len(question.differences) > 1
+    for hidden in question.differences:
+        nominal, value = hidden.value(trial.nominal), hidden.value(trial.simulator)
+        others = tuple(other for other in question.hidden if other != hidden)
+        without = hidden.at(trial.simulator, nominal)
+        yield HiddenCause(
+            identity=hidden.identity,
+            kind="wrong_value" if hidden.listed(trial.nominal) else "missing_effect",
+            nominal=nominal,
+            value=value,
+            indistinguishable=limits.indistinguishable(hidden, value - nominal, others),
+            effect_mm=gap.between(trial.simulator, without) if gap and several else None,
+        )
 
 
 def _record(question: Question, **content: Any) -> ExamRecord:

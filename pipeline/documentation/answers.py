@@ -3,12 +3,12 @@
 from pathlib import Path
 from typing import Any
 
-from rallygap.pipeline.arenas.scores import gap_closed, ratios
 from rallygap.pipeline.documentation.cells import read_report
 from rallygap.pipeline.documentation.gap_tables import SETS, changes
 from rallygap.pipeline.documentation.predictor_tables import errors_over_windows
 from rallygap.pipeline.documentation.transfer_tables import points
-from rallygap.pipeline.real_forecasts.figure import ADAPTED
+from rallygap.pipeline.experiments.arenas.scores import gap_closed, ratios
+from rallygap.pipeline.report.real_forecasts import ADAPTED
 
 C, C_WITH_NET, AMENDED = "physics_c", "physics_c_with_net", "amended_imperfect_c"
 NETWORK, HYBRID = "transformer", "hybrid"

@@ -7,7 +7,13 @@ from pathlib import Path
 import pandas as pd
 
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
-from rallygap.pipeline.arenas.scores import (
+from rallygap.pipeline.documentation.cells import (
+    HORIZON_HEADS,
+    NONE,
+    read_report,
+    with_interval,
+)
+from rallygap.pipeline.experiments.arenas.scores import (
     PREDICTORS,
     Share,
     coverage,
@@ -16,12 +22,6 @@ from rallygap.pipeline.arenas.scores import (
     made_up,
     ratios,
     scored,
-)
-from rallygap.pipeline.documentation.cells import (
-    HORIZON_HEADS,
-    NONE,
-    read_report,
-    with_interval,
 )
 from rallygap.pipeline.io.markdown import markdown_table
 from rallygap.pipeline.paper.assessments import rate

@@ -6,8 +6,8 @@ from typing import Any
 import pandas as pd
 
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
-from rallygap.pipeline.io.labels import PREDICTORS
 from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.web.labels import PREDICTORS
 
 NONE = "–"
 ERRORS = ("before_mm", "after_mm", "floor_mm")

@@ -15,8 +15,8 @@ from rallygap.pipeline.documentation.cells import (
     with_interval,
 )
 from rallygap.pipeline.io.artifacts import read_json
-from rallygap.pipeline.io.labels import SIMULATORS
 from rallygap.pipeline.io.markdown import markdown_table
+from rallygap.pipeline.web.labels import SIMULATORS
 
 RACKET = "racket_bounce"  # which the gap workflow's shots do not touch
 CAMERA = "camera_distortion"  # stands for a field, which has no single true value

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 
 from rallygap.pipeline.documentation.cells import read_report
 from rallygap.pipeline.io.artifacts import replacing
-from rallygap.pipeline.io.figure_style import apply_style, save_figure
-from rallygap.pipeline.swap_study.figures import mechanism_figure, readings_figure
-from rallygap.pipeline.transfer.figures.retraining import retraining_figure
-from rallygap.pipeline.transfer.figures.sim2real import tolerance_figure, transfer_figure
+from rallygap.pipeline.report.retrain_policy import retraining_figure
+from rallygap.pipeline.report.sim2real import tolerance_figure, transfer_figure
+from rallygap.pipeline.report.swap_study import mechanism_figure, readings_figure
+from rallygap.pipeline.web.figure_style import apply_style, save_figure
 
 PICTURES = {  # in docs/images: the figure of a stage
     "causes_arena.png": "close_gap/figures/causes_arena.png",

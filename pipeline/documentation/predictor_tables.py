@@ -13,7 +13,7 @@ from rallygap.pipeline.documentation.cells import (
 )
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.io.markdown import markdown_table
-from rallygap.pipeline.real_forecasts.figure import ADAPTED
+from rallygap.pipeline.report.real_forecasts import ADAPTED
 
 SHORT = 300  # recordings
 SMALLER, PAPER_NETWORK = "transformer", "paper_network"  # of the same shots

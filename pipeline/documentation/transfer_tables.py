@@ -10,9 +10,9 @@ from rallygap.pipeline.documentation.cells import (
     read_report,
     with_interval,
 )
-from rallygap.pipeline.io.labels import SIMULATORS
 from rallygap.pipeline.io.markdown import markdown_table
 from rallygap.pipeline.transfer.transfer_table import PROTOCOLS
+from rallygap.pipeline.web.labels import SIMULATORS
 
 HORIZONS = ("115-125", "170-180")
 OF_STUDY, SIGNIFICANT = ["observation", "horizons_ms", "predictor"], 0.05

@@ -15,13 +15,13 @@ from rallygap.pipeline.engines.findings import AuditFindings
 from rallygap.pipeline.engines.load import load_engine, names_scene
 from rallygap.pipeline.engines.scene_audit import SceneAudit
 from rallygap.pipeline.io.artifacts import replacing_files, write_json, write_text
-from rallygap.pipeline.io.figure_style import apply_style
-from rallygap.pipeline.io.report_items import ReportFigure
 from rallygap.pipeline.io.simulators import simulator_yaml
 from rallygap.pipeline.runtime.paths import check_folder
 from rallygap.pipeline.runtime.progress import phase_bar
 from rallygap.pipeline.web.environment import page_environment
+from rallygap.pipeline.web.figure_style import apply_style
 from rallygap.pipeline.web.items import shown_figure
+from rallygap.pipeline.web.report_items import ReportFigure
 
 TEMPLATES = Path(__file__).parent / "templates"
 FIGURES = "figures"

@@ -8,7 +8,7 @@ from rallygap.models.audit.audit import Audit, FoundEffect
 from rallygap.models.audit.bounces import Bounces
 from rallygap.models.audit.traps import Trap
 from rallygap.models.ball.catalogue import catalogue
-from rallygap.pipeline.io.numbers import number, with_unit
+from rallygap.pipeline.web.numbers import number, with_unit
 
 SMALLEST = 0.01  # mm that sentences tell apart from zero
 AFTER = {"flight": "after 0.4 s of flight", "table": "0.15 s after a bounce begins"}

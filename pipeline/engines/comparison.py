@@ -11,7 +11,7 @@ from rallygap.models.ball.state import POSITION
 from rallygap.models.engines.engine import Engine
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.pipeline.engines.audited import audited
-from rallygap.pipeline.io.numbers import number, with_unit
+from rallygap.pipeline.web.numbers import number, with_unit
 
 MM = 1e3
 SAME = 1e-3  # relative difference of values that are alike

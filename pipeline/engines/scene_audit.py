@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rallygap.models.audit.audit import Audit
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.pipeline.engines.comparison import Apart, distances
-from rallygap.pipeline.io.numbers import number, with_unit
+from rallygap.pipeline.web.numbers import number, with_unit
 
 if TYPE_CHECKING:
     from rallygap.models.engines.mujoco.notes import Effects

@@ -63,7 +63,7 @@ def measure_costs(root: Path) -> pd.DataFrame:
         one for one in read_predictors(root / "artifacts", settings) if one.forecasts(first.name)
     ]
     errors = _position_errors(read_errors(root), first.name)
-    timings = kept_timings(root, root / "reports" / "train_predictor")
+    timings = kept_timings(root, "train_predictor")
     training = {
         name: one["training_s"]
         for name, one in timings.items()

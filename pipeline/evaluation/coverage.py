@@ -1,6 +1,6 @@
 """Uncertainty of forecasts: coverage and size of prediction regions, and CRPS."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -9,13 +9,11 @@ import pandas as pd
 
 from rallygap.models.predictors.calibration import LEVELS, Calibration, Errors, crps
 from rallygap.models.predictors.errors import EVALUATED, HORIZONS_MS, error_statistics
-from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS, concat_tables
+from rallygap.models.predictors.evaluation import concat_tables
 from rallygap.models.predictors.protocol import Floats, ProbabilisticPredictor
 from rallygap.models.predictors.windows import Windows
-from rallygap.pipeline.evaluation.figures.coverage import coverage_figure
 from rallygap.pipeline.evaluation.predictors import NamedPredictor
 from rallygap.pipeline.evaluation.test_windows import MeasuredSet
-from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
 from rallygap.pipeline.runtime.parallel import parallel
 
 BATCH = 256  # windows
@@ -123,37 +121,6 @@ def coverage_rows(
         coverage = Coverage.of(Calibration.of(known), new)
         frames[(one.name,)] = coverage.table(test.recordings, resamples, seed)
     return concat_tables(frames, ["predictor"])
-
-
-def coverage_table(rows: Mapping[str, pd.DataFrame]) -> ReportTable:
-    """Return the table at three horizons, by set; without validation windows it is empty."""
-    tables = {(name,): one for name, one in rows.items()}
-    none = pd.DataFrame(columns=["set", "predictor", "level", *COLUMNS])
-    table = concat_tables(tables, ["set"]) if tables else none
-    return ReportTable(
-        table[table["horizon_ms"].isin(SHOWN_HORIZONS_MS)],
-        "coverage",
-        title="Prediction regions at 100, 200 and 300 ms",
-        caption="Share of measured positions inside the prediction regions of 50 and 90 %, with "
-        "its 95 % interval bootstrapped over recordings; the size of the regions in mm, the mean "
-        "radius of balls of the same volume; and the continuous ranked probability score in mm, "
-        "mean over the axes. The predictor gives the shape of a region; its radius is from the "
-        "errors on validation windows, at every horizon on its own.",
-    )
-
-
-def coverage_figures(rows: Mapping[str, pd.DataFrame]) -> list[ReportFigure]:
-    """Return a figure for each set."""
-    return [
-        ReportFigure(
-            coverage_figure(one),
-            f"coverage_{name}",
-            title=f"Coverage and size of prediction regions on {name}",
-            caption="Share of measured positions inside the prediction regions of 50 and 90 % "
-            "(dotted line), and their mean radius. The table has intervals.",
-        )
-        for name, one in rows.items()
-    ]
 
 
 def errors_of(predictor: ProbabilisticPredictor, windows: Windows) -> Errors:

@@ -31,7 +31,7 @@ GROUPS = {
 
 def questions_table(root: Path) -> str:
     """Return the groups of questions with their sizes, as Markdown."""
-    table = pd.read_csv(root / "reports" / "hidden_effects" / "groups.csv")
+    table = pd.read_csv(root / "reports" / "exam" / "groups.csv")
     counts = table.groupby("group", sort=False)[["questions", "not_posed"]].sum()
     rows = [
         [f"`{group}`", f"{row.questions:,}", row.not_posed, GROUPS[str(group)]]

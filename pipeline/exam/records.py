@@ -10,7 +10,6 @@ from rallygap.pipeline.io.artifacts import write_text
 from rallygap.pipeline.runtime.errors import InputError
 
 RECORDS = Path("reports") / "exam" / "records.jsonl"  # of the whole exam, in the repository
-UNFINISHED = RECORDS.with_name("unfinished.jsonl")  # of a run that was stopped
 
 
 def write_records(path: Path, records: Sequence[ExamRecord]) -> None:
@@ -28,18 +27,20 @@ def read_records(path: Path) -> list[ExamRecord]:
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except FileNotFoundError:
-        raise InputError(path, "there is no such file; run `make exam`") from None
+        raise InputError(
+            path, "there is no such file; run `python -m rallygap.stages.exam`"
+        ) from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(path, f"cannot be read as text: {error}") from None
     if not lines:
-        raise InputError(path, "has no record; run `make exam`")
-    return [_record(path, row, line) for row, line in enumerate(lines, start=1)]
-
-
-def _record(path: Path, row: int, line: str) -> ExamRecord:
-    try:
-        return ExamRecord.model_validate_json(line)
-    except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"]) or None
-        raise InputError(path, f"{first['msg']}; run `make exam`", row=row, field=field) from None
+        raise InputError(path, "has no record; run `python -m rallygap.stages.exam`")
+    records = []
+    for row, line in enumerate(lines, start=1):
+        try:
+            records.append(ExamRecord.model_validate_json(line))
+        except ValidationError as error:
+            first = error.errors()[0]
+            field = ".".join(str(part) for part in first["loc"]) or None
+            problem = f"{first['msg']}; run `python -m rallygap.stages.exam`"
+            raise InputError(path, problem, row=row, field=field) from None
+    return records

@@ -24,11 +24,11 @@ from rallygap.pipeline.gap.summary import Findings, detection_lines, usage_lines
 from rallygap.pipeline.gap.verdict_page import render_gap_page
 from rallygap.pipeline.gap.wording import episodes_text
 from rallygap.pipeline.io.artifacts import replacing_files, write_text
-from rallygap.pipeline.io.figure_style import apply_style
-from rallygap.pipeline.io.report_items import ReportFigure
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.paths import check_folder
 from rallygap.pipeline.runtime.progress import phase_bar
+from rallygap.pipeline.web.figure_style import apply_style
+from rallygap.pipeline.web.report_items import ReportFigure
 
 TABLE = "table_bounce"
 FIGURES = "figures"

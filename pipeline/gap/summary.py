@@ -26,7 +26,7 @@ from rallygap.pipeline.gap.wording import (
     percent,
     variation_sentence,
 )
-from rallygap.pipeline.io.numbers import with_unit
+from rallygap.pipeline.web.numbers import with_unit
 
 if TYPE_CHECKING:
     from rallygap.pipeline.engines.export.scene.handover import HandedOver

@@ -17,10 +17,10 @@ from rallygap.pipeline.gap.wording import (
     reasons_text,
     title,
 )
-from rallygap.pipeline.io.numbers import number, with_unit
-from rallygap.pipeline.io.report_items import ReportFigure
 from rallygap.pipeline.web.environment import page_environment
 from rallygap.pipeline.web.items import page_table, shown_figure
+from rallygap.pipeline.web.numbers import number, with_unit
+from rallygap.pipeline.web.report_items import ReportFigure
 
 TEMPLATES = Path(__file__).parent / "templates"
 SMALLEST_P = 1e-4  # that permutations resolve

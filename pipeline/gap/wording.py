@@ -7,7 +7,7 @@ from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.types import Phase
 from rallygap.models.gap.verdict import Cause, Role, Variation, Worth
 from rallygap.pipeline.gap.measured_shots import LabelCounts, MeasuredShots
-from rallygap.pipeline.io.numbers import number, with_unit
+from rallygap.pipeline.web.numbers import number, with_unit
 
 PLACES: dict[Phase, str] = {
     "flight": "in flight",

@@ -13,8 +13,8 @@ from rallygap.models.gap.name.distortion import CAMERA
 from rallygap.models.gap.verdict import Cause, Verdict
 from rallygap.pipeline.gap.wording import interval_text
 from rallygap.pipeline.io.metrics import rounded
-from rallygap.pipeline.io.numbers import number
 from rallygap.pipeline.known_answers.design import DISTORTION, Question, true_values
+from rallygap.pipeline.web.numbers import number
 
 COLUMNS = [
     *("set", "fold", "place", "planted", "size", "value"),

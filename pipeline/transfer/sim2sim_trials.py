@@ -16,8 +16,9 @@ from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.params import Sim2SimProtocol
 from rallygap.pipeline.policies.storage import TrainedPolicy
 from rallygap.pipeline.runtime.stage_run import StageRun
-from rallygap.pipeline.transfer.figures.sim2sim import GROUND_TRUTH, IMPERFECT
 from rallygap.pipeline.transfer.trials import Played, play_policy
+
+GROUND_TRUTH, IMPERFECT = "ground_truth", "imperfect"  # predictors
 
 
 @dataclass(frozen=True)

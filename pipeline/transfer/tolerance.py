@@ -1,23 +1,17 @@
-"""Which forecast errors policies tolerate: trials with deliberate errors, and their report."""
+"""Which forecast errors policies tolerate: trials with deliberate errors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 
 from rallygap.models.policy.incoming_balls import IncomingBalls
 from rallygap.models.policy.policy import Policy
 from rallygap.models.replay.perturbed_forecasts import ERRORS
-from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
 from rallygap.pipeline.policies.storage import TrainedPolicy
 from rallygap.pipeline.runtime.stage_run import StageRun
-from rallygap.pipeline.transfer.figures.sim2real import tolerance_figure
-from rallygap.pipeline.transfer.rates import rates
 from rallygap.pipeline.transfer.replay_trials import Policies, trial_seed
 from rallygap.pipeline.transfer.trials import Played, play_policy
-
-KEYS = ["error", "size_cm", "horizons_ms"]
 
 
 @dataclass(frozen=True)
@@ -61,21 +55,3 @@ def tolerance_trials(run: StageRun, policies: Policies) -> list[ToleranceTrial]:
         for policy, trained in policies
         for error, size in [*errors, ("no_spin", 0.0)]
     ]
-
-
-def report_tolerance(run: StageRun, played: pd.DataFrame) -> None:
-    """Add the table and the figure of return rates over forecast errors."""
-    settings = run.params.sim2real
-    table = rates(played, KEYS)
-    caption = (
-        f"{settings.tolerance.shots} test shots of the policies' own simulator with exact "
-        "forecasts but for one error. bias: forecast positions shifted in one random direction "
-        "per shot; noise: shifted independently at every control step, with this root mean "
-        "square; no_spin: forecast spin set to zero. 95 % intervals are over "
-        "trainings and shots."
-    )
-    title = "Tolerated forecast errors"
-    run.add(
-        ReportFigure(tolerance_figure(table), "tolerance", title, caption),
-        ReportTable(table, "tolerance", title, caption),
-    )

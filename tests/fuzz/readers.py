@@ -21,7 +21,6 @@ from rallygap.pipeline.experiments.profiles import profile_flags
 from rallygap.pipeline.io.artifacts import read_as, write_json
 from rallygap.pipeline.io.episodes import read_episodes
 from rallygap.pipeline.io.ground_truth import read_contacts, read_truth
-from rallygap.pipeline.io.report_manifest import read_columns, read_contents
 from rallygap.pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.io.source_manifest import read_manifest
@@ -36,6 +35,7 @@ from rallygap.pipeline.sweeps.report import BEST
 from rallygap.pipeline.sweeps.settings import load_sweep
 from rallygap.pipeline.tracking.lineage import report_of
 from rallygap.pipeline.transfer.truth_comparison import NamedCauses
+from rallygap.pipeline.web.report_manifest import read_columns, read_contents
 from tests.fuzz import hostile
 from tests.models.exam.example_records import answer, hidden, named, record
 from tests.models.predictors.balls import observed

@@ -4,21 +4,26 @@ The shots are those of the trial without causes, with the same launches and fram
 their true launches, with the true noise and bounce scatter of the trial, they give the information
 about every parameter of the catalogue. Nothing is estimated and no method is asked, so a limit is a
 property of the data. A cause is detectable at 5.8 standard errors.
+
+Errors that all shots share are random effects: a distortion is a Gaussian field and the labels'
+error of a session a Gaussian vector, both of their true size. In a basis of independent components
+of unit variance they are linear, so they are columns next to the hypotheses, with a prior.
+Integrating them out leaves the information on the hypotheses that these errors do not hide.
 """
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import combinations
 
 import numpy as np
 
-from rallygap.models.ball.types import Floats
-from rallygap.models.exam.design.shared_errors import with_shared_columns
+from rallygap.models.ball.camera_field import covariance
+from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.exam.interface import Recording, shots_of
+from rallygap.models.exam.simulate.camera_errors import Distortion
 from rallygap.models.exam.simulate.recordings import simulate_trial
 from rallygap.models.exam.simulate.trial import Trial
-from rallygap.models.gap.fit.linearize import ballistic_nuisance, linearise
+from rallygap.models.gap.fit.linearize import Linearised, ballistic_nuisance, linearise
 from rallygap.models.gap.fit.measurement import Schedule, count_bounces
 from rallygap.models.gap.fit.noise import Noise, gram_matrices
 from rallygap.models.gap.fit.projection import eliminate_nuisance, identifiable_directions
@@ -31,11 +36,12 @@ from rallygap.models.gap.settings import GapSettings
 SETTINGS = GapSettings()
 DETECTABLE = SETTINGS.inference.detectable  # standard errors
 MINIMUM_FLIPPED = 4.0  # spin labels with the wrong sign, on average, in a detectable share of them
-MINIMUM_NOISE = (
-    1e-3  # of what the workflow takes for random: label errors of a shot, scatter across
-)
+# Of what the workflow takes for random: label errors of a shot, scatter across.
+MINIMUM_NOISE = 1e-3
 MINIMUM_TIMING = 1e-4  # s, of time stamps that are exact
 MINIMUM_OWN_INFORMATION = 1e-2  # of a parameter's information, with all other parameters free
+FIELD_PLACES = 400  # that represent the recorded region
+FIELD_LEFT_OUT = 1e-3  # of a distortion's variance
 
 
 @dataclass(frozen=True)
@@ -64,9 +70,7 @@ class DetectionLimits:
         With a withheld effect, all parameters of the remaining catalogue are free. Infinite where
         no value within the parameter's bounds is detectable.
         """
-        return [
-            self._minimum_size(one, [other for other in hidden if other != one]) for one in hidden
-        ]
+        return [self._minimum_size(parameter, hidden) for parameter in hidden]
 
     def indistinguishable(
         self, hidden: Hypothesis, size: float, others: tuple[Hypothesis, ...] = ()
@@ -83,31 +87,31 @@ class DetectionLimits:
         """
         if hidden == LABEL_SIGNS:
             return ()
-        k, free = self._place(hidden), self._places(others)
+        (k,), free = self._places([hidden]), self._places(others)
         observable = np.flatnonzero(self.evidence.observable).tolist()
         rivals = [j for j in observable if j not in (k, *free)]
         own = [] if self.evidence.listed[k] else [j for j in self.evidence.free if j in rivals]
 
         def substitutes(sets: Iterable[tuple[int, ...]]) -> tuple[str, ...]:
-            fitting = (one for one in sets if self._errors(k, size, [*one, *free]) < DETECTABLE)
-            places = (j for one in fitting for j in one)
-            return tuple(dict.fromkeys(self.evidence.columns[j].identity for j in places))
+            hiding = (places for places in sets if self._hides(k, size, [*places, *free]))
+            found = dict.fromkeys(j for places in hiding for j in places)
+            return tuple(self.evidence.columns[j].identity for j in found)
 
         return substitutes(combinations(rivals, 1)) or substitutes(combinations(own, 2))
 
-    def _errors(self, k: int, size: float, free: list[int]) -> float:
-        """Return a size in standard errors, other parameters being free."""
-        return abs(size) * float(np.sqrt(max(self._information(k, free), 0.0)))
+    def _hides(self, k: int, size: float, free: list[int]) -> bool:
+        """Return whether free parameters leave less than the detection limit of a size."""
+        return abs(size) * float(np.sqrt(max(self._information(k, free), 0.0))) < DETECTABLE
 
     def _information(self, k: int, free: list[int]) -> float:
         return float(self.evidence.score_test([k], free).information[0, 0])
 
-    def _minimum_size(self, hidden: Hypothesis, others: list[Hypothesis]) -> float:
+    def _minimum_size(self, hidden: Hypothesis, all_hidden: tuple[Hypothesis, ...]) -> float:
         if hidden == LABEL_SIGNS:
             possible = self.labelled > 0 and hidden.effect not in self.withheld
             return MINIMUM_FLIPPED / self.labelled if possible else np.inf
-        k = self._place(hidden)
-        free = self._free(k, self._places(others))
+        (k,) = self._places([hidden])
+        free = self._free(k, self._places([other for other in all_hidden if other != hidden]))
         if not self._decidable(k, free):
             return np.inf
         if hidden.effect in self.withheld:
@@ -129,22 +133,17 @@ class DetectionLimits:
 
     def _minimum_size_of_withheld(self, k: int) -> float:
         """Return the minimum size of a parameter with all that is not withheld free."""
-        total, free = self.evidence.total, self._not_withheld
+        total, columns = self.evidence.total, self.evidence.columns
+        observable = np.flatnonzero(self.evidence.observable).tolist()
+        free = [j for j in observable if columns[j].effect not in self.withheld]
         mixed = identifiable_directions(total[np.ix_(free, free)]).T @ total[free, k]
         own = total[k, k] - mixed @ mixed
         enough = own > MINIMUM_OWN_INFORMATION * total[k, k]
         return float(DETECTABLE / np.sqrt(own)) if enough else np.inf
 
-    @cached_property
-    def _not_withheld(self) -> list[int]:
-        observable = np.flatnonzero(self.evidence.observable).tolist()
-        return [k for k in observable if self.evidence.columns[k].effect not in self.withheld]
-
-    def _place(self, parameter: Hypothesis) -> int:
-        return self.evidence.columns.index(parameter)
-
     def _places(self, parameters: Sequence[Hypothesis]) -> list[int]:
-        return [self._place(one) for one in parameters if one != LABEL_SIGNS]
+        columns = self.evidence.columns
+        return [columns.index(parameter) for parameter in parameters if parameter != LABEL_SIGNS]
 
 
 def _evidence(trial: Trial, shots: Shots, states: Floats) -> Evidence:
@@ -153,13 +152,46 @@ def _evidence(trial: Trial, shots: Shots, states: Floats) -> Evidence:
     kicks = min(int(bounces.max(initial=0)), SETTINGS.fit.max_kicks)
     nuisance = ballistic_nuisance(states, kicks)
     linear = linearise(shots, trial.nominal, nuisance, hypotheses(trial.nominal))
-    linear = with_shared_columns(linear, trial)
+    if trial.errors.distortion is not None:
+        basis = _field_basis(shots.positions, linear.sampled, trial.errors.distortion)
+        linear = linear.with_shared(replace(linear.shots, shared=basis))
+    if trial.errors.labels.session:
+        linear = _with_session_error(linear, trial.errors.labels.session)
     noise = _noise(trial)
     known = gram_matrices(linear, noise, linear.sampled.astype(float), np.ones(len(shots)))
     left = eliminate_nuisance(known.total(noise), linear.nuisance_count)
     scores, information = SharedErrors.of(left, len(linear.columns)).parts(left)
     of_prior = len(scores) - len(shots)
     return Evidence(linear.columns, linear.listed, scores, information, SETTINGS, of_prior)
+
+
+def _field_basis(positions: Floats, sampled: Bools, distortion: Distortion) -> Floats:
+    """Return (B, N, J) components of a field of one coordinate, zero where nothing is sampled.
+
+    They are the leading ones of the Karhunen-Loeve expansion over recorded places (Nystroem).
+    """
+    places = positions[sampled]
+    chosen = places[np.linspace(0, len(places) - 1, FIELD_PLACES).astype(np.int64)]
+    values, vectors = np.linalg.eigh(covariance(chosen, chosen, distortion.length))
+    tail = np.cumsum(np.maximum(values, 0.0))
+    used = tail > FIELD_LEFT_OUT * tail[-1]
+    basis = np.zeros((*sampled.shape, int(used.sum())))
+    across = covariance(places, chosen, distortion.length)
+    basis[sampled] = distortion.size * across @ (vectors[:, used] / np.sqrt(values[used]))
+    return basis
+
+
+def _with_session_error(linear: Linearised, size: float) -> Linearised:
+    """Return linearised shots with columns of the labels' error of a session."""
+    of_labels = np.zeros((*linear.labels.shape[:3], 3))
+    of_labels[linear.labelled] = size * np.eye(3)
+    of_positions = np.zeros((*linear.positions.shape[:3], 3))
+
+    def joined(columns: Floats, more: Floats) -> Floats:
+        return np.concatenate([columns[..., :-1], more, columns[..., -1:]], axis=-1)
+
+    positions, labels = joined(linear.positions, of_positions), joined(linear.labels, of_labels)
+    return replace(linear, positions=positions, labels=labels)
 
 
 def _noise(trial: Trial) -> Noise:

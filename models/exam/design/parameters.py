@@ -1,5 +1,10 @@
 """Which parameters of the catalogue the exam hides, and which of them are similar."""
 
+from collections.abc import Iterator, Sequence
+from itertools import cycle
+
+import numpy as np
+
 from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.gap.hypotheses import Hypothesis
 
@@ -44,3 +49,9 @@ def family(parameter: Hypothesis) -> str:
     """Return the first member of the family of a parameter's effect."""
     name = parameter.parameter if parameter.effect == "table_bounce" else parameter.effect
     return next((members[0] for members in FAMILIES if name in members), name)
+
+
+def in_turn(parameters: Sequence[Hypothesis], random: np.random.Generator) -> Iterator[Hypothesis]:
+    """Yield every parameter equally often, in a random order, without end."""
+    order = random.permutation(len(parameters))
+    return (parameters[place] for place in cycle(order))

@@ -14,7 +14,7 @@ import numpy as np
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.exam.design.parameters import ONLY_INCREASED
 from rallygap.models.exam.simulate.laws import supports
-from rallygap.models.exam.simulate.trial import Dynamics, Trial, hypotheses_of
+from rallygap.models.exam.simulate.trial import Dynamics, Trial
 from rallygap.models.gap.hypotheses import Hypothesis
 
 MULTIPLE = 3.0  # detection limits, unless a group says otherwise
@@ -34,7 +34,9 @@ class Question:
     @property
     def differences(self) -> tuple[Hypothesis, ...]:
         """Parameters in which the environment differs from the nominal simulator."""
-        return (*self.hidden, *hypotheses_of(self.trial.far_off))
+        far_off = self.trial.far_off.items()
+        wrong = (Hypothesis(effect, name) for effect, values in far_off for name in values)
+        return (*self.hidden, *wrong)
 
     def posed(self, minimum_sizes: Sequence[float]) -> Trial | None:
         """Return the trial with its causes, or None where a size has no value within bounds."""
@@ -84,9 +86,10 @@ def question(
         multiple: size of the causes, in detection limits.
         **settings: of the trial.
     """
-    parameters = "+".join(one.identity for one in hidden)
+    parameters = "+".join(parameter.identity for parameter in hidden)
     name = "/".join(part for part in (group, parameters, detail, str(number)) if part)
-    independent = number % INDEPENDENT_EVERY == 0 and all(supports(one.effect) for one in hidden)
+    supported = all(supports(parameter.effect) for parameter in hidden)
+    independent = supported and number % INDEPENDENT_EVERY == 0
     dynamics: Dynamics = "independent" if independent else "catalogue"
     trial = Trial(name, nominal, dynamics=dynamics, seed=seed_of(seed, name), **settings)
     return Question(group, trial, hidden, multiple, detail)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from rallygap.models.arena.cameras import SlowError
 from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.exam.design.parameters import NEED_LABELS, family, hideable
+from rallygap.models.exam.design.parameters import NEED_LABELS, family, hideable, in_turn
 from rallygap.models.exam.design.question import MULTIPLE, Question, question, seed_of
 from rallygap.models.exam.design.robustness import robustness
 from rallygap.models.exam.simulate.trial import CAMERAS, SpinLabels
@@ -17,7 +18,6 @@ from rallygap.models.gap.hypotheses import Hypothesis
 
 LABELS: tuple[SpinLabels, ...] = ("per_row", "per_shot", "none")
 FAULTY = replace(CAMERAS, outliers=0.03, dropouts=0.10, slow_error=SlowError(share=0.6, time=0.05))
-TIME_RESOLUTION = 0.001  # s, of the time stamps of faulty cameras
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,6 @@ SWEEPS = (
     *(Cell(f"noise-{noise}mm", noise=noise / 1000) for noise in (1, 10)),
 )
 
-
 # How often the exam asks: repeats of each parameter in the base and other cells, and group sizes.
 BASE_REPEATS, SWEEP_REPEATS = 5, 3
 CLEAN, PAIRS = 500, 80
@@ -47,18 +46,16 @@ SENSOR_FAULTS, NOMINAL_OFF, WITHHELD, UNLABELLED, ONE_DIRECTION = 40, 50, 50, 40
 def exam(nominal: Simulator, seed: int) -> list[Question]:
     """Return all questions about a nominal simulator, each with a seed that its name gives it."""
     groups = (_sweeps, _clean, _pairs, _sensor_faults, _nominal_off, _other_groups, robustness)
-    return [one for group in groups for one in group(nominal, seed)]
+    return [question for group in groups for question in group(nominal, seed)]
 
 
 def _sweeps(nominal: Simulator, seed: int) -> Iterator[Question]:
     for cell in (BASE, *SWEEPS):
         cameras = replace(CAMERAS, position_noise=cell.noise)
-        settings: dict[str, Any] = {"shots": cell.shots, "cameras": cameras}
         for hidden in hideable():
             for number in range(BASE_REPEATS if cell is BASE else SWEEP_REPEATS):
-                yield question(
-                    "sweep", cell.name, number, nominal, seed, (hidden,), cell.multiple, **settings
-                )
+                part = ("sweep", cell.name, number, nominal, seed, (hidden,), cell.multiple)
+                yield question(*part, shots=cell.shots, cameras=cameras)
 
 
 def _clean(nominal: Simulator, seed: int) -> Iterator[Question]:
@@ -66,8 +63,9 @@ def _clean(nominal: Simulator, seed: int) -> Iterator[Question]:
     random = np.random.default_rng(seed_of(seed, "clean"))
     for number in range(CLEAN):
         labels, directions = LABELS[random.integers(3)], int(random.choice([2, 2, 2, 1]))
-        settings: dict[str, Any] = {"spin_labels": labels, "directions": directions}
-        yield question("clean", "", number, nominal, seed, **settings)
+        yield question(
+            "clean", "", number, nominal, seed, spin_labels=labels, directions=directions
+        )
 
 
 def _pairs(nominal: Simulator, seed: int) -> Iterator[Question]:
@@ -84,12 +82,11 @@ def _pairs(nominal: Simulator, seed: int) -> Iterator[Question]:
 def _other_groups(nominal: Simulator, seed: int) -> Iterator[Question]:
     missing = [hidden for hidden in hideable() if not hidden.listed(nominal)]
     for number, hidden in _drawn(missing, seed, "withheld", WITHHELD):
-        settings: dict[str, Any] = {"withheld": (hidden.effect,)}
-        yield question("withheld", "", number, nominal, seed, (hidden,), **settings)
+        withheld = (hidden.effect,)
+        yield question("withheld", "", number, nominal, seed, (hidden,), withheld=withheld)
     need_no_label = [hidden for hidden in hideable() if hidden.effect not in NEED_LABELS]
     for number, hidden in _drawn(need_no_label, seed, "unlabelled", UNLABELLED):
-        settings = {"spin_labels": "none"}
-        yield question("unlabelled", "", number, nominal, seed, (hidden,), **settings)
+        yield question("unlabelled", "", number, nominal, seed, (hidden,), spin_labels="none")
     for number, hidden in _drawn(hideable(), seed, "one_direction", ONE_DIRECTION):
         yield question("one_direction", "", number, nominal, seed, (hidden,), directions=1)
 
@@ -97,13 +94,13 @@ def _other_groups(nominal: Simulator, seed: int) -> Iterator[Question]:
 def _sensor_faults(nominal: Simulator, seed: int) -> Iterator[Question]:
     """Yield faults of the sensor, with cameras that are worse in every other way, too."""
     faults = [hidden for hidden in hideable() if catalogue()[hidden.effect].acts == "sensor"]
-    settings: dict[str, Any] = {
+    faulty: dict[str, Any] = {
         "cameras": FAULTY,
-        "time_resolution": TIME_RESOLUTION,
+        "time_resolution": 0.001,
         "spin_labels": "per_shot",
     }
     for number, hidden in _drawn(faults, seed, "sensor_fault", SENSOR_FAULTS):
-        yield question("sensor_fault", "", number, nominal, seed, (hidden,), **settings)
+        yield question("sensor_fault", "", number, nominal, seed, (hidden,), **faulty)
 
 
 def _nominal_off(nominal: Simulator, seed: int) -> Iterator[Question]:
@@ -120,7 +117,6 @@ def _nominal_off(nominal: Simulator, seed: int) -> Iterator[Question]:
 def _drawn(
     parameters: list[Hypothesis], seed: int, group: str, count: int
 ) -> Iterator[tuple[int, Hypothesis]]:
-    """Yield every parameter equally often, in a random order."""
-    order = np.random.default_rng(seed_of(seed, group)).permutation(len(parameters))
-    for number in range(count):
-        yield number, parameters[order[number % len(parameters)]]
+    """Yield numbered parameters, every one equally often."""
+    random = np.random.default_rng(seed_of(seed, group))
+    return enumerate(islice(in_turn(parameters, random), count))

@@ -3,7 +3,7 @@
 One question in five of each group is clean: it has the group's errors and no physical cause.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import cycle, islice
 from typing import Any, NamedTuple
@@ -12,7 +12,7 @@ import numpy as np
 
 from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.exam.design.parameters import family, hideable
+from rallygap.models.exam.design.parameters import family, hideable, in_turn
 from rallygap.models.exam.design.question import MULTIPLE, Question, question, seed_of
 from rallygap.models.exam.simulate.camera_errors import (
     CameraErrors,
@@ -74,29 +74,17 @@ def robustness(nominal: Simulator, seed: int) -> Iterator[Question]:
         random = np.random.default_rng(seed_of(seed, group))
         for number, session in enumerate(islice(sessions(nominal, random), COUNT)):
             # A question of every five, in turn each of these, so that all parts have clean ones.
-            if number % CLEAN_EVERY == number // CLEAN_EVERY % CLEAN_EVERY:
-                session = _clean(session)
             part, hidden, settings, multiple, other = session
+            if number % CLEAN_EVERY == number // CLEAN_EVERY % CLEAN_EVERY:
+                hidden, causes = (), ("variation", "far_off")
+                settings = {name: settings[name] for name in settings if name not in causes}
             simulator = other or nominal
             yield question(group, part, number, simulator, seed, hidden, multiple, **settings)
 
 
-def _clean(session: Session) -> Session:
-    """Return the conditions without any difference to the nominal simulator."""
-    causes = ("variation", "far_off")
-    settings = {name: value for name, value in session.settings.items() if name not in causes}
-    return session._replace(hidden=(), settings=settings)
-
-
-def physical() -> list[Hypothesis]:
+def _physical() -> list[Hypothesis]:
     """Return the parameters of flight and table that shots can show."""
-    return [one for one in hideable() if catalogue()[one.effect].acts != "sensor"]
-
-
-def _in_turn(parameters: Sequence[Hypothesis], random: np.random.Generator) -> Iterator[Hypothesis]:
-    """Yield every parameter equally often, in a random order, without end."""
-    order = random.permutation(len(parameters))
-    return (parameters[place] for place in cycle(order))
+    return [hidden for hidden in hideable() if catalogue()[hidden.effect].acts != "sensor"]
 
 
 def _label_kind(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
@@ -109,8 +97,8 @@ def _label_kind(nominal: Simulator, random: np.random.Generator) -> Iterator[Ses
         ("session", LABEL_ERROR, LabelErrors(session=SESSION_ERROR)),
     )
     # A label that all rows of an arc repeat contradicts a decay of the spin.
-    shown = [one for one in physical() if one.effect != "spin_decay"]
-    for (kind, of_rows, shared), hidden in zip(cycle(kinds), _in_turn(shown, random), strict=False):
+    shown = [hidden for hidden in _physical() if hidden.effect != "spin_decay"]
+    for (kind, of_rows, shared), hidden in zip(cycle(kinds), in_turn(shown, random), strict=False):
         settings = {
             "cameras": replace(CAMERAS, spin_noise=of_rows),
             "errors": CameraErrors(labels=shared),
@@ -123,9 +111,8 @@ def _distortion(nominal: Simulator, random: np.random.Generator) -> Iterator[Ses
     """Smooth position errors, half of them Gaussian, with small and with large causes."""
     shapes = cycle(SHAPES)
     multiples = cycle((*[MULTIPLE] * len(SHAPES), *[LARGE] * len(SHAPES)))
-    for shape, multiple, hidden in zip(
-        shapes, multiples, _in_turn(physical(), random), strict=False
-    ):
+    hiding = in_turn(_physical(), random)
+    for shape, multiple, hidden in zip(shapes, multiples, hiding, strict=False):
         size, length = random.uniform(*FIELD_SIZE), random.uniform(*FIELD_LENGTH)
         gaussian = shape == "gaussian"
         distortion = Distortion(shape, size, length) if gaussian else Distortion(shape, size)
@@ -136,7 +123,7 @@ def _distortion(nominal: Simulator, random: np.random.Generator) -> Iterator[Ses
 def _heavy_tails(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
     """Position errors, bounce scatter or both with t distributions."""
     kinds = cycle(("positions", "bounces", "both"))
-    for kind, hidden in zip(kinds, _in_turn(physical(), random), strict=False):
+    for kind, hidden in zip(kinds, in_turn(_physical(), random), strict=False):
         degrees = random.uniform(*DEGREES)
         settings: dict[str, Any] = {}
         if kind != "bounces":
@@ -149,7 +136,7 @@ def _heavy_tails(nominal: Simulator, random: np.random.Generator) -> Iterator[Se
 def _time_stamps(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
     """Time stamps that are rounded, or jittered."""
     kinds = cycle(("rounded", "jittered"))
-    for kind, hidden in zip(kinds, _in_turn(physical(), random), strict=False):
+    for kind, hidden in zip(kinds, in_turn(_physical(), random), strict=False):
         rounded = Stamps(rounding=float(random.choice(ROUNDINGS)))
         jittered = Stamps(jitter=random.uniform(*STAMP_JITTER))
         stamps = rounded if kind == "rounded" else jittered
@@ -158,20 +145,20 @@ def _time_stamps(nominal: Simulator, random: np.random.Generator) -> Iterator[Se
 
 def _frame_rate(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
     """Cameras of other frame rates."""
-    for rate, hidden in zip(cycle(FRAME_RATES), _in_turn(physical(), random), strict=False):
+    for rate, hidden in zip(cycle(FRAME_RATES), in_turn(_physical(), random), strict=False):
         cameras = replace(CAMERAS, interval=1.0 / rate)
         yield Session(f"{rate}Hz", (hidden,), {"cameras": cameras})
 
 
 def _drift(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
     """A parameter that changes linearly from shot to shot; its mean is at 3 detection limits."""
-    for hidden in _in_turn(DRIFTING, random):
+    for hidden in in_turn(DRIFTING, random):
         yield Session("", (hidden,), {"variation": Variation("drift", hidden)})
 
 
 def _shot_variation(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
     """Balls that differ: a parameter is different in every shot, and nominal on average."""
-    for hidden in _in_turn(BY_SHOT, random):
+    for hidden in in_turn(BY_SHOT, random):
         spread = random.uniform(*SPREAD)
         settings = {"variation": Variation("shot", hidden, spread)}
         yield Session("", (hidden,), settings, multiple=0.0)
@@ -179,7 +166,7 @@ def _shot_variation(nominal: Simulator, random: np.random.Generator) -> Iterator
 
 def _place(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
     """A cause in half of the room, twice as large as elsewhere."""
-    for hidden in _in_turn(BY_PLACE, random):
+    for hidden in in_turn(BY_PLACE, random):
         yield Session("", (hidden,), {"variation": Variation("place", hidden)}, 2.0 * MULTIPLE)
 
 
@@ -188,28 +175,23 @@ def _several(nominal: Simulator, random: np.random.Generator) -> Iterator[Sessio
     low, high = SEVERAL
     for count in cycle(range(low, high + 1)):
         chosen: dict[str, Hypothesis] = {}
-        for one in random.permutation(np.array(physical(), dtype=object)):
-            chosen.setdefault(family(one), one)
+        for parameter in random.permutation(np.array(_physical(), dtype=object)):
+            chosen.setdefault(family(parameter), parameter)
         hidden = tuple(chosen.values())[:count]
         yield Session(f"{count}_causes", hidden, {}, float(random.choice(MULTIPLES)))
 
 
 def _far_off(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
     """A nominal simulator that is far off in one parameter, and a missing effect."""
-    missing = [one for one in physical() if not one.listed(nominal)]
+    missing = [hidden for hidden in _physical() if not hidden.listed(nominal)]
     for wrong, value in cycle(FAR_OFF):
         part = f"no_{wrong.effect}" if value is None else f"{wrong.parameter}_{value:g}"
-        others = [one for one in missing if family(one) != family(wrong)]
+        others = [hidden for hidden in missing if family(hidden) != family(wrong)]
         hidden = others[random.integers(len(others))]
         settings = {"far_off": {wrong.effect: {wrong.parameter: wrong.value(nominal)}}}
-        yield Session(part, (hidden,), settings, nominal=_with(nominal, wrong, value))
-
-
-def _with(nominal: Simulator, wrong: Hypothesis, value: float | None) -> Simulator:
-    """Return a simulator with a wrong value, or without the effect."""
-    if value is not None:
-        return wrong.at(nominal, value)
-    return Simulator({n: values for n, values in nominal.effects.items() if n != wrong.effect})
+        rest = {name: nominal.effects[name] for name in nominal.effects if name != wrong.effect}
+        far = Simulator(rest) if value is None else wrong.at(nominal, value)
+        yield Session(part, (hidden,), settings, nominal=far)
 
 
 GROUPS: dict[str, Group] = {

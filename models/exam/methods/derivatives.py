@@ -22,7 +22,7 @@ from rallygap.models.ball.types import Bools, Floats, Integers
 from rallygap.models.exam.interface import Recording, shots_of
 from rallygap.models.exam.methods.library import STENCIL, library, rates
 from rallygap.models.exam.methods.regression import Regression, candidates
-from rallygap.models.exam.methods.smoothed_arcs import SMOOTH, SmoothedArcs, arcs_of
+from rallygap.models.exam.methods.smoothed_arcs import SMOOTH, SmoothedArcs, arcs_of, scaled
 from rallygap.models.exam.projection import projected_out
 from rallygap.models.gap.fit.shots import Shots
 from rallygap.models.gap.hypotheses import Hypothesis
@@ -66,27 +66,26 @@ def derivative_grams(shots: Shots, simulator: Simulator, columns: tuple[Hypothes
     parts = (*_in_flight(smoothed, columns), _bounces(smoothed, simulator, columns))
     rows, members, kinds = (np.concatenate(part) for part in zip(*parts, strict=True))
     rows = rows * _weights(rows, kinds)[:, None]
-    of_shots = [rows[members == shot] for shot in range(len(shots))]
-    return np.array([some.T @ some for some in of_shots])
+    of_shots = (rows[members == shot] for shot in range(len(shots)))
+    return np.array([shot_rows.T @ shot_rows for shot_rows in of_shots])
 
 
 def _selected(rows: Floats, shots: Integers, kinds: Integers, used: Bools) -> Rows:
     """Return the used ones of (R, D, K + 1) rows of (R,) shots and (R, D) kinds."""
-    each = np.repeat(shots[:, None], rows.shape[1], axis=1)
-    return rows[used], each[used], kinds[used]
+    return rows[used], np.repeat(shots[:, None], rows.shape[1], axis=1)[used], kinds[used]
 
 
 def _in_flight(smoothed: SmoothedArcs, columns: tuple[Hypothesis, ...]) -> tuple[Rows, Rows]:
     """Return the rows of R arcs' positions, and those of their spin labels."""
     nodes, _ = leggauss(NODES)
     times = smoothed.times(nodes)
-    acting = [k for k, one in enumerate(columns) if catalogue()[one.effect].acts != "contact"]
+    acting = [k for k, c in enumerate(columns) if catalogue()[c.effect].acts != "contact"]
     states = smoothed.smooth(times).reshape(-1, STATE_SIZE)
-    found = library(smoothed.simulator, states, 0.0, tuple(columns[k] for k in acting))
+    at_nodes = library(smoothed.simulator, states, 0.0, tuple(columns[k] for k in acting))
     terms = np.zeros((*times.shape, 6, len(columns)))
-    terms[..., acting] = found.terms.reshape(*times.shape, 6, -1)
-    expected = found.expected.reshape(*times.shape, 6)
-    by_spin = found.by_spin.reshape(*times.shape, 6, 3)
+    terms[..., acting] = at_nodes.terms.reshape(*times.shape, 6, -1)
+    expected = at_nodes.expected.reshape(*times.shape, 6)
+    by_spin = at_nodes.by_spin.reshape(*times.shape, 6, 3)
     positions = _position_rows(smoothed, terms[:, :, :3], expected[..., :3], by_spin[:, :, :3])
     return positions, _label_rows(
         smoothed, terms[:, :, 3:].mean(axis=1), expected[..., 3:].mean(axis=1)
@@ -105,8 +104,9 @@ def _position_rows(
     joined = np.concatenate([_integrated(integral, terms), left[..., None]], axis=-1)
     rows = joined.reshape(len(joined), -1, joined.shape[-1]) / POSITION_NOISE
     unlabelled = ~smoothed.arcs.labelled
-    spins = _integrated(integral, by_spin).reshape(len(rows), -1, 3)
-    rows[unlabelled] = _without_spin(rows[unlabelled], spins[unlabelled])
+    spins = _integrated(integral, by_spin).reshape(len(rows), -1, 3)[unlabelled]
+    ridge = np.repeat(RIDGE * (spins**2).sum(axis=(1, 2))[:, None], 3, axis=1)
+    rows[unlabelled] = projected_out(rows[unlabelled], spins, ridge)
     kinds = np.repeat(unlabelled[:, None], rows.shape[1], axis=1).astype(np.int64)
     return _selected(rows, smoothed.arcs.parents, kinds, np.ones(kinds.shape, dtype=bool))
 
@@ -132,8 +132,8 @@ def _integrals(smoothed: SmoothedArcs) -> Floats:
     These polynomials are orthogonal to lines, so constants of integration do not matter.
     """
     nodes, _ = leggauss(NODES)
-    scaled = smoothed.scaled(smoothed.arcs.shots.times)
-    twice = legvander(scaled, NODES + 1) @ legint(np.eye(NODES), 2)
+    samples = scaled(smoothed.arcs.shots, smoothed.arcs.shots.times)
+    twice = legvander(samples, NODES + 1) @ legint(np.eye(NODES), 2)
     at_samples = twice @ np.linalg.inv(legvander(nodes, NODES - 1))
     high = np.swapaxes(smoothed.columns[:, :, SMOOTH:], 1, 2)
     integrals: Floats = high @ at_samples * (smoothed.spans / 2)[:, None, None] ** 2
@@ -145,39 +145,24 @@ def _integrated(integral: Floats, forces: Floats) -> Floats:
     return integrated
 
 
-def _without_spin(rows: Floats, spins: Floats) -> Floats:
-    """Return (R, D, C) rows with the effects (R, D, 3) of unknown spins projected out."""
-    ridge = RIDGE * (spins**2).sum(axis=(1, 2))
-    return projected_out(rows, spins, np.repeat(ridge[:, None], 3, axis=1))
-
-
 def _bounces(smoothed: SmoothedArcs, simulator: Simulator, columns: tuple[Hypothesis, ...]) -> Rows:
     """Return the rows of states after bounces, from those before."""
     arcs = smoothed.arcs
     first = np.flatnonzero(arcs.ends[:-1] == arcs.starts[1:])
     before, after = smoothed.at_bounces(OFFSET)
     before, after = before[first], after[first + 1]
-    found = library(simulator, before, 2 * OFFSET, columns)
-    used = np.repeat(_once(found.contacts)[:, None], STATE_SIZE, axis=1)
+    terms = library(simulator, before, 2 * OFFSET, columns)
+    between = (terms.contacts > STENCIL) & (terms.contacts < 2 * OFFSET - STENCIL)
+    once = between.any(axis=1) & (np.isfinite(terms.contacts).sum(axis=1) == 1)
+    used = np.repeat(once[:, None], STATE_SIZE, axis=1)
     used[:, SPIN] &= arcs.labelled[first + 1, None]
     used[:, SLIDING] &= arcs.labelled[first, None]
-    scale = (used / _rough_noise(after))[..., None]
-    rows = np.concatenate([found.terms, (after - found.expected)[..., None]], axis=-1) * scale
+    noise = np.tile(STATE_NOISE, (len(after), 1))
+    noise[:, SPIN] *= np.maximum(np.linalg.norm(after[:, SPIN], axis=1), SLOW_SPIN)[:, None]
+    scale = (used / noise)[..., None]
+    rows = np.concatenate([terms.terms, (after - terms.expected)[..., None]], axis=-1) * scale
     kinds = AFTER_BOUNCE + len(AFTER_BOUNCE) * ~arcs.labelled[first, None]
     return _selected(rows, arcs.parents[first], kinds, used)
-
-
-def _rough_noise(states: Floats) -> Floats:
-    noise = np.tile(STATE_NOISE, (len(states), 1))
-    noise[:, SPIN] *= np.maximum(np.linalg.norm(states[:, SPIN], axis=1), SLOW_SPIN)[:, None]
-    return noise
-
-
-def _once(contacts: Floats) -> Bools:
-    """Return which balls have exactly one contact, between the states before and after it."""
-    between = (contacts > STENCIL) & (contacts < 2 * OFFSET - STENCIL)
-    once: Bools = between.any(axis=1) & (np.isfinite(contacts).sum(axis=1) == 1)
-    return once
 
 
 def _weights(rows: Floats, kinds: Integers) -> Floats:

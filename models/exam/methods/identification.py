@@ -42,7 +42,8 @@ def identification(
     """Name the parameters that differ from nominal when all are fitted at once."""
     trajectories = Trajectories.of(shots_of(recordings), nominal)
     columns = candidates(nominal, withheld)
-    whole = Regression.of(columns, trajectories.grams(nominal, columns))
+    rows = trajectories.rows(nominal, columns)
+    whole = Regression.of(columns, np.swapaxes(rows, 1, 2) @ rows)
     free = whole.restricted(separable(whole, nominal))
     values, errors = fitted_changes(trajectories, nominal, free.columns)
     named = np.flatnonzero(np.abs(values) > STANDARD_ERRORS * errors)
@@ -81,12 +82,6 @@ class Trajectories:
         precision = prior_precision(unlabelled, STATE_SIZE, self.noise, FitSettings().spin_prior)
         return projected_out(rows[..., STATE_SIZE:], rows[..., :STATE_SIZE], precision)
 
-    def grams(self, simulator: Simulator, columns: tuple[Hypothesis, ...]) -> Floats:
-        """Return (B, K + 1, K + 1) Gram matrices of the rows."""
-        rows = self.rows(simulator, columns)
-        grams: Floats = np.swapaxes(rows, 1, 2) @ rows
-        return grams
-
 
 def separable(regression: Regression, nominal: Simulator) -> Places:
     """Return places of columns with enough part of their own, by pivoted Cholesky decomposition.
@@ -95,7 +90,7 @@ def separable(regression: Regression, nominal: Simulator) -> Places:
     """
     scale = np.sqrt(np.diag(regression.total)[:-1])
     left = regression.total[:-1, :-1] / np.outer(scale, scale)
-    own = [k for k, one in enumerate(regression.columns) if one.listed(nominal)]
+    own = [k for k, column in enumerate(regression.columns) if column.listed(nominal)]
     chosen: list[int] = []
     for turn in range(len(scale)):
         k = own[turn] if turn < len(own) else int(np.argmax(np.diag(left)))
@@ -111,12 +106,15 @@ def fitted_changes(
     """Return (K,) least-squares changes of the columns from nominal, and their standard errors."""
     if not columns:
         return np.zeros(0), np.zeros(0)
-    start = np.array([one.value(nominal) for one in columns])
-    low, high = np.array([one.declaration.bounds for one in columns]).T
+    start = np.array([column.value(nominal) for column in columns])
+    low, high = np.array([column.declaration.bounds for column in columns]).T
 
     @lru_cache(maxsize=1)  # residuals and slopes of the same values are asked for in turn
     def rows(*values: float) -> Floats:
-        return trajectories.rows(_changed(nominal, columns, values), columns)
+        simulator = nominal
+        for hypothesis, value in zip(columns, values, strict=True):
+            simulator = hypothesis.at(simulator, float(value))
+        return trajectories.rows(simulator, columns)
 
     def residuals(values: Floats) -> Floats:
         return rows(*values)[..., -1].ravel()
@@ -144,12 +142,3 @@ def jackknife(grams: Floats) -> tuple[Floats, Floats]:
     without = np.linalg.solve(regularised(others[:, :-1, :-1]), others[:, :-1, -1:])[..., 0]
     spread = (count - 1) / count * ((without - whole) ** 2).sum(axis=0)
     return whole, np.sqrt(np.maximum(spread, np.diag(np.linalg.inv(inner))))
-
-
-def _changed(
-    nominal: Simulator, columns: tuple[Hypothesis, ...], values: Sequence[float]
-) -> Simulator:
-    simulator = nominal
-    for hypothesis, value in zip(columns, values, strict=True):
-        simulator = hypothesis.at(simulator, float(value))
-    return simulator

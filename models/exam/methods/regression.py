@@ -26,8 +26,8 @@ Places = tuple[int, ...]
 def candidates(nominal: Simulator, withheld: Sequence[str]) -> tuple[Hypothesis, ...]:
     """Return the parameters that shots can show, the simulator's own first."""
     shown = set(hideable())
-    known = [one for one in hypotheses(nominal) if one in shown and one.effect not in withheld]
-    return tuple(sorted(known, key=lambda one: not one.listed(nominal)))
+    known = [c for c in hypotheses(nominal) if c in shown and c.effect not in withheld]
+    return tuple(sorted(known, key=lambda column: not column.listed(nominal)))
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,10 @@ class Regression:
     def of(cls, columns: tuple[Hypothesis, ...], grams: Floats) -> "Regression":
         """Return the regression on parameters that the shots show, one of each parallel class."""
         total = grams.sum(axis=0)
-        groups = list(_parallel(total, _observable(columns, total)))
+        # Observable: some value within bounds raises the parameter above the noise.
+        reach = np.array([np.ptp(column.declaration.bounds) for column in columns])
+        observable = np.flatnonzero(np.sqrt(np.diag(total)[:-1]) * reach > 1.0)
+        groups = list(_parallel(total, tuple(observable.tolist())))
         members = {group[0]: tuple(columns[k] for k in group) for group in groups}
         whole = cls(columns, grams, tuple(members.get(k, ()) for k in range(len(columns))))
         return whole.restricted(tuple(members))
@@ -64,15 +67,8 @@ class Regression:
     def estimates(self, places: Places, weights: Floats | None = None) -> Floats:
         """Return the least-squares values of some columns, with (B,) weights of the shots."""
         total = self.total if weights is None else np.tensordot(weights, self.grams, 1)
-        some = list(places)
-        return np.asarray(np.linalg.lstsq(total[np.ix_(some, some)], total[some, -1])[0])
-
-
-def _observable(columns: tuple[Hypothesis, ...], total: Floats) -> Places:
-    """Return places of parameters that some value within bounds raises above the noise."""
-    reach = np.array([np.ptp(one.declaration.bounds) for one in columns])
-    shown = np.flatnonzero(np.sqrt(np.diag(total)[:-1]) * reach > 1.0)
-    return tuple(shown.tolist())
+        terms = list(places)
+        return np.asarray(np.linalg.lstsq(total[np.ix_(terms, terms)], total[terms, -1])[0])
 
 
 def _parallel(total: Floats, places: Places) -> Iterator[Places]:
@@ -80,13 +76,13 @@ def _parallel(total: Floats, places: Places) -> Iterator[Places]:
     if len(places) < 2:
         yield from ((k,) for k in places)
         return
-    some = np.array(places)
-    norms = np.sqrt(np.diag(total))[some]
-    cosines = total[np.ix_(some, some)] / np.outer(norms, norms)
-    distances = np.maximum(1.0 - np.abs(cosines)[np.triu_indices(len(some), 1)], 0.0)
+    terms = np.array(places)
+    norms = np.sqrt(np.diag(total))[terms]
+    cosines = total[np.ix_(terms, terms)] / np.outer(norms, norms)
+    distances = np.maximum(1.0 - np.abs(cosines)[np.triu_indices(len(terms), 1)], 0.0)
     member = fcluster(linkage(distances, "complete"), 1.0 - MINIMUM_COSINE, "distance")
     for group in dict.fromkeys(member):
-        yield tuple(some[member == group].tolist())
+        yield tuple(terms[member == group].tolist())
 
 
 def answer(

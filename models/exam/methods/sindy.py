@@ -46,7 +46,9 @@ def sindy_ensemble(
     correlated. Terms that enough models include are named.
     """
     regression = derivative_regression(recordings, nominal, withheld)
-    weights = bootstrap_weights(len(recordings))
+    shots = len(recordings)
+    draws = np.random.default_rng(0).multinomial(shots, np.full(shots, 1 / shots), MODELS)
+    weights = draws.astype(np.float64)  # how often each model has each shot
     share = inclusion(regression, weights, ENSEMBLE_THRESHOLD)
     chosen = tuple(np.flatnonzero(share >= MINIMUM_INCLUSION).tolist())
     estimates = np.array([regression.estimates(chosen, sample) for sample in weights])
@@ -72,13 +74,6 @@ def sparse(gram: Floats, threshold: float) -> Places:
         coefficients = model.fit(rows[:, :-1], rows[:, -1:]).coef_
     # pysindy refits the selected terms without the ridge, so some may fall below the threshold.
     return tuple(np.flatnonzero(np.abs(coefficients) >= threshold).tolist())
-
-
-def bootstrap_weights(shots: int) -> Floats:
-    """Return (MODELS, shots) how often each model of an ensemble has each shot."""
-    counts = np.random.default_rng(0).multinomial(shots, np.full(shots, 1 / shots), MODELS)
-    weights: Floats = counts.astype(np.float64)
-    return weights
 
 
 def inclusion(regression: Regression, weights: Floats, threshold: float) -> Floats:

@@ -4,7 +4,6 @@ Each arc is fitted by the nominal simulator, and its small residuals by a parabo
 of the labels where an arc has any.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -49,27 +48,19 @@ def arcs_of(shots: Shots, simulator: Simulator) -> Arcs:
     usable = (
         shots.valid & (fit.weights > MINIMUM_WEIGHT) & ~(since > prediction.smooth_until[:, None])
     )
-    pieces = [
-        piece
-        for shot, contacts in enumerate(prediction.contacts + shots.times[:, :1])
-        for piece in _pieces(shots, shot, usable[shot], np.sort(contacts[np.isfinite(contacts)]))
-    ]
-    times, positions, labels, label_times, parents, starts, ends = zip(*pieces, strict=True)
-    measured = Shots.from_arrays(times, positions, labels, label_times)
-    return Arcs(measured, np.array(parents), np.array(starts), np.array(ends))
-
-
-def _pieces(
-    shots: Shots, shot: int, usable: Bools, bounces: Floats
-) -> Iterator[tuple[Floats, Floats, Floats, Floats, int, float, float]]:
-    """Yield samples and labels between two bounces each, with shot, start and end."""
-    times, when = shots.times[shot], shots.label_times[shot]
-    for start, end in pairwise([-np.inf, *bounces, np.inf]):
-        inside = usable & (times > start + NEAR_BOUNCE) & (times < end - NEAR_BOUNCE)
-        labels = (when > start + JUMP) & (when < end - JUMP)
-        if inside.sum() >= MINIMUM_SAMPLES:
-            samples = times[inside], shots.positions[shot, inside]
-            yield *samples, shots.labels[shot, labels], when[labels], shot, start, end
+    pieces = []
+    for shot, contacts in enumerate(prediction.contacts + shots.times[:, :1]):
+        times, when = shots.times[shot], shots.label_times[shot]
+        bounces = np.sort(contacts[np.isfinite(contacts)])
+        for start, end in pairwise([-np.inf, *bounces, np.inf]):
+            inside = usable[shot] & (times > start + NEAR_BOUNCE) & (times < end - NEAR_BOUNCE)
+            labels = (when > start + JUMP) & (when < end - JUMP)
+            if inside.sum() >= MINIMUM_SAMPLES:
+                samples = times[inside], shots.positions[shot, inside]
+                labelled = shots.labels[shot, labels], when[labels]
+                pieces.append((*samples, *labelled, shot, start, end))
+    *measured, parents, starts, ends = zip(*pieces, strict=True)
+    return Arcs(Shots.from_arrays(*measured), np.array(parents), np.array(starts), np.array(ends))
 
 
 @dataclass(frozen=True)
@@ -91,7 +82,7 @@ class SmoothedArcs:
         fit = fit_shots(shots, free, FitSettings())
         prediction = predict_measurements(free, Schedule.of(shots), fit.nuisance)
         usable = shots.valid & (fit.weights > MINIMUM_WEIGHT)
-        rows = legvander(_scaled(shots, shots.times), DEGREE) * usable[..., None]
+        rows = legvander(scaled(shots, shots.times), DEGREE) * usable[..., None]
         columns, triangle = np.linalg.qr(rows)
         residual = (shots.positions - prediction.positions) * usable[..., None]
         apart = np.where(shots.labelled[..., None], shots.labels - prediction.labels, 0.0).sum(
@@ -113,15 +104,11 @@ class SmoothedArcs:
         spans: Floats = np.ptp(self.arcs.shots.times, axis=1)
         return spans
 
-    def times(self, scaled: Floats) -> Floats:
-        """Return (R, T) times on the sensor's clock from scaled ones."""
+    def times(self, places: Floats) -> Floats:
+        """Return (R, T) times on the sensor's clock at places between -1 and 1 along an arc."""
         first = self.arcs.shots.times[:, :1]
-        times: Floats = first + self.spans[:, None] * (scaled + 1.0) / 2.0
+        times: Floats = first + self.spans[:, None] * (places + 1.0) / 2.0
         return times
-
-    def scaled(self, times: Floats) -> Floats:
-        """Return (R, T) times on the sensor's clock, scaled to -1 to 1 along an arc."""
-        return _scaled(self.arcs.shots, times)
 
     def fitted(self, times: Floats) -> Floats:
         """Return the (R, T, 9) states of the fit at times on the sensor's clock."""
@@ -129,12 +116,12 @@ class SmoothedArcs:
 
     def smooth(self, times: Floats) -> Floats:
         """Return the (R, T, 9) smoothed states at increasing times on the sensor's clock."""
-        states, scaled = self.fitted(times).copy(), self.scaled(times)
+        states, place = self.fitted(times).copy(), scaled(self.arcs.shots, times)
         kept = np.arange(DEGREE + 1) <= SMOOTH
         series = self.mixing @ (self.residuals * kept[:, None])
         slopes = legder(np.eye(DEGREE + 1)).T
-        states[..., POSITION] += legvander(scaled, DEGREE) @ series
-        rates = legvander(scaled, DEGREE - 1) @ (slopes.T @ series)
+        states[..., POSITION] += legvander(place, DEGREE) @ series
+        rates = legvander(place, DEGREE - 1) @ (slopes.T @ series)
         states[..., VELOCITY] += rates * (2.0 / self.spans)[:, None, None]
         states[..., SPIN] += self.spins[:, None]
         return states
@@ -147,7 +134,8 @@ class SmoothedArcs:
         return self.smooth(ends[:, None])[:, 0], self.smooth(starts[:, None])[:, 0]
 
 
-def _scaled(shots: Shots, times: Floats) -> Floats:
+def scaled(shots: Shots, times: Floats) -> Floats:
+    """Return (R, T) times on the sensor's clock, scaled to -1 to 1 along an arc."""
     first, last = shots.times[:, :1], shots.times[:, -1:]
-    scaled: Floats = 2.0 * (times - first) / (last - first) - 1.0
-    return scaled
+    places: Floats = 2.0 * (times - first) / (last - first) - 1.0
+    return places

@@ -13,7 +13,12 @@
   wrong everywhere.
 - *Coverage*: of all parameters at 3 detection limits or more that are named correctly, in answers
   without any wrong cause, the share whose 95 % interval contains the true value.
-- The robustness groups have rates of their own (robustness.py).
+- The robustness groups have rates of their own. *Named* are all causes of an answer that are not
+  minor. Where the sensor has errors of its own, faults of the sensor are left out: they are neither
+  right nor wrong. A *clean set* has no physical cause, and the right answer names none. A cause
+  that *varies* over the session is no constant of the catalogue: the right answer is that there is
+  a gap (any but ``no_gap``), without a cause of another effect. The *leading cause* is the hidden
+  one, of several that with the largest effect on trajectories.
 - *Removable gap closed*: over all trials with a cause that can be named, the sum of the
   reductions of the gap by amended simulators, divided by the sum of the gaps (removable_gap.py).
   The reduction of a method that fails is zero.
@@ -27,24 +32,31 @@ from typing import Any, Literal
 
 from scipy.stats import binomtest
 
+from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.exam.design.question import MULTIPLE
 from rallygap.models.exam.design.questions import BASE
-from rallygap.models.exam.design.robustness import GROUPS
+from rallygap.models.exam.design.robustness import FAULTY_SENSOR, GROUPS, VARYING
 from rallygap.models.exam.interface import NamedCause, rounded
 from rallygap.models.exam.records import AnswerRecord, ExamRecord, HiddenCause
-from rallygap.models.exam.scoring.robustness import (
-    admits_varying_cause,
-    leading,
-    named,
-    names_physical_cause,
-    of_robustness,
-    of_sweeps,
-    varies,
-)
 from rallygap.models.gap.hypotheses import Hypothesis
 
 Mark = Literal["right", "ambiguous", "wrong", "missed", "failed"]
 MARKS: tuple[Mark, ...] = ("right", "ambiguous", "wrong", "missed", "failed")
+
+
+def of_sweeps(records: Iterable[ExamRecord]) -> list[ExamRecord]:
+    """Return the records of all groups but the robustness groups."""
+    return [record for record in records if record.group not in GROUPS]
+
+
+def of_robustness(records: Iterable[ExamRecord]) -> list[ExamRecord]:
+    """Return the records of the robustness groups."""
+    return [record for record in records if record.group in GROUPS]
+
+
+def varies(record: ExamRecord) -> bool:
+    """Return whether the hidden cause is not the same throughout the session."""
+    return record.group in VARYING and bool(record.hidden)
 
 
 def answered(records: Iterable[ExamRecord], method: str) -> list[ExamRecord]:
@@ -72,14 +84,12 @@ def mark(record: ExamRecord, method: str) -> Mark:
     answer = record.answers[method]
     if answer.conclusion is None:
         return "failed"
-    if varies(record):
-        right = admits_varying_cause(record, answer)
-        return "right" if right else "missed" if answer.conclusion == "no_gap" else "wrong"
     if _right(record, answer):
         return "right"
     if answer.conclusion == "no_gap":
         return "missed"
-    can_be_named = record.hidden and not record.withheld and answer.conclusion != "unknown"
+    constant = record.hidden and not record.withheld and not varies(record)
+    can_be_named = constant and answer.conclusion != "unknown"
     return "ambiguous" if can_be_named and _match(record, answer, _is_possible) else "wrong"
 
 
@@ -100,7 +110,7 @@ def covered(records: Iterable[ExamRecord], method: str) -> list[bool]:
         if unclear or not _exact(record, answer):
             continue
         truth = {hidden.identity: hidden.value for hidden in record.hidden}
-        for cause in named(record, answer):
+        for cause in _named(record, answer):
             if cause.interval is not None:
                 low, high = cause.interval
                 contains.append(low <= truth[cause.identity] <= high)
@@ -120,8 +130,8 @@ def removable_gap(records: Iterable[ExamRecord], method: str) -> tuple[int, floa
 
 def interval(part: int, whole: int) -> tuple[float, float]:
     """Return the Clopper-Pearson 95 % interval of a share."""
-    found = binomtest(part, whole).proportion_ci(0.95, "exact")
-    return float(found.low), float(found.high)
+    ends = binomtest(part, whole).proportion_ci(0.95, "exact")
+    return float(ends.low), float(ends.high)
 
 
 def rates(records: Sequence[ExamRecord], method: str) -> dict[str, Any]:
@@ -146,8 +156,8 @@ def rates(records: Sequence[ExamRecord], method: str) -> dict[str, Any]:
 
 def removable_closed(records: Iterable[ExamRecord], method: str) -> float | None:
     """Return the share of the removable gap that a method closes."""
-    share: float | None = _closed(list(records), method)["removable_closed"]
-    return share
+    _, before, after = removable_gap(records, method)
+    return rounded((before - after) / before) if before else None
 
 
 def _robustness(given: Sequence[ExamRecord], method: str) -> dict[str, Any]:
@@ -214,7 +224,7 @@ def _closed(records: Sequence[ExamRecord], method: str) -> dict[str, Any]:
         "gaps": trials,
         "gap_before_mm": rounded(before),
         "gap_after_mm": rounded(after),
-        "removable_closed": rounded((before - after) / before) if before else None,
+        "removable_closed": removable_closed(records, method),
     }
 
 
@@ -222,10 +232,34 @@ def _share(part: int, whole: int) -> float | None:
     return rounded(part / whole) if whole else None
 
 
+def _named(record: ExamRecord, answer: AnswerRecord) -> list[NamedCause]:
+    """Return the causes that an answer names."""
+    ignored = record.group in FAULTY_SENSOR
+    return [
+        cause
+        for cause in answer.causes
+        if cause.role != "minor" and not (ignored and not _physical(cause))
+    ]
+
+
+def _physical(cause: NamedCause) -> bool:
+    """Return whether a cause is one of flight or table."""
+    effect = catalogue().get(_effect(cause))
+    return cause.role != "sensor" and (effect is None or effect.acts != "sensor")
+
+
+def _effect(cause: HiddenCause | NamedCause) -> str:
+    return cause.identity.partition(".")[0]
+
+
 def _right(record: ExamRecord, answer: AnswerRecord) -> bool:
+    if varies(record):
+        effects = {_effect(hidden) for hidden in record.hidden}
+        others = {_effect(cause) for cause in _named(record, answer)} - effects
+        return answer.conclusion != "no_gap" and not others
     if not record.hidden:
-        robust = record.group in GROUPS and not names_physical_cause(record, answer)
-        return robust or answer.conclusion == "no_gap"
+        physical = any(_physical(cause) for cause in _named(record, answer))
+        return (record.group in GROUPS and not physical) or answer.conclusion == "no_gap"
     if record.withheld:
         return answer.conclusion == "unknown"
     return answer.conclusion == "named" and _exact(record, answer)
@@ -239,7 +273,7 @@ def _match(
     record: ExamRecord, answer: AnswerRecord, fits: Callable[[HiddenCause, NamedCause], bool]
 ) -> bool:
     """Return whether the named causes fit the hidden ones, one to one."""
-    causes = named(record, answer)
+    causes = _named(record, answer)
     return len(causes) == len(record.hidden) and any(
         all(fits(hidden, cause) for hidden, cause in zip(record.hidden, order, strict=True))
         for order in permutations(causes)
@@ -248,9 +282,9 @@ def _match(
 
 def _names_leading(record: ExamRecord, answer: AnswerRecord) -> bool:
     """Return whether the leading cause is among the named ones, by its class if it has one."""
-    hidden = leading(record)
-    fits = _is_possible if hidden.indistinguishable else _same
-    return any(fits(hidden, cause) for cause in named(record, answer))
+    leading = max(record.hidden, key=lambda hidden: hidden.effect_mm or 0.0)
+    fits = _is_possible if leading.indistinguishable else _same
+    return any(fits(leading, cause) for cause in _named(record, answer))
 
 
 def _same(hidden: HiddenCause, cause: NamedCause) -> bool:

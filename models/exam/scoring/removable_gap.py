@@ -43,9 +43,9 @@ class RemovableGap:
         """Return the gap between a simulator and the environment in mm."""
         return self._distance(self._positions(simulator), self._true)
 
-    def between(self, one: Simulator, other: Simulator) -> float:
+    def between(self, first: Simulator, second: Simulator) -> float:
         """Return the gap between two simulators in mm."""
-        return self._distance(self._positions(one), self._positions(other))
+        return self._distance(self._positions(first), self._positions(second))
 
     def _distance(self, positions: Floats, others: Floats) -> float:
         squared = ((positions - others) ** 2).sum(axis=2)

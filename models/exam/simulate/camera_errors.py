@@ -46,8 +46,13 @@ class Distortion:
 
     def errors(self, positions: Floats, random: np.random.Generator) -> Floats:
         """Return (..., 3) errors in m at (..., 3) positions of one session."""
-        if self.shape == "gaussian":
-            return self.size * _gaussian_field(positions / self.length, random)
+        if self.shape == "gaussian":  # random Fourier features, of unit variance
+            waves = random.standard_normal((3, FEATURES))
+            phases = random.uniform(0.0, 2.0 * np.pi, FEATURES)
+            weights = random.standard_normal((FEATURES, 3))
+            angles = (positions / self.length) @ waves + phases
+            field: Floats = np.sqrt(2.0 / FEATURES) * np.cos(angles) @ weights
+            return self.size * field
         if self.shape == "radial":
             away = positions - LENS_AXIS
             errors = random.choice([-1.0, 1.0]) * (away**2).sum(axis=-1, keepdims=True) * away
@@ -98,9 +103,9 @@ class HeavyTailedScatter(BounceScatter):
         """Return the (B, 9) states just after bounces, as ``BounceScatter`` does."""
         scattered = after.copy()
         for ball, factor in enumerate(tail_factors(len(before), self.degrees, random)):
-            one = BounceScatter(factor * self.restitution, factor * self.friction)
+            scatter = BounceScatter(factor * self.restitution, factor * self.friction)
             here = slice(ball, ball + 1)
-            scattered[here] = one.apply(simulator, before[here], after[here], random)
+            scattered[here] = scatter.apply(simulator, before[here], after[here], random)
         return scattered
 
 
@@ -149,12 +154,3 @@ def rising(stamps: Floats, kept: Bools) -> Bools:
 def _sizes(labels: Floats) -> Floats:
     sizes: Floats = np.linalg.norm(labels, axis=-1, keepdims=True)
     return sizes
-
-
-def _gaussian_field(positions: Floats, random: np.random.Generator) -> Floats:
-    """Return (..., 3) values of three fields of unit variance and unit correlation length."""
-    waves = random.standard_normal((3, FEATURES))
-    phases = random.uniform(0.0, 2.0 * np.pi, FEATURES)
-    weights = random.standard_normal((FEATURES, 3))
-    field: Floats = np.sqrt(2.0 / FEATURES) * np.cos(positions @ waves + phases) @ weights
-    return field

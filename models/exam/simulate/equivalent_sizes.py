@@ -64,7 +64,7 @@ def equivalent_physics(trial: Trial, launches: Launches) -> Physics:
         return physics
     measure = _measure(trial, launches)
     fit = best_fit(trial, launches)
-    names = [f"{one.effect}_{one.parameter}" for one in fit.parameters]
+    names = [f"{parameter.effect}_{parameter.parameter}" for parameter in fit.parameters]
     start = np.array([getattr(physics, name) for name in names])
     expected = measure(simulator)
 
@@ -86,7 +86,7 @@ def best_fit(trial: Trial, launches: Launches) -> Fit:
     simulator, measure = trial.simulator, _measure(trial, launches)
     states = launches.states[:SHOTS]
     parameters = _fitted_parameters(trial)
-    slopes = np.stack([_slope(measure, simulator, one) for one in parameters], axis=2)
+    slopes = np.stack([_slope(measure, simulator, p) for p in parameters], axis=2)
     left = projected_out(slopes, *_nuisance(trial, states, measure))
     covariance = np.linalg.inv(np.einsum("brp,brq->pq", left, slopes))
     gain = np.einsum("pq,brq->pbr", covariance, left)
@@ -106,9 +106,8 @@ def _measure(trial: Trial, launches: Launches) -> Measure:
         rows = [paths[..., POSITION] / trial.cameras.position_noise]
         if trial.spin_labels == "per_row":
             rows.append(paths[..., SPIN] / sigma[:, None, None])
-        stacked = np.concatenate(rows, axis=2) * weight[..., None]
-        weighted: Floats = stacked.reshape(len(states), -1)
-        return weighted
+        weighted: Floats = np.concatenate(rows, axis=2) * weight[..., None]
+        return weighted.reshape(len(states), -1)
 
     return measure
 
@@ -139,10 +138,14 @@ def _fitted_parameters(trial: Trial) -> tuple[Hypothesis, ...]:
 
     Surfaces that no shot meets are left out, too.
     """
-    effects = [trial.base.effects, trial.causes]
-    pairs = {(effect, name) for some in effects for effect in some for name in some[effect]}
-    fitted = (Hypothesis(*pair) for pair in sorted(pairs) if pair[0] not in OTHER_SURFACES)
-    return tuple(one for one in fitted if catalogue()[one.effect].acts != "sensor")
+    pairs = {
+        (effect, name)
+        for effects in (trial.base.effects, trial.causes)
+        for effect, values in effects.items()
+        for name in values
+        if effect not in OTHER_SURFACES and catalogue()[effect].acts != "sensor"
+    }
+    return tuple(Hypothesis(*pair) for pair in sorted(pairs))
 
 
 def _slope(measure: Measure, simulator: Simulator, parameter: Hypothesis) -> Floats:

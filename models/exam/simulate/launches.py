@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rallygap.models.arena.sides import switch_frame
-from rallygap.models.ball.simulator import Contacts, Simulator
+from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import (
     BALL_RADIUS,
     NET_HEIGHT,
@@ -35,7 +35,7 @@ AFTER_SERVE = (0.10, 0.20)  # s after the second bounce of a serve
 LAUNCH_HEIGHT = (0.08, 1.5)  # m
 FARTHEST = 3.5  # m behind the net
 NET_CLEARANCE = 0.03  # m between ball and net
-EDGE_CLEARANCE = 0.06  # m between bounce and edge
+WELL_INSIDE = np.array([TABLE_HALF_WIDTH, TABLE_HALF_LENGTH]) - 0.06  # m, of second bounces
 FLIGHT_ONLY = 0.08  # share of the shots that end before the bounce
 LOWEST = -0.2  # m, where a shot ends
 
@@ -81,24 +81,24 @@ def _drawn(simulator: Simulator, random: np.random.Generator) -> tuple[Floats, F
     into_net = (low & (np.abs(place[..., 1]) < 0.15)).any(axis=1)
     used = _within(np.linalg.norm(start[:, VELOCITY], axis=1), LAUNCH_SPEED)
     used &= _within(start[:, 2], LAUNCH_HEIGHT) & (start[:, 1] > -FARTHEST) & ~into_net
-    used &= ~serves | (_inside(flight.contacts, 1) & (flight.contacts.before[:, 1, 1] > 0))
+    second = flight.contacts.before[:, 1, :2]
+    used &= ~serves | ((np.abs(second) < WELL_INSIDE).all(axis=1) & (second[:, 1] > 0))
     return start[used], before[used]
 
 
 def _at_bounce(random: np.random.Generator) -> Floats:
     """Return states just before a bounce on the half at y > 0."""
-    count = BATCH
-    states = np.empty((count, STATE_SIZE))
-    states[:, 0] = random.uniform(-0.6, 0.6, count)
-    states[:, 1] = random.uniform(0.15, 1.25, count)
+    states = np.empty((BATCH, STATE_SIZE))
+    states[:, 0] = random.uniform(-0.6, 0.6, BATCH)
+    states[:, 1] = random.uniform(0.15, 1.25, BATCH)
     states[:, 2] = BALL_RADIUS
-    heading = HEADING_SPREAD * random.standard_normal(count)
-    ground = random.uniform(*GROUND_SPEED, count)
+    heading = HEADING_SPREAD * random.standard_normal(BATCH)
+    ground = random.uniform(*GROUND_SPEED, BATCH)
     states[:, 3], states[:, 4] = ground * np.sin(heading), ground * np.cos(heading)
-    states[:, 5] = -random.uniform(*FALL, count)
-    axes = random.standard_normal((count, 3)) * [1.5, 1.0, 1.0]  # topspin and backspin lead
+    states[:, 5] = -random.uniform(*FALL, BATCH)
+    axes = random.standard_normal((BATCH, 3)) * [1.5, 1.0, 1.0]  # topspin and backspin lead
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-    states[:, SPIN] = axes * random.uniform(0.0, MAXIMUM_SPIN, (count, 1))
+    states[:, SPIN] = axes * random.uniform(0.0, MAXIMUM_SPIN, (BATCH, 1))
     return states
 
 
@@ -118,7 +118,7 @@ def _durations(
     """Return (B,) s of recording: mostly until well after one bounce, serves after two."""
     times = np.linspace(0.0, 1.5, 150)
     flight = simulator.fly(states, times)
-    second, third = (_time(flight.contacts, k) for k in (1, 2))
+    second, third = np.nan_to_num(flight.contacts.time[:, 1:3], nan=np.inf).T
     serves = flight.contacts.before[:, 0, 1] < 0
     once = np.minimum(before + random.uniform(*AFTER, len(states)), second - 0.01)
     twice = np.minimum(second + random.uniform(*AFTER_SERVE, len(states)), third - 0.01)
@@ -127,18 +127,6 @@ def _durations(
     early = before - random.uniform(0.01, 0.05, len(states))
     flight_only = random.random(len(states)) < FLIGHT_ONLY
     return np.where(flight_only, early, np.minimum(durations, gone))
-
-
-def _time(contacts: Contacts, number: int) -> Floats:
-    return np.nan_to_num(contacts.time[:, number], nan=np.inf)
-
-
-def _inside(contacts: Contacts, number: int) -> Bools:
-    """Return which contacts lie well inside the table."""
-    place = np.abs(contacts.before[:, number, :2])
-    limits = np.array([TABLE_HALF_WIDTH, TABLE_HALF_LENGTH]) - EDGE_CLEARANCE
-    inside: Bools = np.all(place < limits, axis=1)
-    return inside
 
 
 def _within(values: Floats, limits: tuple[float, float]) -> Bools:

@@ -62,9 +62,9 @@ class SealedTruth:
 
     def measured(self, times: Floats, random: np.random.Generator) -> tuple[Floats, Floats]:
         """Return exact (B, T, 3) positions and spin labels at (B, T) times of the cameras."""
-        found = [measured(part, part.launches, times[rows], random) for part, rows in self._rows()]
-        positions, labels = (np.concatenate(some) for some in zip(*found, strict=True))
-        return positions, labels
+        parts = [measured(part, part.launches, times[rows], random) for part, rows in self._rows()]
+        positions, labels = zip(*parts, strict=True)
+        return np.concatenate(positions), np.concatenate(labels)
 
     @property
     def bounce_times(self) -> Floats:
@@ -101,25 +101,16 @@ def simulate_trial(trial: Trial) -> tuple[tuple[Recording, ...], SealedTruth]:
     return tuple(_recordings(truth)), truth
 
 
-def ball_model(trial: Trial, drawn: Launches) -> BallModel:
-    """Return the dynamics of a trial: the simulator with the causes, or the independent ball.
-
-    Raises:
-        RuntimeError: no constants of the independent dynamics correspond to the causes.
-    """
-    if trial.dynamics == "independent":
-        return IndependentBall(equivalent_physics(trial, drawn))
-    return trial.simulator
-
-
 def _environments(trial: Trial, drawn: Launches) -> Iterator[tuple[BallModel, Simulator, slice]]:
     """Yield the dynamics of shots, the simulator with their sensor effects, and their rows."""
-    variation, everything = trial.variation, slice(None)
-    if variation is None:
-        yield ball_model(trial, drawn), trial.simulator, everything
+    variation, all_rows = trial.variation, slice(None)
+    if variation is None and trial.dynamics == "independent":
+        yield IndependentBall(equivalent_physics(trial, drawn)), trial.simulator, all_rows
+    elif variation is None:
+        yield trial.simulator, trial.simulator, all_rows
     elif variation.kind == "place":
         half_room = HalfRoom(_untuned(trial, trial.simulator), _untuned(trial, trial.base))
-        yield half_room, trial.base, everything
+        yield half_room, trial.base, all_rows
     else:
         hidden, mean = variation.parameter, trial.simulator
         ends, random = (hidden.value(trial.base), hidden.value(mean)), _random(trial, VARIATION)

@@ -9,7 +9,6 @@ from rallygap.models.arena.cameras import Cameras, SlowError
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.exam.simulate.camera_errors import CameraErrors
 from rallygap.models.exam.simulate.varying import Variation
-from rallygap.models.gap.hypotheses import Hypothesis
 
 Dynamics = Literal["catalogue", "independent"]
 SpinLabels = Literal["none", "per_shot", "per_row"]
@@ -66,11 +65,6 @@ class Trial:
         return replace(
             self, nominal=self.base, far_off={}, causes={}, variation=None, dynamics="catalogue"
         )
-
-
-def hypotheses_of(causes: Mapping[str, Mapping[str, float]]) -> tuple[Hypothesis, ...]:
-    """Return the parameters of causes."""
-    return tuple(Hypothesis(effect, name) for effect, values in causes.items() for name in values)
 
 
 def _amended(simulator: Simulator, causes: Mapping[str, Mapping[str, float]]) -> Simulator:

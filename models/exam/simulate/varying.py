@@ -1,6 +1,6 @@
 """Causes that are not the same throughout a session: drifting, by shot, or in half of the room."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -56,13 +56,15 @@ class HalfRoom:
         first = np.atleast_2d(np.asarray(states, dtype=np.float64))
         moments = np.atleast_2d(np.asarray(times, dtype=np.float64))
         moments = np.broadcast_to(moments, (len(first), moments.shape[1]))
-        flights = [self._fly_one(one, when) for one, when in zip(first, moments, strict=True)]
-        contacts = [_first(flight.contacts) for flight in flights]
-        joined = {
-            name: np.concatenate([getattr(one, name) for one in contacts])
-            for name in ("count", "time", "surface", "before", "after")
+        flights = [self._fly_one(*ball) for ball in zip(first, moments, strict=True)]
+        contacts = [flight.contacts for flight in flights]
+        count = np.concatenate([np.minimum(met.count, 1) for met in contacts])
+        columns = {
+            name: np.concatenate([getattr(met, name)[:, :1] for met in contacts])
+            for name in ("time", "surface", "before", "after")
         }
-        return Flight(np.concatenate([flight.states for flight in flights]), Contacts(**joined))
+        states = np.concatenate([flight.states for flight in flights])
+        return Flight(states, Contacts(count, **columns))
 
     def _fly_one(self, state: Floats, moments: Floats) -> Flight:
         """Roll out one ball from its (9,) state to (T,) moments."""
@@ -75,8 +77,9 @@ class HalfRoom:
         until = here.fly(state[None], np.array([0.0, crossing]))
         after = there.fly(until.states[:, 1], np.maximum(moments - crossing, 0.0))
         states = np.where((moments > crossing)[:, None], after.states, before.states)
-        met = until.contacts.count[0] > 0
-        return Flight(states, until.contacts if met else _later(after.contacts, crossing))
+        if until.contacts.count[0] > 0:
+            return Flight(states, until.contacts)
+        return Flight(states, replace(after.contacts, time=after.contacts.time + crossing))
 
 
 def _crossing(ball: BallModel, state: Floats, until: float) -> float | None:
@@ -88,24 +91,3 @@ def _crossing(ball: BallModel, state: Floats, until: float) -> float | None:
         return None
     k = other[0]
     return float(times[k - 1] - y[k - 1] * (times[k] - times[k - 1]) / (y[k] - y[k - 1]))
-
-
-def _first(contacts: Contacts) -> Contacts:
-    one = slice(None, 1)
-    return Contacts(
-        np.minimum(contacts.count, 1),
-        contacts.time[:, one],
-        contacts.surface[:, one],
-        contacts.before[:, one],
-        contacts.after[:, one],
-    )
-
-
-def _later(contacts: Contacts, delay: float) -> Contacts:
-    return Contacts(
-        contacts.count,
-        contacts.time + delay,
-        contacts.surface,
-        contacts.before,
-        contacts.after,
-    )

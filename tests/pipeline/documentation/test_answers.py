@@ -8,7 +8,7 @@ from rallygap.pipeline.documentation.answers import (
     when_the_swap_helps,
 )
 from rallygap.pipeline.io.artifacts import write_csv
-from tests.pipeline.arenas.made_up import ERRORS
+from tests.pipeline.experiments.arenas.made_up import ERRORS
 
 
 def with_tables(root, tables):

@@ -9,7 +9,7 @@ from rallygap.pipeline.documentation.arena_tables import (
     arena_errors,
 )
 from rallygap.pipeline.io.artifacts import write_csv
-from tests.pipeline.arenas.made_up import CAUSES, ERRORS
+from tests.pipeline.experiments.arenas.made_up import CAUSES, ERRORS
 
 
 def test_causes_have_a_row_a_size(tmp_path):

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.gap.hypotheses import Hypothesis
-from rallygap.pipeline.io.numbers import with_unit
+from rallygap.pipeline.web.numbers import with_unit
 
 # The parameters that an attribute stands for.
 PARAMETERS = {

@@ -16,7 +16,7 @@ from rallygap.pipeline.engines.export.scene.shots import (
     distances,
 )
 from rallygap.pipeline.engines.export.scene.target import Target, differs
-from rallygap.pipeline.io.numbers import number, with_unit
+from rallygap.pipeline.web.numbers import number, with_unit
 
 # Effects that have attributes; those of "table_bounce" are a matter of the verification.
 SAID = {

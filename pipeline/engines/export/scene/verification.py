@@ -17,7 +17,7 @@ from rallygap.pipeline.engines.export.scene.shots import (
     VerificationShots,
     distances,
 )
-from rallygap.pipeline.io.numbers import number
+from rallygap.pipeline.web.numbers import number
 
 FLIGHT_LIMIT, BOUNCE_LIMIT = 1.0, 3.0  # mm
 EXACT = "RK4"

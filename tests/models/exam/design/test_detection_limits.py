@@ -7,6 +7,12 @@ import pytest
 
 from rallygap.models.exam.design.detection_limits import DetectionLimits
 from rallygap.models.exam.interface import shots_of
+from rallygap.models.exam.simulate.camera_errors import (
+    CameraErrors,
+    Distortion,
+    LabelErrors,
+    Stamps,
+)
 from rallygap.models.exam.simulate.recordings import simulate_trial
 from rallygap.models.exam.simulate.trial import CAMERAS
 from rallygap.models.gap.fit.refit import refit
@@ -15,16 +21,14 @@ from rallygap.models.gap.inference.score_test import Evidence
 from rallygap.models.gap.settings import GapSettings
 from tests.models.exam.example_trials import NOMINAL, trial
 
-WIND, GRAVITY, BUOYANCY = (
-    Hypothesis("wind", "x"),
-    Hypothesis("gravity", "g"),
-    Hypothesis("buoyancy", "b"),
+WIND, GRAVITY, BUOYANCY, ADDED_MASS, HEIGHT, TILT = map(
+    Hypothesis.from_identity,
+    ("wind.x", "gravity.g", "buoyancy.b", "added_mass.c", "table_height.h", "spin_axis_bias.x"),
 )
-ADDED_MASS = Hypothesis("added_mass", "c")
 
 
-def limits(**settings):
-    return DetectionLimits.of(trial(shots=30, seed=1001, **settings))
+def limits(shots=30, **settings):
+    return DetectionLimits.of(trial(shots=shots, seed=1001, **settings))
 
 
 @pytest.fixture(scope="module")
@@ -38,11 +42,7 @@ def test_they_are_what_the_workflow_finds_with_noise_and_scatter_estimated(usual
     fitted = refit(shots_of(recordings), NOMINAL, (), settings.fit)
     evidence = Evidence.of(fitted.linear, fitted.noise_estimate, settings)
 
-    others = [
-        Hypothesis("drag", "cd"),
-        Hypothesis("spin_decay", "c"),
-        Hypothesis("table_height", "h"),
-    ]
+    others = (Hypothesis("drag", "cd"), Hypothesis("spin_decay", "c"), HEIGHT)
     for parameter in (WIND, GRAVITY, *others):
         k = evidence.columns.index(parameter)
         expected = evidence.minimum_detectable_effect(k, [j for j in evidence.free if j != k])
@@ -87,3 +87,43 @@ def test_flipped_labels_need_labels(usual):
     gain = Hypothesis("spin_gain", "s")
     assert unlabelled.minimum_sizes((LABEL_SIGNS, gain)) == [np.inf, np.inf]
     assert usual.indistinguishable(LABEL_SIGNS, 0.1) == ()
+
+
+def sizes(*parameters, **settings):
+    found = limits(shots=20, **settings)
+    return np.array([found.minimum_sizes((one,))[0] for one in parameters])
+
+
+def with_errors(**errors):
+    return {"errors": CameraErrors(**errors)}
+
+
+def test_a_distortion_hides_what_looks_like_it_the_more_the_larger_it_is():
+    plain = sizes(WIND, HEIGHT)
+    small, large = (
+        sizes(WIND, HEIGHT, **with_errors(distortion=Distortion("gaussian", size, 1.0)))
+        for size in (0.0001, 0.004)
+    )
+
+    assert plain == pytest.approx(small, rel=0.3)
+    assert (large > 1.5 * small).all()
+    # A constant shift of heights is nearly a field of a long correlation length.
+    far = sizes(HEIGHT, **with_errors(distortion=Distortion("gaussian", 0.004, 50.0)))
+    assert far == pytest.approx(5.8 * 0.004, rel=0.2)
+
+
+def test_label_errors_that_rows_share_hide_more_than_independent_ones():
+    rows = sizes(TILT)
+    shots = sizes(TILT, **with_errors(labels=LabelErrors(shot=0.05)))
+    one_label = sizes(TILT, spin_labels="per_shot")
+    exact = replace(CAMERAS, spin_noise=0.0)
+    arcs = sizes(TILT, cameras=exact, **with_errors(labels=LabelErrors(arc=0.05)))
+    sessions = sizes(TILT, **with_errors(labels=LabelErrors(session=0.3)))
+
+    assert rows < sessions
+    assert rows < arcs < one_label
+    assert rows < shots < one_label
+
+
+def test_errors_of_time_stamps_hide_causes():
+    assert sizes(WIND) < sizes(WIND, **with_errors(stamps=Stamps(jitter=0.002)))

@@ -1,14 +1,19 @@
 """Selection by evidence, against densities of normal distributions and exhaustive search."""
 
-from itertools import chain, combinations
+from itertools import chain, combinations, product
 
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from rallygap.models.exam.methods.evidence import greedy, log_evidence, posterior
+from rallygap.models.exam.methods.evidence import greedy, log_evidence, posterior, score_gram
+from rallygap.models.exam.methods.regression import Regression
+from rallygap.models.gap.hypotheses import Hypothesis
 
 WIDTHS = np.array([0.7, 2.0, 0.1, 5.0])
+COLUMNS = tuple(
+    Hypothesis(effect, axis) for effect, axis in product(("wind", "spin_axis_bias"), "xyz")
+)
 
 
 def gram(terms, measured):
@@ -91,3 +96,47 @@ def test_a_term_that_stands_for_two_others_is_removed_when_they_are_found():
     alone = [log_evidence(table, widths, (k,)) for k in range(3)]
     assert np.argmax(alone) == 2
     assert greedy(table, widths, 2.0) == (0, 1)
+
+
+def rows(shots=100, samples=20, common=0.0, seed=0):
+    """Six terms, and noise with a part that is proportional to a term all along a shot."""
+    random = np.random.default_rng(seed)
+    terms = random.standard_normal((shots, samples, 6))
+    noise = random.standard_normal((shots, samples)) + common * terms[..., 0] * (
+        random.standard_normal((shots, 1))
+    )
+    return np.concatenate([terms, noise[..., None]], axis=2)
+
+
+def regression(table):
+    return Regression(
+        COLUMNS, np.swapaxes(table, 1, 2) @ table, tuple((column,) for column in COLUMNS)
+    )
+
+
+def standardised(common):
+    """Return (200, 6) least-squares coefficients in noise, in the errors that scores give them."""
+    coefficients = []
+    for seed in range(200):
+        table = score_gram(regression(rows(common=common, seed=seed)))
+        inverse = np.linalg.inv(table[:-1, :-1])
+        coefficients.append(inverse @ table[:-1, -1] / np.sqrt(np.diag(inverse)))
+    return np.array(coefficients)
+
+
+def test_scores_of_independent_rows_have_the_gram_matrix_of_the_rows():
+    many = regression(rows(shots=4000))
+    expected = many.total[:-1, :-1]
+    assert score_gram(many)[:-1, :-1] == pytest.approx(expected, abs=0.04 * expected.max())
+
+
+@pytest.mark.parametrize("common", [0.0, 2.0])
+def test_coefficients_are_as_far_from_the_truth_as_their_errors_say(common):
+    spread = standardised(common).std(axis=0)
+    assert spread == pytest.approx(np.ones(6), abs=0.2)
+
+
+def test_copies_of_rows_are_no_more_evidence_than_one():
+    table = 3.0 * rows(common=1.0)
+    one, copied = regression(table), regression(np.repeat(table, 5, axis=1))
+    assert score_gram(copied) == pytest.approx(score_gram(one), rel=1e-3, abs=1e-3)

@@ -13,7 +13,6 @@ from rallygap.models.exam.simulate.camera_errors import (
     HeavyTailedScatter,
     LabelErrors,
     Stamps,
-    rising,
     tail_factors,
 )
 from rallygap.models.exam.simulate.recordings import simulate_trial
@@ -134,19 +133,3 @@ def test_stamps_are_rounded_or_jittered_and_rise():
         else:
             steps = np.concatenate([np.diff(one.times) for one in recordings])
             assert steps[steps < 0.0075].std() == pytest.approx(np.sqrt(2 / 3) * 0.002, rel=0.15)
-
-
-def test_rows_whose_stamp_does_not_rise_are_lost():
-    stamps = np.array([0.0, 1.0, 1.0, 3.0, 2.0, 4.0])
-    kept = np.array([True, True, True, False, True, True])
-
-    assert rising(stamps, kept).tolist() == [True, True, False, False, True, True]
-
-
-def test_other_trials_do_not_depend_on_the_errors():
-    first, _ = simulate_trial(trial(shots=5))
-    again, _ = simulate_trial(trial(shots=5, errors=CameraErrors()))
-
-    assert all(
-        (one.positions == other.positions).all() for one, other in zip(first, again, strict=True)
-    )
