@@ -20,7 +20,7 @@ from rich.console import Console
 from benchmarks.comparison import ROOT
 from rallygap.models.live.compiled import CompiledPredictor
 from rallygap.models.live.forecaster import Forecaster
-from rallygap.models.live.history import history_of
+from rallygap.models.live.track import history_of
 from rallygap.models.predictors.learned import LearnedPredictor, build_network
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import FUTURE_TIMES, Floats, ProbabilisticPredictor
@@ -31,7 +31,7 @@ from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, read_predicto
 from rallygap.pipeline.io.artifacts import read_table, write_json
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.live.messages import Measurement
-from rallygap.pipeline.live.replay import measurements
+from rallygap.pipeline.live.streams import measurements
 from rallygap.pipeline.params import load_params, read_yaml
 from rallygap.pipeline.runtime.progress import progress
 

@@ -25,14 +25,14 @@ from rallygap.models.gap.amend.simulator import amended
 from rallygap.models.gap.diagnose import diagnose
 from rallygap.pipeline.engines.audit_text import audit_content
 from rallygap.pipeline.engines.audited import audited
+from rallygap.pipeline.experiments.simulators.larger_spins import larger_spins
+from rallygap.pipeline.experiments.simulators.published import PUBLISHED
+from rallygap.pipeline.experiments.simulators.scenes import TRUTH, HiddenScene, scenes
 from rallygap.pipeline.io.artifacts import read_json, replacing_files, write_json
 from rallygap.pipeline.runtime.console import refuse
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.parallel import make_missing
 from rallygap.pipeline.runtime.paths import repository_root
-from rallygap.pipeline.experiments.simulators.larger_spins import larger_spins
-from rallygap.pipeline.experiments.simulators.published import PUBLISHED
-from rallygap.pipeline.experiments.simulators.scenes import TRUTH, HiddenScene, scenes
 
 SHOTS, TESTED = 100, 40  # to diagnose on, and to fly
 TIMES: Floats = np.array([0.1, 0.2, 0.3, 0.4])  # s

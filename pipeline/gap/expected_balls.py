@@ -43,7 +43,11 @@ class _Content(BaseModel, extra="forbid"):
 
 def expected_json(expected: Expected) -> str:
     """Return the content of a file of expected balls, with five digits."""
-    return json.dumps({key: _rounded(value) for key, value in asdict(expected).items()}) + "\n"
+    content = {
+        key: [_rounded(part) for part in value] if isinstance(value, tuple) else _rounded(value)
+        for key, value in asdict(expected).items()
+    }
+    return json.dumps(content) + "\n"
 
 
 def read_expected(path: Path) -> Expected:
@@ -56,7 +60,5 @@ def read_expected(path: Path) -> Expected:
     return Expected(**content.model_dump())
 
 
-def _rounded(value: float | tuple[float, ...]) -> float | list[float]:
-    if isinstance(value, tuple):
-        return [float(f"{one:.5g}") for one in value]
+def _rounded(value: float) -> float:
     return float(f"{value:.5g}")

@@ -1,6 +1,6 @@
 """The segmented tables as episodes, the way predictors' windows take them."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -76,6 +76,32 @@ def read_episodes(
     """
     contacts = read_checked(folder / "contacts.parquet", CONTACTS)
     episodes = read_checked(folder / "episodes.parquet", EPISODES)
+    path = folder / "samples.parquet"
+    check_columns(path, SAMPLES)
+    return episodes_of(read_row_groups(path), contacts, episodes, labelled_once, splits, path)
+
+
+def episodes_of(
+    samples: Iterable[pd.DataFrame],
+    contacts: pd.DataFrame,
+    episodes: pd.DataFrame,
+    labelled_once: set[str],
+    splits: Collection[str] = SPLITS,
+    path: Path | None = None,
+) -> list[MeasuredEpisode]:
+    """Return the episodes of segmented tables, without the tosses of serves.
+
+    Args:
+        samples: rows of ``SAMPLES`` in parts, each of whole episodes.
+        contacts: rows of ``CONTACTS``.
+        episodes: rows of ``EPISODES``.
+        labelled_once: sources with one spin label a shot, as in ``read_episodes``.
+        splits: which to return.
+        path: of the samples, if they are from a file.
+
+    Raises:
+        InputError: samples are broken or lack an episode.
+    """
     label_ends = _label_ends(contacts, episodes, labelled_once)
     # The toss of a serve: no stroke begins it, and the serve ends it.
     unstruck = episodes["starts_with"].isin(["recording", "gap"])
@@ -85,12 +111,12 @@ def read_episodes(
     bounces, touched, nets = (
         _times(contacts[of_kind]) for of_kind in (kind == "table", kind != "table", kind == "net")
     )
-    path = folder / "samples.parquet"
-    parts = _read_parts(path, chosen, bounces, label_ends)
+    parts = dict(_episodes(samples, chosen, bounces, label_ends, path))
     measured = []
     for name, recording_id, source, split, unbroken in chosen[ORIGIN].itertuples(index=False):
         if name not in parts:
-            raise InputError(path, f"has no samples of episode {name}; run `dvc repro -f segment`")
+            problem = f"has no samples of episode {name}; run `dvc repro -f segment`"
+            raise InputError(path or "samples", problem)
         touches, met_nets = (
             _inside(times.get(name, NO_TIMES), parts[name]) for times in (touched, nets)
         )
@@ -124,26 +150,25 @@ def _label_ends(
     return dict(ends.groupby("recording_id")["t"].min())
 
 
-def _read_parts(
-    path: Path, chosen: pd.DataFrame, bounces: dict[str, Floats], label_ends: dict[str, float]
-) -> dict[str, Episode]:
-    """Return the chosen episodes by id; one row group of all samples is in memory at a time."""
+def _episodes(
+    samples: Iterable[pd.DataFrame],
+    chosen: pd.DataFrame,
+    bounces: dict[str, Floats],
+    label_ends: dict[str, float],
+    path: Path | None,
+) -> Iterator[tuple[str, Episode]]:
+    """Yield the chosen episodes by id, one part of the samples in memory at a time."""
     recordings = dict(zip(chosen["episode_id"], chosen["recording_id"], strict=True))
-    parts = {}
-    check_columns(path, SAMPLES)
-    for samples in read_row_groups(path):
-        wanted = checked(samples[samples["episode_id"].isin(chosen["episode_id"])], SAMPLES, path)
+    for part in samples:
+        wanted = checked(part[part["episode_id"].isin(chosen["episode_id"])], SAMPLES, path)
         whole = as_episode(wanted)
         for name, rows in wanted.groupby("episode_id", sort=False).indices.items():
             episode_id = str(name)
-            part = _rows(whole, np.asarray(rows))
-            labelled = part.times < label_ends.get(recordings[episode_id], np.inf)
-            parts[episode_id] = replace(
-                part,
-                spins=np.where(labelled[:, None], part.spins, np.nan),
-                bounces=bounces.get(episode_id, NO_TIMES),
-            )
-    return parts
+            own = _rows(whole, np.asarray(rows))
+            labelled = own.times < label_ends.get(recordings[episode_id], np.inf)
+            spins = np.where(labelled[:, None], own.spins, np.nan)
+            times = bounces.get(episode_id, NO_TIMES)
+            yield episode_id, replace(own, spins=spins, bounces=times)
 
 
 def as_episode(samples: pd.DataFrame) -> Episode:

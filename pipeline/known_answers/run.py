@@ -1,28 +1,36 @@
-"""The run of ``rallygap known-answers``: measured sets in, a table and scores out."""
+"""The run of ``rallygap known-answers``: measured sets in, a table and scores out.
+
+Every set is cross-validated over its recordings: the base simulator of a fold is the nominal one as
+amended by the verdict on the other folds. Errors are planted in it or in the fold's recordings.
+"""
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.amend.simulator import amended
+from rallygap.models.gap.fit.shots import Shots
 from rallygap.models.gap.settings import DEFAULTS
 from rallygap.pipeline.gap.folds import fold_numbers
 from rallygap.pipeline.gap.measured_shots import read_shots
 from rallygap.pipeline.io.artifacts import write_csv, write_json
-from rallygap.pipeline.known_answers.answers import fingerprint, verdicts
-from rallygap.pipeline.known_answers.design import questions
-from rallygap.pipeline.known_answers.folds import NOMINAL, MeasuredSet, folds_of
-from rallygap.pipeline.known_answers.references import references
-from rallygap.pipeline.known_answers.scores import Answer, set_scores
-from rallygap.pipeline.known_answers.tables import answer_table
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.known_answers.answers import Diagnosis, fingerprint, references, verdicts
+from rallygap.pipeline.known_answers.design import Question, plant, planted_errors
+from rallygap.pipeline.known_answers.scores import Answer, answer_table, set_scores
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.git import git_commit
 from rallygap.pipeline.runtime.provenance import short
 
 REPORT = Path("reports") / "real"
 TABLE, SCORES = "known_answers.csv", "known_answers.json"
+NOMINAL = "literature"  # simulator that the base simulators are amended from
 
 
 def run_known_answers(
@@ -46,16 +54,54 @@ def run_known_answers(
     """
     commit = git_commit(root)
     sets = [_read(root, folder, name, folds) for name in dict.fromkeys(names)]
-    answers = _ask(sets)
-    scores = {one.name: _scores(one, answers, commit) for one in sets}
+    answers = _ask(sets, folds)
+    scores = {}
+    for measured in sets:
+        own = [answer for answer in answers if answer.question.set == measured.name]
+        scores[measured.name] = set_scores(own) | {
+            "folds": folds,
+            "nominal": NOMINAL,
+            "commit": commit,
+            "fingerprint": measured.fingerprint,
+        }
     write_csv(root / REPORT / TABLE, answer_table(answers))
     write_json(root / REPORT / SCORES, scores)
-    for one in sets:
-        shutil.rmtree(one.folder, ignore_errors=True)
+    for measured in sets:
+        shutil.rmtree(measured.folder, ignore_errors=True)
     return scores
 
 
-def _read(root: Path, folder: Path, name: str, folds: int) -> MeasuredSet:
+@dataclass(frozen=True)
+class _MeasuredSet:
+    """A set with (B,) the fold of each shot, a fingerprint, and a folder for verdicts."""
+
+    name: str
+    shots: Shots
+    fold: NDArray[np.int64]
+    fingerprint: str
+    folder: Path
+
+
+@dataclass(frozen=True)
+class _Fold:
+    """The shots of a part of a set's recordings, and their base simulator."""
+
+    unplanted: Question
+    shots: Shots
+    base: Simulator
+    folder: Path
+
+    def diagnosis(self, question: Question, references: Mapping[str, float]) -> Diagnosis:
+        error, seed = question.error, question.seed
+        simulator, shots = plant(error, self.base, self.shots, references, seed)
+        return Diagnosis(self.folder / f"{question.name}.json", shots, simulator)
+
+    def before_planting(self) -> Diagnosis:
+        file = self.folder / f"{self.unplanted.fold}.references.json"
+        return Diagnosis(file, self.shots, self.base)
+
+
+def _read(root: Path, folder: Path, name: str, folds: int) -> _MeasuredSet:
     shots = read_shots(folder / name, name).shots
     fold = fold_numbers(name, shots.groups, folds)
     least = DEFAULTS.verify.held_out
@@ -63,32 +109,39 @@ def _read(root: Path, folder: Path, name: str, folds: int) -> MeasuredSet:
         raise InputError(name, f"has a fold of fewer than {least} shots; ask for fewer folds")
     origin = fingerprint(root, shots, folds)
     scratch = root / "scratch" / "known_answers" / name / short(origin)
-    return MeasuredSet(name, shots, fold, folds, origin, scratch)
+    return _MeasuredSet(name, shots, fold, origin, scratch)
 
 
-def _ask(sets: Sequence[MeasuredSet]) -> list[Answer]:
+def _folds(sets: Sequence[_MeasuredSet], count: int) -> list[_Fold]:
+    """Return all folds of all sets; their base simulators are found first."""
+    nominal = load_simulator(NOMINAL)
+    places = [(measured, number) for measured in sets for number in range(count)]
+    others = [
+        Diagnosis(measured.folder / f"{k}.base.json", measured.shots[measured.fold != k], nominal)
+        for measured, k in places
+    ]
+    return [
+        _Fold(
+            Question(measured.name, k),
+            measured.shots[measured.fold == k],
+            amended(nominal, verdict),
+            measured.folder,
+        )
+        for (measured, k), verdict in zip(places, verdicts(others, "base simulators"), strict=True)
+    ]
+
+
+def _ask(sets: Sequence[_MeasuredSet], count: int) -> list[Answer]:
     """Return the answers to all questions, in the order of sets and questions."""
-    folds = folds_of(sets)
+    folds = _folds(sets, count)
     before = verdicts([fold.diagnosis(fold.unplanted, {}) for fold in folds], "unplanted folds")
     values = references([fold.before_planting() for fold in folds])
+    unplanted = [(k, fold.unplanted) for k, fold in enumerate(folds)]
     asked = [
-        (k, question)
-        for k, (fold, verdict) in enumerate(zip(folds, before, strict=True))
-        for question in questions(fold.set, fold.number, verdict.minimum_detectable)
+        (k, Question(question.set, question.fold, error))
+        for k, question in unplanted
+        for error in planted_errors(before[k].minimum_detectable)
     ]
     tasks = [folds[k].diagnosis(question, values[k]) for k, question in asked]
-    unplanted = [(k, fold.unplanted) for k, fold in enumerate(folds)]
     every = zip([*unplanted, *asked], [*before, *verdicts(tasks, "questions")], strict=True)
     return [Answer(question, verdict, before[k], values[k]) for (k, question), verdict in every]
-
-
-def _scores(one: MeasuredSet, answers: Sequence[Answer], commit: str | None) -> dict[str, Any]:
-    """Return the scores of one set, and where they come from."""
-    own = [answer for answer in answers if answer.question.set == one.name]
-    origin = {
-        "folds": one.folds,
-        "nominal": NOMINAL,
-        "commit": commit,
-        "fingerprint": one.fingerprint,
-    }
-    return set_scores(own) | origin

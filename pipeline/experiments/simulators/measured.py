@@ -45,6 +45,7 @@ from rallygap.models.gap.verify.replicates import simulate_replicate
 from rallygap.pipeline.engines.audited import audited
 from rallygap.pipeline.engines.export.code import ball_effects
 from rallygap.pipeline.engines.export.code_engine import CodeEngine
+from rallygap.pipeline.experiments.simulators.published import PUBLISHED, PublishedModel
 from rallygap.pipeline.gap.folds import fold_numbers
 from rallygap.pipeline.gap.measured_shots import read_shots
 from rallygap.pipeline.io.artifacts import write_json
@@ -53,7 +54,6 @@ from rallygap.pipeline.runtime.console import refuse
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.parallel import parallel
 from rallygap.pipeline.runtime.paths import repository_root
-from rallygap.pipeline.experiments.simulators.published import PUBLISHED, PublishedModel
 
 SETS = ("tt3d", "spindoe")
 # Scenes whose balls bounce.

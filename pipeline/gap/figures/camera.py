@@ -100,12 +100,12 @@ def _draw_slice(
     axes.add_patch(
         Rectangle(corner, 2 * TABLE_HALF_WIDTH, 2 * TABLE_HALF_LENGTH, fill=False, ec=MUTED)
     )
-    some = slice(None, None, ARROW_EVERY)
+    shown = slice(None, None, ARROW_EVERY)
     arrows = axes.quiver(
-        across[some],
-        along[some],
-        error[some, some, 0],
-        error[some, some, 1],
+        across[shown],
+        along[shown],
+        error[shown, shown, 0],
+        error[shown, shown, 1],
         angles="xy",
         scale_units="xy",
         scale=scale / ARROW,

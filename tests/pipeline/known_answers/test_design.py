@@ -2,12 +2,12 @@
 
 import pytest
 
-from rallygap.pipeline.known_answers.design import DISTORTION, planted_errors, questions
+from rallygap.pipeline.known_answers.design import DISTORTION, Question, planted_errors
 
 
 def test_errors_have_rising_sizes_in_minimum_detectable_effects():
     limits = {"drag.cd": 0.02, "gravity.g": 0.1}
-    names = [one.name for one in questions("lab", 0, limits)]
+    names = [Question("lab", 0, error).name for error in planted_errors(limits)]
     assert len(set(names)) == len(names) == 3 * 3
     sizes = {}
     for error in planted_errors(limits):

@@ -13,9 +13,10 @@ from rallygap.pipeline.known_answers.design import (
     DISTORTION,
     IN_SIMULATOR,
     PlantedError,
+    plant,
     planted_errors,
+    true_values,
 )
-from rallygap.pipeline.known_answers.planting import plant, true_values
 from tests.pipeline.known_answers.made_up import shots
 
 BASE = shipped("literature")

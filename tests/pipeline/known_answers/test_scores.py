@@ -5,8 +5,7 @@ from collections import defaultdict
 import pytest
 
 from rallygap.pipeline.known_answers.design import DISTORTION, PlantedError, Question
-from rallygap.pipeline.known_answers.scores import Answer, set_scores
-from rallygap.pipeline.known_answers.tables import answer_table
+from rallygap.pipeline.known_answers.scores import Answer, answer_table, set_scores
 from tests.pipeline.known_answers.made_up import cause, found
 
 REFERENCES = defaultdict(float, {"drag.cd": 0.54, "position_scale.s": 0.03})

@@ -19,9 +19,10 @@ from tests.pipeline.recorded import write_recordings
 
 pytest.importorskip("mujoco")
 
+from rallygap.stages.real_scenes import HORIZONS, FlownPredictions
+
 from rallygap.pipeline.experiments.simulators import real
 from rallygap.pipeline.experiments.simulators.published import TABLE, PublishedModel, _scene
-from rallygap.stages.real_scenes import HORIZONS, FlownPredictions
 
 TRUTH = shipped("literature")
 NOISE = Noise()

@@ -1,4 +1,4 @@
-"""What is wrong with recordings, and the line of source.yaml that corrects it."""
+"""A doubt about recordings, and the line of source.yaml that corrects them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,15 +11,17 @@ from rallygap.pipeline.sources.conversion import Conversion, Units
 
 
 @dataclass(frozen=True)
-class Problem:
-    """What cannot be right.
+class Doubt:
+    """What is doubtful about recordings.
 
     Attributes:
-        text: end of a sentence about the recordings.
+        text: a sentence about the recordings, without a full stop.
+        impossible: whether it cannot be right, rather than being unusual.
         line: of source.yaml that corrects it, empty where none does.
     """
 
     text: str
+    impossible: bool = False
     line: str = ""
 
 
