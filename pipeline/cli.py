@@ -13,7 +13,7 @@ from rallygap.pipeline.runtime.console import refuse, show
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.extras import missing_extra, require
 from rallygap.pipeline.runtime.guard import disks_named
-from rallygap.pipeline.runtime.paths import clone, clone_with_run
+from rallygap.pipeline.runtime.paths import clone
 
 if TYPE_CHECKING:
     from rallygap.pipeline.gap.summary import Findings
@@ -26,8 +26,6 @@ LEAN = {
 }
 
 ANY_SIMULATOR = "a shipped one's name, a YAML file, scene.xml, or file.py:function"
-# Which `rallygap known-answers` asks about.
-MEASURED_SETS = ["tt3d", "spindoe", "isr_ball_prediction"]
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -294,39 +292,6 @@ def live(
         latencies = replay(ready, recordings, source, speed, forecasts, port)
     for line in [summary(latencies), *latencies.histogram()]:
         typer.echo(line)
-
-
-@app.command("known-answers", rich_help_panel=RUNS)
-def known_answers(
-    folder: Annotated[
-        Path, typer.Argument(envvar="RALLYGAP_DATA", help="with spindoe, tt3d, … in it")
-    ],
-    sets: Annotated[
-        list[str], typer.Option(help="a folder and its adapter; repeat it for several")
-    ] = MEASURED_SETS,
-    folds: Annotated[int, typer.Option(min=2, help="of the cross-validation")] = 2,
-) -> None:
-    """Plant known errors on measured sets and score the verdicts; resumes if killed."""
-    from rallygap.pipeline.known_answers.run import REPORT, TABLE, run_known_answers
-
-    root = clone()
-    for name, score in run_known_answers(root, folder, sets, folds).items():
-        found = f"{score['leading']} of {score['questions']} planted errors are the leading cause"
-        typer.echo(f"{name}: {found}")
-    typer.echo(f"All of it: {root / REPORT / TABLE}")
-
-
-@app.command(rich_help_panel=MAINTENANCE)
-def costs() -> None:
-    """Measure what the predictors of the last run cost on this machine; write reports/costs."""
-    from rallygap.pipeline.evaluation.costs import costs_table, machine, measure_costs, write_costs
-
-    root = clone_with_run()
-    folder = root / "reports" / "costs"
-    measured = measure_costs(root)
-    write_costs(folder, measured, machine(root))
-    show(costs_table(measured))
-    typer.echo(f"All of it: {folder}")
 
 
 @app.command(rich_help_panel=MAINTENANCE)

@@ -1,4 +1,4 @@
-"""The experiment ``make simulators``: minutes; writes ``reports/simulators``.
+"""Scenes of MuJoCo and PyBullet with something wrong, diagnosed and amended; ten minutes.
 
 Published models are audited. Games are played with larger spins than published ones. And recordings
 are simulated under the hidden physics; every scene is audited and diagnosed on them, and its ball
@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rallygap.pipeline.experiments.experiment import running
 
 from rallygap.models.audit.traps import traps
 from rallygap.models.ball.state import POSITION
@@ -28,34 +27,25 @@ from rallygap.pipeline.engines.audited import audited
 from rallygap.pipeline.experiments.simulators.larger_spins import larger_spins
 from rallygap.pipeline.experiments.simulators.published import PUBLISHED
 from rallygap.pipeline.experiments.simulators.scenes import TRUTH, HiddenScene, scenes
-from rallygap.pipeline.io.artifacts import read_json, replacing_files, write_json
-from rallygap.pipeline.runtime.console import refuse
-from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.io.artifacts import read_json, write_json
 from rallygap.pipeline.runtime.parallel import make_missing
-from rallygap.pipeline.runtime.paths import repository_root
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 
 SHOTS, TESTED = 100, 40  # to diagnose on, and to fly
 TIMES: Floats = np.array([0.1, 0.2, 0.3, 0.4])  # s
 MM = 1e3
 NO_TABLE = "no_table"  # a trap, but not of a scene that leaves it out
-REPORTS = Path("reports") / "simulators"
 
 
-def simulators(root: Path) -> None:
-    """Write all reports. A killed run resumes.
-
-    Raises:
-        InputError: the experiment cannot start.
-    """
-    with running(root, "simulator_scenes.run") as run:
-        contents = {
-            "published": published_models(),
-            "larger_spins": larger_spins(),
-            "scenes": simulator_scenes(run.scratch),
-        }
-        with replacing_files(root / REPORTS) as folder:
-            for name, content in contents.items():
-                write_json(folder / f"{name}.json", content)
+def simulators(run: StageRun) -> None:
+    """Write audits of published models, games with larger spins, and what becomes of scenes."""
+    contents = {
+        "published": published_models(),
+        "larger_spins": larger_spins(),
+        "scenes": simulator_scenes(run.scratch("scenes")),
+    }
+    for name, content in contents.items():
+        write_json(run.report(f"{name}.json"), content)
 
 
 def simulator_scenes(scratch: Path) -> dict[str, dict[str, Any]]:
@@ -119,7 +109,4 @@ def _error(flown: Floats, launched: Floats) -> float:
 
 
 if __name__ == "__main__":
-    try:
-        simulators(repository_root())
-    except InputError as error:
-        refuse(error)
+    run_stage(simulators)

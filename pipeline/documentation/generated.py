@@ -11,6 +11,9 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
+from rallygap.pipeline.experiments.everything import COMMITS, STEPS, Step
+from rallygap.pipeline.experiments.stale import kept_result
+
 from rallygap.pipeline.documentation import (
     answers,
     arena_tables,
@@ -28,8 +31,6 @@ from rallygap.pipeline.documentation.cells import NONE
 from rallygap.pipeline.documentation.diagnose_example import diagnose_example
 from rallygap.pipeline.documentation.known_answers import known_answers
 from rallygap.pipeline.exam.page import questions_table
-from rallygap.pipeline.experiments.everything import COMMITS, STEPS, Step
-from rallygap.pipeline.experiments.stale import kept_result
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.io.markdown import markdown_table
 from rallygap.pipeline.paper.page import claims_table, paper_page

@@ -3,13 +3,14 @@
 from pathlib import Path
 from typing import Any
 
-from rallygap.pipeline.documentation.cells import NONE, read_report
 from rallygap.pipeline.experiments.stale import code_of, result_of
+
+from rallygap.pipeline.documentation.cells import NONE, read_report
+from rallygap.pipeline.experiments.known_answers.design import SIZES
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.io.markdown import markdown_table
-from rallygap.pipeline.known_answers.design import SIZES
-from rallygap.pipeline.known_answers.run import REPORT, SCORES, TABLE
 from rallygap.pipeline.paper.assessments import rate
+from rallygap.stages.known_answers import REPORT, SCORES, TABLE
 
 RATES = {  # what is counted: the number, and of how many
     "planted error is the leading cause": ("leading", "questions"),
@@ -59,7 +60,7 @@ def known_answers(root: Path) -> str:
 
 def _ages(root: Path, scores: Any) -> str:
     commits = dict.fromkeys(one["commit"] for one in scores.values() if one["commit"])
-    code = code_of(["rallygap.pipeline.known_answers.run"], ["params.yaml"])
+    code = code_of(["rallygap.stages.known_answers"], ["params.yaml"])
     return " ".join(result_of(root, root / REPORT, commit, code).sentence for commit in commits)
 
 

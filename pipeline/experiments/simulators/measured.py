@@ -1,26 +1,17 @@
-"""Published scenes of MuJoCo on measured sets (``make real-scenes``); writes ``real.json``.
-
-Every recording is held out once. A scene is audited, diagnosed on the other parts of the set, and
-its ball amended. Then MuJoCo flies predictions of the held-out part, by the scene as it is and by
-the code that is given back. A killed run resumes.
+"""Predictions of measured shots that a scene flies, as it is and amended.
 
 Errors are measured as those of a verdict are (``models/gap/verify/prediction_error.py``): a shot is
 fitted on its first samples alone, about the list of effects that stands for the engine, and the
 sensor is that of the list. But the engine itself flies from there.
 """
 
-import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
-from math import inf
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy import int64
 from numpy.typing import NDArray
-from rallygap.pipeline.experiments.experiment import running
 from scipy.interpolate import make_interp_spline
 
 from rallygap.models.ball.sensor import delays, measured_positions, true_times
@@ -39,29 +30,14 @@ from rallygap.models.gap.name.label_readings import read_labels
 from rallygap.models.gap.settings import DEFAULTS
 from rallygap.models.gap.types import Bools
 from rallygap.models.gap.verdict import Verdict
-from rallygap.models.gap.verify.bootstrap import drawn_shots, interval
 from rallygap.models.gap.verify.prediction_error import HeldOut
 from rallygap.models.gap.verify.replicates import simulate_replicate
-from rallygap.pipeline.engines.audited import audited
 from rallygap.pipeline.engines.export.code import ball_effects
 from rallygap.pipeline.engines.export.code_engine import CodeEngine
-from rallygap.pipeline.experiments.simulators.published import PUBLISHED, PublishedModel
-from rallygap.pipeline.gap.folds import fold_numbers
-from rallygap.pipeline.gap.measured_shots import read_shots
-from rallygap.pipeline.io.artifacts import write_json
-from rallygap.pipeline.known_answers.answers import Diagnosis, fingerprint, verdicts
-from rallygap.pipeline.runtime.console import refuse
-from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.runtime.parallel import parallel
-from rallygap.pipeline.runtime.paths import repository_root
+from rallygap.pipeline.experiments.known_answers.answers import Diagnosis
+from rallygap.pipeline.experiments.simulators.published import PublishedModel
 
-SETS = ("tt3d", "spindoe")
-# Scenes whose balls bounce.
-SCENES = ("google-deepmind/competitive_robot_table_tennis", "MyoHub/myosuite")
-PARTS = 3
 HORIZONS: Floats = np.array([0.1, 0.2, 0.3])  # s
-REPORT = Path("reports") / "simulators" / "real.json"
-MM, MS = 1e3, 1e3
 
 
 @dataclass(frozen=True)
@@ -202,88 +178,3 @@ def _floor(predictions: FlownPredictions, held: HeldOut) -> Floats:
     ]
     tries = [predictions.distances(replicate, held.usable) for replicate in replicates]
     return np.asarray(np.stack(tries).mean(axis=0))
-
-
-def real_scenes(root: Path, folder: Path) -> dict[str, dict[str, Any]]:
-    """Write and return errors before and after amending, by set and scene.
-
-    Args:
-        root: of the repository.
-        folder: with a folder for each set.
-
-    Raises:
-        InputError: a set cannot be read, or the experiment cannot start.
-    """
-    sets = {name: read_shots(folder / name, name).shots for name in SETS}
-    data = " ".join(fingerprint(root, shots, PARTS) for shots in sets.values())
-    with running(root, "simulator_scenes.real", data=data) as run:
-        content = _tested(
-            [scene for named in sets.items() for scene in _scenes(*named, run.scratch)]
-        )
-        write_json(root / REPORT, content)
-    return content
-
-
-def _scenes(name: str, shots: Shots, scratch: Path) -> Iterator[MeasuredScene]:
-    """Yield the scenes of a set."""
-    part = fold_numbers(name, shots.groups, PARTS)
-    for model in PUBLISHED:
-        if model.name in SCENES:
-            nominal = audited(model.build(), patience=inf).simulator
-            yield MeasuredScene(name, model, nominal, shots, part, scratch / name)
-
-
-def _tested(scenes: Sequence[MeasuredScene]) -> dict[str, dict[str, Any]]:
-    """Return what is written of every scene, by set and scene."""
-    parts = [(scene, number) for scene in scenes for number in range(PARTS)]
-    results = verdicts([scene.diagnosis(number) for scene, number in parts], "verdicts")
-    tasks = [
-        partial(scene.errors, number, verdict)
-        for (scene, number), verdict in zip(parts, results, strict=True)
-    ]
-    errors = list(parallel(tasks, "flights"))
-    content: dict[str, dict[str, Any]] = {}
-    for first, scene in zip(range(0, len(parts), PARTS), scenes, strict=True):
-        own = slice(first, first + PARTS)
-        result = _result(results[own], np.concatenate(errors[own], axis=1))
-        content.setdefault(scene.set, {})[scene.model.name] = result
-    return content
-
-
-def _result(results: Sequence[Verdict], errors: Floats) -> dict[str, Any]:
-    """Return what is written of a scene on a set.
-
-    Args:
-        results: verdicts, one for each part that is held out.
-        errors: (3, B, 3) m, NaN where a shot has none.
-    """
-    before, after, floor = np.nanmean(errors, axis=1)
-    # The 95 % interval of the mean fall of a shot's errors over its horizons.
-    falls = errors[0] - errors[1]
-    falls = np.nanmean(falls[np.isfinite(falls).any(axis=1)], axis=1)
-    drawn = drawn_shots(len(falls), DEFAULTS.verify.bootstrap_draws)
-    fall = np.array(interval(falls[drawn].mean(axis=1), DEFAULTS.confidence))
-    return {
-        "horizons_ms": [round(MS * horizon) for horizon in HORIZONS],
-        "shots": np.isfinite(errors[0]).sum(axis=0).tolist(),
-        "before_mm": _rounded(before),
-        "after_mm": _rounded(after),
-        "floor_mm": _rounded(floor),
-        "fall_mm": _rounded(fall),
-        "verdicts": [verdict.verdict for verdict in results],
-        "leading": [
-            [cause.identity for cause in verdict.causes if cause.role == "leading"]
-            for verdict in results
-        ],
-    }
-
-
-def _rounded(sizes: Floats) -> list[float]:
-    return [round(MM * float(size), 1) for size in sizes]
-
-
-if __name__ == "__main__":
-    try:
-        real_scenes(repository_root(), Path(os.environ.get("RALLYGAP_DATA", "")))
-    except InputError as error:
-        refuse(error)

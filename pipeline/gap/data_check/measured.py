@@ -10,7 +10,6 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from rallygap.pipeline.sources.row_checks import SAMPLE_COLUMNS
 
 from rallygap.models.ball.types import Floats
 from rallygap.models.gap.fit.shots import spread_evenly
@@ -19,7 +18,7 @@ from rallygap.models.segmentation.cuts import Cuts, cut
 from rallygap.models.segmentation.settings import SegmentSettings
 from rallygap.pipeline.io.frame import Frame
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
-from rallygap.pipeline.sources.source import RawTable
+from rallygap.pipeline.sources.source import SAMPLE_COLUMNS, RawTable
 
 MOST_TRACKS = 150  # recordings that are checked, spread evenly over all
 FEWEST_SAMPLES = 8  # of a track

@@ -17,7 +17,7 @@ from rallygap.pipeline.gap import cases
 from rallygap.pipeline.io.artifacts import read_json
 from tests.models.predictors.small_training import BRIEF, TINY, TINY_HYBRID, changed
 from tests.pipeline.experiments.arenas.made_up import CAUSES, ERRORS
-from tests.pipeline.known_answers.made_up import cause, found
+from tests.pipeline.experiments.known_answers.made_up import cause, found
 from tests.pipeline.measured_shots import params
 
 FEW = params().ingest.arena.model_copy(update={"game_episodes": 40, "cannon_shots": 40})

@@ -12,16 +12,16 @@ from rallygap.models.gap.fit.noise import Noise
 from rallygap.models.gap.fit.refit import fit_nuisance
 from rallygap.models.gap.settings import DEFAULTS
 from rallygap.models.gap.verify.prediction_error import HeldOut
+from rallygap.pipeline.experiments.known_answers import answers
 from rallygap.pipeline.gap.measured_shots import read_shots
-from rallygap.pipeline.known_answers import answers
-from tests.pipeline.known_answers.made_up import cause, found
+from rallygap.pipeline.runtime.stage_run import StageRun
+from tests.pipeline.experiments.known_answers.made_up import cause, found
 from tests.pipeline.recorded import write_recordings
 
 pytest.importorskip("mujoco")
 
-from rallygap.stages.real_scenes import HORIZONS, FlownPredictions
-
-from rallygap.pipeline.experiments.simulators import real
+import rallygap.stages.real_scenes
+from rallygap.pipeline.experiments.simulators.measured import HORIZONS, FlownPredictions
 from rallygap.pipeline.experiments.simulators.published import TABLE, PublishedModel, _scene
 
 TRUTH = shipped("literature")
@@ -60,24 +60,20 @@ def test_errors_are_those_of_verdicts_where_the_engine_is_a_list(shots, effect, 
 def test_errors_before_and_after_amending_are_written(tmp_path, monkeypatch):
     """A diagnosis is replaced by the right answer; MuJoCo flies it."""
     write_recordings(tmp_path / "sets" / "csv", shots=9)
-    for name in (*answers.DEPENDENCIES, "params.yaml"):
-        path = tmp_path / name if "." in name else tmp_path / name / "a.py"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text("a = 1\n")
+    monkeypatch.setenv("RALLYGAP_DATA", str(tmp_path / "sets"))
     names = {"drag.cd": 0.54, "magnus.cm": 0.069, "table_bounce.friction": 0.25}
     right = found(*(cause(name, value, nominal=1.0) for name, value in names.items()))
     monkeypatch.setattr(answers, "diagnose", lambda shots, simulator: right)
-    monkeypatch.setattr(real, "SETS", ("csv",))
-    monkeypatch.setattr(real, "SCENES", ("lab/scene",))
-    monkeypatch.setattr(real, "PUBLISHED", (LITTLE_AIR,))
+    monkeypatch.setattr(rallygap.stages.real_scenes, "SETS", ("csv",))
+    monkeypatch.setattr(rallygap.stages.real_scenes, "SCENES", ("lab/scene",))
+    monkeypatch.setattr(rallygap.stages.real_scenes, "PUBLISHED", (LITTLE_AIR,))
     with joblib.parallel_config(backend="sequential"):
-        content = real.real_scenes(tmp_path, tmp_path / "sets")
+        rallygap.stages.real_scenes.real_scenes(StageRun("real_scenes", tmp_path, None))
+    content = json.loads((tmp_path / "reports" / "real_scenes" / "errors.json").read_text())
     one = content["csv"]["lab/scene"]
-    assert json.loads((tmp_path / real.REPORT).read_text()) == content
     assert 7 <= one["shots"][0] <= 9
     assert one["leading"] == 3 * [list(names)]
     before, after, floor = (np.array(one[f"{key}_mm"]) for key in ("before", "after", "floor"))
     assert (after < 0.7 * before).all()
     assert after[0] == pytest.approx(floor[0], rel=0.3)  # later, the bounces differ
     assert one["fall_mm"][0] > 0.0
-    assert not list((tmp_path / "scratch").rglob("*.json"))

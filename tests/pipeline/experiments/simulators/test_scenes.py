@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from rallygap.models.exam.simulate.launches import launches
+from rallygap.pipeline.runtime.stage_run import StageRun
 
 pytest.importorskip("mujoco")
 pytest.importorskip("pybullet")
@@ -59,7 +60,6 @@ def test_a_killed_run_publishes_nothing_and_goes_on(tmp_path, monkeypatch):
             raise KeyboardInterrupt
         return {}
 
-    (tmp_path / "params.yaml").write_text("seed: 1")
     for name in ("published_models", "larger_spins"):
         monkeypatch.setattr(experiment, name, dict)
     two = [SCENES["mujoco.vacuum"], SCENES["mujoco.drag"]]
@@ -67,10 +67,9 @@ def test_a_killed_run_publishes_nothing_and_goes_on(tmp_path, monkeypatch):
     monkeypatch.setattr(experiment, "scene_result", result)
     with joblib.parallel_config(backend="sequential"):
         with pytest.raises(KeyboardInterrupt):
-            experiment.simulators(tmp_path)
+            experiment.simulators(StageRun("simulators", tmp_path, None))
         assert not (tmp_path / "reports").exists()
-        experiment.simulators(tmp_path)
+        experiment.simulators(StageRun("simulators", tmp_path, None))
     assert made == ["vacuum", "drag", "drag"]
-    names = {path.name for path in (tmp_path / experiment.REPORTS).iterdir()}
+    names = {path.name for path in (tmp_path / "reports" / "simulators").iterdir()}
     assert names == {"larger_spins.json", "published.json", "scenes.json"}
-    assert not list((tmp_path / "scratch").rglob("*.json"))

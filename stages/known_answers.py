@@ -1,14 +1,12 @@
-"""The run of ``rallygap known-answers``: measured sets in, a table and scores out.
+"""Known errors planted on measured sets, and whether verdicts find them; 45 minutes.
 
 Every set is cross-validated over its recordings: the base simulator of a fold is the nominal one as
 amended by the verdict on the other folds. Errors are planted in it or in the fold's recordings.
 """
 
-import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,68 +15,46 @@ from rallygap.models.ball.simulator import Simulator
 from rallygap.models.gap.amend.simulator import amended
 from rallygap.models.gap.fit.shots import Shots
 from rallygap.models.gap.settings import DEFAULTS
+from rallygap.pipeline.experiments.known_answers.answers import Diagnosis, references, verdicts
+from rallygap.pipeline.experiments.known_answers.design import Question, plant, planted_errors
+from rallygap.pipeline.experiments.known_answers.scores import Answer, answer_table, set_scores
 from rallygap.pipeline.gap.folds import fold_numbers
 from rallygap.pipeline.gap.measured_shots import read_shots
-from rallygap.pipeline.io.artifacts import write_csv, write_json
+from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.io.simulators import load_simulator
-from rallygap.pipeline.known_answers.answers import Diagnosis, fingerprint, references, verdicts
-from rallygap.pipeline.known_answers.design import Question, plant, planted_errors
-from rallygap.pipeline.known_answers.scores import Answer, answer_table, set_scores
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.runtime.git import git_commit
-from rallygap.pipeline.runtime.provenance import short
+from rallygap.pipeline.runtime.paths import measured_sets
+from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 
-REPORT = Path("reports") / "real"
-TABLE, SCORES = "known_answers.csv", "known_answers.json"
+SETS = ("tt3d", "spindoe", "isr_ball_prediction")
+FOLDS = 2  # of the cross-validation over recordings
 NOMINAL = "literature"  # simulator that the base simulators are amended from
 
 
-def run_known_answers(
-    root: Path, folder: Path, names: Sequence[str], folds: int
-) -> dict[str, dict[str, Any]]:
-    """Ask all questions about measured sets; write their table and scores to ``reports/real``.
-
-    A killed run resumes, as long as nothing that its verdicts depend on has changed.
-
-    Args:
-        root: of the repository.
-        folder: with a folder for each set.
-        names: of the sets, each that of the adapter that reads it.
-        folds: of the cross-validation over recordings.
-
-    Returns:
-        The scores by set.
+def known_answers(run: StageRun) -> None:
+    """Ask all questions about the measured sets; write their table and scores.
 
     Raises:
         InputError: a set cannot be read, or has too few recordings or shots.
     """
-    commit = git_commit(root)
-    sets = [_read(root, folder, name, folds) for name in dict.fromkeys(names)]
-    answers = _ask(sets, folds)
+    folder, scratch = measured_sets(), run.scratch("verdicts")
+    sets = [_read(folder, name, scratch / name) for name in SETS]
+    answers = _ask(sets, FOLDS)
     scores = {}
     for measured in sets:
         own = [answer for answer in answers if answer.question.set == measured.name]
-        scores[measured.name] = set_scores(own) | {
-            "folds": folds,
-            "nominal": NOMINAL,
-            "commit": commit,
-            "fingerprint": measured.fingerprint,
-        }
-    write_csv(root / REPORT / TABLE, answer_table(answers))
-    write_json(root / REPORT / SCORES, scores)
-    for measured in sets:
-        shutil.rmtree(measured.folder, ignore_errors=True)
-    return scores
+        scores[measured.name] = set_scores(own) | {"folds": FOLDS, "nominal": NOMINAL}
+    run.publish({"answers": answer_table(answers)}, digits=6)
+    write_json(run.report("scores.json"), scores)
 
 
 @dataclass(frozen=True)
 class _MeasuredSet:
-    """A set with (B,) the fold of each shot, a fingerprint, and a folder for verdicts."""
+    """A set with (B,) the fold of each shot, and a folder for verdicts."""
 
     name: str
     shots: Shots
     fold: NDArray[np.int64]
-    fingerprint: str
     folder: Path
 
 
@@ -101,15 +77,13 @@ class _Fold:
         return Diagnosis(file, self.shots, self.base)
 
 
-def _read(root: Path, folder: Path, name: str, folds: int) -> _MeasuredSet:
+def _read(folder: Path, name: str, scratch: Path) -> _MeasuredSet:
     shots = read_shots(folder / name, name).shots
-    fold = fold_numbers(name, shots.groups, folds)
+    fold = fold_numbers(name, shots.groups, FOLDS)
     least = DEFAULTS.verify.held_out
-    if np.bincount(fold, minlength=folds).min() < least:
-        raise InputError(name, f"has a fold of fewer than {least} shots; ask for fewer folds")
-    origin = fingerprint(root, shots, folds)
-    scratch = root / "scratch" / "known_answers" / name / short(origin)
-    return _MeasuredSet(name, shots, fold, origin, scratch)
+    if np.bincount(fold, minlength=FOLDS).min() < least:
+        raise InputError(name, f"has a fold of fewer than {least} shots; record more")
+    return _MeasuredSet(name, shots, fold, scratch)
 
 
 def _folds(sets: Sequence[_MeasuredSet], count: int) -> list[_Fold]:
@@ -145,3 +119,7 @@ def _ask(sets: Sequence[_MeasuredSet], count: int) -> list[Answer]:
     tasks = [folds[k].diagnosis(question, values[k]) for k, question in asked]
     every = zip([*unplanted, *asked], [*before, *verdicts(tasks, "questions")], strict=True)
     return [Answer(question, verdict, before[k], values[k]) for (k, question), verdict in every]
+
+
+if __name__ == "__main__":
+    run_stage(known_answers)

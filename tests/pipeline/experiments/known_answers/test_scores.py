@@ -4,9 +4,9 @@ from collections import defaultdict
 
 import pytest
 
-from rallygap.pipeline.known_answers.design import DISTORTION, PlantedError, Question
-from rallygap.pipeline.known_answers.scores import Answer, answer_table, set_scores
-from tests.pipeline.known_answers.made_up import cause, found
+from rallygap.pipeline.experiments.known_answers.design import DISTORTION, PlantedError, Question
+from rallygap.pipeline.experiments.known_answers.scores import Answer, answer_table, set_scores
+from tests.pipeline.experiments.known_answers.made_up import cause, found
 
 REFERENCES = defaultdict(float, {"drag.cd": 0.54, "position_scale.s": 0.03})
 DRAG = PlantedError("simulator", "drag.cd", "medium", 0.1)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rallygap.pipeline.known_answers.design import DISTORTION, Question, planted_errors
+from rallygap.pipeline.experiments.known_answers.design import DISTORTION, Question, planted_errors
 
 
 def test_errors_have_rising_sizes_in_minimum_detectable_effects():

@@ -1,21 +1,26 @@
 """A run asks every question once, resumes, and leaves a table and scores."""
 
 import json
-from dataclasses import replace
 
 import joblib
 import pandas as pd
 import pytest
 
+import rallygap.stages.known_answers
 from rallygap.models.ball.simulators import shipped
 from rallygap.models.gap.hypotheses import Hypothesis, hypotheses
+from rallygap.pipeline.experiments.known_answers import answers
+from rallygap.pipeline.experiments.known_answers.answers import IDENTITIES, Diagnosis, verdicts
+from rallygap.pipeline.experiments.known_answers.design import (
+    IN_RECORDINGS,
+    IN_SIMULATOR,
+    PlantedError,
+    plant,
+)
 from rallygap.pipeline.gap.measured_shots import read_shots
-from rallygap.pipeline.known_answers import answers
-from rallygap.pipeline.known_answers.answers import IDENTITIES, Diagnosis, fingerprint, verdicts
-from rallygap.pipeline.known_answers.design import IN_RECORDINGS, IN_SIMULATOR, PlantedError, plant
-from rallygap.pipeline.known_answers.run import REPORT, SCORES, TABLE, run_known_answers
 from rallygap.pipeline.runtime.errors import InputError
-from tests.pipeline.known_answers.made_up import cause, found, shots
+from rallygap.pipeline.runtime.stage_run import StageRun
+from tests.pipeline.experiments.known_answers.made_up import cause, found, shots
 from tests.pipeline.recorded import write_recordings
 
 NOMINAL = shipped("literature")
@@ -59,76 +64,51 @@ def expert(monkeypatch):
 
 
 @pytest.fixture
-def root(tmp_path):
-    """A repository with one file of each dependency, and a folder with one measured set."""
-    for name in answers.DEPENDENCIES:
-        path = tmp_path / name if "." in name else tmp_path / name / "a.py"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text("a = 1\n")
+def root(tmp_path, monkeypatch):
+    """A folder for the run, and another with one measured set."""
     write_recordings(tmp_path / "sets" / "csv", shots=8)
+    monkeypatch.setenv("RALLYGAP_DATA", str(tmp_path / "sets"))
+    monkeypatch.setattr(rallygap.stages.known_answers, "SETS", ["csv"])
     return tmp_path
 
 
-def run(root, folds=2):
+def run(root):
+    stage = StageRun("known_answers", root, None)
     with joblib.parallel_config(backend="sequential"):
-        return run_known_answers(root, root / "sets", ["csv"], folds)
+        rallygap.stages.known_answers.known_answers(stage)
+    return json.loads(stage.report("scores.json").read_text())
 
 
 def test_the_run_leaves_a_table_and_scores(root, expert):
     expert()
     (scores,) = run(root).values()
-    assert json.loads((root / REPORT / SCORES).read_text()) == {"csv": scores}
     assert scores["leading"] == scores["exact"] == 2 * SIMULATOR_QUESTIONS
     assert scores["coverage"] == 1.0
     assert scores["false_causes"] == 0
     assert (scores["unplanted"], scores["unplanted_clean"]) == (2, 2)
     assert (scores["distorted"], scores["distorted_clean"]) == (6, 6)
-    table = pd.read_csv(root / REPORT / TABLE)
+    table = pd.read_csv(root / "reports" / "known_answers" / "answers.csv")
     assert len(table) == scores["questions"] + scores["unplanted"] + scores["distorted"]
     rows = table[table["leading"].notna()]
     assert (rows["leading"].astype(bool) == (rows["place"] == "simulator")).all()
-    assert not list((root / "scratch").rglob("*.json"))
 
 
-def test_a_killed_run_resumes(root, expert):
+def test_a_killed_run_resumes(root, expert, tmp_path_factory):
     expert(killed_after=10)
     with pytest.raises(KeyboardInterrupt):
         run(root)
     again = expert()
     resumed = run(root)
     whole = expert()
-    assert run(root) == resumed
+    assert run(tmp_path_factory.mktemp("whole")) == resumed
     assert again.calls == whole.calls - 10
 
 
-def test_a_run_does_not_resume_on_other_code(root, expert):
-    expert(killed_after=10)
-    with pytest.raises(KeyboardInterrupt):
-        run(root)
-    left = list((root / "scratch").rglob("*.json"))
-    (root / "models/gap/a.py").write_text("a = 2\n")
-    again = expert()
-    run(root)
-    assert left and list((root / "scratch").rglob("*.json")) == left
-    whole = expert()
-    run(root)
-    assert again.calls == whole.calls
-
-
-def test_the_fingerprint_follows_shots_and_folds(root):
-    before = fingerprint(root, shots(), 3)
-    assert fingerprint(root, shots(), 3) == before
-    assert fingerprint(root, shots(), 4) != before
-    moved = replace(shots(), positions=shots().positions + 1e-9)
-    assert fingerprint(root, moved, 3) != before
-    renamed = replace(shots(), groups=shots().groups[::-1])
-    assert fingerprint(root, renamed, 3) != before
-
-
-def test_too_few_shots_are_refused_before_anything_is_diagnosed(root, expert):
+def test_too_few_shots_are_refused_before_anything_is_diagnosed(root, expert, monkeypatch):
     employed = expert()
+    monkeypatch.setattr(rallygap.stages.known_answers, "FOLDS", 3)
     with pytest.raises(InputError, match="csv: has a fold of fewer than 3 shots"):
-        run(root, folds=3)
+        run(root)
     assert employed.calls == 0
 
 

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from rallygap.models.ball.sensor import clock_times, measured_positions, measured_spins
 from rallygap.models.ball.simulators import shipped
 from rallygap.models.gap.hypotheses import Hypothesis
-from rallygap.pipeline.known_answers.design import (
+from rallygap.pipeline.experiments.known_answers.design import (
     DISTORTION,
     IN_SIMULATOR,
     PlantedError,
@@ -17,7 +17,7 @@ from rallygap.pipeline.known_answers.design import (
     planted_errors,
     true_values,
 )
-from tests.pipeline.known_answers.made_up import shots
+from tests.pipeline.experiments.known_answers.made_up import shots
 
 BASE = shipped("literature")
 REFERENCES = defaultdict(float, {"drag.cd": 0.5, "table_bounce.restitution": 0.99})

@@ -5,15 +5,15 @@ import pytest
 from rallygap.models.ball.simulators import shipped
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.name.label_readings import without_labels
-from rallygap.pipeline.gap.measured_shots import read_shots
-from rallygap.pipeline.known_answers.answers import (
+from rallygap.pipeline.experiments.known_answers.answers import (
     IDENTITIES,
     Diagnosis,
     reference_values,
     references,
 )
+from rallygap.pipeline.gap.measured_shots import read_shots
 from rallygap.pipeline.runtime.errors import InputError
-from tests.pipeline.known_answers.made_up import shots
+from tests.pipeline.experiments.known_answers.made_up import shots
 from tests.pipeline.recorded import write_recordings
 
 NOMINAL = shipped("literature")

@@ -1,10 +1,8 @@
 """Verdicts and reference values in parallel, each a file, so that a killed run resumes."""
 
-import hashlib
-import json
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -15,20 +13,11 @@ from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.name.naming import Named, name, with_estimates
 from rallygap.models.gap.settings import DEFAULTS, Question
 from rallygap.models.gap.verdict import Verdict, VerdictError
+from rallygap.pipeline.experiments.known_answers.design import IN_RECORDINGS, IN_SIMULATOR
 from rallygap.pipeline.io.artifacts import read_json, write_json, write_text
-from rallygap.pipeline.known_answers.design import IN_RECORDINGS, IN_SIMULATOR
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.parallel import make_missing
-from rallygap.pipeline.runtime.provenance import content_hash
 
-# What verdicts depend on, besides the shots: packages, files and the libraries.
-DEPENDENCIES = (
-    "models/ball",
-    "models/gap",
-    "pipeline/known_answers/answers.py",
-    "pipeline/known_answers/design.py",
-    "constraints.txt",
-)
 IDENTITIES = (*IN_SIMULATOR, *IN_RECORDINGS, "table_tilt.y")  # that have reference values
 
 
@@ -51,7 +40,7 @@ def verdicts(diagnoses: Sequence[Diagnosis], description: str) -> list[Verdict]:
     """Return the verdicts on all diagnoses; those whose file is there are not made again.
 
     Args:
-        diagnoses: in folders that belong to their shots and to the code that they depend on.
+        diagnoses: in folders of a run of a stage.
         description: of the progress bar.
 
     Raises:
@@ -88,15 +77,6 @@ def reference_values(shots: Shots, simulator: Simulator) -> dict[str, float]:
     """
     named = name(shots[~held_out(shots, DEFAULTS)], Question(simulator, DEFAULTS, ()))
     return {identity: _estimate(named, identity) for identity in IDENTITIES}
-
-
-def fingerprint(root: Path, shots: Shots, folds: int) -> str:
-    """Return a digest of all that the verdicts on a set depend on."""
-    hashes = {name: content_hash(root / name) for name in DEPENDENCIES}
-    digest = hashlib.sha256(json.dumps([hashes, folds]).encode())
-    for part in fields(shots):
-        digest.update(getattr(shots, part.name).tobytes())
-    return digest.hexdigest()
 
 
 def _diagnose(task: Diagnosis) -> None:

@@ -11,9 +11,9 @@ import pandas as pd
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.name.distortion import CAMERA
 from rallygap.models.gap.verdict import Cause, Verdict
+from rallygap.pipeline.experiments.known_answers.design import DISTORTION, Question, true_values
 from rallygap.pipeline.gap.wording import interval_text
 from rallygap.pipeline.io.metrics import rounded
-from rallygap.pipeline.known_answers.design import DISTORTION, Question, true_values
 from rallygap.pipeline.web.numbers import number
 
 COLUMNS = [
