@@ -95,12 +95,12 @@ pictures: .venv/ready ## take the screenshots of MLflow for docs/compare.md; nee
 	@pytest -m slow tests/pipeline/test_comparing_pages.py --pictures docs/images
 
 bench: .venv/ready ## one to two hours: compare speed with other programs; write reports/costs
-	@python -m benchmarks.ball_simulator
-	@python -m benchmarks.policy_training
-	@$(call if_trained,rallygap costs)
-	@$(call if_trained,python -m benchmarks.live)
-	@python -m benchmarks.drift
-	@python -m benchmarks.learning
+	@python -m experiments.benchmarks.ball_simulator
+	@python -m experiments.benchmarks.policy_training
+	@$(call if_trained,python -m experiments.benchmarks.costs)
+	@$(call if_trained,python -m experiments.benchmarks.live)
+	@python -m experiments.benchmarks.drift
+	@python -m experiments.benchmarks.learning
 
 docs: .venv/ready ## build the documentation site and results.pdf in docs/_build; a warning is an error
 	@rallygap docs

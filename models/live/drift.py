@@ -25,7 +25,7 @@ from rallygap.models.gap.settings import DEFAULTS, GapSettings
 REFERENCE = 100  # shots, at least as many as most windows have
 WINDOWS = (5, 7, 10, 14, 20, 28, 40, 57, 80, 113, 160)  # lengths, in shots
 # Standard errors from which a difference is an alarm. In 20,000 quiet shots 5.06 was the largest;
-# benchmarks/drift.py counts false alarms in other sessions.
+# experiments/benchmarks/drift.py counts false alarms in other sessions.
 THRESHOLD = 5.4
 LARGEST = 6.0  # standard deviations; a shot's score counts as no larger
 TINY = 1e-12  # information of a shot that does not show a parameter

@@ -10,10 +10,9 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from benchmarks.comparison import faster, rate, report
+from experiments.benchmarks.comparison import faster, one_core, rate, report
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import BALL_RADIUS, DRAG_FACTOR, MAGNUS_FACTOR
-from rallygap.pipeline.evaluation.costs import one_core
 
 TIMES = np.arange(1, 161) * 0.005  # 0.8 s at 200 Hz
 G, CD, CM, RESTITUTION, FRICTION = 9.81, 0.55, 0.069, 0.93, 0.25

@@ -1,4 +1,4 @@
-"""How costs grow with the work, on one process and on two (`python -m benchmarks.scale`; minutes).
+"""How costs grow with the work, on one process and on two; minutes.
 
 Every work is measured once, then twice as large, then that on two processes. Writes
 ``reports/costs/scale.csv`` and ``scale.json``, from which `rallygap docs` writes docs/scale.md. Run
@@ -20,8 +20,8 @@ import pandas as pd
 import torch
 from joblib.externals.loky import get_reusable_executor
 
-from benchmarks.comparison import write_measured
-from benchmarks.policy_training import LEARNING, PARAMS, SEED, TASK
+from experiments.benchmarks.comparison import write_measured
+from experiments.benchmarks.policy_training import LEARNING, PARAMS, SEED, TASK
 from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.exam.design.question import Question
 from rallygap.models.exam.methods.registry import METHODS, RALLYGAP

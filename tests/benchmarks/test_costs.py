@@ -9,18 +9,19 @@ import psutil
 import pytest
 import torch
 
-from rallygap.models.predictors.protocol import History
-from rallygap.pipeline.evaluation.costs import (
+from experiments.benchmarks.costs import (
     latency,
     measure_costs,
     one_core,
 )
+from rallygap.models.predictors.protocol import History
 from rallygap.pipeline.evaluation.error_table import KEYS, NUMBERS, REPORT
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.provenance import provenance, short
 from tests.pipeline.measured_shots import write_inputs
 
-REPOSITORY = Path(__file__).parents[3]
+REPOSITORY = Path(__file__).parents[2]
 
 
 class Slow:
@@ -53,10 +54,10 @@ def root(tmp_path_factory):
     ]  # fmt: skip
     (made / REPORT).parent.mkdir(parents=True)
     pd.DataFrame(rows, columns=[*KEYS, *NUMBERS]).to_csv(made / REPORT, index=False)
-    contents = {"stage": "train_predictor", "command": "a", "items": []}
-    contents |= {"fingerprint": "0123456789ab"}
-    write_json(made / "reports/train_predictor/contents.json", contents)
-    for name, seconds in (("0123456789ab", 61.5), ("another run", 7.0)):
+    stage = "stages: {train_predictor: {cmd: a, deps: [params.yaml], params: [seed]}}"
+    (made / "dvc.yaml").write_text(stage)
+    present = short(provenance(made, "train_predictor").fingerprint)
+    for name, seconds in ((present, 61.5), ("another run", 7.0)):
         times = {"tiny": {"training_s": seconds}}
         write_json(made / "timings" / "train_predictor" / f"{name}.json", times)
     return made
@@ -66,14 +67,14 @@ def root(tmp_path_factory):
 def costs(root):
     """What is measured there, with few calls."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rallygap.pipeline.evaluation.costs.CALLS", 30)
-        patch.setattr("rallygap.pipeline.evaluation.costs.WARM_UP", 3)
+        patch.setattr("experiments.benchmarks.costs.CALLS", 30)
+        patch.setattr("experiments.benchmarks.costs.WARM_UP", 3)
         return measure_costs(root)
 
 
 def test_latency_is_of_every_call_after_the_warm_up(monkeypatch):
     slow = Slow()
-    monkeypatch.setattr("rallygap.pipeline.evaluation.costs.time", slow)
+    monkeypatch.setattr("experiments.benchmarks.costs.time", slow)
     balls = [History(np.zeros((1, 12, 6)), np.zeros((1, 12, 6), bool))] * 20
     assert latency(slow, balls) == pytest.approx(np.full(20, 2.0))
 

@@ -1,7 +1,6 @@
 """Duration of `make reproduce` on a clean clone, and the committed files that it changes.
 
-`python -m benchmarks.reproduce` clones the last commit, makes an environment there and runs all
-stages. Writes ``reports/costs/reproduce.csv`` and ``reproduce.json``. Half an hour; run nothing
+Clones the last commit, makes an environment there and runs all stages. Writes ``reports/costs/reproduce.csv`` and ``reproduce.json``. Half an hour; run nothing
 else meanwhile.
 """
 
@@ -15,7 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from benchmarks.comparison import ROOT, write_measured
+from experiments.benchmarks.comparison import ROOT, write_measured
 
 SET_UP = "set-up"
 RUNNING = re.compile(r"Running stage '(\w+)'")

@@ -1,22 +1,26 @@
 """Shared by benchmarks: rates in CPU time, comparisons with peers, and what is written.
 
-``reports/costs/benchmarks.json`` has the last run of each comparison, with machine and commit.
+``reports/costs/benchmarks.json`` has the last run of each comparison, with the machine.
 """
 
+import platform
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+import psutil
+import torch
 from rich.console import Console
 from rich.table import Table
 
-from rallygap.pipeline.evaluation.costs import machine
 from rallygap.pipeline.io.artifacts import read_json, write_csv, write_json
+from rallygap.pipeline.runtime.torch_threads import one_thread
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 COSTS = ROOT / "reports" / "costs"
 REPORT = COSTS / "benchmarks.json"
 MEASURED = 1.0  # s of CPU time, at least, of every measurement
@@ -72,7 +76,7 @@ def report(benchmark: str, comparisons: Sequence[Comparison], **details: float) 
     reports = read_json(REPORT) if REPORT.is_file() else {}
     rows = [_rounded(asdict(comparison)) for comparison in comparisons]
     numbers = _rounded(details)
-    reports[benchmark] = {**machine(ROOT), "comparisons": rows, "details": numbers}
+    reports[benchmark] = {**machine(), "comparisons": rows, "details": numbers}
     write_json(REPORT, dict(sorted(reports.items())))
     console = Console()
     console.print(comparison_table(comparisons))
@@ -83,7 +87,7 @@ def report(benchmark: str, comparisons: Sequence[Comparison], **details: float) 
 def write_measured(name: str, table: pd.DataFrame, **details: Any) -> None:
     """Write a table to ``reports/costs`` and print it; machine and details are a JSON beside it."""
     write_csv(COSTS / f"{name}.csv", table, digits=4)
-    write_json(COSTS / f"{name}.json", {**machine(ROOT), **_rounded(details)})
+    write_json(COSTS / f"{name}.json", {**machine(), **_rounded(details)})
     Console().print((COSTS / f"{name}.csv").read_text(), details)
 
 
@@ -100,3 +104,34 @@ def comparison_table(comparisons: Sequence[Comparison]) -> Table:
         values = (f"{row.rallygap:,.4g}", row.peer, f"{row.peer_value:,.4g}", f"{bound}{ratio}")
         table.add_row(row.measure, *values)
     return table
+
+
+@contextmanager
+def one_core() -> Iterator[None]:
+    """Pin this process to one core, where the system supports it, and torch to one thread."""
+    process = psutil.Process()
+    cores = process.cpu_affinity() if hasattr(process, "cpu_affinity") else None
+    if cores:
+        process.cpu_affinity(cores[-1:])
+    try:
+        with one_thread():
+            yield
+    finally:
+        if cores:
+            process.cpu_affinity(cores)
+
+
+def machine() -> dict[str, Any]:
+    """Return the machine of the measurement."""
+    return {
+        "cpu": _cpu_model(),
+        "cores": psutil.cpu_count(logical=False) or psutil.cpu_count(),
+        "torch": torch.__version__,
+    }
+
+
+def _cpu_model() -> str:
+    path = Path("/proc/cpuinfo")
+    lines = path.read_text().splitlines() if path.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else platform.processor()

@@ -1,4 +1,4 @@
-"""How soon a change of the world is noticed in live forecasts (`python -m benchmarks.drift`).
+"""How soon a change of the world is noticed in live forecasts.
 
 Simulated sessions of the exam's shots: 100 in the simulator's world, then others, in which one
 parameter has changed or none has. Sizes are in multiples of what 100 shots can show. Ten minutes on
@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from rich.console import Console
 
-from benchmarks.comparison import ROOT
+from experiments.benchmarks.comparison import ROOT
 from rallygap.models.exam.design.detection_limits import DetectionLimits
 from rallygap.models.exam.design.question import seed_of
 from rallygap.models.exam.interface import shots_of

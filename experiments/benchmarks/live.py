@@ -1,4 +1,4 @@
-"""Latency of live forecasts (`python -m benchmarks.live`; minutes).
+"""Latency of live forecasts (`python -m experiments.benchmarks.live`; minutes).
 
 Replays recordings of the last run through forecasters, one predictor after the other on one core. A
 frame is answered when its measurement is filtered and the ball is forecast at the horizons of a
@@ -17,7 +17,7 @@ import numpy as np
 import torch
 from rich.console import Console
 
-from benchmarks.comparison import ROOT
+from experiments.benchmarks.comparison import ROOT, machine, one_core
 from rallygap.models.live.compiled import CompiledPredictor
 from rallygap.models.live.forecaster import Forecaster
 from rallygap.models.live.track import history_of
@@ -26,7 +26,6 @@ from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import FUTURE_TIMES, Floats, ProbabilisticPredictor
 from rallygap.models.predictors.settings import TransformerSettings
 from rallygap.models.predictors.spread import Spread
-from rallygap.pipeline.evaluation.costs import machine, one_core
 from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, read_predictors
 from rallygap.pipeline.io.artifacts import read_table, write_json
 from rallygap.pipeline.io.simulators import load_simulator
@@ -149,7 +148,7 @@ def main() -> None:
             for name, predictor in progress(predictors.items(), "latency", len(predictors))
         }
     write_json(REPORT, measured)
-    write_json(REPORT.with_name("machine.json"), machine(ROOT))
+    write_json(REPORT.with_name("machine.json"), machine())
     Console().print(measured)
 
 

@@ -1,4 +1,4 @@
-"""Error of a predictor trained in 16-bit precision (`python -m benchmarks.precision`; minutes).
+"""Error of a predictor trained in 16-bit precision; minutes.
 
 Trains the transformer in both precisions with three seeds, for fewer epochs than a full training,
 and forecasts the test windows. Needs `dvc repro segment`; writes ``reports/costs/precision.csv``.
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from benchmarks.comparison import COSTS, ROOT
+from experiments.benchmarks.comparison import COSTS, ROOT
 from rallygap.pipeline.io.artifacts import write_csv
 from rallygap.pipeline.params import Params, load_params
 from rallygap.pipeline.sweeps.predictor import compare_predictors

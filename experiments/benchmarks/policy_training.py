@@ -12,12 +12,11 @@ import numpy as np
 from stable_baselines3 import SAC
 from stable_baselines3.common.logger import Logger
 
-from benchmarks.comparison import ROOT, faster, rate, report
+from experiments.benchmarks.comparison import ROOT, faster, one_core, rate, report
 from rallygap.models.policy.batch_simulation import ACTIONS
 from rallygap.models.policy.environment import ReturnVecEnv
 from rallygap.models.policy.learning import LEARNER, REPLAY, learn_iteration, skip_critic_gradients
 from rallygap.models.policy.task import Task
-from rallygap.pipeline.evaluation.costs import one_core
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.params import load_params
 

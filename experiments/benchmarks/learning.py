@@ -15,13 +15,12 @@ from pathlib import Path
 import numpy as np
 import typer
 
-from benchmarks.comparison import Comparison, report
-from benchmarks.policy_training import LEARNING, PEER, TASK, default_learner
+from experiments.benchmarks.comparison import Comparison, one_core, report
+from experiments.benchmarks.policy_training import LEARNING, PEER, TASK, default_learner
 from rallygap.models.policy.learning import learn_iteration, trained_policy
 from rallygap.models.policy.policy import Policy
 from rallygap.models.policy.random_streams import validation_stream
 from rallygap.models.policy.trial import play
-from rallygap.pipeline.evaluation.costs import one_core
 
 GOAL = 0.95  # return rate
 SEEDS = (1, 2, 3)
