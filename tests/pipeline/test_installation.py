@@ -1,22 +1,27 @@
-"""The base installation diagnoses; what it lacks is named with the extra that brings it."""
+"""The package: what is installed and importable, and what the base installation can do."""
 
 import json
+import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
 import tomllib
+import zipfile
 from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
-import numpy as np
 import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from rallygap.models.ball.simulators import shipped
+import rallygap
+from tests.clone import run
+from tests.services import free_port
 
 ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "docs" / "examples" / "recordings"
 
 # Runs Python code where every package that the base installation lacks cannot be imported.
 BASE_ONLY = """
@@ -73,18 +78,11 @@ def base_only(tmp_path_factory):
 
 @pytest.fixture
 def recordings(tmp_path):
-    """A folder of recordings flown by the literature's simulator with more drag."""
+    """A folder with eight of the example recordings."""
     folder = tmp_path / "recordings"
     folder.mkdir()
-    random = np.random.default_rng(0)
-    simulator = shipped("literature").amended("drag", cd=0.7)
-    times = np.arange(0.0, 0.6, 0.005)
-    for number in range(12):
-        velocity = random.normal([0.0, 6.0, 1.5], 0.5)
-        state = np.array([0.0, -1.3, 0.3, *velocity, 100.0, 0.0, 0.0])
-        positions = simulator.fly(state[None], times[None]).states[0, :, :3]
-        rows = np.column_stack([times, positions + random.normal(0.0, 0.002, positions.shape)])
-        np.savetxt(folder / f"{number:02}.csv", rows, delimiter=",", header="t,x,y,z", comments="")
+    for number in range(8):
+        shutil.copy(EXAMPLE / f"{number:02}.csv", folder)
     return folder
 
 
@@ -97,19 +95,140 @@ def test_the_base_installation_diagnoses_a_folder(base_only, recordings, tmp_pat
     assert verdict["verdict"] != "no_gap"
 
 
-def test_the_code_of_the_python_api_page_runs_as_pasted(base_only, recordings, tmp_path):
-    literature = ROOT / "models" / "ball" / "simulators" / "literature.yaml"
-    shutil.copy(literature, tmp_path / "simulator.yaml")
+def test_the_code_of_the_python_api_page_runs_as_pasted(base_only, recordings):
     page = (ROOT / "docs" / "python-api.md").read_text()
     code = "\n".join(re.findall(r"```python\n(.*?)```", page, re.DOTALL))
     ended = base_only(code=code, cwd=recordings.parent)
     assert ended.returncode == 0, ended.stderr
+    assert "named" in ended.stdout
     assert "drag.cd" in ended.stdout
+    assert "gravity.g 9.81\n" in ended.stdout
 
 
 @pytest.mark.parametrize("words", [["sweep", "quick"], ["ui"], ["real", "."]])
 def test_a_command_that_misses_its_extra_says_which(base_only, words):
     ended = base_only(*words)
     assert ended.returncode == 2
-    assert "pip install -e '.[pipeline]'" in ended.stderr
+    assert "pip install 'rallygap[pipeline]'" in ended.stderr
     assert len(ended.stderr.splitlines()) == 1
+
+
+def test_every_public_name_is_there():
+    for name in rallygap.__all__:
+        assert getattr(rallygap, name).__name__ == name
+        assert name in dir(rallygap)
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        rallygap.nothing  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    "statement", ["import rallygap", "from rallygap import diagnose, Simulator, Verdict"]
+)
+def test_importing_rallygap_changes_nothing_in_the_process(statement):
+    code = f"import os; before = dict(os.environ); {statement}; assert before == dict(os.environ)"
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
+
+
+def test_importing_rallygap_is_quick():
+    code = (
+        "import sys, time; started, before = time.process_time(), set(sys.modules)\n"
+        "import rallygap; print(time.process_time() - started, 'numpy' in sys.modules)"
+    )
+    seconds, numpy_loaded = run(ROOT, sys.executable, "-c", code).split()
+    assert float(seconds) < 0.3
+    assert numpy_loaded == "False"
+
+
+@pytest.mark.parametrize(
+    ("words", "threads"),
+    [
+        (["-m", "rallygap.stages.segment"], "1"),
+        (["-m", "rallygap.pipeline.gap.measured_shots"], "1"),
+        (["-c", COMMAND_LINE, "audit", "literature", "--out", "audit"], "1"),
+        (["-c", "from rallygap import diagnose"], "None"),
+    ],
+)
+def test_programs_hold_their_arithmetic_before_numpy_is_loaded(words, threads, tmp_path):
+    numpy = "import os; print(os.environ.get('OPENBLAS_NUM_THREADS')); raise SystemExit"
+    (tmp_path / "numpy.py").write_text(numpy)
+    environment = {"PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"}
+    started = subprocess.run(
+        [sys.executable, *words], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
+    assert started.stdout.split() == [threads], started.stderr
+
+
+def test_the_example_recordings_are_those_that_their_script_writes(tmp_path):
+    script = runpy.run_path(str(ROOT / "docs" / "examples" / "record_shots.py"))
+    script["record_shots"](tmp_path / "recordings")
+    written = contents(tmp_path / "recordings")
+    assert len(written) == 30
+    assert sum(map(len, written.values())) < 200_000
+    assert written == contents(EXAMPLE)
+
+
+def contents(folder):
+    """The contents of the files of a folder, by name."""
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.fixture(scope="module")
+def archives(tmp_path_factory):
+    """The source distribution, the wheel, and the wheel that is built from the former."""
+    folder = tmp_path_factory.mktemp("archives")
+    pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "install"]
+    constraints = ["--constraint", str(ROOT / "constraints.txt")]
+    run(folder, *pip, *constraints, "--target", "tools", "hatchling")
+    build = [sys.executable, "-m", "hatchling", "build", "--directory"]
+    environment = {**os.environ, "PYTHONPATH": str(folder / "tools")}
+    subprocess.run([*build, folder], cwd=ROOT, env=environment, check=True)
+    (source,) = folder.glob("*.tar.gz")
+    shutil.unpack_archive(source, folder, filter="data")
+    unpacked = folder / source.name.removesuffix(".tar.gz")
+    subprocess.run(
+        [*build, folder / "again", "--target", "wheel"], cwd=unpacked, env=environment, check=True
+    )
+    (wheel,), (again,) = folder.glob("*.whl"), folder.glob("again/*.whl")
+    return source, wheel, again
+
+
+@pytest.mark.slow
+def test_the_source_distribution_builds_the_same_wheel(archives):
+    _, wheel, again = archives
+    assert wheel.read_bytes() == again.read_bytes()
+
+
+@pytest.mark.slow
+def test_the_wheel_has_the_package_with_its_data_and_nothing_else(archives):
+    tracked = run(ROOT, "git", "ls-files", "models", "pipeline", "stages").split()
+    own = [
+        "__init__.py",
+        "py.typed",
+        *(f"examples/recordings/{path.name}" for path in EXAMPLE.iterdir()),
+    ]
+    names = zipfile.ZipFile(archives[1]).namelist()
+    packaged = {name for name in names if ".dist-info/" not in name}
+    assert packaged == {f"rallygap/{name}" for name in [*own, *tracked]}
+
+
+@pytest.mark.slow
+def test_the_wheel_works_in_an_empty_environment_away_from_the_repository(archives, tmp_path):
+    run(tmp_path, sys.executable, "-m", "venv", "environment")
+    programs = tmp_path / "environment" / "bin"
+    pip = [programs / "python", "-m", "pip", "--quiet", "--disable-pip-version-check", "install"]
+    run(tmp_path, *pip, "--constraint", ROOT / "constraints.txt", archives[1])
+
+    def rallygap(*words):
+        return run(tmp_path, programs / "rallygap", *words)
+
+    modules = {path.name for path in tmp_path.glob("environment/lib/python*/site-packages/*")}
+    assert "rallygap" in modules
+    assert not {"models", "pipeline", "stages", "tests", "docs", "benchmarks"} & modules
+    rallygap("example", "recordings")
+    assert contents(tmp_path / "recordings") == contents(EXAMPLE)
+    told = rallygap("diagnose", "recordings", "--simulator", "literature", "--out", "verdict")
+    assert "Leading cause drag.cd" in told
+    assert "drag.cd" in rallygap("audit", "literature", "--out", "audit")
+    address = f"tcp://127.0.0.1:{free_port()}"
+    live = ["--simulator", "verdict/amended.yaml", "--replay", "recordings", "--speed", "100"]
+    assert "ms" in rallygap("live", *live, "--forecasts", address)
