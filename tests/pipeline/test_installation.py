@@ -18,7 +18,6 @@ from packaging.utils import canonicalize_name
 
 import rallygap
 from tests.clone import run
-from tests.services import free_port
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "docs" / "examples" / "recordings"
@@ -173,62 +172,71 @@ def contents(folder):
 
 
 @pytest.fixture(scope="module")
-def archives(tmp_path_factory):
-    """The source distribution, the wheel, and the wheel that is built from the former."""
-    folder = tmp_path_factory.mktemp("archives")
-    pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "install"]
-    constraints = ["--constraint", str(ROOT / "constraints.txt")]
-    run(folder, *pip, *constraints, "--target", "tools", "hatchling")
-    build = [sys.executable, "-m", "hatchling", "build", "--directory"]
-    environment = {**os.environ, "PYTHONPATH": str(folder / "tools")}
-    subprocess.run([*build, folder], cwd=ROOT, env=environment, check=True)
-    (source,) = folder.glob("*.tar.gz")
-    shutil.unpack_archive(source, folder, filter="data")
-    unpacked = folder / source.name.removesuffix(".tar.gz")
-    subprocess.run(
-        [*build, folder / "again", "--target", "wheel"], cwd=unpacked, env=environment, check=True
-    )
-    (wheel,), (again,) = folder.glob("*.whl"), folder.glob("again/*.whl")
-    return source, wheel, again
+def built(tmp_path_factory):
+    """The folder in which the wheel was built, installed in an empty environment, and tried."""
+    folder = tmp_path_factory.mktemp("wheel")
+    environment = {key: text for key, text in os.environ.items() if key != "PYTHONPATH"}
+    environment["PYTHON"] = sys.executable
+    subprocess.run([ROOT / ".ci" / "wheel", folder], env=environment, check=True)
+    return folder
 
 
 @pytest.mark.slow
-def test_the_source_distribution_builds_the_same_wheel(archives):
-    _, wheel, again = archives
-    assert wheel.read_bytes() == again.read_bytes()
-
-
-@pytest.mark.slow
-def test_the_wheel_has_the_package_with_its_data_and_nothing_else(archives):
+def test_the_wheel_has_the_package_with_its_data_and_nothing_else(built):
     tracked = run(ROOT, "git", "ls-files", "models", "pipeline", "stages").split()
-    own = [
-        "__init__.py",
-        "py.typed",
-        *(f"examples/recordings/{path.name}" for path in EXAMPLE.iterdir()),
-    ]
-    names = zipfile.ZipFile(archives[1]).namelist()
-    packaged = {name for name in names if ".dist-info/" not in name}
+    recordings = (f"examples/recordings/{path.name}" for path in EXAMPLE.iterdir())
+    (wheel,) = built.glob("*.whl")
+    packaged = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
+    own = ["__init__.py", "py.typed", *recordings]
     assert packaged == {f"rallygap/{name}" for name in [*own, *tracked]}
+    installed = {path.name for path in built.glob("empty/lib/python*/site-packages/*")}
+    assert not {"models", "pipeline", "stages", "tests", "docs", "benchmarks"} & installed
 
 
 @pytest.mark.slow
-def test_the_wheel_works_in_an_empty_environment_away_from_the_repository(archives, tmp_path):
-    run(tmp_path, sys.executable, "-m", "venv", "environment")
-    programs = tmp_path / "environment" / "bin"
-    pip = [programs / "python", "-m", "pip", "--quiet", "--disable-pip-version-check", "install"]
-    run(tmp_path, *pip, "--constraint", ROOT / "constraints.txt", archives[1])
+def test_the_wheel_works_in_an_empty_environment_away_from_the_repository(built):
+    assert contents(built / "recordings") == contents(EXAMPLE)
+    verdict = rallygap.Verdict.load(built / "verdict" / "verdict.json")
+    assert [cause.identity for cause in verdict.leading] == ["drag.cd", "table_bounce.restitution"]
+    assert (built / "audit" / "report.html").exists()
 
-    def rallygap(*words):
-        return run(tmp_path, programs / "rallygap", *words)
 
-    modules = {path.name for path in tmp_path.glob("environment/lib/python*/site-packages/*")}
-    assert "rallygap" in modules
-    assert not {"models", "pipeline", "stages", "tests", "docs", "benchmarks"} & modules
-    rallygap("example", "recordings")
-    assert contents(tmp_path / "recordings") == contents(EXAMPLE)
-    told = rallygap("diagnose", "recordings", "--simulator", "literature", "--out", "verdict")
-    assert "Leading cause drag.cd" in told
-    assert "drag.cd" in rallygap("audit", "literature", "--out", "audit")
-    address = f"tcp://127.0.0.1:{free_port()}"
-    live = ["--simulator", "verdict/amended.yaml", "--replay", "recordings", "--speed", "100"]
-    assert "ms" in rallygap("live", *live, "--forecasts", address)
+@pytest.fixture
+def clone(tmp_path):
+    """What `make` needs to set up an environment; pip does nothing there."""
+    for name in ("Makefile", "pyproject.toml", "constraints.txt"):
+        shutil.copy(ROOT / name, tmp_path)
+    return tmp_path
+
+
+def make_environment(folder):
+    command = ["make", ".venv/ready", "PIP=true", f"PYTHON={sys.executable}"]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True)
+
+
+def test_make_uses_an_environment_that_it_did_not_make(clone):
+    run(clone, sys.executable, "-m", "venv", "--without-pip", ".venv")
+    (clone / ".venv" / "mine").touch()
+    made = make_environment(clone)
+    assert made.returncode == 0
+    assert "make: the environment .venv is there already" in made.stdout
+    assert (clone / ".venv" / "mine").exists()
+
+
+def test_make_creates_again_what_it_did_not_finish(clone):
+    (clone / ".venv").mkdir()
+    for name in ("by-make", "half"):
+        (clone / ".venv" / name).touch()
+    assert make_environment(clone).returncode == 0
+    assert (clone / ".venv" / "ready").exists()
+    assert not (clone / ".venv" / "half").exists()
+
+
+def test_make_refuses_an_environment_of_another_python(clone):
+    python = clone / ".venv" / "bin" / "python"
+    python.parent.mkdir(parents=True)
+    python.write_text("#!/bin/sh\nexit 1\n")
+    python.chmod(0o755)
+    made = make_environment(clone)
+    assert made.returncode != 0
+    assert made.stderr.startswith("make: .venv is not of Python 3.11")
