@@ -30,6 +30,9 @@ from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.propagation import PROBES
 from rallygap.models.predictors.protocol import TICK, Bools, Floats, History
 
+ONE, WHOLE = np.eye(3), np.eye(STATE_SIZE)
+NOISE_OF_POSITION = POSITION_NOISE**2 * ONE
+
 
 class FilterpyPredictor(PhysicsPredictor):
     """Filters the history with filterpy and simulates the flight from the filtered state.
@@ -84,22 +87,20 @@ class _BallFilter(ExtendedKalmanFilter):  # type: ignore[misc]
 
     def update_position(self, position: Floats) -> bool:
         """Take a measured position, unless it is an outlier; return whether it was taken."""
-        R = POSITION_NOISE**2 * np.eye(3)
         y = position - self.x[POSITION]
-        S = self.P[POSITION, POSITION] + R
+        S = self.P[POSITION, POSITION] + NOISE_OF_POSITION
         expected = bool(y @ np.linalg.solve(S, y) < OUTLIER_DISTANCE)
         if expected:
-            self._update_part(position, POSITION, R)
+            self._update_part(position, POSITION, NOISE_OF_POSITION)
         return expected
 
     def update_spin(self, spin: Floats) -> None:
         """Take a spin label."""
         noise = SPIN_NOISE_SHARE * float(np.linalg.norm(spin)) + SPIN_NOISE_FLOOR
-        self._update_part(spin, SPIN, noise**2 * np.eye(3))
+        self._update_part(spin, SPIN, noise**2 * ONE)
 
     def _update_part(self, z: Floats, part: slice, R: Floats) -> None:
-        H = np.eye(STATE_SIZE)[part]
-        self.update(z, lambda _: H, lambda x: x[part], R=R)
+        self.update(z, lambda _: WHOLE[part], lambda x: x[part], R=R)
 
 
 def _cheapest(
