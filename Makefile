@@ -1,9 +1,10 @@
 # rallygap: `make help` lists what there is.
 SHELL := /bin/bash
 PYTHON ?= python3.11
-# An index with CPU builds of torch, for example https://download.pytorch.org/whl/cpu. Empty: pip's
-# own default, which on Linux brings several gigabytes of CUDA libraries.
-TORCH_INDEX ?=
+# A further index to take torch from. On Linux, pip's default brings several gigabytes of CUDA
+# libraries, so without a GPU of NVIDIA it is the one with CPU builds. Where it cannot be reached,
+# pip takes what other indices have. Empty: those alone.
+TORCH_INDEX ?= $(if $(filter Linux,$(shell uname)),$(if $(shell command -v nvidia-smi),,https://download.pytorch.org/whl/cpu))
 # The folder with the measured sets (spindoe, tt3d, ...), for `make real` and the tests marked `real`.
 DATA ?= $(RALLYGAP_DATA)
 
@@ -17,7 +18,7 @@ export PYTHONDONTWRITEBYTECODE :=
 PIP := .venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real everything exam learning-curves paper-network arenas spread-policies swap-study simulators real-scenes test test-naming test-all faults lint audit pictures bench docs ui
+.PHONY: help reproduce real everything exam learning-curves paper-network arenas spread-policies swap-study simulators real-scenes test test-naming test-all faults lint constraints audit pictures bench docs ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
@@ -25,12 +26,21 @@ help: ## list the targets
 # Runs what needs the predictors of `make reproduce`, or says that it is left out.
 if_trained = if test -d artifacts/train_predictor; then $(1); else echo "left out, run make reproduce first: $(1)"; fi
 
-# Written last: an environment without this file is incomplete and is created again.
+WITH_TORCH_INDEX = $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX))
+
+# The file ready is written last. An environment that make began and did not finish is created
+# again; one that it did not create is used as it is, and never cleared.
 .venv/ready: pyproject.toml constraints.txt
-	@test -e $@ || $(PYTHON) -m venv --clear .venv
+	@if test ! -e .venv || test -e .venv/by-make -a ! -e $@; then \
+	  rm -rf .venv && mkdir .venv && touch .venv/by-make && $(PYTHON) -m venv .venv; \
+	elif test ! -e .venv/by-make; then \
+	  echo "make: the environment .venv is there already; what is missing is installed into it"; \
+	fi
 	@rm -f $@
+	@.venv/bin/python -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' || \
+	  { echo "make: .venv is not of Python 3.11, which the pipeline needs; move it away" >&2; exit 1; }
 	$(PIP) pip
-	$(PIP) $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) torch
+	$(PIP) $(WITH_TORCH_INDEX) torch
 	$(PIP) --build-constraint constraints.txt --editable '.[pipeline,dev,docs]'
 	@touch $@
 
@@ -87,6 +97,12 @@ lint: .venv/ready ## style, types, import contracts
 	ruff format --check .
 	mypy
 	lint-imports
+
+constraints: .venv/ready ## write constraints.txt with the newest versions of all packages; test them next
+	@.venv/bin/python -m pip install --dry-run --ignore-installed --quiet --report .venv/report.json \
+	  $(WITH_TORCH_INDEX) pip hatchling editables '.[pipeline,dev,docs]'
+	@.venv/bin/python .ci/constraints.py .venv/report.json > .venv/constraints.txt
+	@mv .venv/constraints.txt constraints.txt
 
 audit: .venv/ready ## check the pinned packages for known vulnerabilities; needs pipx and the network
 	pipx run pip-audit --strict --requirement constraints.txt --no-deps --disable-pip

@@ -10,6 +10,7 @@ import typer
 
 from rallygap.pipeline.benchmark.command import app as benchmark
 from rallygap.pipeline.runtime.console import refuse, show
+from rallygap.pipeline.runtime.determinism import hold_arithmetic
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.extras import missing_extra, require
 from rallygap.pipeline.runtime.guard import disks_named
@@ -43,6 +44,7 @@ def main() -> None:
 
     A user's input error, a full disk and a missing optional package are one line and status 2.
     """
+    hold_arithmetic()
     try:
         with disks_named("output"):
             app()
@@ -67,7 +69,9 @@ def _not_installed(error: ModuleNotFoundError) -> InputError:
     extra = missing_extra(package)
     if extra is None:
         raise error
-    problem = f"is not installed; this command needs the extra: pip install -e '.[{extra}]'"
+    problem = f"is not installed; this command needs the extra: pip install 'rallygap[{extra}]'"
+    if extra == "pipeline" and sys.version_info >= (3, 12):
+        problem += " in Python 3.11, since PyBullet has no wheels for later ones"
     return InputError(package, problem)
 
 
@@ -170,6 +174,15 @@ def simulators() -> None:
     from rallygap.models.ball.simulators import shipped_names, shipped_text
 
     typer.echo("\n".join(f"{name}\n{indent(shipped_text(name), '  ')}" for name in shipped_names()))
+
+
+@app.command(rich_help_panel=GAP)
+def example(folder: Annotated[Path, typer.Argument(help="a new folder")]) -> None:
+    """Write recordings of 30 shots into FOLDER, to try `diagnose` and `live` on."""
+    from rallygap.pipeline.io.example import write_example
+
+    write_example(folder)
+    typer.echo(f"Try: rallygap diagnose {folder} --simulator literature --out verdict")
 
 
 @app.command(rich_help_panel=RUNS)

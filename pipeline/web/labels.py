@@ -4,6 +4,7 @@ PREDICTORS = {
     "physics_c": "physics, simulator C",
     "physics_c_with_net": "physics, simulator C with a net",
     "physics_literature": "physics, literature",
+    "filterpy_c": "physics, simulator C, filterpy's filter",
     "amended_imperfect_c": "physics, C amended",
     "amended_imperfect_c_without_net": "physics, C amended, its net left out",
     "amended_without_magnus": "physics, C without lift amended",

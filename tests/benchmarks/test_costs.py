@@ -81,7 +81,7 @@ def test_latency_is_of_every_call_after_the_warm_up(monkeypatch):
 
 def test_every_predictor_of_the_first_set_is_measured(costs):
     assert set(costs["predictor"]) == {
-        "physics_c", "physics_c_with_net", "physics_literature", "oracle", "tiny",
+        "physics_c", "physics_c_with_net", "physics_literature", "filterpy_c", "oracle", "tiny",
     }  # fmt: skip
     assert (costs["latency_ms_median"] > 0).all()
     assert (costs["latency_ms_p99"] >= costs["latency_ms_median"]).all()
