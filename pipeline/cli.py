@@ -196,7 +196,9 @@ def check() -> None:
 
 
 @app.command(rich_help_panel=RUNS)
-def profile(name: Annotated[str, typer.Argument(help="a file of the folder profiles")]) -> None:
+def profile(
+    name: Annotated[str, typer.Argument(help="a file of the folder experiments/profiles")],
+) -> None:
     """Print a profile as flags, for `dvc exp run $(rallygap profile smoke)`."""
     from rallygap.pipeline.experiments.profiles import profile_flags
 
@@ -225,7 +227,9 @@ def ui(
 
 @app.command(rich_help_panel=RUNS)
 def sweep(
-    name: Annotated[str, typer.Argument(help="a file in profiles/sweeps, such as quick")],
+    name: Annotated[
+        str, typer.Argument(help="a file in experiments/profiles/sweeps, such as quick")
+    ],
     study: Annotated[
         str | None,
         typer.Option(envvar="RALLYGAP_STUDY", help="URL of a database; default: a file"),

@@ -1,8 +1,8 @@
 """The paper's network, trained on a GPU in ten minutes.
 
 The transformer has the paper's size and learns from the paper's number of shots (profile
-``paper``), for fewer epochs and with fewer bits. It forecasts test recordings next to the smaller
-networks of the kept run ``paper``, which have learned from the same shots.
+``paper_network``), for fewer epochs and with fewer bits. It forecasts test recordings next to the smaller
+networks of the profile ``paper``, which have learned from the same shots.
 """
 
 from collections.abc import Iterator
@@ -33,9 +33,9 @@ from rallygap.pipeline.params import Params
 from rallygap.pipeline.predictors.training_data import TrainingEpisodes
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 
-NAME, PROFILE, NETWORK = "paper_network", "paper", "transformer"
+NAME, PROFILE, NETWORK = "paper_network", "paper_network", "transformer"
 PHYSICS = {"physics_c": "imperfect_c", "physics_c_with_net": "imperfect_c_with_net"}
-SMALLER = "reports/paper/predictors"  # that have learned from the same shots
+SMALLER = "artifacts/profiles/paper/train_predictor"  # that have learned from the same shots
 
 
 def paper_network(run: StageRun) -> None:

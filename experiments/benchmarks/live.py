@@ -111,7 +111,9 @@ def _compared(
 
 def _paper_size(trained: LearnedPredictor) -> LearnedPredictor:
     """Return the transformer of the paper's size with the normaliser of the laptop's."""
-    paper = read_yaml(ROOT / "profiles" / "paper.yaml")["train_predictor"]["networks"]
+    paper = read_yaml(ROOT / "experiments" / "profiles" / "paper_network.yaml")["train_predictor"][
+        "networks"
+    ]
     settings = TransformerSettings(kind="transformer", **paper["transformer"])
     torch.manual_seed(0)
     network = build_network(settings)

@@ -117,7 +117,7 @@ def paper_reports(root: Path) -> Reports:
     Raises:
         InputError: parameters are missing or broken.
     """
-    folder, profile = root / "reports" / "paper", root / "profiles" / "paper.yaml"
+    folder, profile = root / "reports" / "paper", root / "experiments" / "profiles" / "paper.yaml"
     if (folder / RECORD).is_file():
         return kept_reports(folder)
     params = check_params(merged(read_yaml(root / "params.yaml"), read_yaml(profile)), profile)

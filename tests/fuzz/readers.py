@@ -45,7 +45,7 @@ from tests.pipeline.sources import made_up
 from tests.pipeline.trained_policies import save_drawn
 
 ROOT = Path(__file__).parents[2]
-SWEEP = "profiles/sweeps/predictor.yaml"
+SWEEP = "experiments/profiles/sweeps/predictor.yaml"
 BALL = [0.1, 1.3, 0.3, 0.2, -8.0, 0.5, -150.0, 10.0, 5.0]
 
 
@@ -371,7 +371,9 @@ READERS = [
         JSON,
     ),
     Reader("params.yaml", _copied("params.yaml"), _read_params, YAML),
-    Reader("profile", _copied("params.yaml", "profiles/smoke.yaml"), _read_profile, YAML),
+    Reader(
+        "profile", _copied("params.yaml", "experiments/profiles/smoke.yaml"), _read_profile, YAML
+    ),
     Reader("sweep", _copied("params.yaml", SWEEP), _read_sweep, YAML),
     Reader("best_params.yaml", _write_best, _read_best, YAML),
     Reader("simulator", _write_simulator, _read_simulator, YAML),

@@ -201,7 +201,7 @@ def test_an_experiment_is_kept_without_a_trace_of_this_machine(reproduced, flags
 
 @pytest.mark.real
 def test_the_measured_sets_are_run_and_kept_by_one_command(reproduced, real_data):
-    profiles = reproduced / "profiles"
+    profiles = reproduced / "experiments" / "profiles"
     small = merged(read_yaml(profiles / "real.yaml"), read_yaml(profiles / "smoke.yaml"))
     (profiles / "real.yaml").write_text(yaml.safe_dump(small))
     kept = reproduced / "reports" / "real"

@@ -55,7 +55,7 @@ def test_rows_of_the_decoder_are_the_networks(tmp_path, states):
 
 def test_the_kept_run_is_the_profile_that_the_page_names():
     kept = paper_reports(ROOT).params
-    assert merged(kept, read_yaml(ROOT / "profiles" / "two_cores.yaml")) == kept
+    assert merged(kept, read_yaml(ROOT / "experiments" / "profiles" / "paper.yaml")) == kept
 
 
 def test_a_run_with_the_papers_network_is_not_described_as_smaller(tmp_path):
@@ -91,7 +91,7 @@ def test_a_run_with_other_policies_is_shown_for_policies_only(tmp_path):
 
 
 def test_settings_of_the_papers_profile_are_the_papers(tmp_path):
-    for name in ("params.yaml", "profiles/paper.yaml"):
+    for name in ("params.yaml", "experiments/profiles/paper.yaml"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     found = compare(paper_reports(tmp_path))  # no run is kept

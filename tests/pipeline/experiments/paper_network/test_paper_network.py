@@ -38,8 +38,8 @@ def root(tmp_path, monkeypatch):
     kept = tmp_path / run.SMALLER
     kept.parent.mkdir(parents=True)
     (tmp_path / "artifacts" / "train_predictor").rename(kept)
-    (tmp_path / "profiles").mkdir()
-    (tmp_path / "profiles" / "paper.yaml").touch()
+    (tmp_path / "experiments" / "profiles").mkdir(parents=True)
+    (tmp_path / "experiments" / "profiles" / "paper_network.yaml").touch()
     (tmp_path / "params.yaml").write_text("seed: 1")
     monkeypatch.setattr(run, "profile_params", lambda root, name: SMALL)
     monkeypatch.setattr(training, "EPOCHS", 3)
