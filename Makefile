@@ -18,13 +18,10 @@ export PYTHONDONTWRITEBYTECODE :=
 PIP := .venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce real everything exam learning-curves paper-network arenas spread-policies swap-study simulators real-scenes test test-naming test-all faults lint constraints audit pictures bench docs ui
+.PHONY: help reproduce experiments test test-naming test-all faults lint audit pictures docs ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
-
-# Runs what needs the predictors of `make reproduce`, or says that it is left out.
-if_trained = if test -d artifacts/train_predictor; then $(1); else echo "left out, run make reproduce first: $(1)"; fi
 
 WITH_TORCH_INDEX = $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX))
 
@@ -48,37 +45,8 @@ reproduce: .venv/ready ## run the whole pipeline on simulated data
 	@rallygap check
 	@dvc repro
 
-real: .venv/ready ## run the pipeline on the measured sets in DATA and keep the results in reports/real
-	@rallygap real
-	@$(call if_trained,python -m rallygap.pipeline.real_forecasts.run)
-
-everything: .venv/ready ## a day: all results that the repository keeps, by this commit; it resumes
-	@rallygap everything
-
-exam: .venv/ready ## hours: run the whole blind exam and write its records; stop it with Ctrl-C, it resumes
-	@python -m rallygap.pipeline.exam.full_run
-	@dvc repro hidden_effects
-
-learning-curves: .venv/ready ## an hour and a half: predictors by the number of training recordings; after `make reproduce`
-	@python -m rallygap.pipeline.learning_curves.run
-
-paper-network: .venv/ready ## ten minutes on a GPU: the transformer in the paper's size; it resumes
-	@python -m rallygap.pipeline.paper_network.run
-
-arenas: .venv/ready ## two and a half hours: the gap workflow and networks on twenty fresh arenas; it resumes
-	@python -m rallygap.pipeline.arenas.run
-
-spread-policies: .venv/ready ## a quarter of an hour: policies that observe how sure forecasts are; after `make reproduce`
-	@python -m rallygap.pipeline.spread_policies.run
-
-swap-study: .venv/ready ## hours: when swapping the predictor helps; after `make reproduce`; it resumes
-	@python -m rallygap.pipeline.swap_study.run
-
-simulators: .venv/ready ## minutes: scenes of MuJoCo and PyBullet with something wrong, diagnosed and amended
-	@python -m rallygap.pipeline.simulator_scenes.run
-
-real-scenes: .venv/ready ## minutes: published scenes of MuJoCo on the measured sets in DATA, before and after
-	@python -m rallygap.pipeline.simulator_scenes.real
+experiments: .venv/ready ## hours: what experiments/dvc.yaml lists and is out of date; it resumes
+	@dvc repro experiments/dvc.yaml
 
 test: .venv/ready ## the quick tests, in parallel on all cores
 	@pytest --numprocesses logical --dist loadfile
@@ -109,14 +77,6 @@ audit: .venv/ready ## check the pinned packages for known vulnerabilities; needs
 
 pictures: .venv/ready ## take the screenshots of MLflow for docs/compare.md; needs Chromium
 	@pytest -m slow tests/pipeline/test_comparing_pages.py --pictures docs/images
-
-bench: .venv/ready ## one to two hours: compare speed with other programs; write reports/costs
-	@python -m experiments.benchmarks.ball_simulator
-	@python -m experiments.benchmarks.policy_training
-	@$(call if_trained,python -m experiments.benchmarks.costs)
-	@$(call if_trained,python -m experiments.benchmarks.live)
-	@python -m experiments.benchmarks.drift
-	@python -m experiments.benchmarks.learning
 
 docs: .venv/ready ## build the documentation site and results.pdf in docs/_build; a warning is an error
 	@rallygap docs

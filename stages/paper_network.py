@@ -1,8 +1,8 @@
 """The paper's network, trained on a GPU in ten minutes.
 
 The transformer has the paper's size and learns from the paper's number of shots (profile
-``paper_network``), for fewer epochs and with fewer bits. It forecasts test recordings next to the smaller
-networks of the profile ``paper``, which have learned from the same shots.
+``paper_network``), for fewer epochs and with fewer bits. It forecasts test recordings next to the
+smaller networks of the profile ``paper``, which have learned from the same shots.
 """
 
 from collections.abc import Iterator

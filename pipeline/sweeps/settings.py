@@ -1,4 +1,4 @@
-"""The settings of a sweep, read from ``experiments/profiles/sweeps/NAME.yaml`` and checked against params.yaml.
+"""The settings of a sweep, ``experiments/profiles/sweeps/NAME.yaml``, checked with params.yaml.
 
 Parameters are named as in ``dvc exp run -S``: by their dotted path in params.yaml.
 """
