@@ -24,34 +24,12 @@ from rallygap.pipeline.documentation import (
     sweep_tables,
     transfer_tables,
 )
-from rallygap.pipeline.documentation.cells import NONE
-from rallygap.pipeline.documentation.diagnose_example import diagnose_example
 from rallygap.pipeline.documentation.known_answers import known_answers
 from rallygap.pipeline.exam.page import questions_table
-from rallygap.pipeline.experiments.everything import COMMITS, STEPS, Step
-from rallygap.pipeline.experiments.stale import kept_result
-from rallygap.pipeline.io.artifacts import read_json
-from rallygap.pipeline.io.markdown import markdown_table
 from rallygap.pipeline.paper.page import claims_table, paper_page
 from rallygap.pipeline.runtime.errors import InputError
 
 Writer = Callable[[Path], str]  # takes the repository's root, returns Markdown
-
-
-def age_of(root: Path, run: str) -> str:
-    """Return the commit of a kept run, and whether the code has changed since."""
-    return kept_result(root, root / "reports" / run).sentence
-
-
-def commits_table(root: Path) -> str:
-    """Return which commit made the results of each step of ``make everything``."""
-    commits = read_json(root / COMMITS)
-    rows = [[f"`{step.name}`", commits.get(step.name, NONE)[:7], _minutes(step)] for step in STEPS]
-    return markdown_table(["step", "commit", "minutes on two cores, about"], rows)
-
-
-def _minutes(step: Step) -> str:
-    return f"{step.minutes}, with a GPU" if step.gpu else str(step.minutes)
 
 
 PAGES: dict[str, Writer] = {
@@ -132,11 +110,7 @@ BLOCKS: dict[str, Writer] = {
     "longer-trainings": transfer_tables.longer_trainings,
     "sweeps": sweep_tables.committed_sweeps,
     "sweeps-confirmed": sweep_tables.confirmed_sweeps,
-    "commits": commits_table,
-    "age-paper": partial(age_of, run="paper"),
-    "age-real": partial(age_of, run="real"),
     "paper-claims": claims_table,
-    "diagnose-example": diagnose_example,
 }
 
 _START = "<!-- generated:"

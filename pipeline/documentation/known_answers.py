@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 from rallygap.pipeline.documentation.cells import NONE, read_report
-from rallygap.pipeline.experiments.stale import code_of, result_of
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.io.markdown import markdown_table
 from rallygap.pipeline.known_answers.design import SIZES
@@ -23,7 +22,7 @@ RATES = {  # what is counted: the number, and of how many
 SECTION = """## How far to trust a verdict
 
 On measured sets nobody knows the true causes. So known errors are planted, in the simulator or in
-the recordings, and verdicts must find them. {age} {folds}-fold cross-validation over recordings:
+the recordings, and verdicts must find them. {folds}-fold cross-validation over recordings:
 the base simulator of a fold is `{nominal}`, amended by the verdict on the other folds, and the fold
 is diagnosed with it. The true value of a parameter is not known either: the reference value is the
 fold's own estimate without the planted error. Brackets: 95 % intervals (Wilson).
@@ -49,18 +48,11 @@ def known_answers(root: Path) -> str:
     scores = read_json(root / REPORT / SCORES)
     first = next(iter(scores.values()))
     return SECTION.format(
-        age=_ages(root, scores),
         folds=first["folds"],
         nominal=first["nominal"],
         rates=_rates_table(scores),
         errors=_errors_table(root),
     )
-
-
-def _ages(root: Path, scores: Any) -> str:
-    commits = dict.fromkeys(one["commit"] for one in scores.values() if one["commit"])
-    code = code_of(["rallygap.pipeline.known_answers.run"], ["params.yaml"])
-    return " ".join(result_of(root, root / REPORT, commit, code).sentence for commit in commits)
 
 
 def _rates_table(scores: Any) -> str:
