@@ -9,7 +9,6 @@ import pytest
 
 from rallygap.models.ball.simulators import shipped
 from rallygap.models.gap.hypotheses import Hypothesis, hypotheses
-from rallygap.pipeline.documentation.known_answers import known_answers
 from rallygap.pipeline.known_answers import answers, references
 from rallygap.pipeline.known_answers.answers import Diagnosis, fingerprint, verdicts
 from rallygap.pipeline.known_answers.design import IN_RECORDINGS, IN_SIMULATOR, PlantedError
@@ -152,14 +151,3 @@ def test_a_planted_error_is_found_by_the_gap_workflow(tmp_path):
         (verdict,) = verdicts([diagnosis], "")
     assert verdict.main_causes[0].identity == "position_scale.s"
     assert verdict.main_causes[0].estimate == pytest.approx(0.02, rel=0.2)
-
-
-def test_the_documentation_has_the_rates_only_once_the_questions_are_asked(root, expert):
-    assert known_answers(root) == ""
-    expert()
-    run(root)
-    section = known_answers(root)
-    assert section.startswith("## How far to trust a verdict")
-    assert "| planted error is the leading cause | 48 of 78 (50 to 72 %) |" in section
-    assert "| `drag.cd` | simulator | 2 of 2 | 2 of 2 | 2 of 2 |" in section
-    assert "| `clock_rate.d` | recordings | 0 of 2 | 0 of 2 | 0 of 2 |" in section
