@@ -6,12 +6,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
-from pydantic import BaseModel, ConfigDict
 
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.paper.assessments import Interval
-from rallygap.pipeline.params import check_params, load_params, read_yaml, with_current_keys
+from rallygap.pipeline.params import load_params, with_current_keys
 from rallygap.pipeline.runtime.errors import InputError
 
 RECORD = "run.json"  # of a kept run: commit, command, parameters and fingerprints
@@ -74,11 +72,6 @@ class Reports:
             return None
         return [float(table.iloc[0][name]) for name in names]
 
-    def number(self, file: str, name: str, **keys: str | int) -> float | None:
-        """Return a number of the row with these values; ``None`` if it does not exist."""
-        found = self.numbers(file, [name], **keys)
-        return None if found is None else found[0]
-
 
 class Reading(NamedTuple):
     """A number of ours.
@@ -96,12 +89,6 @@ class Reading(NamedTuple):
     assessment: str = ""
 
 
-class ReportSource(BaseModel):
-    """Where a number of ours comes from: a kind of ``ours`` in ``values.yaml``."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
 def laptop_reports(root: Path) -> Reports:
     """Return the reports of the last run in a repository.
 
@@ -109,19 +96,6 @@ def laptop_reports(root: Path) -> Reports:
         InputError: its parameters are missing or broken.
     """
     return Reports(root / "reports", load_params(root / "params.yaml").model_dump(mode="json"))
-
-
-def paper_reports(root: Path) -> Reports:
-    """Return the reports of the run in the paper's size, if it was kept; else its parameters.
-
-    Raises:
-        InputError: parameters are missing or broken.
-    """
-    folder, profile = root / "reports" / "paper", root / "profiles" / "paper.yaml"
-    if (folder / RECORD).is_file():
-        return kept_reports(folder)
-    params = check_params(merged(read_yaml(root / "params.yaml"), read_yaml(profile)), profile)
-    return Reports(folder, params.model_dump(mode="json"), profile)
 
 
 def is_kept_run(folder: Path) -> bool:

@@ -6,17 +6,18 @@ import pytest
 
 from rallygap.pipeline.io.report_manifest import Contents, read_contents
 from rallygap.pipeline.paper.assessments import NOT_DIFFERENT, Interval
-from rallygap.pipeline.paper.comparison import Finding, Group, Value, exhibits, groups
+from rallygap.pipeline.paper.comparison import Finding, Group, exhibits, groups
 from rallygap.pipeline.paper.run_reports import Reports, laptop_reports
+from rallygap.pipeline.paper.values import Value
 from rallygap.pipeline.web.paper_section import mark, paper_section
 from rallygap.stages.report import STAGES
 
 ROOT = Path(__file__).parents[3]
-VALUE = Value(id="id", what="what", place="Table I", value=50.0, rule="more", ours={"see": "file"})
+VALUE = Value("group", "id", "what", rule="more", value=50.0, ours="file")
 
 
 def group(axis):
-    return Group("id", "title", "about", axis, "", (VALUE,))
+    return Group("id", "title", "about", axis)
 
 
 def test_values_are_drawn_inside_their_axis():
