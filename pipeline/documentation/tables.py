@@ -32,7 +32,11 @@ from rallygap.pipeline.io.markdown import markdown_table
 from rallygap.pipeline.runtime.errors import InputError
 
 MISSING = "–"
-LABELS = {"predictor": PREDICTORS, "other": PREDICTORS, "simulator": SIMULATORS}  # by column
+LABELS: dict[str, dict[str, str]] = {
+    "predictor": PREDICTORS,
+    "other": PREDICTORS,
+    "simulator": SIMULATORS,
+}  # by column
 IMAGES = "docs/images/"  # copies of figures that git has nowhere else, by stage
 _BLOCK = re.compile(r"(<!-- (table: .*?)-->\n)(.*?)(?=<!-- end -->)", re.DOTALL)
 _IMAGE = re.compile(r"!\[[^]]*\]\((?!https?:)([^)]+)\)")
@@ -79,7 +83,7 @@ class Query(BaseModel):
         if self.rows:
             table = table.query(self.rows, engine="python")
         for name, expression in self.let.items():
-            table = table.assign(**{name: table.eval(expression, engine="python")})
+            table = table.assign(**{name: _values(expression, table)})
         if self.by:
             table = table.groupby(self.by, sort=False).agg(**self.take).reset_index()
         return table
@@ -180,9 +184,14 @@ def _filled(template: str, table: pd.DataFrame) -> list[str]:
 
 def _texts(field: str, form: str, table: pd.DataFrame) -> list[str]:
     """Return the values of an expression as they are shown."""
-    values = table[field] if field in table else table.eval(field, engine="python")
-    labels = LABELS.get(field, {})
-    return [_text(labels.get(value, value) if labels else value, form) for value in values]
+    values = list(table[field] if field in table else _values(field, table))
+    if field in LABELS:
+        values = [LABELS[field].get(value, value) for value in values]
+    return [_text(value, form) for value in values]
+
+
+def _values(expression: str, table: pd.DataFrame) -> Any:
+    return table.eval(expression, engine="python")
 
 
 def _text(value: Any, form: str) -> str:

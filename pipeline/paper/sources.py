@@ -175,8 +175,10 @@ def _decoder_rows(run: Reports) -> float | None:
 
 def _placeholders(run: Reports) -> str | None:
     rows = _future_rows(run)
+    if rows is None:
+        return None
     uniform = run.param(f"{NETWORK}.uniform_motion")
-    return rows and (f"{rows} rows of uniform motion" if uniform else f"{rows} x 6 zeros")
+    return f"{rows} rows of uniform motion" if uniform else f"{rows} x 6 zeros"
 
 
 def _horizons(run: Reports, index: int) -> str | None:
