@@ -75,14 +75,13 @@ constraints: .venv/ready ## write constraints.txt with the newest versions of al
 audit: .venv/ready ## check the pinned packages for known vulnerabilities; needs pipx and the network
 	pipx run pip-audit --strict --requirement constraints.txt --no-deps --disable-pip
 
-pictures: .venv/ready ## take the screenshots of MLflow for docs/compare.md; needs Chromium
+pictures: .venv/ready ## take the screenshots of MLflow for docs/daily.md; needs Chromium
 	@pytest -m slow tests/pipeline/test_comparing_pages.py --pictures docs/images
 
-docs: .venv/ready ## build the documentation site and results.pdf in docs/_build; a warning is an error
-	@rallygap docs
-	@python -m rallygap.pipeline.print.results_pdf
+docs: .venv/ready ## write the tables of the pages and build the site in docs/_build; a warning is an error
+	@python -m rallygap.pipeline.documentation
 	@sphinx-build --fail-on-warning --keep-going --quiet --builder html docs docs/_build/html
-	@echo "docs/_build/html/index.html docs/_build/results.pdf"
+	@echo docs/_build/html/index.html
 
 ui: .venv/ready ## serve the MLflow pages of this repository's runs on 127.0.0.1
 	@rallygap ui

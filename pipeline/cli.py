@@ -311,22 +311,6 @@ def live(
         typer.echo(line)
 
 
-@app.command(rich_help_panel=MAINTENANCE)
-def docs() -> None:
-    """Write the generated pages, blocks and pictures of the documentation, and kept figures."""
-    from rallygap.pipeline.documentation.generated import regenerate
-    from rallygap.pipeline.documentation.pictures import redrawn_figures, renewed_pictures
-    from rallygap.pipeline.io.artifacts import write_text
-
-    root = clone()
-    for path, text in regenerate(root).items():
-        if not path.exists() or path.read_text(encoding="utf-8") != text:
-            write_text(path, text)
-            typer.echo(f"written: {path}")
-    for path in (*renewed_pictures(root), *redrawn_figures(root)):
-        typer.echo(f"written: {path}")
-
-
 def _check_free(port: int) -> None:
     """Refuse a port that cannot be had: MLflow would say so in many lines, and with status 0."""
     try:

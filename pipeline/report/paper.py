@@ -10,14 +10,13 @@ from typing import Any
 from rallygap.pipeline.paper.assessments import MEANINGS
 from rallygap.pipeline.paper.comparison import (
     CONTEXT,
-    NOTHING,
     Finding,
     Group,
-    Value,
     exhibits,
     groups,
 )
 from rallygap.pipeline.paper.run_reports import Reports
+from rallygap.pipeline.paper.values import Value
 
 DECADES = 2.0  # of the scale on which sizes are drawn, on each side of the paper's
 
@@ -102,11 +101,11 @@ def _group(group: Group, run: Reports) -> dict[str, Any]:
             "ours": found.shown,
             "assessment": found.assessment,
             "mark": mark(group, value, found),
-            "where": value.ours.place,
+            "where": value.ours,
         }
         for value, found in group.findings(run)
     ]
-    stages = dict.fromkeys(value.stage for value in group.values if value.stage != NOTHING)
+    stages = dict.fromkeys(value.stage for value in group.values if value.stage)
     return {
         "key": group.id,
         "title": group.title,

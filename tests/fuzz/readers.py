@@ -25,7 +25,7 @@ from rallygap.pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.io.source_manifest import read_manifest
 from rallygap.pipeline.paper.comparison import compare
-from rallygap.pipeline.paper.run_reports import paper_reports
+from rallygap.pipeline.paper.run_reports import kept_reports
 from rallygap.pipeline.params import load_params
 from rallygap.pipeline.policies.storage import TrainedPolicy, load_policy
 from rallygap.pipeline.predictors.storage import load_predictor
@@ -342,7 +342,7 @@ def _read_timings(folder: Path) -> int:
 
 
 def _read_kept_run(folder: Path) -> int:
-    compare(paper_reports(folder))
+    compare(kept_reports(folder / "reports" / "paper"))
     return 0
 
 

@@ -5,17 +5,18 @@ from pathlib import Path
 import pytest
 
 from rallygap.pipeline.paper.assessments import NOT_DIFFERENT, Interval
-from rallygap.pipeline.paper.comparison import Finding, Group, Value, exhibits, groups
+from rallygap.pipeline.paper.comparison import Finding, Group, exhibits, groups
 from rallygap.pipeline.paper.run_reports import Reports, laptop_reports
+from rallygap.pipeline.paper.values import Value
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.report.paper import mark, paper_section
 
 ROOT = Path(__file__).parents[3]
-VALUE = Value(id="id", what="what", place="Table I", value=50.0, rule="more", ours={"see": "file"})
+VALUE = Value("group", "id", "what", rule="more", value=50.0, ours="file")
 
 
 def group(axis):
-    return Group("id", "title", "about", axis, "", (VALUE,))
+    return Group("id", "title", "about", axis)
 
 
 def test_values_are_drawn_inside_their_axis():

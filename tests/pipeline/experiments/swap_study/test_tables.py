@@ -6,9 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from rallygap.pipeline.documentation import transfer_tables
 from rallygap.pipeline.experiments.swap_study.tables import study_tables
-from rallygap.pipeline.io.artifacts import write_csv
 
 PREDICTORS = ("physics_c", "amended", "transformer")
 SHOTS, TRAININGS = 12, 3
@@ -61,19 +59,3 @@ def test_tables_have_a_row_for_every_comparison(tables):
     gained = tables["gains_every_tick"].query("outcome == 'returns'")
     assert (gained["difference"] > 0.4).all()
     assert (gained["p_holm"] < 0.01).all()
-
-
-def test_the_documentation_shows_them(tables, tmp_path):
-    for name, table in tables.items():
-        write_csv(tmp_path / "reports" / "swap_study" / f"{name}.csv", table, digits=4)
-    gained = transfer_tables.swap_every_tick(tmp_path)
-    assert [line.split(" | ")[0] for line in gained.splitlines()[2:]] == [
-        "| physics, simulator C",
-        "| physics, own simulator amended",
-        "| transformer",
-    ]
-    assert gained.count("*") == len(PREDICTORS) * 4
-    shown = transfer_tables.swap_readings(tmp_path, "first_window")
-    assert shown.splitlines()[0].startswith("| predictor | intercept, 115-125 ms |")
-    retrained = transfer_tables.swap_retrained(tmp_path)
-    assert len(retrained.splitlines()) == 2 + 2 * len(PREDICTORS)
