@@ -126,7 +126,7 @@ def _find(value: Value, run: Reports) -> Finding:
     try:
         found = READERS[value.source](value, run)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        problem = f"cannot be compared: {error}; run the stage or `rallygap keep` again"
+        problem = f"cannot be compared: {error}; run the stage again"
         raise InputError(run.written_in, problem, field=value.ours) from None
     if found is None:
         return Finding(NO_NUMBER if value.rule == "quoted" else NOT_MEASURED)

@@ -19,7 +19,7 @@ number, the stage that produces it, and an assessment. Generated from `pipeline/
 reports (`make docs`); `reports/index.html` shows the same with drawings.
 
 - *laptop* is the last run (`reports/`). *paper* is the run with the paper's number of shots
-  (`reports/paper/`; its `run.json` has the command and the parameters).
+  (`reports/paper/`; `params.json` has its parameters).
 - *shots* (`reports/shots/`) has predictors with the settings of *laptop*, and policies that are
   asked for speed and topspin, 3 trainings of each. It is shown for policies only.
 - Intervals are 95 % intervals. A dash means that there is no number.
@@ -29,8 +29,8 @@ reports (`make docs`); `reports/index.html` shows the same with drawings.
   parameters, differs from the paper's: width of the layers 128 instead of 512, batch size 64
   instead of 128, epochs 16 instead of 80.
   [Results](results.md#the-papers-network) has the errors of a transformer of the paper's size. The
-  profile `paper`, with the paper's network, training and policies, has not been run:
-  `dvc exp run --name paper $(rallygap profile paper)`, `rallygap keep paper`.
+  profile `paper_network`, with the paper's network, training and policies, has not been run as a
+  whole.
 """
 
 

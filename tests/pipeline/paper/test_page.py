@@ -9,7 +9,6 @@ from rallygap.models.predictors.errors import HORIZONS_MS
 from rallygap.models.predictors.normaliser import INPUTS, OUTPUTS
 from rallygap.models.predictors.protocol import FUTURE, HISTORY, TICK
 from rallygap.models.predictors.transformer import Transformer
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.paper.assessments import DIFFERS, MEANINGS, NOT_MEASURED
 from rallygap.pipeline.paper.comparison import compare, exhibits, groups
@@ -70,17 +69,19 @@ def test_a_run_with_other_policies_is_shown_for_policies_only():
 
 
 def test_settings_of_the_papers_profile_are_the_papers(tmp_path):
-    params = merged(read_yaml(ROOT / "params.yaml"), read_yaml(ROOT / "profiles" / "paper.yaml"))
+    params = merged(
+        read_yaml(ROOT / "params.yaml"),
+        read_yaml(ROOT / "experiments" / "profiles" / "paper_network.yaml"),
+    )
     found = compare(Reports(tmp_path, params))
     differ = {key for key, ours in found.items() if ours.assessment == DIFFERS}
     settings = {value.id for value in VALUES if "params.yaml" in value.ours}
     assert settings and differ & settings == set()
 
 
-@pytest.mark.parametrize("record", [7, {"params": [1]}])
-def test_a_broken_record_of_the_kept_run_is_named(tmp_path, record):
-    write_json(tmp_path / "reports" / "paper" / "run.json", record)
-    with pytest.raises(InputError, match=r"run\.json, params: .*`rallygap keep`"):
+def test_broken_parameters_of_a_profile_s_run_are_named(tmp_path):
+    write_json(tmp_path / "reports" / "paper" / "params.json", [1])
+    with pytest.raises(InputError, match=r"params\.json: holds no parameters"):
         kept_reports(tmp_path / "reports" / "paper")
 
 
@@ -95,11 +96,11 @@ def test_a_broken_record_of_the_kept_run_is_named(tmp_path, record):
     ],
 )
 def test_a_kept_parameter_of_the_wrong_type_is_named(tmp_path, path, value):
-    kept = tmp_path / "run.json"
+    kept = tmp_path / "params.json"
     states = {"train_predictor.networks.transformer.states_per_row": 1}
     params = nested({"train_predictor.training.epochs": 80} | states | {path: value})
-    kept.write_text(json.dumps({"params": params}))
-    with pytest.raises(InputError, match=rf"run\.json, params\.yaml: {path}.*`rallygap keep`"):
+    kept.write_text(json.dumps(params))
+    with pytest.raises(InputError, match=rf"params\.json, params\.yaml: {path}"):
         compare(kept_reports(tmp_path))
 
 

@@ -4,7 +4,7 @@ import joblib
 import pandas as pd
 import pytest
 
-from rallygap.pipeline.experiments.arenas import run
+import rallygap.stages.arenas as run
 from rallygap.pipeline.experiments.arenas.scores import (
     coverage,
     found_by_size,
@@ -14,7 +14,7 @@ from rallygap.pipeline.experiments.arenas.scores import (
 )
 from rallygap.pipeline.experiments.arenas.world import arena_result
 from rallygap.pipeline.gap import cases
-from rallygap.pipeline.io.artifacts import read_json
+from rallygap.pipeline.runtime.stage_run import StageRun
 from tests.models.predictors.small_training import BRIEF, TINY, TINY_HYBRID, changed
 from tests.pipeline.experiments.arenas.made_up import CAUSES, ERRORS
 from tests.pipeline.experiments.known_answers.made_up import cause, found
@@ -79,21 +79,15 @@ def test_a_killed_run_goes_on_with_the_arenas_that_are_missing(tmp_path, monkeyp
             raise KeyboardInterrupt
         return {"causes": CAUSES, "errors": ERRORS.drop(columns="seed")}
 
-    (tmp_path / "params.yaml").write_text("seed: 1")
     monkeypatch.setattr(run, "arena_result", result)
-    monkeypatch.setattr(run, "load_params", lambda path: SMALL)
     monkeypatch.setattr(run, "SEEDS", [2, 3])
     with joblib.parallel_config(backend="sequential"):
         with pytest.raises(KeyboardInterrupt):
-            run.arenas(tmp_path)
-        run.arenas(tmp_path)
+            run.arenas(StageRun("arenas", tmp_path, SMALL))
+        run.arenas(StageRun("arenas", tmp_path, SMALL))
     assert made == [2, 3, 3]
-    reports = tmp_path / "reports" / "arenas"
-    written = pd.read_csv(reports / "errors.csv")
+    written = pd.read_csv(tmp_path / "reports" / "arenas" / "errors.csv")
     assert written["seed"].tolist() == [2] * 6 + [3] * 6
-    assert read_json(reports / "arenas.json")["seeds"] == [2, 3]
-    assert (reports / "arenas.png").exists()
-    assert not list((tmp_path / "scratch").rglob("*.json"))
 
 
 def test_causes_are_counted_by_their_size():

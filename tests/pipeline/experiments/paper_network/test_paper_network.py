@@ -5,9 +5,10 @@ import pandas as pd
 import pytest
 import torch
 
+import rallygap.stages.paper_network as run
 from rallygap.models.predictors.settings import TrainingSettings
 from rallygap.models.predictors.training import ForecastTraining
-from rallygap.pipeline.experiments.paper_network import prepared, run, training
+from rallygap.pipeline.experiments.paper_network import prepared, training
 from rallygap.pipeline.experiments.paper_network.training import (
     on_gpu,
     read_trained_network,
@@ -19,6 +20,7 @@ from rallygap.pipeline.predictors.trainer import train
 from rallygap.pipeline.predictors.training_data import untrained_network
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.paths import repository_root
+from rallygap.pipeline.runtime.stage_run import StageRun
 from tests.models.predictors.small_training import BRIEF, TINY, changed, data, small_training
 from tests.pipeline.measured_shots import params
 from tests.pipeline.measured_shots import write_trained as write_kept
@@ -32,19 +34,16 @@ SMALL = params(
 
 
 @pytest.fixture
-def root(tmp_path, monkeypatch):
-    """A repository with a kept predictor, and settings of a tiny network."""
+def stage(tmp_path, monkeypatch):
+    """A run with a kept predictor, and settings of a tiny network."""
     write_kept(tmp_path, "transformer")
     kept = tmp_path / run.SMALLER
     kept.parent.mkdir(parents=True)
     (tmp_path / "artifacts" / "train_predictor").rename(kept)
-    (tmp_path / "experiments" / "profiles").mkdir(parents=True)
-    (tmp_path / "experiments" / "profiles" / "paper_network.yaml").touch()
-    (tmp_path / "params.yaml").write_text("seed: 1")
     monkeypatch.setattr(run, "profile_params", lambda root, name: SMALL)
     monkeypatch.setattr(training, "EPOCHS", 3)
     with joblib.parallel_config(backend="sequential"):
-        yield tmp_path
+        yield StageRun("paper_network", tmp_path, SMALL)
 
 
 def test_the_profile_has_the_size_of_the_paper():
@@ -87,35 +86,32 @@ def test_a_trained_network_is_read_as_it_was_trained(tmp_path):
     assert record["training_episodes"] == data().train.episodes
 
 
-def test_without_a_gpu_nothing_is_simulated(root, monkeypatch):
+def test_without_a_gpu_nothing_is_simulated(stage, monkeypatch):
     monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
     monkeypatch.delattr(run, "record_arena")
     with pytest.raises(InputError, match="is trained on a GPU"):
-        run.paper_network(root)
+        run.paper_network(stage)
 
 
 def killed(*_):
     raise KeyboardInterrupt
 
 
-def test_a_killed_run_resumes_and_publishes_errors(root, monkeypatch):
+def test_a_killed_run_resumes_and_publishes_errors(stage, monkeypatch):
     monkeypatch.setattr(run, "check_gpu", lambda folder: None)
     with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
         patch.setattr(run, "_errors", killed)
-        run.paper_network(root)
-    assert not list((root / "reports").glob("paper_network*"))
+        run.paper_network(stage)
+    assert not stage.report(".").exists()
     monkeypatch.delattr(run, "record_arena")
     monkeypatch.delattr(run, "write_trained")
-    run.paper_network(root)
-    reports = root / "reports"
-    errors = pd.read_csv(reports / "paper_network.csv")
+    run.paper_network(stage)
+    errors = pd.read_csv(stage.report("errors.csv"))
     means = errors.query("quantity == 'position' and bounce == 'all' and horizon_ms == 200")
     means = means.set_index("predictor")["mean"]
     assert list(means.index) == [*run.PHYSICS, "transformer", "oracle", "paper_network"]
     assert means["oracle"] < means["physics_c"] < means["paper_network"]
-    differences = pd.read_csv(reports / "paper_network_differences.csv")
+    differences = pd.read_csv(stage.report("differences.csv"))
     assert set(differences["predictor"]) == {"paper_network"}
-    assert pd.read_csv(reports / "paper_network_training.csv")["epoch"].tolist() == [*range(1, 4)]
-    assert read_json(reports / "paper_network.json")["seed"] == SMALL.seed
-    assert (reports / "paper_network.png").exists()
-    assert not list((root / "scratch").rglob("*.safetensors"))
+    assert pd.read_csv(stage.report("training.csv"))["epoch"].tolist() == [*range(1, 4)]
+    assert read_json(stage.report("network.json"))["seed"] == SMALL.seed

@@ -11,8 +11,8 @@ from rallygap.models.predictors.learned import build_network
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.spread import Spread
 from rallygap.pipeline.experiments.real_forecasts.adapted import FineTuning
-from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
+from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.stages.real_forecasts import real_forecasts
 from tests.models.predictors.small_training import BRIEF, TINY, TINY_HYBRID, network
 from tests.pipeline.measured_shots import SIMULATOR, params, write_trained
@@ -23,8 +23,8 @@ PREDICTORS = {"physics_literature", "amended", *LEARNED}
 
 
 @pytest.fixture
-def root(tmp_path, monkeypatch):
-    """A repository with tiny trained networks and a set of eight recordings."""
+def stage(tmp_path, monkeypatch):
+    """A run with tiny trained networks and a set of eight recordings."""
     folder = tmp_path / "data" / "csv"
     folder.mkdir(parents=True)
     random = np.random.default_rng(0)
@@ -34,16 +34,15 @@ def root(tmp_path, monkeypatch):
         rows = np.column_stack([TIMES, places + 0.002 * random.standard_normal(places.shape)])
         table = pd.DataFrame(rows, columns=["t", "x", "y", "z"])
         table.to_csv(folder / f"ball_{number}.csv", index=False)
-    (tmp_path / "params.yaml").write_text("seed: 1")
     write_trained(tmp_path, "transformer")
     _write_hybrid(tmp_path / "artifacts" / "train_predictor" / "hybrid")
     tuned = params().train_predictor.model_copy(update={"training": BRIEF})
     few = tuned.fine_tuning.model_copy(update={"epochs": 1, "windows_per_episode": 1})
     used = params(train_predictor=tuned.model_copy(update={"fine_tuning": few}))
-    monkeypatch.setattr(rallygap.stages.real_forecasts, "load_params", lambda path: used)
+    monkeypatch.setenv("RALLYGAP_DATA", str(tmp_path / "data"))
     monkeypatch.setattr(rallygap.stages.real_forecasts, "SETS", ("csv",))
     monkeypatch.setattr(rallygap.stages.real_forecasts, "FOLDS", 2)
-    return tmp_path
+    return StageRun("real_forecasts", tmp_path, used)
 
 
 def _write_hybrid(folder):
@@ -60,28 +59,26 @@ def _write_hybrid(folder):
     save_predictor(folder, made, Spread(), described)
 
 
-def test_every_recording_is_tested_once_by_every_predictor(root):
-    real_forecasts(root, root / "data")
-    report = root / "reports" / "real"
-    rows = pd.read_csv(report / "forecasts.csv").query("quantity == 'position' and bounce == 'all'")
+def test_every_recording_is_tested_once_by_every_predictor(stage):
+    real_forecasts(stage)
+    rows = pd.read_csv(stage.report("errors.csv")).query(
+        "quantity == 'position' and bounce == 'all'"
+    )
     assert set(rows["predictor"]) == PREDICTORS
     assert rows.groupby("horizon_ms")["n"].nunique().eq(1).all()
     errors = rows.query("horizon_ms == 200").set_index("predictor")["mean"]
     assert errors["physics_literature"] < 40.0  # the truth; the set errs by 2 mm
-    pairs = pd.read_csv(report / "forecast_differences.csv")
+    pairs = pd.read_csv(stage.report("differences.csv"))
     assert set(pairs["predictor"]) == {"hybrid", "hybrid_ensemble"}
-    covered = pd.read_csv(report / "forecast_coverage.csv")
+    covered = pd.read_csv(stage.report("coverage.csv"))
     assert set(covered["predictor"]) == PREDICTORS
     assert covered["coverage"].between(0.0, 1.0).all() and covered["size_mm"].gt(0.0).all()
-    record = read_json(report / "forecasts.json")
-    assert (record["folds"], record["resamples"]) == (2, 50)
-    assert not list((root / "scratch").rglob("*.yaml"))
 
 
-def test_a_hybrid_on_another_simulator_starts_from_its_forecasts(root, tmp_path):
+def test_a_hybrid_on_another_simulator_starts_from_its_forecasts(stage, tmp_path):
     hybrid = build_network(TINY_HYBRID, SIMULATOR)
     other = PhysicsPredictor(SIMULATOR.amended("drag", cd=0.3))
-    (fold, _) = rallygap.stages.real_forecasts._folds(root / "data" / "csv", "csv")
+    (fold, _) = rallygap.stages.real_forecasts._folds(stage.root / "data" / "csv", "csv")
     tuning = FineTuning(network(TINY), hybrid, BRIEF, 0)
     jobs = {one.name: one for one in tuning.jobs(fold.others, other, "one", tmp_path)}
     assert set(jobs) == {"transformer-one", "transformer_2-one", "hybrid-one"}

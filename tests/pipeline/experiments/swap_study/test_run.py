@@ -1,12 +1,13 @@
-"""The run: all trials of the study, with the record of the sample."""
+"""The stage: all trials of the study."""
 
 import joblib
 import pandas as pd
 import pytest
 
-from rallygap.pipeline.experiments.swap_study import run, trials
-from rallygap.pipeline.io.artifacts import read_json
+import rallygap.stages.swap_study as run
+from rallygap.pipeline.experiments.swap_study import trials
 from rallygap.pipeline.policies.training import TrainingResult
+from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.transfer.retraining import in_simulator
 from tests.pipeline.amendments import write_amended
 from tests.pipeline.measured_shots import params, write_trained
@@ -31,13 +32,10 @@ def root(tmp_path, monkeypatch):
     artifacts = write_replays(tmp_path, shots, sources=("arena",))
     write_amended(artifacts / "close_gap", "arena", "imperfect_c", {"drag": {"cd": 0.54}})
     write_trained(tmp_path, "transformer")
-    for name in ("params.yaml", run.PROFILE):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text("seed: 1")
     plain = params(sim2real=SETTINGS)
     few = plain.train_policy.model_copy(update={"trials": 2})
     used = plain.model_copy(update={"train_policy": few})
-    monkeypatch.setattr(run, "check_params", lambda values, root: used)
+    monkeypatch.setattr(run, "profile_params", lambda root, name: used)
     monkeypatch.setattr(run, "trained_policies", trained_policies)
     monkeypatch.setattr(trials, "SETTINGS", trials.SETTINGS[:2])
     with joblib.parallel_config(backend="sequential"):
@@ -55,12 +53,10 @@ def test_a_killed_run_resumes_and_publishes_all_tables(root, monkeypatch):
 
     monkeypatch.setattr(run, "played", noted)
     with pytest.raises(KeyboardInterrupt):
-        run.swap_study(root)
+        run.swap_study(StageRun("swap_study", root, None))
     left = list((root / "scratch").rglob("*.parquet"))
     assert len(left) == 3 and not (root / "reports").exists()
-    run.swap_study(root)
-    record = read_json(root / "reports/swap_study/run.json")
-    assert record["policies"] == 4
+    run.swap_study(StageRun("swap_study", root, None))
+    assert len(pd.read_csv(root / "reports/swap_study/policies.csv")) == 4
     names = {path.name for path in (root / "reports/swap_study").iterdir()}
-    assert {"policies.csv", "readings.csv", "gains.csv", "readings.png", "mechanism.png"} <= names
-    assert not list((root / "scratch").rglob("*.parquet"))
+    assert {"policies.csv", "readings.csv", "gains.csv"} <= names
