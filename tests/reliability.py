@@ -9,8 +9,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from rallygap.pipeline.io.artifacts import write_csv, write_json
-from rallygap.pipeline.runtime.git import git_commit
+from rallygap.pipeline.io.artifacts import write_csv
 
 ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "reports" / "reliability"
@@ -37,7 +36,6 @@ class Tables:
             raise pytest.UsageError(f"--tables needs the whole suite; no row of {missing}")
         for name in NAMES:
             write_csv(folder / f"{name}.csv", pd.DataFrame(map(asdict, self.rows[name])))
-        write_json(folder / "run.json", {"commit": git_commit(ROOT)})
 
 
 COLLECTED = pytest.StashKey[Tables]()

@@ -29,13 +29,13 @@ from rallygap.pipeline.paper.run_reports import kept_reports
 from rallygap.pipeline.params import load_params
 from rallygap.pipeline.policies.storage import TrainedPolicy, load_policy
 from rallygap.pipeline.predictors.storage import load_predictor
+from rallygap.pipeline.runtime.provenance import provenance, short
 from rallygap.pipeline.runtime.scratch import kept_timings
 from rallygap.pipeline.sweeps.confirm import compared_params
 from rallygap.pipeline.sweeps.report import BEST
 from rallygap.pipeline.sweeps.settings import load_sweep
-from rallygap.pipeline.tracking.lineage import report_of
 from rallygap.pipeline.transfer.truth_comparison import NamedCauses
-from rallygap.pipeline.web.report_manifest import read_columns, read_contents
+from rallygap.pipeline.web.report_manifest import read_columns
 from tests.fuzz import hostile
 from tests.models.exam.example_records import answer, hidden, named, record
 from tests.models.predictors.balls import observed
@@ -245,11 +245,6 @@ def _read_shots(folder: Path) -> int:
     return 0
 
 
-def _read_contents(folder: Path) -> int:
-    read_contents(folder / "reports", "segment")
-    return 0
-
-
 def _write_columns(folder: Path) -> Path:
     return _copied("reports/segment/splits.csv")(_made(folder / "reports"))
 
@@ -262,10 +257,6 @@ def _made(folder: Path) -> Path:
 def _read_columns(folder: Path) -> int:
     read_columns(folder / "reports" / "segment" / "splits.csv")
     return 0
-
-
-def _write_contents(folder: Path) -> Path:
-    return _copied("reports/segment/contents.json")(_made(folder / "reports"))
 
 
 @cache
@@ -315,28 +306,18 @@ def _read_true_contacts(folder: Path) -> int:
     return 0
 
 
-def _write_pipeline(folder: Path) -> Path:
-    path = folder / "dvc.yaml"
-    outputs = "    - reports/segment/splits.csv: {cache: false}\n"
-    path.write_text(f"stages:\n  segment:\n    cmd: a\n    outs:\n{outputs}")
-    return path
-
-
-def _read_origin(folder: Path) -> int:
-    report_of(folder, folder / "reports" / "segment" / "splits.csv")
-    return 0
-
-
 def _write_timings(folder: Path) -> Path:
-    _write_contents(folder)
-    fingerprint = read_contents(folder / "reports", "segment").fingerprint
-    path = folder / "timings" / "segment" / f"{fingerprint}.json"
+    stage = "stages: {segment: {cmd: a, deps: [params.yaml], params: [seed]}}"
+    (folder / "dvc.yaml").write_text(stage)
+    (folder / "params.yaml").write_text("seed: 1")
+    present = short(provenance(folder, "segment").fingerprint)
+    path = folder / "timings" / "segment" / f"{present}.json"
     write_json(path, {"tiny": {"training_s": 61.5}, "fitted_cpu_s_median": 3.25})
     return path
 
 
 def _read_timings(folder: Path) -> int:
-    for took in kept_timings(folder, folder / "reports" / "segment").values():
+    for took in kept_timings(folder, "segment").values():
         assert all(map(np.isfinite, took.values() if isinstance(took, dict) else [took]))
     return 0
 
@@ -392,12 +373,12 @@ READERS = [
     Reader("manifest.json", _write_manifest, _read_manifest, JSON),
     Reader("truth.json", _write_truth, _read_truth, JSON),
     Reader("shots.json", _write_shots, _read_shots, JSON),
-    Reader("report, contents.json", _write_contents, _read_contents, JSON),
     Reader("report, tables", _write_columns, _read_columns, SEPARATED),
     Reader("forecast_error.csv", _copied(str(FORECAST_ERRORS)), _read_errors, SEPARATED),
-    Reader("kept run, run.json", _copied("reports/paper/run.json"), _read_kept_run, JSON),
+    Reader(
+        "profile's run, params.json", _copied("reports/paper/params.json"), _read_kept_run, JSON
+    ),
     Reader("timings", _write_timings, _read_timings, JSON),
-    Reader("run-of, dvc.yaml", _write_pipeline, _read_origin, YAML),
     *[
         Reader(name, _write_table("segment", name), _read_segmented, PARQUET)
         for name in ("episodes.parquet", "contacts.parquet", "samples.parquet")

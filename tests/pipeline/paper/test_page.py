@@ -9,6 +9,7 @@ from rallygap.models.predictors.errors import HORIZONS_MS
 from rallygap.models.predictors.normaliser import INPUTS, OUTPUTS
 from rallygap.models.predictors.protocol import FUTURE, HISTORY, TICK
 from rallygap.models.predictors.transformer import Transformer
+from rallygap.pipeline.experiments.profiles import profile_params
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.paper.assessments import DIFFERS, MEANINGS, NOT_MEASURED
 from rallygap.pipeline.paper.comparison import compare, exhibits, groups
@@ -69,10 +70,7 @@ def test_a_run_with_other_policies_is_shown_for_policies_only():
 
 
 def test_settings_of_the_papers_profile_are_the_papers(tmp_path):
-    params = merged(
-        read_yaml(ROOT / "params.yaml"),
-        read_yaml(ROOT / "experiments" / "profiles" / "paper_network.yaml"),
-    )
+    params = profile_params(ROOT, "paper_network").model_dump(mode="json")
     found = compare(Reports(tmp_path, params))
     differ = {key for key, ours in found.items() if ours.assessment == DIFFERS}
     settings = {value.id for value in VALUES if "params.yaml" in value.ours}
