@@ -7,15 +7,17 @@ import pandas as pd
 
 from rallygap.models.predictors.learned import ForecastNetwork
 from rallygap.models.predictors.training import WindowData
+from rallygap.pipeline.io.artifacts import write_csv
 from rallygap.pipeline.predictors.parallel_training import (
     TrainingJob,
     TrainingResult,
     train_networks,
 )
-from rallygap.pipeline.predictors.report import training_items, training_metrics
+from rallygap.pipeline.predictors.report import COLUMNS, training_items, training_metrics
 from rallygap.pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from rallygap.pipeline.predictors.training_data import TrainingEpisodes, untrained_network
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.tracking.results import TrainedModel
 
 FINE_TUNED = "_fine_tuned"  # suffix of fine-tuned predictors
 
@@ -39,6 +41,7 @@ def train_predictor(run: StageRun) -> None:
         results = [*results, *tuned]
     curves = pd.concat([one.curve.assign(predictor=one.name) for one in results])
     run.write_metrics(training_metrics(curves))
+    write_csv(run.report("losses.csv"), curves[COLUMNS])
     run.add(*training_items(curves))
 
 
@@ -77,7 +80,11 @@ def _save(
         starts_from=starts_from,
         learning=learning,
     )
-    save_predictor(run.artifact(result.name), result.network, result.spread, description)
+    folder = run.artifact(result.name)
+    save_predictor(folder, result.network, result.spread, description)
+    name, loss = f"predictor-{result.name}-{'+'.join(sources)}", result.curve["validation"].iloc[-1]
+    digest = run.inputs[-1].digest
+    run.models.append(TrainedModel(name, folder, "validation_loss", float(loss), True, digest))
 
 
 if __name__ == "__main__":

@@ -122,9 +122,9 @@ STEPS = (
     Step(
         "sweeps",
         tuple(
-            f"rallygap {verb} {name}{workers}"
+            f"rallygap {verb} {name}"
             for name in ("predictor", "policy")
-            for verb, workers in (("sweep", " --workers 2"), ("confirm", ""))
+            for verb in ("sweep", "confirm")
         ),
         20,
         ("rallygap.pipeline.sweeps.worker", "rallygap.pipeline.sweeps.confirm"),

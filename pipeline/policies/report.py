@@ -8,7 +8,7 @@ import pandas as pd
 from rallygap.models.policy.scores import scores
 from rallygap.models.policy.trial import TrialResult
 from rallygap.models.robot.view import frames
-from rallygap.pipeline.io.metrics import over_seeds, place, rounded
+from rallygap.pipeline.io.metrics import nested
 from rallygap.pipeline.io.report_items import ReportAnimation, ReportFigure, ReportTable
 from rallygap.pipeline.policies.figures.training import achieved_figure, learning_figure
 from rallygap.pipeline.policies.training import VALIDATION_SHOTS, TrainingResult
@@ -59,18 +59,9 @@ def policies_table(results: Sequence[TrainingResult], tests: Sequence[TrialResul
 
 
 def _metrics(table: pd.DataFrame) -> dict[str, Any]:
-    """Return ``{group: {simulator: {horizons: {score: mean over seeds}}}}``; NaN is left out.
-
-    Return rates also have their spread over seeds.
-    """
-    metrics: dict[str, Any] = {}
-    for setting, rows in table.groupby(SETTING, sort=False):
-        others = rows.loc[:, "hit_rate":].mean().dropna()
-        place(metrics, setting).update(
-            return_rate=over_seeds(rows["return_rate"].tolist()),
-            **{str(name): rounded(value) for name, value in others.items()},
-        )
-    return metrics
+    """Return ``{group: {simulator: {horizons: {score: mean over seeds}}}}`` of two scores."""
+    means = table.groupby(SETTING, sort=False, as_index=False)[["return_rate", "hit_rate"]].mean()
+    return nested(means, SETTING)
 
 
 def _animation(result: TrainingResult, test: TrialResult) -> ReportAnimation:

@@ -4,10 +4,12 @@ from typing import Any
 
 import pandas as pd
 
+from rallygap.pipeline.io.metrics import nested
 from rallygap.pipeline.io.report_items import ReportFigure, ReportItem, ReportTable
 from rallygap.pipeline.predictors.figures.training import training_figure
 
 COLUMNS = ["predictor", "epoch", "training", "validation"]
+FINAL = ["predictor", "training", "validation"]
 
 
 def training_items(curves: pd.DataFrame) -> list[ReportItem]:
@@ -36,11 +38,5 @@ def training_items(curves: pd.DataFrame) -> list[ReportItem]:
 
 
 def training_metrics(curves: pd.DataFrame) -> dict[str, Any]:
-    """Return ``{predictor: {epoch: {training, validation}}}`` with six digits."""
-    return {
-        str(name): {
-            str(row["epoch"]): {key: float(f"{row[key]:.6g}") for key in COLUMNS[2:]}
-            for row in curve.to_dict("records")
-        }
-        for name, curve in curves.groupby("predictor", sort=False)
-    }
+    """Return ``{predictor: {training, validation}}``, the losses after the last epoch."""
+    return nested(curves.groupby("predictor", sort=False).tail(1)[FINAL], ["predictor"])

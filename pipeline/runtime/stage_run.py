@@ -19,7 +19,8 @@ from rallygap.pipeline.params import Params, load_params
 from rallygap.pipeline.runtime.console import refuse
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.provenance import Provenance, content_hash, provenance, short
-from rallygap.pipeline.tracking.recording import InputData, Results, recorded
+from rallygap.pipeline.tracking.recording import recorded
+from rallygap.pipeline.tracking.results import InputData, Results, TrainedModel
 
 
 class StageRun:
@@ -43,6 +44,7 @@ class StageRun:
         self.metrics: dict[str, Any] = {}
         self.items: list[Item] = []
         self.inputs: list[InputData] = []
+        self.models: list[TrainedModel] = []
 
     @property
     def seed(self) -> int:
@@ -106,6 +108,7 @@ class StageRun:
             {**self.metrics, "timings": self.timings},
             self.inputs,
             [path for path in figures if path.exists()],
+            self.models,
         )
 
 

@@ -1,1 +1,1 @@
-"""MLflow: runs of stages, registered models, and the way from a file back to its run."""
+"""MLflow: a run for each stage and trial, live metrics of trainings, and registered models."""

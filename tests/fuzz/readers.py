@@ -34,7 +34,6 @@ from rallygap.pipeline.runtime.scratch import kept_timings
 from rallygap.pipeline.sweeps.confirm import compared_params
 from rallygap.pipeline.sweeps.report import BEST
 from rallygap.pipeline.sweeps.settings import load_sweep
-from rallygap.pipeline.tracking.lineage import report_of
 from rallygap.pipeline.transfer.truth_comparison import NamedCauses
 from tests.fuzz import hostile
 from tests.models.exam.example_records import answer, hidden, named, record
@@ -315,18 +314,6 @@ def _read_true_contacts(folder: Path) -> int:
     return 0
 
 
-def _write_pipeline(folder: Path) -> Path:
-    path = folder / "dvc.yaml"
-    outputs = "    - reports/segment/splits.csv: {cache: false}\n"
-    path.write_text(f"stages:\n  segment:\n    cmd: a\n    outs:\n{outputs}")
-    return path
-
-
-def _read_origin(folder: Path) -> int:
-    report_of(folder, folder / "reports" / "segment" / "splits.csv")
-    return 0
-
-
 def _write_timings(folder: Path) -> Path:
     _write_contents(folder)
     fingerprint = read_contents(folder / "reports", "segment").fingerprint
@@ -395,7 +382,6 @@ READERS = [
     Reader("forecast_error.csv", _copied(str(FORECAST_ERRORS)), _read_errors, SEPARATED),
     Reader("kept run, run.json", _copied("reports/paper/run.json"), _read_kept_run, JSON),
     Reader("timings", _write_timings, _read_timings, JSON),
-    Reader("run-of, dvc.yaml", _write_pipeline, _read_origin, YAML),
     *[
         Reader(name, _write_table("segment", name), _read_segmented, PARQUET)
         for name in ("episodes.parquet", "contacts.parquet", "samples.parquet")

@@ -1,11 +1,11 @@
 """What a repository's MLflow store holds."""
 
-from mlflow import MlflowClient
+from rallygap.pipeline.tracking.live import quiet_mlflow
 
 
 def store(repository):
     """A client of the store that the stages of a repository write."""
-    return MlflowClient(f"sqlite:///{repository / 'mlflow.db'}")
+    return quiet_mlflow().MlflowClient(f"sqlite:///{repository / 'mlflow.db'}")
 
 
 def runs(repository, query, **options):

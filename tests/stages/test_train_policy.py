@@ -114,11 +114,8 @@ def test_metrics_are_the_table_s_by_group_simulator_and_horizons(whole):
     assert list(metrics["plain"]) == GROUP.simulators
     rows = table[(table["group"] == "plain") & (table["simulator"] == "imperfect_c")]
     found = metrics["plain"]["imperfect_c"]["115-125"]
-    assert found["return_rate"]["per_seed"] == rows["return_rate"].tolist()
-    assert found["return_rate"]["mean"] == pytest.approx(rows["return_rate"].mean(), rel=1e-5)
-    assert found["return_rate"]["std"] == pytest.approx(rows["return_rate"].std(ddof=0), rel=1e-5)
-    assert found["hit_rate"] == pytest.approx(rows["hit_rate"].mean(), rel=1e-5)
-    assert len(metrics["styled"]["imperfect_c"]["170-180"]["return_rate"]["per_seed"]) == 1
+    for score in ("return_rate", "hit_rate"):
+        assert found[score] == pytest.approx(rows[score].mean(), rel=1e-5)
 
 
 def test_only_a_group_asked_for_speed_or_topspin_has_a_figure_of_it(whole):

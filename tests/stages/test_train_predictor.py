@@ -103,18 +103,28 @@ def test_without_sources_there_is_no_fine_tuned_predictor(tmp_path):
     assert not list(run.artifact(".").glob("*_fine_tuned"))
 
 
-def test_the_report_has_the_losses_of_every_epoch(whole):
-    metrics = read_json(whole.report("metrics.json"))
+def test_the_report_has_the_losses_of_every_epoch_and_metrics_of_the_last(whole):
     names = [*NETWORKS, *(f"{name}_fine_tuned" for name in NETWORKS)]
-    assert list(metrics) == names
-    assert list(metrics["small"]) == ["1", "2", "3"]
+    losses = pd.read_csv(whole.report("losses.csv"))
+    assert losses.loc[losses["predictor"] == "small", "epoch"].tolist() == [1, 2, 3]
     last = pd.read_csv(whole.report("training.csv"))
     assert last["predictor"].tolist() == names
     assert last["epoch"].tolist() == [3] * 4 + [1] * 4
+    pd.testing.assert_frame_equal(
+        losses.groupby("predictor", sort=False).tail(1).reset_index(drop=True), last
+    )
+    metrics = read_json(whole.report("metrics.json"))
+    assert list(metrics) == names
     for row in last.to_dict("records"):
-        epoch = metrics[row["predictor"]][str(row["epoch"])]
-        assert epoch == {key: row[key] for key in ("training", "validation")}
+        assert metrics[row["predictor"]] == {key: row[key] for key in ("training", "validation")}
     assert [item.file for item in whole.items] == ["figures/training.png", "training.csv"]
+
+
+def test_every_predictor_is_a_model_with_its_loss(whole):
+    metrics = read_json(whole.report("metrics.json"))
+    scores = {model.folder.name: model.score for model in whole.models}
+    assert scores == pytest.approx({name: one["validation"] for name, one in metrics.items()})
+    assert len({model.name for model in whole.models}) == len(scores)
 
 
 def test_the_same_inputs_give_the_same_bytes(whole, tmp_path, monkeypatch):
