@@ -58,12 +58,13 @@ def train_networks(jobs: Sequence[TrainingJob]) -> list[TrainingResult]:
     A result depends on the network's data and seed alone, not on the number of cores, the other
     networks, or interruptions. The MLflow run that is open gets losses and learning rates.
     """
+    live = [live_run(job.name) for job in jobs]  # here, because runs are open in one thread alone
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "steps"
         done: Counts = np.memmap(path, dtype=np.int64, mode="w+", shape=(len(jobs),))
         with progress_bars({job.name: job.steps for job in jobs}, done.tolist):
             results: list[TrainingResult] = Parallel(_workers(jobs))(
-                delayed(_train_job)(job, StepCount(path, number, os.getpid()), live_run(job.name))
+                delayed(_train_job)(job, StepCount(path, number, os.getpid()), live[number])
                 for number, job in enumerate(jobs)
             )
     return results

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from lightning.pytorch.loggers import MLFlowLogger
 
-from rallygap.pipeline.tracking.live import LiveRun, quiet_mlflow
+from rallygap.pipeline.tracking.live import LiveRun
 
 
 class SharedRunLogger(MLFlowLogger):
@@ -17,7 +17,6 @@ class SharedRunLogger(MLFlowLogger):
     LOGGER_JOIN_CHAR = "/"  # MLflow groups charts by the part before it
 
     def __init__(self, live: LiveRun) -> None:
-        quiet_mlflow()  # before Lightning imports it
         super().__init__(tracking_uri=live.uri, run_id=live.run_id, prefix=live.name)
         self.live = live
         self._initialized = True  # or Lightning would ask the store for the run

@@ -1,7 +1,5 @@
 """Metrics that reach the open MLflow run while a training works, also from worker processes."""
 
-import logging
-import os
 import sys
 import time
 from collections import defaultdict
@@ -9,33 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-# Read when mlflow is imported. Telemetry and addresses of runs on stdout, which may hold a
-# password, stay off; the rest is the user's, if set.
-ALWAYS = {
-    "MLFLOW_DISABLE_TELEMETRY": "true",
-    "DO_NOT_TRACK": "true",
-    "MLFLOW_SUPPRESS_PRINTING_URL_TO_STDOUT": "true",
-}
-UNLESS_SET = {
-    "MLFLOW_HTTP_REQUEST_MAX_RETRIES": "1",
-    "MLFLOW_HTTP_REQUEST_TIMEOUT": "5",
-    "MLFLOW_LOGGING_LEVEL": "ERROR",
-    "PGCONNECT_TIMEOUT": "5",
-}
 PATIENCE = 20.0  # s, that all live metrics of a run may take a process
 
 _spent: dict[str, float] = defaultdict(float)  # s, by run
-
-
-def quiet_mlflow() -> Any:
-    """Import MLflow, which takes seconds, without telemetry and without its messages."""
-    os.environ.update(ALWAYS)
-    for name, value in UNLESS_SET.items():
-        os.environ.setdefault(name, value)
-    logging.getLogger("urllib3.connectionpool").setLevel(logging.ERROR)  # it warns of every retry
-    import mlflow
-
-    return mlflow
 
 
 @dataclass(frozen=True)
@@ -70,7 +44,8 @@ class LiveRun:
             return
         started = time.monotonic()
         try:
-            mlflow = quiet_mlflow()
+            import mlflow
+
             mlflow.set_tracking_uri(self.uri)
             action(mlflow)
         except Exception:

@@ -23,7 +23,6 @@ from rallygap.pipeline.runtime.guard import guarded
 from rallygap.pipeline.runtime.paths import repository_root
 from rallygap.pipeline.runtime.provenance import Provenance
 from rallygap.pipeline.runtime.scratch import keep_timings, scratch_kept
-from rallygap.pipeline.tracking.live import quiet_mlflow
 from rallygap.pipeline.tracking.results import InputData, Results
 from rallygap.pipeline.tracking.values import (
     changed_params,
@@ -131,11 +130,9 @@ def stage_start(stage: str, origin: Provenance, params: dict[str, Any]) -> RunSt
     key = reproduction()
     if key is None:
         return RunStart(stage, params, tags)
-    name, above = (
-        known.get("dvc.experiment", "reproduction"),
-        {**known, "mlflow.source.name": "dvc"},
-    )
-    return RunStart(stage, params, tags, ParentRun(key, name, above, changed_params(home)))
+    name = known.get("dvc.experiment", "reproduction")
+    parent = ParentRun(key, name, {**known, "mlflow.source.name": "dvc"}, changed_params(home))
+    return RunStart(stage, params, tags, parent)
 
 
 def reproduction() -> str | None:
@@ -164,7 +161,8 @@ def without_secrets(text: str) -> str:
 
 def _open(start: RunStart) -> str:
     """Start the run; return the id of the run above it, empty where there is none."""
-    mlflow = quiet_mlflow()
+    import mlflow
+
     home, named = repository_root(), os.environ.get("MLFLOW_TRACKING_URI")
     # MLflow cannot make the tables of one store, or one parent, from two processes at once.
     with FileLock(home / "mlflow.db.lock", timeout=STORE_MADE):
@@ -194,7 +192,8 @@ def _open(start: RunStart) -> str:
 
 def _make_store(path: Path) -> None:
     """Make the repository's store whole or not at all: MLflow could not open half of one."""
-    mlflow = quiet_mlflow()
+    import mlflow
+
     unfinished = path.with_name(f"{path.name}.new")
     unfinished.unlink(missing_ok=True)
     mlflow.set_tracking_uri(f"sqlite:///{unfinished}")
@@ -204,17 +203,20 @@ def _make_store(path: Path) -> None:
 
 def _connect(uri: str) -> None:
     """Use a store. A database is tried first, because MLflow would try for minutes."""
+    import mlflow
+
     if not uri.startswith("http"):
         from sqlalchemy import create_engine
 
         with create_engine(uri).connect() as connection:
             connection.exec_driver_sql("SELECT 1")
-    quiet_mlflow().set_tracking_uri(uri)
+    mlflow.set_tracking_uri(uri)
 
 
 def _close_abandoned() -> None:
     """Mark as killed the open runs whose process on this machine has died, and their parents."""
-    mlflow = quiet_mlflow()
+    import mlflow
+
     here = f"attributes.status = 'RUNNING' AND tags.`{HOST_TAG}` = '{socket.gethostname()}'"
     for run in mlflow.search_runs(filter_string=here, output_format="list"):
         if not process_lives(run.data.tags[PROCESS_TAG]):
@@ -240,7 +242,8 @@ def process_lives(name: str) -> bool:
 
 def _parent_id(parent: ParentRun) -> str:
     """The id of the parent: created by the first run below it, found by the others."""
-    mlflow = quiet_mlflow()
+    import mlflow
+
     query = f"tags.`{GROUP_TAG}` = '{parent.key}'"
     for run in mlflow.search_runs(filter_string=query, max_results=1, output_format="list"):
         return str(run.info.run_id)
@@ -252,7 +255,8 @@ def _parent_id(parent: ParentRun) -> str:
 
 def _close(start: RunStart, parent: str, status: str, results: Results) -> None:
     """Log what the run leaves and end it; its parent gets the headlines and the same status."""
-    mlflow = quiet_mlflow()
+    import mlflow
+
     try:
         for step, metrics in flat_metrics(results.metrics).items():
             mlflow.log_metrics(metrics, step=step)
@@ -274,17 +278,19 @@ def _close(start: RunStart, parent: str, status: str, results: Results) -> None:
 
 def _log_input(data: InputData) -> None:
     """Log an input data set; ``mlflow.data.get_source`` finds the file again."""
+    import mlflow
     from mlflow.data import sources
     from mlflow.data.meta_dataset import MetaDataset
 
     source = sources.LocalArtifactDatasetSource(data.source)  # type: ignore[attr-defined]
-    dataset = MetaDataset(source, name=data.name, digest=data.digest)
-    quiet_mlflow().log_input(dataset, tags={"rows": str(data.rows)})
+    dataset = MetaDataset(source, name=data.name, digest=data.digest)  # type: ignore[abstract]
+    mlflow.log_input(dataset, tags={"rows": str(data.rows)})
 
 
 def _end(run_id: str, status: str, metrics: dict[str, float] | None = None) -> None:
     """Take up a run again, to log its last metrics and end it with a status."""
-    mlflow = quiet_mlflow()
+    import mlflow
+
     mlflow.start_run(run_id=run_id)
     try:
         mlflow.log_metrics(metrics or {})

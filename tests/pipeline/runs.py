@@ -1,11 +1,11 @@
 """What a repository's MLflow store holds."""
 
-from rallygap.pipeline.tracking.live import quiet_mlflow
+from mlflow import MlflowClient
 
 
 def store(repository):
     """A client of the store that the stages of a repository write."""
-    return quiet_mlflow().MlflowClient(f"sqlite:///{repository / 'mlflow.db'}")
+    return MlflowClient(f"sqlite:///{repository / 'mlflow.db'}")
 
 
 def runs(repository, query, **options):

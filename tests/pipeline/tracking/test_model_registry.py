@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import mlflow
 import numpy as np
 import pytest
 import torch
@@ -13,14 +14,11 @@ from rallygap.models.predictors.settings import TrainingSettings, TransformerSet
 from rallygap.models.predictors.spread import Spread
 from rallygap.pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from rallygap.pipeline.runtime.provenance import Provenance
-from rallygap.pipeline.tracking.live import quiet_mlflow
 from rallygap.pipeline.tracking.model_registry import register_model
 from rallygap.pipeline.tracking.recording import recorded
 from rallygap.pipeline.tracking.results import Results, TrainedModel
 from rallygap.pipeline.tracking.served_model import ServedPredictor
 from tests.pipeline.trained_policies import save_drawn
-
-mlflow = quiet_mlflow()
 
 ROOT = Path(__file__).parents[3]
 NETWORK = TransformerSettings(
@@ -119,10 +117,8 @@ def test_a_stage_registers_its_policies_without_a_word(tmp_path, monkeypatch, ca
     model = mlflow.pyfunc.load_model(f"models:/{name}@champion")
     seen = model.input_example
     np.testing.assert_array_equal(model.predict(seen)["actions"], policy.act(seen["observations"]))
-    (requirement,) = (
-        Path(mlflow.pyfunc.get_model_dependencies(f"models:/{name}@champion")).read_text().split()
-    )
-    assert requirement.startswith("rallygap[pipeline]==")
+    listed = mlflow.pyfunc.get_model_dependencies(f"models:/{name}@champion")
+    assert "rallygap[pipeline]==" in Path(listed).read_text()
     assert not (tmp_path / "mlruns").exists()
 
 
