@@ -210,13 +210,13 @@ def ui(
     port: Annotated[int, typer.Option(min=1, max=65535, help="on this machine only")] = 5000,
 ) -> None:
     """Serve the MLflow pages of this repository's runs, until interrupted."""
-    from rallygap.pipeline.tracking.lineage import runs_page
-    from rallygap.pipeline.tracking.recording import store_uri
+    from rallygap.pipeline.tracking.recording import EXPERIMENT, store_uri
 
     require("mlflow")
     root = clone()
     _check_free(port)
-    typer.echo(f"Runs: {runs_page(root, f'http://127.0.0.1:{port}')} (Ctrl+C ends the server)")
+    address = f"http://127.0.0.1:{port}/#/experiments"
+    typer.echo(f"Runs: {address}, experiment {EXPERIMENT} (Ctrl+C ends the server)")
     sys.stdout.flush()  # MLflow takes the place of this process
     os.environ.update(LEAN)
     command = ["mlflow", "server", "--host", "127.0.0.1", "--port", str(port), "--workers", "1"]
@@ -234,17 +234,16 @@ def sweep(
         str | None,
         typer.Option(envvar="RALLYGAP_STUDY", help="URL of a database; default: a file"),
     ] = None,
-    workers: Annotated[int, typer.Option(min=1, help="processes on this machine")] = 1,
     trials: Annotated[
         int | None, typer.Option(min=1, help="total, with those of earlier runs")
     ] = None,
 ) -> None:
-    """Search hyperparameters with Optuna; write the best to reports/sweeps/NAME."""
+    """Search hyperparameters with Optuna; more workers are more processes of this command."""
     from rallygap.pipeline.sweeps.settings import load_sweep
     from rallygap.pipeline.sweeps.worker import run_sweep
 
     loaded = load_sweep(clone(), name)
-    best = run_sweep(loaded, study, workers, trials or loaded.settings.trials)
+    best = run_sweep(loaded, study, trials or loaded.settings.trials)
     typer.echo(f"Report: {loaded.report}")
     typer.echo(" ".join(["dvc exp run", *best]) if best else "No trial is better than params.yaml.")
 

@@ -17,9 +17,11 @@ from pydantic import (
 
 from rallygap.models.arena.settings import ArenaSettings
 from rallygap.models.policy.settings import (
+    DEFAULT_REWARD,
     GoalSettings,
     HorizonsMs,
     LearningSettings,
+    RewardSettings,
     SensorNoise,
 )
 from rallygap.models.predictors.settings import NetworkSettings, TrainingSettings
@@ -147,6 +149,8 @@ class TrainPolicySettings(Settings):
     """Which policies learn to return balls, in which simulators, and how."""
 
     groups: Annotated[dict[Name, PolicyGroupSettings], Field(min_length=1)]
+    reward: RewardSettings = DEFAULT_REWARD
+    """The same for every group."""
     trials: Annotated[int, Field(ge=10, le=100_000)]
     """Test trials of a trained policy in its own simulator."""
 

@@ -20,6 +20,7 @@ from rallygap.pipeline.policies.training import (
     TrainingResult,
     play_test_shots,
     train_policies,
+    trained_models,
 )
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
@@ -119,6 +120,7 @@ def _in_own_simulator(
     known = read_table(run.input("train_policy", TEST_TRIALS))
     known = known[(known["group"] == settings.group) & (known["simulator"] == settings.simulator)]
     tests = play_test_shots(results, int(known["ball"].max()) + 1)
+    run.models = trained_models(results, tests, run.artifact("."))
     return pd.concat([known, *(test.table for test in tests)], ignore_index=True)
 
 

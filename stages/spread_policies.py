@@ -75,6 +75,7 @@ def _descriptions(params: Params) -> Iterator[TrainedPolicy]:
                 seed=training_seed(params.seed, repeat),
                 repeat=repeat,
                 forecasts=forecasts,
+                reward=params.train_policy.reward,
             )
 
 

@@ -17,6 +17,7 @@ from rallygap.pipeline.policies.training import (
     play_test_shots,
     policies_table,
     train_policies,
+    trained_models,
 )
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 
@@ -25,13 +26,15 @@ RECORDED = 32  # test shots of the first policy, one of which is shown
 
 def train_policy(run: StageRun) -> None:
     """Train the policies of all groups, and let each play test shots."""
-    described = list(described_policies(run.params.train_policy.groups, run.seed))
+    described = list(described_policies(run.params.train_policy, run.seed))
     jobs = [TrainingJob(one, run.scratch(one.name)) for one in described]
     results = train_policies(jobs)
     tests = play_test_shots(results, run.params.train_policy.trials, RECORDED)
-    for one in results:
-        save_policy(run.artifact(one.description.name), one.policy, one.description)
-        run.timings[one.description.name] = {"training_cpu_s": round(one.seconds, 1)}
+    for result in results:
+        name = result.description.name
+        save_policy(run.artifact(name), result.policy, result.description)
+        run.timings[name] = {"training_cpu_s": round(result.seconds, 1)}
+    run.models = trained_models(results, tests, run.artifact("."))
     tables = [test.table for test in tests]
     write_table(run.artifact(TEST_TRIALS), pd.concat(tables, ignore_index=True))
     _write_motion(run, described[0].name, tests[0])

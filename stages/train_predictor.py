@@ -17,6 +17,7 @@ from rallygap.pipeline.predictors.parallel_training import (
 from rallygap.pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from rallygap.pipeline.predictors.training_data import TrainingEpisodes, untrained_network
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.tracking.results import TrainedModel
 
 FINE_TUNED = "_fine_tuned"  # suffix of fine-tuned predictors
 
@@ -80,7 +81,11 @@ def _save(
         starts_from=starts_from,
         learning=learning,
     )
-    save_predictor(run.artifact(result.name), result.network, result.spread, description)
+    folder = run.artifact(result.name)
+    save_predictor(folder, result.network, result.spread, description)
+    name, loss = f"predictor-{result.name}-{'+'.join(sources)}", result.curve["validation"].iloc[-1]
+    digest = run.inputs[-1].digest
+    run.models.append(TrainedModel(name, folder, "validation_loss", float(loss), True, digest))
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ from rallygap.models.policy.racket_contact import (
     racket_path,
 )
 from rallygap.models.policy.reward import effort_reward
-from rallygap.models.policy.settings import ObservationKind
+from rallygap.models.policy.settings import DEFAULT_REWARD, ObservationKind, RewardSettings
 from rallygap.models.robot.arms import Arms
 from rallygap.models.robot.constants import BULLET_STEP, COMMAND_STEP
 from rallygap.models.robot.control import joint_speeds
@@ -80,7 +80,12 @@ class BatchSimulation:
     """
 
     def __init__(
-        self, simulator: Simulator, count: int, kind: ObservationKind, latency: float = 0.0
+        self,
+        simulator: Simulator,
+        count: int,
+        kind: ObservationKind,
+        latency: float = 0.0,
+        weights: RewardSettings = DEFAULT_REWARD,
     ) -> None:
         """Set up environments.
 
@@ -89,12 +94,14 @@ class BatchSimulation:
             count: of environments.
             kind: what is observed.
             latency: s from an action to the first command to the arm that follows it.
+            weights: of the reward.
         """
         self.arms = Arms(count)
         self._delay = round(latency / COMMAND_STEP)
         self._actions = np.zeros((1 - (-self._delay // COMMANDS), count, ACTIONS))  # newest last
         self.finished = np.ones(count, dtype=np.bool_)
         self._simulator, self._kind = with_net(simulator), kind
+        self._weights = weights
         self._nearest = np.full(count, np.inf)
         self._balls: BallsInFlight
         self._goals: Goals
@@ -149,7 +156,8 @@ class BatchSimulation:
         live = (moments[1:] <= self._balls.gone) & ~self.finished & ~on_table[:-1]
         ended = self._ended(find_contacts(balls, rackets, distance, live), on_table[-1])
         self._balls.advance()
-        reward, done = effort_reward(self._actions[-1]), np.zeros(len(clipped), dtype=np.bool_)
+        reward = effort_reward(self._actions[-1], self._weights)
+        done = np.zeros(len(clipped), dtype=np.bool_)
         reward[ended.envs] += ended.reward
         done[ended.envs] = True
         self.finished |= done
@@ -203,6 +211,7 @@ class BatchSimulation:
             self._goals[envs],
             contacts[hit[contacts.envs]],
             moments[hit] * PATH_STEP,
+            self._weights,
         )
 
 

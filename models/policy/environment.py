@@ -84,7 +84,9 @@ class ReturnVecEnv(VecEnv):
         size = observation_size(len(task.horizons), task.goals.count, task.observation)
         observed = spaces.Box(-LIMIT, LIMIT, (size,), np.float32)
         super().__init__(count, observed, spaces.Box(-1.0, 1.0, (ACTIONS,), np.float32))
-        self._simulation = BatchSimulation(task.simulator, count, task.observation)
+        self._simulation = BatchSimulation(
+            task.simulator, count, task.observation, weights=task.reward
+        )
         self._task = task
         self._supply: BallSupply
         self._actions: NDArray[np.floating]

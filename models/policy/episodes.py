@@ -10,7 +10,8 @@ from rallygap.models.ball.types import Bools, Floats, Integers
 from rallygap.models.policy.goals import Goals
 from rallygap.models.policy.outcome import judge
 from rallygap.models.policy.racket_contact import RacketContacts
-from rallygap.models.policy.reward import FAULT, contact_reward, goal_reward, miss_reward
+from rallygap.models.policy.reward import contact_reward, goal_reward, miss_reward
+from rallygap.models.policy.settings import RewardSettings
 
 Strings = NDArray[np.str_]
 
@@ -72,6 +73,7 @@ def conclude(
     goals: Goals,
     hits: RacketContacts,
     times: Floats,
+    weights: RewardSettings,
 ) -> Episodes:
     """Fly the balls that were hit to their end, and reward the episodes.
 
@@ -83,18 +85,19 @@ def conclude(
         goals: (E,) of the episodes.
         hits: the racket contacts of the H episodes that ended with ``HIT``.
         times: (H,) s from the launch.
+        weights: of the reward.
     """
     hit = endings == HIT
     after = simulator.strike(hits.states, hits.normals, hits.velocities)
     outcome = judge(simulator, after, goals[hit])
     returned, fault = hit.copy(), endings.copy()
     returned[hit], fault[hit] = outcome.returned, outcome.fault
-    reward = np.where(endings == MISSED, miss_reward(nearest), -FAULT)
+    reward = np.where(endings == MISSED, miss_reward(nearest, weights), -weights.fault)
     goal_rewards = np.zeros(len(endings))
     goal_rewards[hit] = goal_reward(
-        outcome.landing, outcome.speed, outcome.topspin, outcome.returned, goals[hit]
+        outcome.landing, outcome.speed, outcome.topspin, outcome.returned, goals[hit], weights
     )
-    reward[hit] = contact_reward(outcome, hits.backhand) + goal_rewards[hit]
+    reward[hit] = contact_reward(outcome, hits.backhand, weights) + goal_rewards[hit]
     known = {"time": times, "after_racket": after, "backhand": hits.backhand}
     known |= {name: getattr(outcome, name) for name in JUDGED}
     of_hits = {}

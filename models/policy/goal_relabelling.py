@@ -16,7 +16,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 from rallygap.models.ball.types import Integers
 from rallygap.models.policy.goals import draw_goals
 from rallygap.models.policy.reward import goal_reward
-from rallygap.models.policy.settings import GoalSettings
+from rallygap.models.policy.settings import GoalSettings, RewardSettings
 
 Floating = NDArray[np.floating]
 
@@ -31,18 +31,26 @@ class RelabellingReplayBuffer(ReplayBuffer):
         strokes: (N, B, 5) of transitions that ended with a hit, NaN elsewhere.
     """
 
-    def __init__(self, *args: Any, goals: GoalSettings, columns: slice, **others: Any) -> None:
+    def __init__(
+        self,
+        *args: Any,
+        goals: GoalSettings,
+        columns: slice,
+        weights: RewardSettings,
+        **others: Any,
+    ) -> None:
         """Make an empty buffer.
 
         Args:
             args: of Stable-Baselines3's own.
             goals: the distribution of goals.
             columns: of an observation, which hold the goal.
+            weights: of the reward.
             others: of Stable-Baselines3's own.
         """
         super().__init__(*args, **others)
         self.strokes = np.full((self.buffer_size, self.n_envs, STROKE_SIZE), np.nan, np.float32)
-        self._goals, self._columns = goals, columns
+        self._goals, self._columns, self._weights = goals, columns, weights
 
     def add(
         self,
@@ -68,7 +76,8 @@ class RelabellingReplayBuffer(ReplayBuffer):
         now[:, self._columns] = after[:, self._columns] = goals.scaled()
         strokes = self.strokes[places].astype(np.float64)
         speed, topspin, returned = strokes[:, 2:].T
-        goal_rewards = goal_reward(strokes[:, :2], speed, topspin, returned == 1, goals)
+        landing = strokes[:, :2]
+        goal_rewards = goal_reward(landing, speed, topspin, returned == 1, goals, self._weights)
         rewards = self.rewards[places] + np.nan_to_num(goal_rewards)
         parts = (now, self.actions[places], after, _column(self.dones[places]), _column(rewards))
         return ReplayBufferSamples(*(self.to_torch(part) for part in parts))

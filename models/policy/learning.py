@@ -5,6 +5,7 @@ and random numbers start afresh. So a training resumed from a saved learner ends
 weights as an uninterrupted one.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import cast
 
@@ -13,8 +14,9 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3 import SAC
 from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.logger import KVWriter, Logger
 from stable_baselines3.common.noise import ActionNoise
+from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 from stable_baselines3.sac.policies import Actor
 from torch import Tensor, nn
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
@@ -30,6 +32,7 @@ from rallygap.models.policy.task import Task
 Actions = NDArray[np.float32]
 
 LEARNER, REPLAY = "learner.zip", "replay.pkl"  # read by the next iteration alone
+LOGGED_EVERY = 400  # episodes
 MEMORY = 0.997  # share of the averaged actor that a control step of all environments keeps
 
 
@@ -79,6 +82,7 @@ def learn_iteration(
     iteration: int,
     before: Path | None,
     after: Path,
+    writers: Sequence[KVWriter] = (),
 ) -> Policy:
     """Train for one iteration, and return the mean of its actors as the policy.
 
@@ -89,19 +93,20 @@ def learn_iteration(
         iteration: its number, from 0 on.
         before: folder of the previous iteration's learner; ``None`` for the first.
         after: folder for this iteration's learner.
+        writers: of returns, losses and the learning rate, as Stable-Baselines3 names them.
     """
     torch.set_num_threads(1)  # policies are trained in parallel, one per core
     own_seed = iteration_seed(seed, iteration)
     torch.manual_seed(own_seed)  # the initial weights
-    environment = ReturnVecEnv(task, settings.environments, own_seed)
+    environment = VecMonitor(ReturnVecEnv(task, settings.environments, own_seed))
     learner = _new(environment, task, settings) if before is None else _load(environment, before)
     rate = learning_rate(settings, iteration)
     learner.learning_rate, learner.lr_schedule = rate, lambda _: rate
     learner.set_random_seed(own_seed)
-    learner.set_logger(Logger(None, []))  # or every iteration would leave a folder of logs
+    learner.set_logger(Logger(None, list(writers)))
     learner.critic.register_forward_pre_hook(skip_critic_gradients)
     average = AverageActor(learner.actor, settings.warm_up)
-    learner.learn(settings.steps_per_iteration, average, reset_num_timesteps=False)
+    learner.learn(settings.steps_per_iteration, average, LOGGED_EVERY, reset_num_timesteps=False)
     environment.close()
     learner.save(after / LEARNER, exclude=["lr_schedule"])
     learner.save_replay_buffer(after / REPLAY)
@@ -131,7 +136,7 @@ def skip_critic_gradients(critic: nn.Module, inputs: tuple[Tensor, Tensor]) -> N
     critic.requires_grad_(not inputs[1].requires_grad)
 
 
-def _new(environment: ReturnVecEnv, task: Task, settings: LearningSettings) -> WarmedUpSAC:
+def _new(environment: VecEnv, task: Task, settings: LearningSettings) -> WarmedUpSAC:
     steps = settings.iterations * settings.steps_per_iteration
     return WarmedUpSAC(
         "MlpPolicy",
@@ -146,6 +151,7 @@ def _new(environment: ReturnVecEnv, task: Task, settings: LearningSettings) -> W
         replay_buffer_class=RelabellingReplayBuffer,
         replay_buffer_kwargs={
             "goals": task.goals,
+            "weights": task.reward,
             "columns": goal_slice(len(task.horizons), task.goals.count),
         },
         policy_kwargs={"net_arch": [settings.width] * 2, "optimizer_kwargs": {"fused": True}},
@@ -153,7 +159,7 @@ def _new(environment: ReturnVecEnv, task: Task, settings: LearningSettings) -> W
     )
 
 
-def _load(environment: ReturnVecEnv, before: Path) -> WarmedUpSAC:
+def _load(environment: VecEnv, before: Path) -> WarmedUpSAC:
     learner = WarmedUpSAC.load(before / LEARNER, environment, device="cpu")
     learner.load_replay_buffer(before / REPLAY)
     return learner

@@ -101,6 +101,53 @@ class LearningSettings(_Settings):
         return self
 
 
+_Weight = Annotated[float, Field(ge=0, le=1000)]
+_Scale = Annotated[float, Field(gt=0, le=1000)]
+
+
+class RewardSettings(_Settings):
+    """Weights and scales of the reward's terms; see ``reward.py``."""
+
+    contact: _Weight = 0.5
+    """For any hit."""
+    returned: _Weight = 1.0
+    """For a return."""
+    landing: _Weight = 3.0
+    """At most, for a landing near the goal, ..."""
+    landing_scale: _Scale = 0.6
+    """... with this distance (m)."""
+    far: _Weight = 0.3
+    """At most, for balls metres away, ..."""
+    far_scale: _Scale = 1.0
+    """... with this distance (m)."""
+    net: _Weight = 0.5
+    """Penalty of a ball far below the net's upper edge."""
+    backhand: _Weight = 0.5
+    """Penalty: a policy with one face learns faster."""
+    shot_landing: _Weight = 12.0
+    """Instead of ``landing`` where there are goals of speed or topspin: these cost accuracy of the
+    landing, which then has to weigh more."""
+    shot_landing_scale: _Scale = 0.4
+    """As ``landing_scale`` (m)."""
+    speed: _Weight = 12.0
+    """At most, for a return at the goal's speed, ..."""
+    speed_scale: _Scale = 0.8
+    """... with this difference (m/s)."""
+    topspin: _Weight = 8.0
+    """At most, for a return with the goal's topspin, ..."""
+    topspin_scale: _Scale = 60.0
+    """... with this difference (rad/s)."""
+    miss: _Weight = 2.0
+    """Penalty of a miss by a metre, one at most (1/m)."""
+    fault: _Weight = 1.0
+    """Penalty: as large as the worst miss, or the policy would prefer a fault."""
+    effort: _Weight = 0.002
+    """Penalty per control step, times the squared action."""
+
+
+DEFAULT_REWARD = RewardSettings()
+
+
 class SensorNoise(_Settings):
     """Standard deviations of the measurement noise."""
 

@@ -9,12 +9,19 @@ from rallygap.models.policy.forecasts import exact, filtered_balls
 from rallygap.models.policy.goals import Goals, draw_goals
 from rallygap.models.policy.incoming_balls import FIRST_WINDOW, IncomingBalls, fly_incoming
 from rallygap.models.policy.launches import draw_launches
-from rallygap.models.policy.settings import ForecastKind, GoalSettings, HorizonsMs, ObservationKind
+from rallygap.models.policy.settings import (
+    DEFAULT_REWARD,
+    ForecastKind,
+    GoalSettings,
+    HorizonsMs,
+    ObservationKind,
+    RewardSettings,
+)
 
 
 @dataclass(frozen=True)
 class Task:
-    """Simulator, forecast horizons, goals and observation of a policy.
+    """Simulator, forecast horizons, goals, observation and reward of a policy.
 
     Attributes:
         simulator: flies the balls to the robot and back, and forecasts them.
@@ -22,6 +29,7 @@ class Task:
         goals: their distribution.
         observation: what the policy observes.
         forecasts: what it observes of the future.
+        reward: weights of its parts.
     """
 
     simulator: Simulator
@@ -29,6 +37,7 @@ class Task:
     goals: GoalSettings
     observation: ObservationKind
     forecasts: ForecastKind = "exact"
+    reward: RewardSettings = DEFAULT_REWARD
 
     def draw(self, count: int, random: np.random.Generator) -> tuple[IncomingBalls, Goals]:
         """Return balls with forecasts, and goals, which depend on ``random`` alone.

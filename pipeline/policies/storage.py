@@ -13,11 +13,13 @@ from rallygap.models.policy.batch_simulation import ACTIONS
 from rallygap.models.policy.observation import observation_size
 from rallygap.models.policy.policy import Policy
 from rallygap.models.policy.settings import (
+    DEFAULT_REWARD,
     ForecastKind,
     GoalSettings,
     HorizonsMs,
     LearningSettings,
     ObservationKind,
+    RewardSettings,
 )
 from rallygap.models.policy.task import Task
 from rallygap.pipeline.io.artifacts import read_as, replacing_folder, write_json
@@ -40,6 +42,7 @@ class TrainedPolicy(BaseModel):
         learning: how it was trained.
         seed: of its training.
         repeat: number of the policy among those that differ only in the seed.
+        reward: weights of its parts; not written if they are the default ones.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -54,6 +57,7 @@ class TrainedPolicy(BaseModel):
     seed: int
     repeat: int
     forecasts: ForecastKind = "exact"
+    reward: RewardSettings = DEFAULT_REWARD
 
     @field_validator("effects")
     @classmethod
@@ -85,14 +89,17 @@ class TrainedPolicy(BaseModel):
     def task(self) -> Task:
         """The task that it was trained for."""
         simulator = Simulator.from_dict(self.effects)
-        return Task(simulator, self.horizons, self.goals, self.observation, self.forecasts)
+        return Task(
+            simulator, self.horizons, self.goals, self.observation, self.forecasts, self.reward
+        )
 
 
 def save_policy(folder: Path, policy: Policy, description: TrainedPolicy) -> None:
     """Write a trained policy; the same weights give the same bytes."""
     with replacing_folder(folder) as temporary:
         (temporary / WEIGHTS).write_bytes(save(policy.to_arrays()))
-        write_json(temporary / DESCRIPTION, description.model_dump(mode="json"))
+        default = {"reward"} if description.reward == DEFAULT_REWARD else set()
+        write_json(temporary / DESCRIPTION, description.model_dump(mode="json", exclude=default))
 
 
 def load_policy(folder: Path) -> tuple[Policy, TrainedPolicy]:

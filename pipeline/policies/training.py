@@ -3,6 +3,7 @@
 A training that was interrupted resumes after its last complete iteration.
 """
 
+import hashlib
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -23,6 +24,8 @@ from rallygap.pipeline.io.artifacts import read_json, replacing_folder, write_js
 from rallygap.pipeline.policies.storage import WEIGHTS, TrainedPolicy
 from rallygap.pipeline.runtime.parallel import parallel
 from rallygap.pipeline.runtime.progress import progress
+from rallygap.pipeline.tracking.live import LiveRun, live_run
+from rallygap.pipeline.tracking.results import TrainedModel
 
 VALIDATION_SHOTS = 100  # that a policy plays after every iteration
 RECORD = "record.json"
@@ -66,6 +69,7 @@ def train_policies(jobs: Sequence[TrainingJob]) -> list[TrainingResult]:
     """Train all policies, one iteration of each in turn, in parallel.
 
     Results depend on descriptions alone: not on the number of processes, nor on interruptions.
+    The MLflow run that is open gets returns, losses and learning rates.
     """
     total = sum(job.iterations for job in jobs)
     done = sum(job.iterations_done for job in jobs)
@@ -78,7 +82,9 @@ def _iterations(jobs: Sequence[TrainingJob]) -> Iterator[None]:
     """Train all policies for one iteration after the other; yield after each of each policy."""
     for number in range(max(job.iterations for job in jobs)):
         waiting = [job for job in jobs if job.iterations_done == number < job.iterations]
-        yield from parallel([partial(learn, job, number) for job in waiting])
+        yield from parallel(
+            [partial(learn, job, number, live_run(job.description.name)) for job in waiting]
+        )
 
 
 def play_test_shots(
@@ -101,34 +107,46 @@ def play_test_shots(
     return list(parallel(tasks))
 
 
-def learn(job: TrainingJob, iteration: int) -> None:
+def learn(job: TrainingJob, iteration: int, live: LiveRun | None = None) -> None:
     """Train a policy for one iteration; its folder appears whole or not at all.
 
     A worker of a killed run may still be at this iteration: wait for it, and keep its result.
+
+    Args:
+        job: the policy and its folder.
+        iteration: its number, from 0 on.
+        live: the MLflow run that gets metrics while the policy learns, if any.
     """
     with FileLock(job.folder / "lock"):
         if job.iterations_done == iteration:
             before = job.iteration(iteration - 1) if iteration else None
-            _train(job, iteration, before)
+            _train(job, iteration, before, live)
             if before is not None:
                 _delete_learner(before)
 
 
-def _train(job: TrainingJob, iteration: int, before: Path | None) -> None:
-    from rallygap.models.policy.learning import (
-        learn_iteration,  # takes seconds; only workers need it
-    )
+def _train(
+    job: TrainingJob, iteration: int, before: Path | None, live: LiveRun | None = None
+) -> None:
+    from rallygap.models.policy.learning import learn_iteration  # takes seconds in every worker
 
+    writers = []
+    if live is not None:
+        from rallygap.pipeline.tracking.sb3_writer import MlflowWriter
+
+        writers.append(MlflowWriter(live))
     description = job.description
+    task, learning, seed = description.task, description.learning, description.seed
     started = time.process_time()
     with replacing_folder(job.iteration(iteration)) as folder:
-        policy = learn_iteration(
-            description.task, description.learning, description.seed, iteration, before, folder
-        )
+        policy = learn_iteration(task, learning, seed, iteration, before, folder, writers)
         seconds = time.process_time() - started
         (folder / WEIGHTS).write_bytes(save(policy.to_arrays()))
         record = _validate(policy, description, iteration)
         write_json(folder / RECORD, {"seconds": seconds, **record})
+    if live is not None:
+        steps = record.pop("control_steps")
+        live.log(record, steps)
 
 
 def _validate(policy: Policy, description: TrainedPolicy, iteration: int) -> dict[str, Any]:
@@ -187,3 +205,25 @@ def policies_table(results: Sequence[TrainingResult], tests: Sequence[TrialResul
         for result, test in zip(results, tests, strict=True)
     ]
     return pd.DataFrame(rows)
+
+
+def trained_models(
+    results: Sequence[TrainingResult], tests: Sequence[TrialResult], folder: Path
+) -> list[TrainedModel]:
+    """Describe trained policies for MLflow, which compares their return rates on the same shots.
+
+    Args:
+        results: the policies.
+        tests: their test shots, as ``play_test_shots`` returns them.
+        folder: the stage's, with a folder for each policy.
+    """
+    models = []
+    for result, test in zip(results, tests, strict=True):
+        description = result.description
+        shots = description.model_dump_json(include={"effects", "horizons", "goals", "seed"})
+        data = hashlib.md5(f"{len(test.table)} {shots}".encode()).hexdigest()
+        name, rate = description.name, float(test.table["returned"].mean())
+        models.append(
+            TrainedModel(f"policy-{name}", folder / name, "return_rate", rate, False, data)
+        )
+    return models

@@ -19,6 +19,7 @@ from rallygap.models.predictors.spread_training import fit_spread
 from rallygap.models.predictors.training import ForecastTraining, WindowData
 from rallygap.pipeline.predictors.trainer import StepReporter, train
 from rallygap.pipeline.runtime.progress import progress_bars
+from rallygap.pipeline.tracking.live import LiveRun, live_run
 
 Counts = NDArray[np.int64]
 
@@ -55,15 +56,16 @@ def train_networks(jobs: Sequence[TrainingJob]) -> list[TrainingResult]:
     """Train all networks, as many at a time as there are cores for their threads.
 
     A result depends on the network's data and seed alone, not on the number of cores, the other
-    networks, or interruptions.
+    networks, or interruptions. The MLflow run that is open gets losses and learning rates.
     """
+    live = [live_run(job.name) for job in jobs]  # here, because runs are open in one thread alone
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "steps"
         done: Counts = np.memmap(path, dtype=np.int64, mode="w+", shape=(len(jobs),))
-        with progress_bars({one.name: one.steps for one in jobs}, done.tolist):
+        with progress_bars({job.name: job.steps for job in jobs}, done.tolist):
             results: list[TrainingResult] = Parallel(_workers(jobs))(
-                delayed(_train_job)(one, StepCount(path, number, os.getpid()))
-                for number, one in enumerate(jobs)
+                delayed(_train_job)(job, StepCount(path, number, os.getpid()), live[number])
+                for number, job in enumerate(jobs)
             )
     return results
 
@@ -94,18 +96,18 @@ class StepCount:
 
 
 def _workers(jobs: Sequence[TrainingJob]) -> int:
-    settings = [one.data.settings for one in jobs]
-    if any(one.devices > 1 for one in settings):
+    settings = [job.data.settings for job in jobs]
+    if any(of_job.devices > 1 for of_job in settings):
         return 1  # each device has its own process
-    threads = max(one.threads for one in settings)
+    threads = max(of_job.threads for of_job in settings)
     return max(1, min(int(cpu_count()) // threads, len(jobs)))
 
 
-def _train_job(job: TrainingJob, steps_done: StepCount) -> TrainingResult:
+def _train_job(job: TrainingJob, steps_done: StepCount, live: LiveRun | None) -> TrainingResult:
     # The lock waits for a worker of a killed run that has not noticed it yet.
     training = ForecastTraining(job.network, job.data.settings)
     with FileLock(job.folder / "lock"):
-        train(training, job.data, job.folder, [StepReporter(steps_done)])
+        train(training, job.data, job.folder, [StepReporter(steps_done)], live)
     spread = fit_spread(job.network, job.data.train, job.data.seed)
     curve = pd.DataFrame(training.curve)
     return TrainingResult(job.name, job.network, spread, curve, training.seconds)

@@ -15,7 +15,7 @@ import lightning
 import psutil
 import torch
 from lightning.fabric.utilities.exceptions import MisconfigurationException
-from lightning.pytorch.callbacks import Callback, ModelCheckpoint
+from lightning.pytorch.callbacks import Callback, LearningRateMonitor, ModelCheckpoint
 from lightning.pytorch.plugins.io import TorchCheckpointIO
 from lightning.pytorch.strategies import DDPStrategy
 from lightning.pytorch.utilities.exceptions import SIGTERMException
@@ -24,6 +24,7 @@ from rallygap.models.predictors.settings import TrainingSettings
 from rallygap.models.predictors.training import ForecastTraining, WindowData
 from rallygap.pipeline.io.artifacts import replacing
 from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.tracking.live import LiveRun
 
 
 def train(
@@ -31,6 +32,7 @@ def train(
     data: WindowData,
     checkpoints: Path,
     callbacks: Sequence[Callback] = (),
+    live: LiveRun | None = None,
 ) -> None:
     """Train a network in place.
 
@@ -42,6 +44,7 @@ def train(
         data: the windows.
         checkpoints: a folder for this training alone.
         callbacks: additional ones.
+        live: the MLflow run that gets losses and learning rates after every epoch, if any.
 
     Raises:
         InputError: fewer GPUs are available than ``devices``.
@@ -51,7 +54,11 @@ def train(
     last = checkpoints / "last.ckpt"
     resumed = last if last.exists() else None
     with _quiet(), _flushed_denormals(), tempfile.TemporaryDirectory() as rendezvous:
-        trainer = _trainer(training.settings, checkpoints, callbacks, Path(rendezvous))
+        try:
+            trainer = _trainer(training.settings, checkpoints, callbacks, Path(rendezvous), live)
+        except MisconfigurationException as error:
+            where = "train_predictor.training.devices"
+            raise InputError("params.yaml", " ".join(str(error).split()), field=where) from None
         try:
             trainer.fit(training, data, ckpt_path=resumed, weights_only=False)
         except SIGTERMException:
@@ -62,18 +69,19 @@ def train(
 
 
 def _trainer(
-    settings: TrainingSettings, checkpoints: Path, callbacks: Sequence[Callback], rendezvous: Path
+    settings: TrainingSettings,
+    checkpoints: Path,
+    callbacks: Sequence[Callback],
+    rendezvous: Path,
+    live: LiveRun | None,
 ) -> lightning.Trainer:
-    try:
-        return _configured(settings, checkpoints, callbacks, rendezvous)
-    except MisconfigurationException as error:
-        where = "train_predictor.training.devices"
-        raise InputError("params.yaml", " ".join(str(error).split()), field=where) from None
+    own: list[Callback] = [_checkpoint_every_epoch(checkpoints)]
+    logger: Any = False
+    if live is not None:
+        from rallygap.pipeline.tracking.lightning_logger import SharedRunLogger  # takes seconds
 
-
-def _configured(
-    settings: TrainingSettings, checkpoints: Path, callbacks: Sequence[Callback], rendezvous: Path
-) -> lightning.Trainer:
+        own.append(LearningRateMonitor("epoch"))
+        logger = SharedRunLogger(live)
     alone = settings.devices == 1
     return lightning.Trainer(
         devices=settings.devices,
@@ -85,10 +93,10 @@ def _configured(
         deterministic=True,
         # Batches depend on the number of the epoch.
         reload_dataloaders_every_n_epochs=1,
-        callbacks=[_checkpoint_every_epoch(checkpoints), *callbacks],
+        callbacks=[*own, *callbacks],
         plugins=[AtomicCheckpointIO()],
         default_root_dir=checkpoints,
-        logger=False,
+        logger=logger,
         enable_progress_bar=False,
         enable_model_summary=False,
         num_sanity_val_steps=0,

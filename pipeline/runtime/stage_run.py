@@ -18,7 +18,8 @@ from rallygap.pipeline.params import Params, load_params
 from rallygap.pipeline.runtime.console import refuse
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.provenance import content_hash, provenance, short
-from rallygap.pipeline.tracking.recording import InputData, Results, recorded
+from rallygap.pipeline.tracking.recording import recorded
+from rallygap.pipeline.tracking.results import InputData, Results, TrainedModel
 from rallygap.pipeline.web.figure_style import apply_style
 
 KEPT = "report"  # folder among a stage's artefacts
@@ -46,6 +47,7 @@ class StageRun:
         self.metrics: dict[str, Any] = {}
         self.figures: list[Path] = []
         self.inputs: list[InputData] = []
+        self.models: list[TrainedModel] = []
 
     @property
     def seed(self) -> int:
@@ -116,7 +118,8 @@ class StageRun:
 
     def results(self) -> Results:
         """What MLflow records at the end."""
-        return Results({**self.metrics, "timings": self.timings}, self.inputs, self.figures)
+        metrics = {**self.metrics, "timings": self.timings}
+        return Results(metrics, self.inputs, self.figures, self.models)
 
 
 def run_stage(stage: Callable[[StageRun], None]) -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from rallygap.pipeline.io.artifacts import read_json
-from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.params import Params
+from rallygap.pipeline.policies.descriptions import described_policy
 from rallygap.pipeline.policies.storage import TrainedPolicy
 from rallygap.pipeline.policies.training import (
     RECORD,
@@ -17,8 +17,8 @@ from rallygap.pipeline.policies.training import (
     train_policies,
 )
 from rallygap.pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
-from rallygap.pipeline.sweeps.settings import PolicySweep
-from rallygap.pipeline.sweeps.trial import Report
+from rallygap.pipeline.sweeps.settings import PolicySweep, Report
+from rallygap.pipeline.tracking.live import live_run
 
 MEASURES = {"returned": "return rate", "hit": "hit rate"}
 
@@ -28,7 +28,7 @@ def score_policy(sweep: PolicySweep, params: Params, folder: Path, report: Repor
     job = TrainingJob(described(sweep, params), folder)
     rate = 0.0
     for number in range(job.description.learning.iterations):
-        learn(job, number)
+        learn(job, number, live_run(job.description.name))
         rate = read_json(job.iteration(number) / RECORD)["return_rate"]
         report(number + 1, rate)
     return rate
@@ -36,18 +36,9 @@ def score_policy(sweep: PolicySweep, params: Params, folder: Path, report: Repor
 
 def described(sweep: PolicySweep, params: Params, repeat: int = 0) -> TrainedPolicy:
     """Return the description of a policy to train; ``repeat`` selects its seed."""
-    group = params.train_policy.groups[sweep.group]
-    return TrainedPolicy(
-        group=sweep.group,
-        simulator=sweep.simulator,
-        effects=load_simulator(sweep.simulator).to_dict(),
-        horizons=sweep.horizons_ms,
-        observation=group.observation,
-        goals=group.goals,
-        learning=group.learning,
-        seed=repeat_seed(params.seed, repeat),
-        repeat=repeat,
-    )
+    seed = repeat_seed(params.seed, repeat)
+    settings, horizons = params.train_policy, sweep.horizons_ms
+    return described_policy(settings, sweep.group, sweep.simulator, horizons, seed, repeat)
 
 
 def compare_policies(sweep: PolicySweep, settings: Sequence[Params], folder: Path) -> Comparison:

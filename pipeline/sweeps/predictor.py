@@ -21,8 +21,8 @@ from rallygap.pipeline.predictors.training_data import TrainingEpisodes, untrain
 from rallygap.pipeline.runtime.parallel import parallel
 from rallygap.pipeline.runtime.torch_threads import one_thread
 from rallygap.pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
-from rallygap.pipeline.sweeps.settings import PredictorSweep
-from rallygap.pipeline.sweeps.trial import Report
+from rallygap.pipeline.sweeps.settings import PredictorSweep, Report
+from rallygap.pipeline.tracking.live import live_run
 
 UNITS = {"position": "mm", "velocity": "m/s", "spin": "rad/s"}
 MEASURES = [
@@ -61,7 +61,7 @@ class PredictorTraining:
         data = WindowData(self.train, self.validation, settings.training, params.seed)
         network = untrained_network(settings.networks[self.network], data)
         training = ForecastTraining(network, settings.training)
-        train(training, data, folder, callbacks)
+        train(training, data, folder, callbacks, live_run(self.network))
         return training
 
 

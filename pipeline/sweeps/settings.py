@@ -4,6 +4,7 @@ Parameters are named as in ``dvc exp run -S``: by their dotted path in params.ya
 """
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
@@ -30,51 +31,51 @@ if TYPE_CHECKING:
 
 Value = bool | int | float | str | None
 
+Report = Callable[[int, float], None]
+"""Takes the score after each epoch or iteration, counted from 1; raises ``TrialPruned``."""
+
+Train = Callable[[Params, Path, Report], float]
+"""Trains with parameters in a folder for checkpoints, and returns the final score."""
+
 DIGITS = 3  # significant digits of a suggested number
 # Also hides the spin of validation windows, so that losses of different shares do not compare.
 DEFINES_SCORE = {"train_predictor.training.hidden_spin"}
 
 
-class Parameter(Settings):
-    """The values of a searched parameter: a range, of integers if both limits are, or choices."""
+class Range(Settings):
+    """Numbers between two limits, integers if both limits are."""
 
-    low: int | float | None = None
-    high: int | float | None = None
+    low: int | float
+    high: int | float
     log: bool = False
     """Sample the logarithm uniformly."""
-    choices: Annotated[list[Value], Field(min_length=2)] | None = None
 
     @model_validator(mode="after")
-    def _check(self) -> "Parameter":
-        if self.choices is not None:
-            if self.model_fields_set != {"choices"}:
-                raise ValueError("give low and high, or choices")
-        elif self.low is None or self.high is None or not (self.low > 0 or not self.log):
-            raise ValueError("give low, above zero with log, and high; or choices")
-        elif not self.low < self.high:
-            raise ValueError("give a low limit and a higher one")
+    def _check(self) -> "Range":
+        if not self.low < self.high or (self.log and self.low <= 0):
+            raise ValueError("give a low limit, above zero with log, and a higher one")
         return self
 
-    def suggest(self, name: str, trial: "BaseTrial") -> Value:
-        """Return the value that a trial uses."""
-        if self.choices is not None:
-            value: Value = trial.suggest_categorical(name, self.choices)
-            return value
-        low, high = self.extremes
-        if isinstance(low, int) and isinstance(high, int):
-            return trial.suggest_int(name, low, high, log=self.log)
-        return float(f"{trial.suggest_float(name, low, high, log=self.log):.{DIGITS}g}")
 
-    def contains(self, value: Any) -> bool:
-        """Return whether a trial may use a value."""
-        if self.choices is not None:
-            return value in self.choices
-        return isinstance(value, int | float) and self.extremes[0] <= value <= self.extremes[1]
+Values = Range | Annotated[list[Value], Field(min_length=2)]
+"""Of a searched parameter: a range, or the choices."""
 
-    @property
-    def extremes(self) -> list[Any]:
-        """The values that params.yaml must accept: both limits, or all choices."""
-        return self.choices or [self.low, self.high]
+
+def suggested(trial: "BaseTrial", name: str, values: Values) -> Value:
+    """Return the value of a parameter that a trial uses."""
+    if isinstance(values, list):
+        choice: Value = trial.suggest_categorical(name, values)
+        return choice
+    low, high = values.low, values.high
+    if isinstance(low, int) and isinstance(high, int):
+        return trial.suggest_int(name, low, high, log=values.log)
+    return float(f"{trial.suggest_float(name, low, high, log=values.log):.{DIGITS}g}")
+
+
+def _contains(values: Values, value: Any) -> bool:
+    if isinstance(values, list):
+        return value in values
+    return isinstance(value, int | float) and values.low <= value <= values.high
 
 
 class PruningSettings(Settings):
@@ -93,7 +94,7 @@ class SweepSettings(Settings):
     """Default number of trials."""
     in_trials: dict[str, Value]
     """Parameters that make trials shorter than full trainings; not part of the result."""
-    space: Annotated[dict[str, Parameter], Field(min_length=1)]
+    space: Annotated[dict[str, Values], Field(min_length=1)]
     """Parameters to search."""
     pruning: PruningSettings
 
@@ -134,7 +135,7 @@ class PolicySweep(SweepSettings):
     @property
     def searchable(self) -> tuple[str, ...]:
         """Groups of params.yaml whose parameters may be searched."""
-        return (f"train_policy.groups.{self.group}.learning",)
+        return (f"train_policy.groups.{self.group}.learning", "train_policy.reward")
 
 
 SETTINGS: TypeAdapter[PredictorSweep | PolicySweep] = TypeAdapter(
@@ -178,7 +179,14 @@ class Sweep:
         """The name of the study: the sweep and a digest of all that a trial depends on.
 
         It covers the search space, code, data and other parameters, but not the number of trials.
+
+        Raises:
+            InputError: the data are missing.
         """
+        episodes = self.root / "artifacts" / "segment"
+        if isinstance(self.settings, PredictorSweep) and not episodes.exists():
+            problem = "is missing; `dvc repro segment` is enough for a sweep of predictors"
+            raise InputError(episodes, problem)
         origin = provenance(self.root, self.settings.stage).fingerprint
         settings = self.settings.model_dump_json(exclude={"trials"})
         return f"{self.name}-{short(hashlib.sha256((origin + settings).encode()).hexdigest())}"
@@ -187,11 +195,13 @@ class Sweep:
         """Return the searched parameters as in params.yaml; None if the space excludes them."""
         space = self.settings.space
         values = {key: lookup(self.params, key, self.path) for key in space}
-        return values if all(space[key].contains(values[key]) for key in space) else None
+        return values if all(_contains(space[key], values[key]) for key in space) else None
 
     def suggest(self, trial: "BaseTrial") -> dict[str, Value]:
         """Return the values of the searched parameters in a trial."""
-        return {key: one.suggest(key, trial) for key, one in self.settings.space.items()}
+        return {
+            name: suggested(trial, name, values) for name, values in self.settings.space.items()
+        }
 
     def trial_params(self, values: dict[str, Value]) -> Params:
         """Return the parameters of a trial.
@@ -236,12 +246,12 @@ def _check(sweep: Sweep) -> None:
         lookup(sweep.params, key, sweep.path)
     if isinstance(settings, PolicySweep):
         load_simulator(settings.simulator)
-    for key, parameter in settings.space.items():
+    for key, values in settings.space.items():
         if key in DEFINES_SCORE or not key.startswith(tuple(f"{g}." for g in settings.searchable)):
             searchable = " and ".join(settings.searchable)
             problem = f"cannot be searched; search parameters of {searchable}"
             raise InputError(sweep.path, problem, field=key)
-        for value in parameter.extremes:
+        for value in values if isinstance(values, list) else (values.low, values.high):
             sweep.trial_params({key: value})
 
 

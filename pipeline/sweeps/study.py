@@ -1,7 +1,6 @@
 """The Optuna study of a sweep: in a file of this machine, or in a database shared by machines."""
 
 import warnings
-import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -13,17 +12,18 @@ from optuna.storages import BaseStorage, JournalStorage, RDBStorage
 from optuna.storages import RetryHeartbeatStaleTrialCallback as Retry
 from optuna.storages.journal import JournalFileBackend
 from optuna.trial import FrozenTrial, TrialState
-from sqlalchemy import create_engine, func, select
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sweeps.settings import Sweep
+from rallygap.pipeline.tracking.recording import process_lives
 
 HEARTBEAT = 10  # s between heartbeats of a trial in a database
 GRACE = 60  # s without a heartbeat after which a trial counts as lost
 RETRIES = 3  # of a lost trial
-CREATION_LOCK = zlib.crc32(b"rallygap sweep")  # PostgreSQL advisory lock
+ENDED = (TrialState.COMPLETE, TrialState.PRUNED)
+PROCESS = "process"  # attribute of a trial: who runs it
 
 warnings.filterwarnings("ignore", category=ExperimentalWarning)
 optuna.logging.set_verbosity(optuna.logging.ERROR)
@@ -52,15 +52,15 @@ def open_study(sweep: Sweep, url: str | None) -> optuna.Study:
         url: of a database; None keeps the study in a file under ``scratch``.
 
     Raises:
-        InputError: the database cannot be used.
+        InputError: the database cannot be used, or the data are missing.
     """
-    pruning = sweep.settings.pruning
-    with _creation_lock(url):
+    pruning, name = sweep.settings.pruning, sweep.study
+    with _database_errors(url):
         study = optuna.create_study(
             storage=_storage(sweep, url),
             sampler=NumberedSampler(sweep.params["seed"]),
             pruner=MedianPruner(pruning.first_trials, pruning.first_steps + 1),  # steps from 1
-            study_name=sweep.study,
+            study_name=name,
             direction=sweep.settings.direction,
             load_if_exists=True,
         )
@@ -72,56 +72,33 @@ def open_study(sweep: Sweep, url: str | None) -> optuna.Study:
 
 def ended(study: optuna.Study) -> int:
     """Return the number of trials that were completed or pruned."""
-    return len(study.get_trials(False, states=(TrialState.COMPLETE, TrialState.PRUNED)))
+    return len(study.get_trials(False, states=ENDED))
 
 
-def running(study: optuna.Study) -> list[FrozenTrial]:
-    """Return the trials that are running, or were when their worker died."""
-    return study.get_trials(states=(TrialState.RUNNING,))
+def retry_lost(study: optuna.Study) -> None:
+    """Mark trials of dead workers of this machine as failed, and queue their values again.
 
-
-def retry_lost(study: optuna.Study, url: str | None) -> None:
-    """Mark trials of dead workers as failed and queue their values again.
-
-    Optuna knows them by their heartbeats in a database. A study in a file has no heartbeats: call
-    this only while no worker runs.
+    In a database Optuna does the same by heartbeats, also for other machines.
     """
-    if url is not None:
-        optuna.storages.fail_stale_trials(study)
-        return
-    for trial in running(study):
-        study.tell(trial.number, state=TrialState.FAIL)
-        Retry(RETRIES)(study, trial)
+    for trial in study.get_trials(states=(TrialState.RUNNING,)):
+        worker = trial.user_attrs.get(PROCESS)
+        if worker is not None and not process_lives(worker):
+            study.tell(trial.number, state=TrialState.FAIL)
+            Retry(RETRIES)(study, trial)
 
 
 def _storage(sweep: Sweep, url: str | None) -> BaseStorage:
     if url is None:
         sweep.scratch.mkdir(parents=True, exist_ok=True)
         return JournalStorage(JournalFileBackend(str(sweep.scratch / "studies.jsonl")))
-    with _database_errors(parsed := _parsed(url)):
-        return RDBStorage(
-            # Quotes the braces, which Optuna would otherwise fill in.
-            parsed.render_as_string(hide_password=False),
-            engine_kwargs={"pool_pre_ping": True},
-            heartbeat_interval=HEARTBEAT,
-            grace_period=GRACE,
-            heartbeat_stale_trial_callback=Retry(RETRIES),
-        )
-
-
-@contextmanager
-def _creation_lock(url: str | None) -> Iterator[None]:
-    """Exclude other sweeps that create tables or a study in the same PostgreSQL database.
-
-    The server frees the lock when its holder dies.
-    """
-    parsed = None if url is None else _parsed(url)
-    if parsed is None or parsed.get_backend_name() != "postgresql":
-        yield
-        return
-    with _database_errors(parsed), create_engine(parsed).begin() as connection:
-        connection.execute(select(func.pg_advisory_xact_lock(CREATION_LOCK)))
-        yield
+    return RDBStorage(
+        # Quotes the braces, which Optuna would otherwise fill in.
+        _parsed(url).render_as_string(hide_password=False),
+        engine_kwargs={"pool_pre_ping": True},
+        heartbeat_interval=HEARTBEAT,
+        grace_period=GRACE,
+        heartbeat_stale_trial_callback=Retry(RETRIES),
+    )
 
 
 def _parsed(url: str) -> URL:
@@ -133,13 +110,14 @@ def _parsed(url: str) -> URL:
 
 
 @contextmanager
-def _database_errors(url: URL) -> Iterator[None]:
+def _database_errors(url: str | None) -> Iterator[None]:
     """Report errors of a database without user, password and options of its URL."""
     try:
         yield
     except (SQLAlchemyError, ImportError) as error:
+        parsed = _parsed(url or "")
         text = " ".join(str(getattr(error, "orig", None) or error).split())
-        for secret in filter(None, [str(url.password or ""), *map(str, url.query.values())]):
+        for secret in filter(None, [str(parsed.password or ""), *map(str, parsed.query.values())]):
             text = text.replace(secret, "***")
-        where = f"{url.get_backend_name()}://{url.host or ''}/{url.database or ''}"
+        where = f"{parsed.get_backend_name()}://{parsed.host or ''}/{parsed.database or ''}"
         raise InputError(where, f"cannot be used: {text[:300]}") from None

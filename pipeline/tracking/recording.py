@@ -1,12 +1,13 @@
 """A run in MLflow around a block of work: a stage of the pipeline, or a trial of a sweep.
 
-MLflow works in the process of the stage, with short timeouts. Whatever goes wrong with it costs one
-line of warning, and the stage continues. A stage that is killed leaves its run open; the next one
-that is recorded in the same store closes it (``mlflow_run._close_abandoned``).
+The store is the repository's ``mlflow.db`` or the one that MLFLOW_TRACKING_URI names. Whatever goes
+wrong with it costs one line of warning, and the stage continues. A stage that is killed leaves its
+run open; the next one that is recorded in the same store closes it.
 """
 
 import os
 import re
+import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import psutil
+from filelock import FileLock
 
 from rallygap.pipeline.runtime.console import warn
 from rallygap.pipeline.runtime.git import git_commit
@@ -21,38 +23,20 @@ from rallygap.pipeline.runtime.guard import guarded
 from rallygap.pipeline.runtime.paths import repository_root
 from rallygap.pipeline.runtime.provenance import Provenance
 from rallygap.pipeline.runtime.scratch import keep_timings, scratch_kept
-from rallygap.pipeline.tracking.changed_params import Change, changed_params
+from rallygap.pipeline.tracking.results import InputData, Results
+from rallygap.pipeline.tracking.values import (
+    changed_params,
+    dotted,
+    flat_metrics,
+    reported_metrics,
+)
 
 Value = TypeVar("Value")
 
 EXPERIMENT = "rallygap"  # of MLflow, with all runs
+GROUP_TAG, PROCESS_TAG, HOST_TAG = "rallygap.group", "rallygap.process", "rallygap.host"
 LONGEST_REASON = 300  # characters of what MLflow says when it fails
-
-
-@dataclass(frozen=True)
-class InputData:
-    """A data set that a stage read.
-
-    Attributes:
-        name: of the data set.
-        source: path of its file or folder.
-        rows: or other items in it.
-        digest: MD5 of its content.
-    """
-
-    name: str
-    source: str
-    rows: int
-    digest: str
-
-
-@dataclass(frozen=True)
-class Results:
-    """What a run leaves: nested metrics, the data sets it read, paths of its figures."""
-
-    metrics: dict[str, Any] = field(default_factory=dict)
-    inputs: list[InputData] = field(default_factory=list)
-    figures: list[Path] = field(default_factory=list)
+STORE_MADE = 60.0  # s, that another process may take to make the store
 
 
 @dataclass(frozen=True)
@@ -62,18 +46,14 @@ class ParentRun:
     Attributes:
         key: runs with the same key share the parent.
         name: of the run.
-        source: the command that makes it.
         tags: of MLflow.
-        changed: parameters that differ from the commit, by dotted key.
-        failure_is_final: whether one failed run below it makes it fail.
+        params: by dotted key.
     """
 
     key: str
     name: str
-    source: str
     tags: dict[str, str] = field(default_factory=dict)
-    changed: dict[str, Change] = field(default_factory=dict)
-    failure_is_final: bool = True
+    params: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -112,9 +92,7 @@ def recording(start: RunStart, results: Callable[[], Results]) -> Iterator[None]
         start: what is known of the run.
         results: called when the block has ended, well or badly.
     """
-    from rallygap.pipeline.tracking.mlflow_run import open_run  # takes seconds
-
-    run = _attempt(start.name, lambda: open_run(start))
+    parent = attempt(start.name, lambda: _open(start))
     status = "FAILED"
     try:
         yield
@@ -123,11 +101,11 @@ def recording(start: RunStart, results: Callable[[], Results]) -> Iterator[None]
         status = "KILLED"
         raise
     finally:
-        if run is not None:
-            _attempt(start.name, lambda: run.end(status, results()))
+        if parent is not None:
+            attempt(start.name, lambda: _close(start, parent, status, results()))
 
 
-def _attempt(name: str, action: Callable[[], Value]) -> Value | None:
+def attempt(name: str, action: Callable[[], Value]) -> Value | None:
     """Do something with MLflow; None, and a warning, where it fails in whatever way."""
     try:
         return action()
@@ -140,23 +118,19 @@ def _attempt(name: str, action: Callable[[], Value]) -> Value | None:
 def stage_start(stage: str, origin: Provenance, params: dict[str, Any]) -> RunStart:
     """Describe a stage that starts in the working directory."""
     home = repository_root()
-    changed = changed_params(home)
     shared = {
         "dvc.experiment": os.environ.get("DVC_EXP_NAME"),
         "dvc.baseline": os.environ.get("DVC_EXP_BASELINE_REV"),
         "mlflow.source.git.commit": git_commit(home),
     }
     known = {name: value for name, value in shared.items() if value}
-    tags = {
-        **known,
-        "dvc.stage": stage,
-        "rallygap.fingerprint": origin.fingerprint,
-        "mlflow.source.name": origin.command,
-        **{f"changed.{key}": str(change) for key, change in changed.items()},
-    }
+    own = {"dvc.stage": stage, "rallygap.fingerprint": origin.fingerprint}
+    tags = {**known, **own, "mlflow.source.name": origin.command}
     key = reproduction()
+    if key is None:
+        return RunStart(stage, params, tags)
     name = known.get("dvc.experiment", "reproduction")
-    parent = ParentRun(key, name, "dvc", known, changed) if key else None
+    parent = ParentRun(key, name, {**known, "mlflow.source.name": "dvc"}, changed_params(home))
     return RunStart(stage, params, tags, parent)
 
 
@@ -182,3 +156,141 @@ def without_secrets(text: str) -> str:
     """Return text without the names and passwords in its URLs."""
     text = re.sub(r"(://)[^\s'\"]*@", r"\1***@", text)
     return re.sub(r"(?i)((?:password|passwd|token|secret|key)=)[^&\s'\"]+", r"\1***", text)
+
+
+def _open(start: RunStart) -> str:
+    """Start the run; return the id of the run above it, empty where there is none."""
+    import mlflow
+
+    home, named = repository_root(), os.environ.get("MLFLOW_TRACKING_URI")
+    # MLflow cannot make the tables of one store, or one parent, from two processes at once.
+    with FileLock(home / "mlflow.db.lock", timeout=STORE_MADE):
+        if named is None and not (home / "mlflow.db").exists():
+            _make_store(home / "mlflow.db")
+        _connect(named or store_uri(home))
+        if mlflow.get_experiment_by_name(EXPERIMENT) is None:
+            folder = None if named else (home / "mlartifacts").as_uri()
+            mlflow.create_experiment(EXPERIMENT, artifact_location=folder)
+        mlflow.set_experiment(EXPERIMENT)
+        _close_abandoned()
+        parent = _parent_id(start.parent) if start.parent else ""
+    process = {PROCESS_TAG: this_process(), HOST_TAG: socket.gethostname()}
+    mlflow.start_run(
+        run_name=start.name,
+        parent_run_id=parent or None,
+        tags={**start.tags, **process},
+        log_system_metrics=True,
+    )
+    try:
+        mlflow.log_params(dotted(start.params))
+    except Exception:
+        mlflow.end_run("FAILED")
+        raise
+    return parent
+
+
+def _make_store(path: Path) -> None:
+    """Make the repository's store whole or not at all: MLflow could not open half of one."""
+    import mlflow
+
+    unfinished = path.with_name(f"{path.name}.new")
+    unfinished.unlink(missing_ok=True)
+    mlflow.set_tracking_uri(f"sqlite:///{unfinished}")
+    mlflow.search_experiments(max_results=1)
+    unfinished.replace(path)
+
+
+def _connect(uri: str) -> None:
+    """Use a store. A database is tried first, because MLflow would try for minutes."""
+    import mlflow
+
+    if not uri.startswith("http"):
+        from sqlalchemy import create_engine
+
+        with create_engine(uri).connect() as connection:
+            connection.exec_driver_sql("SELECT 1")
+    mlflow.set_tracking_uri(uri)
+
+
+def _close_abandoned() -> None:
+    """Mark as killed the open runs whose process on this machine has died, and their parents."""
+    import mlflow
+
+    here = f"attributes.status = 'RUNNING' AND tags.`{HOST_TAG}` = '{socket.gethostname()}'"
+    for run in mlflow.search_runs(filter_string=here, output_format="list"):
+        if not process_lives(run.data.tags[PROCESS_TAG]):
+            _end(run.info.run_id, "KILLED")
+            if parent := run.data.tags.get("mlflow.parentRunId"):
+                _end(parent, "KILLED")
+
+
+def this_process() -> str:
+    """A name of this process that no later one has."""
+    process = psutil.Process()
+    return f"{process.pid}-{process.create_time():.0f}"
+
+
+def process_lives(name: str) -> bool:
+    """Whether a process of this machine is still there, by its name of ``this_process``."""
+    number, created = name.split("-")
+    try:
+        return f"{psutil.Process(int(number)).create_time():.0f}" == created
+    except psutil.NoSuchProcess:
+        return False
+
+
+def _parent_id(parent: ParentRun) -> str:
+    """The id of the parent: created by the first run below it, found by the others."""
+    import mlflow
+
+    query = f"tags.`{GROUP_TAG}` = '{parent.key}'"
+    for run in mlflow.search_runs(filter_string=query, max_results=1, output_format="list"):
+        return str(run.info.run_id)
+    tags = {**parent.tags, GROUP_TAG: parent.key}
+    with mlflow.start_run(run_name=parent.name, tags=tags) as run:
+        mlflow.log_params(parent.params)
+    return str(run.info.run_id)
+
+
+def _close(start: RunStart, parent: str, status: str, results: Results) -> None:
+    """Log what the run leaves and end it; its parent gets its status and all stages' metrics."""
+    import mlflow
+
+    try:
+        for step, metrics in flat_metrics(results.metrics).items():
+            mlflow.log_metrics(metrics, step=step)
+        for data in results.inputs:
+            _log_input(data)
+        for figure in results.figures:
+            mlflow.log_artifact(str(figure), "figures")
+        if status == "FINISHED" and results.models:
+            from rallygap.pipeline.tracking.model_registry import register_model
+
+            for model in results.models:
+                register_model(model)
+    finally:
+        mlflow.end_run(status)
+    if parent:
+        _end(parent, status, reported_metrics() if "dvc.stage" in start.tags else {})
+
+
+def _log_input(data: InputData) -> None:
+    """Log an input data set; ``mlflow.data.get_source`` finds the file again."""
+    import mlflow
+    from mlflow.data import sources
+    from mlflow.data.meta_dataset import MetaDataset
+
+    source = sources.LocalArtifactDatasetSource(data.source)  # type: ignore[attr-defined]
+    dataset = MetaDataset(source, name=data.name, digest=data.digest)  # type: ignore[abstract]
+    mlflow.log_input(dataset, tags={"rows": str(data.rows)})
+
+
+def _end(run_id: str, status: str, metrics: dict[str, float] | None = None) -> None:
+    """Take up a run again, to log its last metrics and end it with a status."""
+    import mlflow
+
+    mlflow.start_run(run_id=run_id)
+    try:
+        mlflow.log_metrics(metrics or {})
+    finally:
+        mlflow.end_run(status)

@@ -95,7 +95,7 @@ def test_a_missing_folder_of_measured_sets_is_refused(elsewhere, words, says):
     assert len(refused.stderr.splitlines()) == 1
 
 
-@pytest.mark.parametrize("words", ["keep one", "run-of one", "sweep quick", "ui"])
+@pytest.mark.parametrize("words", ["keep one", "sweep quick", "ui"])
 def test_outside_a_clone_one_line_says_so_and_nothing_is_left(tmp_path, words):
     refused = rallygap(*words.split(), cwd=tmp_path)
     assert refused.returncode == 2

@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 
 from rallygap.pipeline import cli
-from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.provenance import Provenance
-from rallygap.pipeline.tracking.lineage import origin_of
-from rallygap.pipeline.tracking.recording import Results, recorded, stage_start, without_secrets
+from rallygap.pipeline.tracking.recording import recorded, stage_start, without_secrets
+from rallygap.pipeline.tracking.results import Results
 from tests.services import free_port
 
 ROOT = Path(__file__).parents[2]
@@ -51,16 +50,6 @@ def test_the_warning_about_a_store_that_fails_is_without_its_password(
     output = "".join(capfd.readouterr())
     assert "MLflow has no complete record of segment" in output
     assert SECRET not in output
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("store", STORES)
-def test_the_address_of_a_run_is_shown_without_the_password(monkeypatch, store):
-    monkeypatch.setenv("MLFLOW_TRACKING_URI", store)
-    monkeypatch.setenv("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "0")
-    with pytest.raises(InputError, match="cannot be asked") as error:
-        origin_of(ROOT, ROOT / "reports" / "segment" / "metrics.json")
-    assert SECRET not in str(error.value)
 
 
 @pytest.mark.parametrize("store", STORES)

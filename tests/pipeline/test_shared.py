@@ -17,7 +17,8 @@ import pytest
 from mlflow import MlflowClient
 
 from rallygap.pipeline.runtime.provenance import Provenance
-from rallygap.pipeline.tracking.recording import Results, recorded
+from rallygap.pipeline.tracking.recording import recorded
+from rallygap.pipeline.tracking.results import Results
 from tests.clone import ROOT, commit, run
 from tests.services import free_port, listening
 

@@ -103,21 +103,28 @@ def test_without_sources_there_is_no_fine_tuned_predictor(tmp_path):
     assert not list(run.artifact(".").glob("*_fine_tuned"))
 
 
-def test_the_report_has_the_losses_of_every_epoch(whole):
-    metrics = read_json(whole.report("metrics.json"))
+def test_the_report_has_the_losses_of_every_epoch_and_metrics_of_the_last(whole):
     names = [*NETWORKS, *(f"{name}_fine_tuned" for name in NETWORKS)]
-    assert list(metrics) == names
     losses = pd.read_csv(whole.report("losses.csv")).set_index(["predictor", "epoch"])
     assert losses.loc["small"].index.tolist() == [1, 2, 3]
     shown = [item.file for item in items(whole)]
     last = pd.read_csv(whole.report("training.csv"))
     assert last["predictor"].tolist() == names
     assert last["epoch"].tolist() == [3] * 4 + [1] * 4
+    metrics = read_json(whole.report("metrics.json"))
+    assert list(metrics) == names
     for row in last.to_dict("records"):
         assert metrics[row["predictor"]] == row["validation"]
         epoch = losses.loc[row["predictor"], row["epoch"]]
         assert epoch.to_dict() == {key: row[key] for key in ("training", "validation")}
     assert shown == ["figures/training.png", "training.csv"]
+
+
+def test_every_predictor_is_a_model_with_its_loss(whole):
+    metrics = read_json(whole.report("metrics.json"))
+    scores = {model.folder.name: model.score for model in whole.models}
+    assert scores == pytest.approx(metrics)
+    assert len({model.name for model in whole.models}) == len(scores)
 
 
 def test_the_same_inputs_give_the_same_bytes(whole, tmp_path, monkeypatch):

@@ -16,7 +16,7 @@ RETRAINED_KIND = "intercept"  # what the policies observe that are trained again
 
 def trained_policies(root: Path, params: Params, folder: Path) -> list[TrainingResult]:
     """Train the policies of the profile, and the same in the amended simulator."""
-    described = list(described_policies(params.train_policy.groups, params.seed))
+    described = list(described_policies(params.train_policy, params.seed))
     amended = amended_simulator(root, params)
     again = [
         in_simulator(one, ARENA, amended) for one in described if one.observation == RETRAINED_KIND

@@ -7,10 +7,10 @@ from gymnasium import spaces
 from rallygap.models.policy.goal_relabelling import RelabellingReplayBuffer
 from rallygap.models.policy.goals import Goals
 from rallygap.models.policy.reward import goal_reward
-from rallygap.models.policy.settings import GoalSettings
+from rallygap.models.policy.settings import GoalSettings, RewardSettings
 
 GOALS = GoalSettings(landing_across=(-0.4, 0.4), landing_along=(0.5, 1.1), speed=None, topspin=None)
-COLUMNS = slice(3, 5)
+COLUMNS, WEIGHTS = slice(3, 5), RewardSettings()
 STROKE = {
     "hit": True,
     "landing": np.array([0.1, 0.9]),
@@ -23,14 +23,15 @@ OLD_GOAL = Goals(np.array([[0.2, 0.6]]))
 
 def worth(landing):
     one = np.array([STROKE["speed"]]), np.array([STROKE["topspin"]]), np.array([True])
-    return goal_reward(STROKE["landing"][None], *one, Goals(landing[None]))[0]
+    return goal_reward(STROKE["landing"][None], *one, Goals(landing[None]), WEIGHTS)[0]
 
 
 @pytest.fixture
 def replay():
     """A tick in which one arm strikes its ball, and one in which it does not."""
     seen, done = spaces.Box(-5, 5, (7,), np.float32), spaces.Box(-1, 1, (2,), np.float32)
-    kept = RelabellingReplayBuffer(2, seen, done, n_envs=1, goals=GOALS, columns=COLUMNS)
+    settings = {"goals": GOALS, "columns": COLUMNS, "weights": WEIGHTS}
+    kept = RelabellingReplayBuffer(2, seen, done, n_envs=1, **settings)
     of_goal = worth(OLD_GOAL.landing[0])
     struck = {**STROKE, "goal_reward": of_goal}
     rows = np.arange(7.0)[None] / 10

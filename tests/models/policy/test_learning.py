@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 from stable_baselines3 import SAC
-from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.logger import KVWriter, Logger
 
 from rallygap.models.policy.learning import (
     LEARNER,
@@ -49,6 +49,27 @@ def test_a_later_iteration_follows_from_the_learner_before_it(schooled, tmp_path
     assert not same(second, schooled[1])
     iteration(tmp_path / "other", seed=4)
     assert not same(iteration(tmp_path / "after_other", 1, tmp_path / "other"), second)
+
+
+class Noted(KVWriter):
+    """Keeps what Stable-Baselines3 logs."""
+
+    def __init__(self):
+        self.logged = {}
+
+    def write(self, key_values, key_excluded, step=0):
+        self.logged[step] = dict(key_values)
+
+    def close(self):
+        pass
+
+
+def test_writers_get_returns_losses_and_the_rate(tmp_path, monkeypatch):
+    monkeypatch.setattr("rallygap.models.policy.learning.LOGGED_EVERY", 1)
+    long, writer = BRIEF.model_copy(update={"steps_per_iteration": 240}), Noted()
+    learn_iteration(TASK, long, 3, 0, None, tmp_path, [writer])
+    names = {name for logged in writer.logged.values() for name in logged}
+    assert {"rollout/ep_rew_mean", "train/critic_loss", "train/learning_rate"} <= names
 
 
 def test_an_iteration_continues_from_the_whole_replay_buffer(schooled, tmp_path):

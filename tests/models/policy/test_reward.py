@@ -6,6 +6,9 @@ import pytest
 from rallygap.models.policy.goals import Goals
 from rallygap.models.policy.outcome import Outcome
 from rallygap.models.policy.reward import contact_reward, effort_reward, goal_reward, miss_reward
+from rallygap.models.policy.settings import RewardSettings
+
+WEIGHTS = RewardSettings()
 
 
 def outcome(returned=True, distance=0.0, net_height=0.3, speed=6.0, topspin=50.0):
@@ -21,11 +24,12 @@ def outcome(returned=True, distance=0.0, net_height=0.3, speed=6.0, topspin=50.0
     )
 
 
-def reward(backhand=False, speed=None, topspin=None, **described):
+def reward(backhand=False, speed=None, topspin=None, weights=WEIGHTS, **described):
     asked = [None if value is None else np.array([value]) for value in (speed, topspin)]
     goals, played = Goals(np.zeros((1, 2)), *asked), outcome(**described)
-    whatever_the_goal = contact_reward(played, np.array([backhand]))[0]
-    for_the_goal = goal_reward(played.landing, played.speed, played.topspin, played.returned, goals)
+    whatever_the_goal = contact_reward(played, np.array([backhand]), weights)[0]
+    stroke = played.landing, played.speed, played.topspin, played.returned
+    for_the_goal = goal_reward(*stroke, goals, weights)
     return whatever_the_goal + for_the_goal[0]
 
 
@@ -54,8 +58,13 @@ def test_a_stroke_is_worth(described, expected):
     assert reward(**asked, **described) == pytest.approx(expected)
 
 
+def test_a_weight_scales_its_part_alone():
+    assert reward(weights=RewardSettings(landing=6.0)) == pytest.approx(4.8 + 3.0)
+    assert reward(weights=RewardSettings(returned=0.0)) == pytest.approx(4.8 - 1.0)
+
+
 def test_a_miss_costs_twice_its_distance_and_one_at_most():
-    missed = miss_reward(np.array([0.0, 0.1, 0.5, 3.0, np.inf]))
+    missed = miss_reward(np.array([0.0, 0.1, 0.5, 3.0, np.inf]), WEIGHTS)
 
     np.testing.assert_allclose(missed, [0.0, -0.2, -1.0, -1.0, -1.0])
 
@@ -63,4 +72,4 @@ def test_a_miss_costs_twice_its_distance_and_one_at_most():
 def test_effort_costs():
     actions = np.array([[0.0] * 5, [1.0, -1.0, 0.0, 0.5, 0.0]])
 
-    np.testing.assert_allclose(effort_reward(actions), [0.0, -0.002 * 2.25])
+    np.testing.assert_allclose(effort_reward(actions, WEIGHTS), [0.0, -0.002 * 2.25])

@@ -4,10 +4,9 @@ from contextlib import nullcontext
 
 import pytest
 
-from rallygap.pipeline.sweeps import trial, worker
+from rallygap.pipeline.sweeps import trial
 
 
 @pytest.fixture(autouse=True)
 def unrecorded(monkeypatch):
     monkeypatch.setattr(trial, "recording", lambda *_: nullcontext())
-    monkeypatch.setattr(worker, "POLL", 0.1)

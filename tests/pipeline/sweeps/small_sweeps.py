@@ -18,7 +18,7 @@ SETTINGS = {
     "network": "transformer",
     "trials": 8,
     "in_trials": {"train_predictor.training.epochs": 3},
-    "space": {RATE: {"low": 0.0001, "high": 0.1, "log": True}, HEADS: {"choices": [2, 4, 8]}},
+    "space": {RATE: {"low": 0.0001, "high": 0.1, "log": True}, HEADS: [2, 4, 8]},
     "pruning": {"first_trials": 3, "first_steps": 0},
 }
 
@@ -34,6 +34,7 @@ def small_sweep(root, **changes):
     }
     write_yaml(root / "dvc.yaml", {"stages": stages})
     (root / "data.txt").write_text("shots")
+    (root / "artifacts" / "segment").mkdir(parents=True, exist_ok=True)
     settings = {key: value for key, value in {**SETTINGS, **changes}.items() if value is not None}
     write_yaml(root / "experiments" / "profiles" / "sweeps" / "tiny.yaml", settings)
     return load_sweep(root, "tiny")

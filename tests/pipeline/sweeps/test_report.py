@@ -117,10 +117,10 @@ def test_trials_are_nested_mlflow_runs_and_a_failed_one_does_not_fail_the_parent
 ):
     monkeypatch.setenv("DVC_ROOT", str(tmp_path))
     monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
-    sweep = small_sweep(tmp_path, space={RATE: {"choices": [0.0625, 0.02]}})
+    sweep = small_sweep(tmp_path, space={RATE: [0.0625, 0.02]})
     for number, rate in enumerate([0.0625, 0.02]):
         try:
-            trials.run_trial(sweep, failing_once, lambda: None, FakeTrial(number, rate))
+            trials.run_trial(sweep, failing_once, FakeTrial(number, rate))
         except ZeroDivisionError:
             assert number == 0
     with sqlite3.connect(tmp_path / "mlflow.db") as store:
@@ -150,6 +150,9 @@ class FakeTrial:
         return self.rate
 
     def report(self, *_):
+        pass
+
+    def set_user_attr(self, *_):
         pass
 
     def should_prune(self):

@@ -34,9 +34,9 @@ def test_a_trial_changes_the_searched_parameters_and_those_that_shorten_it(tmp_p
         ),
         ({"space": {RATE: {"low": 0.1, "high": 7.5}}}, "less than or equal to 1, not 7.5"),
         ({"space": {RATE: {"low": 0.2, "high": 0.1}}}, "give a low limit"),
-        ({"space": {RATE: {"low": 0.2}}}, "and high; or choices"),
+        ({"space": {RATE: {"low": 0.2}}}, "Field required"),
         ({"space": {RATE: {"low": 0.0, "high": 0.1, "log": True}}}, "above zero with log"),
-        ({"space": {RATE: {"choices": [0.1, 0.2], "low": 0.1}}}, "low and high, or choices"),
+        ({"space": {RATE: [0.1]}}, "at least 2 items"),
         ({"in_trials": {"train_predictor.training.epoch": 3}}, "is no parameter"),
         ({"network": "lstm"}, "is no parameter"),
     ],
@@ -56,8 +56,17 @@ def test_an_unknown_sweep_is_refused_with_the_known_names(tmp_path):
 def test_other_data_or_another_space_make_another_study_but_more_trials_do_not(tmp_path):
     study = small_sweep(tmp_path).study
     assert small_sweep(tmp_path, trials=100).study == study
-    space = {**SETTINGS["space"], HEADS: {"choices": [2, 4]}}
+    space = {**SETTINGS["space"], HEADS: [2, 4]}
     assert small_sweep(tmp_path, space=space).study != study
     sweep = small_sweep(tmp_path)
     (tmp_path / "data.txt").write_text("other shots")
     assert sweep.study != study
+
+
+def test_the_weights_of_the_reward_can_be_searched(tmp_path):
+    space = {"train_policy.reward.contact": {"low": 0.1, "high": 1.0}}
+    group = {"group": "sim2sim", "simulator": "imperfect_c", "horizons_ms": [115, 120, 125]}
+    sweep = small_sweep(tmp_path, trains="policy", network=None, in_trials={}, space=space, **group)
+    assert (
+        sweep.trial_params({"train_policy.reward.contact": 0.9}).train_policy.reward.contact == 0.9
+    )

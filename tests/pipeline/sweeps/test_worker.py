@@ -7,18 +7,18 @@ import time
 from contextlib import contextmanager
 from functools import partial
 
-import psutil
+import pandas as pd
 import pytest
 from optuna.trial import TrialState
 
 from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.sweeps import study as study_module
 from rallygap.pipeline.sweeps.study import ended, open_study, retry_lost
-from rallygap.pipeline.sweeps.trial import training_of
 from rallygap.pipeline.sweeps.worker import run_sweep
 from tests.pipeline.sweeps.small_sweeps import HEADS, ROOT, run, small_sweep
 
-# Sweeps in the repository argv[1] with argv[2] workers until argv[3] trials; a trial says so
-# and waits while the file "hold" exists. Spawned workers import this file again.
+# A worker on the repository argv[1] until argv[2] trials; a trial says so and waits while the file
+# "hold" exists.
 SCRIPT = """
 import os, sys, time
 from contextlib import nullcontext
@@ -37,34 +37,22 @@ def held(params, folder, report):
 
 trial.recording = lambda *_: nullcontext()
 worker.training_of = lambda sweep: held
-worker.POLL, study.HEARTBEAT, study.GRACE = 0.1, 1, 3
-if __name__ == "__main__":
-    sweep, url = load_sweep(root, "tiny"), os.environ.get("RALLYGAP_STUDY")
-    worker.run_sweep(sweep, url, int(sys.argv[2]), int(sys.argv[3]))
+study.HEARTBEAT, study.GRACE = 1, 3
+worker.run_sweep(load_sweep(root, "tiny"), os.environ.get("RALLYGAP_STUDY"), int(sys.argv[2]))
 """
 
 
 @contextmanager
-def start(sweep, workers, wanted, url=None):
-    """A sweep in a process of its own, killed with its workers at the end of the block."""
-    script = sweep.root / "script.py"
-    script.write_text(SCRIPT)
+def start(sweep, wanted, url=None):
+    """A worker of a sweep, killed at the end of the block."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT)} | ({"RALLYGAP_STUDY": url} if url else {})
-    command = [sys.executable, script, sweep.root, str(workers), str(wanted)]
+    command = [sys.executable, "-c", SCRIPT, sweep.root, str(wanted)]
     options = {"stdout": subprocess.PIPE, "text": True, "env": environment, "cwd": ROOT}
     with subprocess.Popen(command, **options) as process:
         try:
             yield process
         finally:
             process.kill()
-
-
-def workers_of(process):
-    return [
-        child
-        for child in psutil.Process(process.pid).children()
-        if "spawn_main" in " ".join(child.cmdline())
-    ]
 
 
 def table(study):
@@ -90,7 +78,7 @@ def test_a_resumed_study_tries_the_same_as_one_without_a_break(tmp_path):
 
 
 def test_a_space_without_the_values_of_params_yaml_starts_with_a_draw(tmp_path):
-    study = run(small_sweep(tmp_path, space={HEADS: {"choices": [2, 8]}}), 1)
+    study = run(small_sweep(tmp_path, space={HEADS: [2, 8]}), 1)
     assert study.trials[0].params[HEADS] in (2, 8)
 
 
@@ -115,7 +103,7 @@ def test_a_trial_whose_score_is_not_finite_is_pruned(tmp_path):
 
 def test_values_that_are_invalid_together_are_pruned(tmp_path):
     width = "train_predictor.networks.transformer.width"
-    space = {HEADS: {"choices": [4, 8]}, width: {"choices": [60, 64]}}
+    space = {HEADS: [4, 8], width: [60, 64]}
     for one in run(small_sweep(tmp_path, space=space), 12).trials:
         invalid = (one.params[HEADS], one.params[width]) == (8, 60)
         assert (one.state == TrialState.PRUNED and not one.intermediate_values) == invalid
@@ -125,53 +113,36 @@ def killed(params, folder, report):
     raise SystemExit(143)
 
 
-def test_a_trial_that_keeps_ending_its_worker_is_retried_three_times(tmp_path):
+def test_a_trial_that_keeps_ending_its_worker_is_retried_three_times(tmp_path, monkeypatch):
+    monkeypatch.setattr(study_module, "process_lives", lambda name: False)
     sweep = small_sweep(tmp_path)
     study = open_study(sweep, None)
     for _ in range(6):
         with pytest.raises(SystemExit):
             run(sweep, 10, killed)
-        retry_lost(study, None)
+        retry_lost(study)
     first = [one for one in study.trials if one.params == sweep.defaults()]
     assert states(study)[:6] == [TrialState.FAIL] * 6
     assert len(first) == 4
 
 
-def test_a_killed_worker_is_replaced_and_its_trial_retried(tmp_path):
+def test_workers_share_a_study_and_the_next_one_retries_the_trial_of_a_killed_one(tmp_path):
     sweep = small_sweep(tmp_path)
     (tmp_path / "hold").touch()
-    with start(sweep, 2, 8) as process:
-        assert [process.stdout.readline() for _ in range(2)] == ["started\n"] * 2
-        workers_of(process)[0].kill()
-        (tmp_path / "hold").unlink()
-        assert process.wait(60) == 0
+    with start(sweep, 5) as lost, start(sweep, 5) as other:
+        assert lost.stdout.readline() == other.stdout.readline() == "started\n"
+        lost.kill()
+        lost.wait()
+        with start(sweep, 5) as late:
+            assert late.stdout.readline() == "started\n"
+            (tmp_path / "hold").unlink()
+            assert [other.wait(60), late.wait(60)] == [0, 0]
     study = open_study(sweep, None)
-    assert ended(study) in (8, 9)  # both workers may begin an eighth
-    lost = next(one for one in study.trials if one.state == TrialState.FAIL)
-    again = [one for one in study.trials if one.system_attrs.get("failed_trial") == lost.number]
-    assert [one.params for one in again] == [lost.params]
-    assert not (sweep.scratch / "trials").exists()
-
-
-def test_workers_end_with_the_command_and_the_next_one_resumes(tmp_path):
-    sweep = small_sweep(tmp_path)
-    (tmp_path / "hold").touch()
-    with start(sweep, 1, 2) as process:
-        assert process.stdout.readline() == "started\n"
-        with pytest.raises(InputError, match="is already running"):
-            run_sweep(sweep, None, 1, 2)
-        (worker,) = workers_of(process)
-        process.kill()
-        process.wait()
-        (tmp_path / "hold").unlink()
-        worker.wait(60)
-    study = open_study(sweep, None)
-    assert states(study) == [TrialState.RUNNING]
-    with start(sweep, 1, 2) as process:
-        assert process.wait(60) == 0
-    assert states(study)[0] == TrialState.FAIL
-    assert study.trials[1].params == study.trials[0].params
-    assert ended(study) == 2
+    assert ended(study) in (5, 6)  # both may begin a fifth
+    (failed,) = [one for one in study.trials if one.state == TrialState.FAIL]
+    again = [one for one in study.trials if one.system_attrs.get("failed_trial") == failed.number]
+    assert [one.params for one in again] == [failed.params]
+    assert len(pd.read_csv(sweep.report / "trials.csv")) == ended(study)
 
 
 @pytest.mark.parametrize(
@@ -190,21 +161,23 @@ def test_a_database_that_cannot_be_used_is_named_without_its_password(tmp_path, 
     assert "simsalabim" not in str(refused.value)
 
 
-def test_a_sweep_without_data_says_so(tmp_path):
-    with pytest.raises(InputError, match=r"manifest\.json"):
-        training_of(small_sweep(tmp_path))
+def test_a_sweep_without_data_says_what_is_enough(tmp_path):
+    sweep = small_sweep(tmp_path)
+    (tmp_path / "artifacts" / "segment").rmdir()
+    with pytest.raises(InputError, match="`dvc repro segment` is enough"):
+        run_sweep(sweep, None, 1)
 
 
 @pytest.mark.slow
 def test_two_machines_start_one_study_in_postgresql_and_one_is_killed(tmp_path, postgres_url):
     sweep = small_sweep(tmp_path)
     (tmp_path / "hold").touch()
-    machine = partial(start, sweep, 1, 8, postgres_url)
+    machine = partial(start, sweep, 8, postgres_url)
+    open_study(sweep, postgres_url)  # two cannot make the tables at once
     with machine() as lost, machine() as other:
         assert lost.stdout.readline() == other.stdout.readline() == "started\n"
         study = open_study(sweep, postgres_url)
         assert states(study) == [TrialState.RUNNING] * 2
-        workers_of(lost)[0].kill()
         lost.kill()
         time.sleep(4)  # until its heartbeat is stale
         (tmp_path / "hold").unlink()

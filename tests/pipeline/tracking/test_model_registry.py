@@ -1,4 +1,4 @@
-"""Trained predictors in MLflow load and predict again, and the best one is the champion."""
+"""Trained models in MLflow load and predict again, and the best one is the champion."""
 
 import subprocess
 import sys
@@ -14,8 +14,11 @@ from rallygap.models.predictors.settings import TrainingSettings, TransformerSet
 from rallygap.models.predictors.spread import Spread
 from rallygap.pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from rallygap.pipeline.runtime.provenance import Provenance
-from rallygap.pipeline.tracking.model_registry import EXAMPLE, beats, register_predictors
-from rallygap.pipeline.tracking.recording import InputData, Results, recorded
+from rallygap.pipeline.tracking.model_registry import register_model
+from rallygap.pipeline.tracking.recording import recorded
+from rallygap.pipeline.tracking.results import Results, TrainedModel
+from rallygap.pipeline.tracking.served_model import ServedPredictor
+from tests.pipeline.trained_policies import save_drawn
 
 ROOT = Path(__file__).parents[3]
 NETWORK = TransformerSettings(
@@ -31,7 +34,7 @@ LEARNING = Learning(episodes=1, windows=1, validation_episodes=1, settings=TRAIN
 PREDICT_AGAIN = """
 import sys, mlflow, numpy as np
 mlflow.set_tracking_uri(sys.argv[1])
-model = mlflow.pyfunc.load_model("models:/predictor-arena@champion")
+model = mlflow.pyfunc.load_model("models:/predictor-small-arena@champion")
 forecast = model.predict(model.input_example)
 np.savez(sys.argv[2], signature=str(model.metadata.signature), **forecast)
 """
@@ -45,15 +48,12 @@ def trained(folder, seed):
         name="small", network=NETWORK, parameters=network.parameter_count, sources=["arena"],
         starts_from=None, learning=LEARNING,
     )  # fmt: skip
-    save_predictor(folder / "artifacts/train_predictor/small", network, Spread(), description)
+    save_predictor(folder / "small", network, Spread(), description)
+    return folder / "small"
 
 
-def register(client, folder, loss, balls):
-    """Register what lies in the folder, as the end of a stage with this loss on these balls."""
-    run = client.create_run("0", tags={"rallygap.fingerprint": f"{balls}{loss}"})
-    epochs = {"9": {"validation": 8.0}, "10": {"validation": loss}}
-    data = InputData("arena", "samples.parquet", 1, balls)
-    register_predictors(client, run.info.run_id, Results({"small": epochs}, [data]))
+def predictor(folder, loss, balls):
+    return TrainedModel("predictor-small-arena", folder, "validation_loss", loss, True, balls)
 
 
 @pytest.fixture(scope="module")
@@ -65,18 +65,20 @@ def store(tmp_path_factory):
         patch.chdir(folder)
         mlflow.set_tracking_uri(uri)
         mlflow.set_experiment(experiment_id="0")  # other tests leave theirs
-        client = mlflow.MlflowClient(uri)
-        for seed, (loss, balls) in enumerate([(3.0, "a"), (2.0, "a"), (4.0, "a"), (1.0, "b")]):
-            trained(folder, seed)
-            register(client, folder, loss, balls)
-        yield client, uri, folder
+        with mlflow.start_run():
+            for seed, (loss, balls) in enumerate([(3.0, "a"), (2.0, "a"), (4.0, "a"), (1.0, "b")]):
+                register_model(predictor(trained(folder, seed), loss, balls))
+        yield mlflow.MlflowClient(uri), uri, folder
         mlflow.set_tracking_uri(None)
 
 
-def test_the_champion_has_the_lowest_loss_on_its_balls(store):
-    champion = store[0].get_model_version_by_alias("predictor-arena", "champion")
-    assert str(champion.version) == "2"
-    assert float(champion.tags["validation_loss"]) == 2.0
+def version_of(client, alias, name="predictor-small-arena"):
+    return str(client.get_model_version_by_alias(name, alias).version)
+
+
+def test_the_champion_has_the_lowest_loss_on_its_balls_and_the_newest_challenges_it(store):
+    assert version_of(store[0], "champion") == "2"
+    assert version_of(store[0], "challenger") == "4"
 
 
 def test_a_model_predicts_the_same_in_a_fresh_process(store, tmp_path):
@@ -85,29 +87,38 @@ def test_a_model_predicts_the_same_in_a_fresh_process(store, tmp_path):
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
     again = np.load(tmp_path / "out.npz")
     torch.manual_seed(1)  # of the champion
-    states = torch.tensor(EXAMPLE["states"], dtype=torch.float32)
-    seen = torch.tensor(EXAMPLE["mask"])
+    network = build_network(NETWORK).eval()
+    example = ServedPredictor(None).example()
+    states = torch.tensor(example["states"], dtype=torch.float32)
     with torch.inference_mode():
-        expected = build_network(NETWORK).eval()(states, seen).numpy()
+        expected = network(states, torch.tensor(example["mask"])).numpy()
     # The last bits follow the number of threads.
     np.testing.assert_allclose(again["states"], expected, rtol=1e-4, atol=1e-4)
     assert again["spin_measured"].tolist() == [True]
     assert "'states'" in str(again["signature"]) and "'mask'" in str(again["signature"])
 
 
-def test_a_stage_logs_its_predictors_in_the_experiment_of_its_run(tmp_path, monkeypatch):
+def test_a_stage_registers_its_policies_without_a_word(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("DVC_ROOT", str(tmp_path))
     monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
-    trained(tmp_path, 0)
-    results = Results(
-        {"small": {"10": {"validation": 2.0}}}, [InputData("arena", "samples.parquet", 1, "a")]
-    )
-    with recorded("train_predictor", Provenance("train", "f" * 64), {}, lambda: results):
+    policy, described = save_drawn(tmp_path)
+    name = f"policy-{described.name}"
+    models = [
+        TrainedModel(name, tmp_path / described.name, "return_rate", rate, False, "shots")
+        for rate in (0.5, 0.7)
+    ]
+    with recorded(
+        "train_policy", Provenance("train", "f" * 64), {}, lambda: Results({}, models=models)
+    ):
         pass
-    client = mlflow.MlflowClient(f"sqlite:///{tmp_path / 'mlflow.db'}")
-    experiment = client.get_experiment_by_name("rallygap").experiment_id
-    assert len(client.search_logged_models([experiment])) == 1
+    assert capfd.readouterr() == ("", "")
+    assert version_of(mlflow.MlflowClient(), "champion", name) == "2"
+    model = mlflow.pyfunc.load_model(f"models:/{name}@champion")
+    seen = model.input_example
+    np.testing.assert_array_equal(model.predict(seen)["actions"], policy.act(seen["observations"]))
+    listed = mlflow.pyfunc.get_model_dependencies(f"models:/{name}@champion")
+    assert "rallygap[pipeline]==" in Path(listed).read_text()
     assert not (tmp_path / "mlruns").exists()
 
 
@@ -115,9 +126,3 @@ def test_nothing_in_a_logged_model_is_pickled(store):
     files = {path.name for path in store[2].rglob("mlruns/**/artifacts/**/*") if path.is_file()}
     assert "weights.safetensors" in files
     assert not {name for name in files if name.endswith((".pkl", ".pickle", ".pt", ".pth"))}
-
-
-def test_other_balls_do_not_compare():
-    champion = {"validation_loss": "2.0", "validation_balls": "a"}
-    assert beats({"validation_loss": "1.5", "validation_balls": "a"}, champion)
-    assert not beats({"validation_loss": "1.5", "validation_balls": "b"}, champion)
