@@ -2,20 +2,19 @@
 
 import os
 import socket
-import subprocess
 import sys
 from pathlib import Path
-from textwrap import fill
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rallygap.pipeline.benchmark.command import app as benchmark
 from rallygap.pipeline.runtime.console import refuse, show
+from rallygap.pipeline.runtime.determinism import hold_arithmetic
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.extras import missing_extra, require
 from rallygap.pipeline.runtime.guard import disks_named
-from rallygap.pipeline.runtime.paths import clone, clone_with_run
+from rallygap.pipeline.runtime.paths import clone
 
 if TYPE_CHECKING:
     from rallygap.pipeline.gap.summary import Findings
@@ -28,8 +27,6 @@ LEAN = {
 }
 
 ANY_SIMULATOR = "a shipped one's name, a YAML file, scene.xml, or file.py:function"
-# Which `rallygap known-answers` asks about.
-MEASURED_SETS = ["tt3d", "spindoe", "isr_ball_prediction"]
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -47,6 +44,7 @@ def main() -> None:
 
     A user's input error, a full disk and a missing optional package are one line and status 2.
     """
+    hold_arithmetic()
     try:
         with disks_named("output"):
             app()
@@ -71,7 +69,9 @@ def _not_installed(error: ModuleNotFoundError) -> InputError:
     extra = missing_extra(package)
     if extra is None:
         raise error
-    problem = f"is not installed; this command needs the extra: pip install -e '.[{extra}]'"
+    problem = f"is not installed; this command needs the extra: pip install 'rallygap[{extra}]'"
+    if extra == "pipeline" and sys.version_info >= (3, 12):
+        problem += " in Python 3.11, since PyBullet has no wheels for later ones"
     return InputError(package, problem)
 
 
@@ -176,6 +176,15 @@ def simulators() -> None:
     typer.echo("\n".join(f"{name}\n{indent(shipped_text(name), '  ')}" for name in shipped_names()))
 
 
+@app.command(rich_help_panel=GAP)
+def example(folder: Annotated[Path, typer.Argument(help="a new folder")]) -> None:
+    """Write recordings of 30 shots into FOLDER, to try `diagnose` and `live` on."""
+    from rallygap.pipeline.io.example import write_example
+
+    write_example(folder)
+    typer.echo(f"Try: rallygap diagnose {folder} --simulator literature --out verdict")
+
+
 @app.command(rich_help_panel=RUNS)
 def check() -> None:
     """Check params.yaml, without running anything."""
@@ -187,22 +196,13 @@ def check() -> None:
 
 
 @app.command(rich_help_panel=RUNS)
-def profile(name: Annotated[str, typer.Argument(help="a file of the folder profiles")]) -> None:
+def profile(
+    name: Annotated[str, typer.Argument(help="a file of the folder experiments/profiles")],
+) -> None:
     """Print a profile as flags, for `dvc exp run $(rallygap profile smoke)`."""
     from rallygap.pipeline.experiments.profiles import profile_flags
 
     typer.echo(" ".join(profile_flags(clone(), name)))
-
-
-@app.command("run-of", rich_help_panel=RUNS)
-def run_of(path: Annotated[Path, typer.Argument(help="a file under reports or artifacts")]) -> None:
-    """Say which run wrote a file: stage, commit, DVC experiment, and its page in MLflow."""
-    from dataclasses import asdict
-
-    from rallygap.pipeline.tracking.lineage import origin_of
-
-    for name, value in asdict(origin_of(clone(), path)).items():
-        typer.echo(f"{name:<12}{value or '–'}")
 
 
 @app.command(rich_help_panel=RUNS)
@@ -227,7 +227,9 @@ def ui(
 
 @app.command(rich_help_panel=RUNS)
 def sweep(
-    name: Annotated[str, typer.Argument(help="a file in profiles/sweeps, such as quick")],
+    name: Annotated[
+        str, typer.Argument(help="a file in experiments/profiles/sweeps, such as quick")
+    ],
     study: Annotated[
         str | None,
         typer.Option(envvar="RALLYGAP_STUDY", help="URL of a database; default: a file"),
@@ -265,34 +267,6 @@ def confirm(
 
 
 app.add_typer(benchmark, name="benchmark", rich_help_panel=RUNS)
-
-
-@app.command(rich_help_panel=RUNS)
-def real(
-    folder: Annotated[
-        Path | None,
-        typer.Argument(envvar="RALLYGAP_DATA", help="with spindoe, tt3d, … in it"),
-    ] = None,
-) -> None:
-    """Run the pipeline on the measured sets in FOLDER and keep the results as `real`."""
-    from rallygap.pipeline.experiments.keep import keep_experiment
-    from rallygap.pipeline.experiments.profiles import profile_flags
-
-    require("dvc")
-    if folder is None:
-        raise InputError("real", "say where the measured sets are: make real DATA=~/sets")
-    if not folder.is_dir():
-        raise InputError(folder, "is not a folder; give the one that holds the measured sets")
-    root = clone()
-    # DVC does not watch the folder, so nothing may be taken for up to date.
-    command = ["dvc", "exp", "run", "--temp", "--force", "--name", "real"]
-    environment = {**os.environ, "RALLYGAP_DATA": str(folder.resolve())}
-    command = [sys.executable, "-m", *command, *profile_flags(root, "real")]
-    finished = subprocess.run(command, cwd=root, env=environment, check=False)
-    if finished.returncode != 0:
-        raise typer.Exit(finished.returncode)
-    keep_experiment(root, "real")
-    typer.echo(f"All of it: {root / 'reports' / 'real'}")
 
 
 @app.command(rich_help_panel=GAP)
@@ -335,116 +309,6 @@ def live(
         latencies = replay(ready, recordings, source, speed, forecasts, port)
     for line in [summary(latencies), *latencies.histogram()]:
         typer.echo(line)
-
-
-@app.command("known-answers", rich_help_panel=RUNS)
-def known_answers(
-    folder: Annotated[
-        Path, typer.Argument(envvar="RALLYGAP_DATA", help="with spindoe, tt3d, … in it")
-    ],
-    sets: Annotated[
-        list[str], typer.Option(help="a folder and its adapter; repeat it for several")
-    ] = MEASURED_SETS,
-    folds: Annotated[int, typer.Option(min=2, help="of the cross-validation")] = 2,
-) -> None:
-    """Plant known errors on measured sets and score the verdicts; resumes if killed."""
-    from rallygap.pipeline.known_answers.run import REPORT, TABLE, run_known_answers
-
-    root = clone()
-    for name, score in run_known_answers(root, folder, sets, folds).items():
-        found = f"{score['leading']} of {score['questions']} planted errors are the leading cause"
-        typer.echo(f"{name}: {found}")
-    typer.echo(f"All of it: {root / REPORT / TABLE}")
-
-
-@app.command(rich_help_panel=MAINTENANCE)
-def keep(name: Annotated[str, typer.Argument(help="as `dvc exp list` shows it")]) -> None:
-    """Copy the results of a DVC experiment into reports/NAME, to be committed."""
-    from rallygap.pipeline.experiments.keep import keep_experiment
-
-    root = clone()
-    keep_experiment(root, name)
-    typer.echo(f"All of it: {root / 'reports' / name}")
-
-
-@app.command(rich_help_panel=MAINTENANCE)
-def page(name: Annotated[str, typer.Argument(help="of the folder in reports")]) -> None:
-    """Write the page of a kept run, reports/NAME/index.html, from its figures and tables."""
-    from rallygap.pipeline.io.artifacts import write_text
-    from rallygap.pipeline.web.kept_page import kept_page
-
-    root = clone()
-    file = root / "reports" / name / "index.html"
-    write_text(file, kept_page(root, name))
-    typer.echo(f"Page: {file}")
-
-
-@app.command(rich_help_panel=MAINTENANCE)
-def costs() -> None:
-    """Measure what the predictors of the last run cost on this machine; write reports/costs."""
-    from rallygap.pipeline.evaluation.costs import costs_table, machine, measure_costs, write_costs
-
-    root = clone_with_run()
-    folder = root / "reports" / "costs"
-    measured = measure_costs(root)
-    write_costs(folder, measured, machine(root))
-    show(costs_table(measured))
-    typer.echo(f"All of it: {folder}")
-
-
-@app.command(rich_help_panel=MAINTENANCE)
-def everything(
-    names: Annotated[
-        list[str] | None, typer.Argument(help="of steps; without any, all that are stale")
-    ] = None,
-) -> None:
-    """Make all kept results that are older than the code; a day on two cores, resumes."""
-    from rallygap.pipeline.experiments.everything import make_everything
-
-    require("dvc")
-    make_everything(clone(), names or [])
-
-
-@app.command(rich_help_panel=MAINTENANCE)
-def stale() -> None:
-    """List the steps of `everything` whose code has changed since, with what differs."""
-    from rallygap.pipeline.experiments.everything import step_results
-
-    for step in filter(lambda step: step.is_stale, step_results(clone())):
-        changed = f" Changed: {', '.join(step.changed)}." if step.changed else ""
-        typer.echo(f"{step.folder}:")
-        text = step.sentence + changed
-        typer.echo(fill(text, 100, initial_indent="    ", subsequent_indent="    "))
-
-
-@app.command("compare-commits", rich_help_panel=MAINTENANCE)
-def compare_commits(
-    base: Annotated[str, typer.Argument(help="a commit, such as main")],
-    new: Annotated[str, typer.Argument(help="another one")] = "HEAD",
-) -> None:
-    """List the numbers in which the committed tables and metrics of two commits differ."""
-    from rallygap.pipeline.experiments.compare_commits import compare_commits
-
-    count, differences = compare_commits(clone(), base, new)
-    for path, what in differences.items():
-        typer.echo(f"{path}: {what}")
-    typer.echo(f"{count} files compared, {len(differences)} differences.")
-
-
-@app.command(rich_help_panel=MAINTENANCE)
-def docs() -> None:
-    """Write the generated pages, blocks and pictures of the documentation, and kept figures."""
-    from rallygap.pipeline.documentation.generated import regenerate
-    from rallygap.pipeline.documentation.pictures import redrawn_figures, renewed_pictures
-    from rallygap.pipeline.io.artifacts import write_text
-
-    root = clone()
-    for path, text in regenerate(root).items():
-        if not path.exists() or path.read_text(encoding="utf-8") != text:
-            write_text(path, text)
-            typer.echo(f"written: {path}")
-    for path in (*renewed_pictures(root), *redrawn_figures(root)):
-        typer.echo(f"written: {path}")
 
 
 def _check_free(port: int) -> None:

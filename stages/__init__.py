@@ -1,3 +1,5 @@
 """One short script a stage, by the name that it has in dvc.yaml, params.yaml and reports/."""
 
-import pipeline  # noqa: F401  before numpy: it holds the arithmetic
+from rallygap.pipeline.runtime.determinism import hold_arithmetic
+
+hold_arithmetic()

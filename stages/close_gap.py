@@ -1,18 +1,18 @@
 """Close the gap: compare measured shots with simulators, name the causes, amend the simulators."""
 
 from collections.abc import Sequence
+from statistics import fmean
+from typing import Any
+
+import pandas as pd
 
 from rallygap.models.gap.amend.simulator import amended_yaml
 from rallygap.models.gap.settings import DEFAULTS
+from rallygap.models.gap.verdict import Verdict
 from rallygap.pipeline.gap.cases import Diagnosed, cases
-from rallygap.pipeline.gap.figures.stability import (
-    closing_figure,
-    detectable_causes,
-    stability_figure,
-)
 from rallygap.pipeline.gap.shots import SourceShots, read_training_shots
-from rallygap.pipeline.gap.tables import metrics, report_tables
 from rallygap.pipeline.io.artifacts import write_text
+from rallygap.pipeline.io.metrics import place, rounded
 from rallygap.pipeline.runtime.console import warn
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.parallel import parallel
@@ -27,10 +27,25 @@ def close_gap(run: StageRun) -> None:
     diagnosed = list(parallel([case.diagnose for case in chosen], "verdicts"))
     for one in diagnosed:
         _write(run, one)
-    run.write_metrics(metrics(diagnosed))
-    for source in shots:
-        _add_figures(run, [one for one in diagnosed if one.case.source == source])
-    run.add(*report_tables(diagnosed, settings))
+    rows = [(one.source, one.simulator_name, one.split, len(one.shots)) for one in chosen]
+    run.keep(cases=pd.DataFrame(rows, columns=["source", "simulator", "split", "shots"]))
+    run.write_metrics(_metrics(diagnosed))
+
+
+def _metrics(diagnosed: Sequence[Diagnosed]) -> dict[str, Any]:
+    """Return ``{source: {simulator: {causes, removable_closed}}}``, means over splits."""
+    metrics: dict[str, Any] = {}
+    groups: dict[tuple[str, str], list[Verdict]] = {}
+    for one in diagnosed:
+        groups.setdefault((one.case.source, one.case.simulator_name), []).append(one.verdict)
+    for key, verdicts in groups.items():
+        values = place(metrics, key)
+        values["causes"] = rounded(fmean(len(verdict.main_causes) for verdict in verdicts))
+        gaps = [verdict.gap for verdict in verdicts if verdict.gap]
+        closed = [gap.removable_closed for gap in gaps if gap.removable_closed is not None]
+        if closed:
+            values["removable_closed"] = rounded(fmean(closed))
+    return metrics
 
 
 def _enough(run: StageRun, shots: dict[str, SourceShots]) -> dict[str, SourceShots]:
@@ -53,12 +68,6 @@ def _write(run: StageRun, one: Diagnosed) -> None:
     amended = amended_yaml(case.simulator, one.verdict, case.source)
     write_text(run.artifact(f"{case.name}.yaml"), amended)
     write_text(run.artifact(f"{case.name}.json"), one.verdict.to_json())
-
-
-def _add_figures(run: StageRun, diagnosed: Sequence[Diagnosed]) -> None:
-    run.add(closing_figure(diagnosed))
-    if any(detectable_causes(one.verdict) for one in diagnosed):
-        run.add(stability_figure(diagnosed))
 
 
 if __name__ == "__main__":

@@ -1,25 +1,31 @@
 """Evaluate the predictors: forecast error over the horizon, on every set of measured balls."""
 
-from rallygap.pipeline.evaluation.coverage import coverage_figures, coverage_rows, coverage_table
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from rallygap.models.predictors.evaluation import STATISTICS, ForecastErrors, concat_tables
+from rallygap.models.predictors.protocol import Bools
+from rallygap.models.segmentation.split import recording_groups
+from rallygap.pipeline.evaluation.coverage import COLUMNS, coverage_rows
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet, read_sets, read_test_sets
 from rallygap.pipeline.evaluation.example_shots import write_shots
-from rallygap.pipeline.evaluation.forecasts import draw_shots, evaluate, forecast_windows
-from rallygap.pipeline.evaluation.predictors import ARENA, read_predictors
-from rallygap.pipeline.evaluation.report import (
+from rallygap.pipeline.evaluation.forecasts import (
     MEASURED,
     TRUTH,
-    difference_table,
-    error_figures,
-    error_table,
-    group_table,
-    horizon_errors,
-    metrics,
-    net_table,
-    predictor_table,
+    draw_shots,
+    evaluate,
+    forecast_windows,
 )
-from rallygap.pipeline.evaluation.test_windows import read_sets, read_test_sets
+from rallygap.pipeline.evaluation.predictors import ARENA, NamedPredictor, read_predictors
 from rallygap.pipeline.io.ground_truth import net_contacts, read_contacts, read_truth, true_windows
+from rallygap.pipeline.io.metrics import place, rounded
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.runtime.torch_threads import one_thread
+
+Results = dict[tuple[str, str], ForecastErrors]  # by set and what it is compared with
 
 
 @one_thread()
@@ -31,7 +37,8 @@ def evaluate_predictor(run: StageRun) -> None:
     every = settings.window_every_ms / 1000
     sets = read_test_sets(artifacts, every)
     validation = {one.name: one for one in read_sets(artifacts, every, "validation")}
-    results, met_net, coverage = {}, {}, {}
+    results: Results = {}
+    met_net, coverage = {}, {}
     for one in sets:
         run.log_input(one.name, run.input("segment", "samples.parquet"), len(one.windows))
         able = [each for each in predictors if each.forecasts(one.name)]
@@ -43,23 +50,86 @@ def evaluate_predictor(run: StageRun) -> None:
             results[one.name, TRUTH] = evaluate(forecasts, true, one, settings, run.seed)
             met_net[one.name] = net_contacts(one.windows, one.recordings, contacts)
         if one.name in validation:
-            coverage[one.name] = coverage_rows(
+            coverage[one.name,] = coverage_rows(
                 one, validation[one.name], able, settings.bootstrap_resamples, run.seed
             )
-    errors = horizon_errors(results)
-    run.write_metrics(metrics(errors))
-    for one in sets:
-        run.add(*error_figures(one, errors))
-    run.add(
-        error_table(errors),
-        difference_table(results, predictors),
-        group_table(sets, results),
-        net_table(met_net, results),
-        predictor_table(predictors),
-        coverage_table(coverage),
-        *coverage_figures(coverage),
+    tables = {key: result.over_horizon() for key, result in results.items()}
+    errors = concat_tables(tables, ["set", "against"])
+    run.write_metrics(_metrics(errors))
+    run.keep(
+        errors=errors,
+        differences=_differences(results, predictors),
+        groups=_groups(sets, results),
+        net=_net(met_net, results),
+        predictors=_described(predictors),
+        coverage=concat_tables(coverage, ["set"])
+        if coverage
+        else pd.DataFrame(columns=["set", "predictor", "level", *COLUMNS]),
     )
     write_shots(run.artifact("shots.json"), draw_shots(sets, predictors, run.seed))
+
+
+def _metrics(errors: pd.DataFrame) -> dict[str, Any]:
+    """Return ``{set: {predictor: mean position error (mm), 300 ms ahead}}`` over all windows."""
+    last = errors["horizon_ms"] == errors["horizon_ms"].max()
+    chosen = last & (errors["bounce"] == "all") & (errors["quantity"] == "position")
+    metrics: dict[str, Any] = {}
+    for row in errors[chosen & (errors["against"] == MEASURED)].to_dict("records"):
+        place(metrics, [row["set"]])[row["predictor"]] = rounded(row["mean"])
+    return metrics
+
+
+def _differences(results: Results, predictors: Sequence[NamedPredictor]) -> pd.DataFrame:
+    """Return the paired differences between trained or amended predictors and all others."""
+    differences = {
+        (name,): result.differences(
+            [one.name for one in predictors if one.trained_on and one.forecasts(name)]
+        )
+        for (name, against), result in results.items()
+        if against == MEASURED
+    }
+    return concat_tables(differences, ["set"])
+
+
+def _groups(sets: Sequence[MeasuredSet], results: Results) -> pd.DataFrame:
+    """Return the position error at 300 ms by group of recordings."""
+    tables = {}
+    for one in sets:
+        groups = recording_groups(pd.Series(one.recordings)).replace("", "all")
+        tables[(one.name,)] = results[one.name, MEASURED].by_group(groups.to_numpy())
+    return concat_tables(tables, ["set"])
+
+
+def _net(net_contacts: Mapping[str, Bools], results: Results) -> pd.DataFrame:
+    """Return the position error at 300 ms of windows with and without net contact.
+
+    Args:
+        net_contacts: (B,) whether the ball meets the net within each window, by set.
+        results: of all sets.
+    """
+    tables = {
+        (name,): results[name, MEASURED].by_group(np.where(met, "with", "without"))
+        for name, met in net_contacts.items()
+    }
+    none = pd.DataFrame(columns=["set", "group", "predictor", *STATISTICS])
+    table = concat_tables(tables, ["set"]) if tables else none
+    return table.rename(columns={"group": "net"})
+
+
+def _described(predictors: Sequence[NamedPredictor]) -> pd.DataFrame:
+    """Return one row a predictor: its kind, simulator, size and training data."""
+    rows = [
+        {
+            "predictor": one.name,
+            "kind": one.kind,
+            "simulator": one.simulator,
+            "parameters": one.parameters,
+            "starts from": one.starts_from,
+            "trained on": ", ".join(one.trained_on) or None,
+        }
+        for one in predictors
+    ]
+    return pd.DataFrame(rows).astype({"parameters": "Int64"})
 
 
 if __name__ == "__main__":

@@ -1,9 +1,12 @@
 """Read the recordings of every source into tables."""
 
-from rallygap.pipeline.io.artifacts import write_json
+import pandas as pd
+
+from rallygap.pipeline.io.artifacts import read_table, write_json
+from rallygap.pipeline.io.source_manifest import SourceRecord
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.sources.gather import gather
-from rallygap.pipeline.sources.report import launch_items, source_items, source_metrics
+from rallygap.pipeline.sources.launches import measured_launches, simulated_launches
 
 
 def ingest(run: StageRun) -> None:
@@ -14,10 +17,21 @@ def ingest(run: StageRun) -> None:
     write_json(run.artifact("manifest.json"), manifest.model_dump(mode="json"))
     write_json(run.artifact("truth.json"), gathered.truth)
     for name, record in manifest.sources.items():
-        simulated = run.artifact("recordings.parquet")
-        run.log_input(name, gathered.folders.get(name, simulated), record.rows_kept)
-    run.write_metrics({name: source_metrics(record) for name, record in manifest.sources.items()})
-    run.add(*source_items(manifest, artifacts), *launch_items(artifacts))
+        folder = gathered.folders.get(name, run.artifact("recordings.parquet"))
+        run.log_input(name, folder, record.rows_kept)
+    run.write_metrics({name: _metrics(record) for name, record in manifest.sources.items()})
+    simulated = simulated_launches(read_table(run.artifact("true_contacts.parquet")))
+    measured = measured_launches(read_table(run.artifact("launches.parquet")))
+    run.keep(launches=pd.concat([simulated, measured], ignore_index=True))
+
+
+def _metrics(record: SourceRecord) -> dict[str, int]:
+    return {
+        "recordings": record.recordings,
+        "launches": record.launches,
+        "rows_kept": record.rows_kept,
+        "rows_refused": sum(record.refused_counts.values()),
+    }
 
 
 if __name__ == "__main__":

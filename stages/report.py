@@ -1,29 +1,36 @@
-"""Write the report page from the reports of all other stages."""
+"""Write the tables and figures of the pipeline that people read, and reports/index.html."""
+
+import shutil
 
 from rallygap.pipeline.evaluation.example_shots import read_shots
-from rallygap.pipeline.io.artifacts import write_text
-from rallygap.pipeline.io.report_manifest import read_contents
-from rallygap.pipeline.paper.run_reports import Reports
-from rallygap.pipeline.params import Params
+from rallygap.pipeline.report.page import write_page
+from rallygap.pipeline.report.stages import PIPELINE, write_reports
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.transfer.example_returns import read_returns
-from rallygap.pipeline.web.report_page import render_page
 
-STAGES = [name for name in Params.model_fields if name not in ("seed", "report")]
+PICTURES = {  # of documentation pages, in docs/images: the figure that each is a copy of
+    "causes_arena.png": "close_gap/figures/causes_arena.png",
+    "errors_arena.png": "close_gap/figures/errors_arena.png",
+    "forecast_error_arena.png": "evaluate_predictor/figures/forecast_error_arena.png",
+    "coverage_arena.png": "evaluate_predictor/figures/coverage_arena.png",
+    "return_rate.png": "sim2sim/figures/return_rate.png",
+    "transfer.png": "sim2real/figures/transfer.png",
+}
 
 
 def report(run: StageRun) -> None:
-    """Write ``reports/index.html``.
+    """Write the tables and figures of all stages, and one page with all of them.
 
     Raises:
-        InputError: if a stage's report is missing or broken, naming the stage to run.
+        InputError: if a stage has not run, or a file of it is broken.
     """
-    settings = run.params.report
-    reports = Reports(run.root / "reports", run.params.model_dump(mode="json"))
-    contents = [read_contents(reports.folder, stage) for stage in STAGES]
+    settings, items = run.params.report, write_reports(run, PIPELINE)
     shots = read_shots(run.input("evaluate_predictor", "shots.json"))[: settings.shots]
     returns = read_returns(run.input("sim2real", "returns.json"))[: settings.returns]
-    write_text(reports.folder / "index.html", render_page(reports, contents, shots, returns))
+    write_page(run, "index.html", items, shots, returns)
+    for name, figure in PICTURES.items():
+        if (run.root / "reports" / figure).exists():
+            shutil.copyfile(run.root / "reports" / figure, run.root / "docs" / "images" / name)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,17 @@
 """Retrain the policies of sim2real in amended simulators, and replay the same shots to them."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import pandas as pd
 
 from rallygap.models.ball.simulator import Simulator
-from rallygap.pipeline.evaluation.predictors import read_learned
-from rallygap.pipeline.io.amended_simulators import amended_by
+from rallygap.pipeline.evaluation.predictors import ARENA, read_learned
+from rallygap.pipeline.io.amended_simulators import amended_by, verdict_path
 from rallygap.pipeline.io.artifacts import read_as, read_table, write_table
+from rallygap.pipeline.io.ground_truth import read_truth
+from rallygap.pipeline.io.metrics import place, rounded
+from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.params import Sim2RealSettings
 from rallygap.pipeline.policies.storage import save_policy
 from rallygap.pipeline.policies.training import (
@@ -19,18 +23,27 @@ from rallygap.pipeline.policies.training import (
 )
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
+from rallygap.pipeline.transfer.rates import rates
 from rallygap.pipeline.transfer.replay_sets import read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import (
-    EveryStep,
+    EVERY_STEP,
+    Forecaster,
     Policies,
-    informed_forecasters,
+    informed_predictors,
     load_players,
     replay_trials,
     source_of,
 )
-from rallygap.pipeline.transfer.retraining import ORIGINAL, RETRAINED, amended_name, in_simulator
-from rallygap.pipeline.transfer.retraining_report import report_parameters, report_retraining
+from rallygap.pipeline.transfer.retraining import (
+    ORIGINAL,
+    RETRAINED,
+    amended_name,
+    in_simulator,
+    pooled,
+    retraining_table,
+)
 from rallygap.pipeline.transfer.trials import joined, run_trials
+from rallygap.pipeline.transfer.truth_comparison import NamedCauses, number_table
 
 
 def retrain_policy(run: StageRun) -> None:
@@ -42,8 +55,36 @@ def retrain_policy(run: StageRun) -> None:
     results = _train(run, originals, simulators)
     replayed = _replay(run, settings, simulators, results)
     write_table(run.artifact("played.parquet"), pd.concat(replayed.values(), ignore_index=True))
-    report_retraining(run, settings, replayed, _in_own_simulator(run, settings, results))
-    report_parameters(run, settings.simulator, simulators)
+    own = rates(_in_own_simulator(run, settings, results), ["simulator", "horizons_ms"])
+    before = own[own["simulator"] == settings.simulator].set_index("horizons_ms")["return_rate"]
+    tables = [
+        retraining_table(pooled(one, source), before.to_dict()) for source, one in replayed.items()
+    ]
+    returns = pd.concat(tables, ignore_index=True)
+    numbers = _numbers(run, settings.simulator, simulators)
+    run.keep(returns=returns, own_simulator=own, numbers=numbers)
+    run.write_metrics(_metrics(returns[returns["set"].isin(sources)]))
+
+
+def _numbers(run: StageRun, nominal: str, simulators: Mapping[str, Simulator]) -> pd.DataFrame:
+    """Return the parameters of the nominal, the amended and the true simulator, by source."""
+    truth = read_truth(run.input("ingest", "truth.json"))
+    tables = {}
+    for source, amended in simulators.items():
+        path = verdict_path(run.input("close_gap", ""), source, nominal)
+        causes = read_as(path, NamedCauses, "close_gap").causes
+        known = truth.simulator if truth is not None and source == ARENA else None
+        tables[source] = number_table(load_simulator(nominal), amended, causes, known)
+    return pd.concat(tables, names=["source"]).reset_index("source")
+
+
+def _metrics(returns: pd.DataFrame) -> dict[str, Any]:
+    """Return ``{policy: {predictor: return rate}}``, means over sources and horizons."""
+    metrics: dict[str, Any] = {}
+    means = returns.groupby(["policy", "predictor"], sort=False)["return_rate"].mean()
+    for row in means.reset_index().to_dict("records"):
+        place(metrics, [row["policy"]])[row["predictor"]] = rounded(row["return_rate"])
+    return metrics
 
 
 def _amended(run: StageRun, source: str, nominal: str) -> Simulator:
@@ -89,7 +130,7 @@ def _replay(
 ) -> dict[str, pd.DataFrame]:
     """Return the trials of original and retrained policies, by source."""
     known = read_table(run.input("sim2real", "played.parquet"))
-    known = known[known["protocol"] == EveryStep.protocol].assign(policy=ORIGINAL)
+    known = known[known["protocol"] == EVERY_STEP].assign(policy=ORIGINAL)
     sets = read_replay_sets(run.root / "artifacts", settings, run.seed)
     learned = read_learned(run.input("train_predictor", ""), settings.learned)
     replayed = {}
@@ -103,15 +144,13 @@ def _replay(
             for one in results
             if one.description.simulator == amended_name(source)
         ]
-        trials = [
-            trial
-            for one in own
-            for trial in replay_trials(
-                one, informed_forecasters(one, learned, simulator), retrained, run.seed
-            )
-        ]
+        trials = []
+        for one in own:
+            informed = informed_predictors(one, learned, simulator)
+            forecasters = [Forecaster(*named) for named in informed.items()]
+            trials += replay_trials(one, forecasters, retrained, run.seed)
         before = known[known["set"].isin([one.name for one in own])]
-        after = joined(run_trials(trials)).assign(policy=RETRAINED)
+        after = joined(run_trials([trial.run for trial in trials])).assign(policy=RETRAINED)
         replayed[source] = pd.concat([before, after], ignore_index=True)
     return replayed
 

@@ -8,7 +8,6 @@ from rallygap.pipeline.segmentation.contact_scores import (
     contacts_table,
     score_test_recordings,
 )
-from rallygap.pipeline.segmentation.figures.contact_scores import contact_scores_figure
 
 
 def score_segmentation(run: StageRun) -> None:
@@ -20,11 +19,11 @@ def score_segmentation(run: StageRun) -> None:
     true = read_checked(truth, TRUE_CONTACTS)
     run.log_input("true_contacts", truth, len(true))
     scored = score_test_recordings(ingested, segmented, true, settings)
-    table = contacts_table(scored, settings)
-    if table.table.empty:
+    table = contacts_table(scored)
+    if table.empty:
         warn("no simulated recording is in the test split: there are no contacts to score")
-    run.write_metrics(contact_metrics(table.table))
-    run.add(table, contact_scores_figure(scored.true[scored.true["observable"]]))
+    run.write_metrics(contact_metrics(table))
+    run.keep(contacts=table, observable=scored.true[scored.true["observable"]])
 
 
 if __name__ == "__main__":

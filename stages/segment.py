@@ -1,12 +1,17 @@
 """Cut recordings into episodes: contacts, gaps, ends of rallies, velocities; split them."""
 
-from rallygap.pipeline.io.source_manifest import read_manifest
+import pandas as pd
+
+from rallygap.models.segmentation.settings import SegmentSettings
+from rallygap.pipeline.io.source_manifest import SourceRecord, read_manifest
 from rallygap.pipeline.runtime.console import warn
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
-from rallygap.pipeline.segmentation.cut_recordings import count_samples, draw_recordings
-from rallygap.pipeline.segmentation.cut_report import segmentation_metrics, splits_table
+from rallygap.pipeline.segmentation.cut_recordings import (
+    CutRecordings,
+    count_samples,
+    draw_recordings,
+)
 from rallygap.pipeline.segmentation.episode_tables import write_episodes
-from rallygap.pipeline.segmentation.figures.cuts import cuts_figure
 
 
 def segment(run: StageRun) -> None:
@@ -24,15 +29,39 @@ def segment(run: StageRun) -> None:
         warn(shortage)
 
     run.write_metrics(
-        {
-            source: segmentation_metrics(manifest, source, cut, episodes, settings)
-            for source in drawn
-        }
+        {source: _metrics(manifest.sources[source], cut, episodes, settings) for source in drawn}
     )
-    samples, contacts = cut.segmented.samples, cut.segmented.contacts
-    for source, chosen in drawn.items():
-        run.add(cuts_figure(source, cut.measured, samples, contacts, chosen))
-    run.add(splits_table(episodes))
+    contacts = cut.segmented.contacts
+    run.keep(
+        drawn_recordings=cut.measured,
+        drawn_samples=cut.segmented.samples,
+        drawn_contacts=contacts[contacts["recording_id"].isin(ids)],
+    )
+
+
+def _metrics(
+    record: SourceRecord, cut: CutRecordings, episodes: pd.DataFrame, settings: SegmentSettings
+) -> dict[str, float]:
+    """Return counts of a source's episodes, contacts and gaps, and how well paths fit."""
+    prefix = f"{record.name}/"
+    contacts = cut.segmented.contacts
+    contacts = contacts[contacts["recording_id"].str.startswith(prefix)]
+    episodes = episodes[episodes["source"] == record.name]
+    metrics = {
+        "recordings": record.recordings,
+        "episodes": len(episodes),
+        "contacts": len(contacts),
+        "gaps": int(cut.gaps.str.startswith(prefix).sum()),
+        "samples_in_episodes": int(episodes["samples"].sum()),
+        "unbroken_residual_mm": round(1e3 * settings.unbroken_residual, 2),
+    }
+    if episodes.empty:
+        return metrics
+    return metrics | {
+        "outlier_share": round(episodes["outliers"].sum() / episodes["samples"].sum(), 5),
+        "median_residual_mm": round(1e3 * episodes["residual"].median(), 3),
+        "unbroken_share": round(episodes["unbroken"].mean(), 4),
+    }
 
 
 if __name__ == "__main__":

@@ -1,8 +1,11 @@
 """Shot quality: speed, spin, clearance and winning probability of the returns of sim2real."""
 
+import pandas as pd
+
 from rallygap.models.shot_quality.forest import Forest
 from rallygap.models.shot_quality.shots import Shots
 from rallygap.pipeline.io.artifacts import write_table
+from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.runtime.console import warn
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
@@ -12,13 +15,8 @@ from rallygap.pipeline.shot_quality.receivers import (
     order_agreement,
     receiver_forests,
 )
-from rallygap.pipeline.shot_quality.report import (
-    metrics,
-    receiver_items,
-    return_items,
-    validation_items,
-)
 from rallygap.pipeline.shot_quality.returns import (
+    METRICS,
     experiments,
     out_of_range_table,
     quality_table,
@@ -50,12 +48,10 @@ def shot_quality(run: StageRun) -> None:
     write_table(run.artifact("returns.parquet"), returns)
     results = experiments(played, returns, settings.bootstrap_resamples, seed)
     quality = quality_table(results)
-    run.add(*return_items(quality, out_of_range_table(returns), swap_table(results)))
 
     scores = score_table(shots, validations, settings.bootstrap_resamples, seed)
     importance = importance_table(shots, validations["wins", "forest"], seed)
     calibration = calibration_table(validations)
-    run.add(*validation_items(shots, settings.folds, scores, calibration, importance))
 
     receivers, others = receiver_forests(settings, seed)
     point = Forest(shots.features, shots.point, settings.forest, seed)
@@ -63,8 +59,25 @@ def shot_quality(run: StageRun) -> None:
     forests = {"as_measured": forest, "point": point, **others}
     medians = median_win_probabilities(returns, features, forests)
     receivers["order_agreement"] = [order_agreement(medians, name) for name in others]
-    run.add(*receiver_items(settings.points, receivers, medians))
-    run.write_metrics(metrics(quality, scores, receivers))
+    run.keep(
+        quality=quality,
+        out_of_range=out_of_range_table(returns),
+        swap=swap_table(results),
+        shots=pd.DataFrame({"match": shots.matches, "wins": shots.wins}),
+        scores=scores,
+        importance=importance,
+        calibration=calibration,
+        receivers=receivers,
+        medians=medians.reset_index(),
+    )
+    forest_scores = scores[scores["method"] == "forest"].set_index("outcome")["roc_auc"]
+    run.write_metrics(
+        {
+            "returns": len(returns),
+            "forest_roc_auc": {str(name): rounded(auc) for name, auc in forest_scores.items()},
+            "medians": {name: rounded(returns[name].median()) for name in METRICS},
+        }
+    )
 
 
 def _validated(run: StageRun, shots: Shots) -> Validations:

@@ -1,29 +1,37 @@
 """Sim-to-real: policies from an imperfect simulator play replayed measured shots."""
 
+from collections.abc import Sequence
+from typing import Any
+
+import pandas as pd
+
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_learned
 from rallygap.pipeline.io.amended_simulators import amended_by
 from rallygap.pipeline.io.artifacts import write_json, write_table
+from rallygap.pipeline.io.metrics import place, rounded
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.transfer.example_returns import write_returns
+from rallygap.pipeline.transfer.rates import differences, rates
 from rallygap.pipeline.transfer.recorded_returns import example_returns
 from rallygap.pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import (
-    EveryStep,
-    FirstWindow,
+    ONCE,
     Forecaster,
     Policies,
     ReplayTrial,
-    informed_forecasters,
+    informed_predictors,
     load_players,
     replay_trials,
     source_of,
 )
-from rallygap.pipeline.transfer.sim2real_report import report_sets, report_transfer
-from rallygap.pipeline.transfer.tolerance import report_tolerance, tolerance_trials
-from rallygap.pipeline.transfer.transfer_table import PHYSICS
+from rallygap.pipeline.transfer.tolerance import tolerance_trials
+from rallygap.pipeline.transfer.transfer_table import BASELINE, PHYSICS, SETTING
 from rallygap.pipeline.transfer.trials import joined, run_trials
+
+FIRST_BASELINE = {"predictor": PHYSICS, "protocol": ONCE}
+KEYS = [*SETTING, *BASELINE]  # of an experiment
 
 
 def sim2real(run: StageRun) -> None:
@@ -37,7 +45,7 @@ def sim2real(run: StageRun) -> None:
     learned = read_learned(run.input("train_predictor", ""), settings.learned)
     names = [one.name for one in learned]
     trials = [trial for one in sets for trial in _trials(run, one, policies, learned)]
-    results = run_trials(trials)
+    results = run_trials([trial.run for trial in trials])
     played = joined(results)
     write_table(run.artifact("played.parquet"), played)
     pairs = list(zip(trials, results, strict=True))
@@ -49,9 +57,15 @@ def sim2real(run: StageRun) -> None:
     write_returns(run.artifact("returns.json"), examples)
     write_json(run.artifact("settings.json"), settings.model_dump(mode="json"))
     tolerated = run_trials(tolerance_trials(run, policies))
-    report_transfer(run, played, names)
-    report_sets(run, sets)
-    report_tolerance(run, joined(tolerated))
+    table = _rates(played)
+    run.keep(
+        rates=table,
+        differences=differences(played, SETTING, BASELINE),
+        differences_first_window=differences(played, SETTING, FIRST_BASELINE),
+        replayed=_replayed(sets),
+        tolerance=rates(joined(tolerated), ["error", "size_cm", "horizons_ms"]),
+    )
+    run.write_metrics(_metrics(table))
 
 
 def _trials(
@@ -61,13 +75,46 @@ def _trials(
     simulator = run.params.sim2real.simulator
     physics = PhysicsPredictor(load_simulator(simulator))
     amended = amended_by(run.input("close_gap", ""), source_of(one), simulator)
-    forecasters: list[Forecaster] = [
-        FirstWindow(PHYSICS, physics),
-        EveryStep(PHYSICS, physics),
-        *informed_forecasters(one, learned, amended),
+    informed = informed_predictors(one, learned, amended)
+    forecasters = [
+        Forecaster(PHYSICS, physics, ONCE),
+        *(Forecaster(*named) for named in {PHYSICS: physics, **informed}.items()),
     ]
     recorded = [PHYSICS, *(predictor.name for predictor in learned)]
     return replay_trials(one, forecasters, policies, run.seed, recorded)
+
+
+def _rates(played: pd.DataFrame) -> pd.DataFrame:
+    """Return ``rates`` with the forecast errors."""
+    table = rates(played, KEYS)
+    errors = played.groupby(KEYS, sort=False)["forecast_error_m"].mean()
+    return table.assign(forecast_error_cm=100 * errors.to_numpy())
+
+
+def _replayed(sets: Sequence[ReplaySet]) -> pd.DataFrame:
+    """Return the numbers of replayed and excluded shots, one row a set."""
+    rows = [
+        {
+            "set": one.name,
+            "replayed": len(one),
+            "in_reach": one.in_reach,
+            "rotated": one.rotated,
+            "excluded": ", ".join(f"{count} {why}" for why, count in one.excluded.items()) or None,
+            "spin": one.spin,
+            "physics": "true" if one.oracle else "literature",
+        }
+        for one in sets
+    ]
+    return pd.DataFrame(rows)
+
+
+def _metrics(table: pd.DataFrame) -> dict[str, Any]:
+    """Return ``{predictor: {protocol: return rate}}``, means over sets and horizons."""
+    metrics: dict[str, Any] = {}
+    means = table.groupby(["predictor", "protocol"], sort=False)["return_rate"].mean()
+    for row in means.reset_index().to_dict("records"):
+        place(metrics, [row["predictor"]])[row["protocol"]] = rounded(row["return_rate"])
+    return metrics
 
 
 if __name__ == "__main__":

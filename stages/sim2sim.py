@@ -1,10 +1,21 @@
 """Sim-to-sim: policies from imperfect simulators play in another, which counts as the truth."""
 
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from rallygap.pipeline.io.metrics import place, rounded
 from rallygap.pipeline.policies.storage import load_policies
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
-from rallygap.pipeline.transfer.sim2sim_report import report_sim2sim
-from rallygap.pipeline.transfer.sim2sim_trials import sim2sim_trials
+from rallygap.pipeline.transfer.rates import differences, rates
+from rallygap.pipeline.transfer.sim2sim_trials import IMPERFECT, sim2sim_trials
 from rallygap.pipeline.transfer.trials import joined, run_trials
+
+SETTING = ["protocol", "simulator", "horizons_ms"]  # of a comparison
+BASELINE = {"predictor": IMPERFECT}
+KEYS = [*SETTING, *BASELINE]  # of an experiment
+INTERVAL = {"return_rate_low": "ci_low", "return_rate_high": "ci_high"}
 
 
 def sim2sim(run: StageRun) -> None:
@@ -12,7 +23,33 @@ def sim2sim(run: StageRun) -> None:
     group, folder = run.params.sim2sim.group, run.input("train_policy", "")
     policies = load_policies(folder, group)
     run.log_input(f"policies of {group}", folder, len(policies))
-    report_sim2sim(run, joined(run_trials(sim2sim_trials(run, policies))))
+    played = joined(run_trials(sim2sim_trials(run, policies)))
+    gains = differences(played, SETTING, BASELINE)
+    gains = gains[gains["outcome"] == "returns"].drop(columns=["predictor", "outcome"])
+    run.keep(rates=_rates(played), differences=gains)
+    run.write_metrics(_metrics(gains))
+
+
+def _rates(played: pd.DataFrame) -> pd.DataFrame:
+    """Return ``rates`` with the single policies' return rates and the forecast errors."""
+    table = rates(played, KEYS)
+    experiments = played.groupby(KEYS, sort=False)
+    per_seed = [part.groupby("repeat")["returned"].mean().tolist() for _, part in experiments]
+    return table.rename(columns=INTERVAL).assign(
+        per_seed=pd.Series(per_seed),
+        std=[np.std(each) for each in per_seed],
+        # To a micrometre: the ground truth's own forecasts differ from it by rounding alone.
+        forecast_error_m=experiments["forecast_error_m"].mean().round(6).to_numpy(),
+    )
+
+
+def _metrics(gains: pd.DataFrame) -> dict[str, Any]:
+    """Return ``{protocol: {simulator: {horizons: gain of the return rate}}}``."""
+    metrics: dict[str, Any] = {}
+    for row in gains.to_dict("records"):
+        *keys, last = (row[key] for key in SETTING)
+        place(metrics, keys)[last] = rounded(row["difference"])
+    return metrics
 
 
 if __name__ == "__main__":

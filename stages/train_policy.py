@@ -1,15 +1,21 @@
 """Train the policies, each in its own simulator with exact forecasts."""
 
+from typing import Any
+
+import numpy as np
 import pandas as pd
 
-from rallygap.pipeline.io.artifacts import write_table
+from rallygap.models.policy.trial import TrialResult
+from rallygap.pipeline.io.artifacts import replacing, write_table
+from rallygap.pipeline.io.metrics import place, rounded
 from rallygap.pipeline.policies.descriptions import described_policies
-from rallygap.pipeline.policies.report import report_training
 from rallygap.pipeline.policies.storage import save_policy
 from rallygap.pipeline.policies.training import (
+    RETURN,
     TEST_TRIALS,
     TrainingJob,
     play_test_shots,
+    policies_table,
     train_policies,
 )
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
@@ -19,7 +25,7 @@ RECORDED = 32  # test shots of the first policy, one of which is shown
 
 def train_policy(run: StageRun) -> None:
     """Train the policies of all groups, and let each play test shots."""
-    described = described_policies(run.params.train_policy.groups, run.seed)
+    described = list(described_policies(run.params.train_policy.groups, run.seed))
     jobs = [TrainingJob(one, run.scratch(one.name)) for one in described]
     results = train_policies(jobs)
     tests = play_test_shots(results, run.params.train_policy.trials, RECORDED)
@@ -28,7 +34,30 @@ def train_policy(run: StageRun) -> None:
         run.timings[one.description.name] = {"training_cpu_s": round(one.seconds, 1)}
     tables = [test.table for test in tests]
     write_table(run.artifact(TEST_TRIALS), pd.concat(tables, ignore_index=True))
-    report_training(run, results, tests)
+    _write_motion(run, described[0].name, tests[0])
+    curves = [one.curve.assign(**one.description.labels) for one in results]
+    policies = policies_table(results, tests)
+    run.keep(learning=pd.concat(curves), policies=policies)
+    run.write_metrics(_metrics(policies))
+
+
+def _write_motion(run: StageRun, name: str, test: TrialResult) -> None:
+    """Write the first return among the recorded shots, or the first shot if there is none."""
+    returned = test.table["returned"].to_numpy()[: len(test.motions)]
+    shot = int(returned.argmax())
+    motion = test.motions[shot]
+    with replacing(run.artifact(RETURN)) as path:
+        np.savez(path, policy=name, joints=motion.joints, ball=motion.ball, returned=returned[shot])
+
+
+def _metrics(policies: pd.DataFrame) -> dict[str, Any]:
+    """Return ``{group: {simulator: {return_rate, hit_rate}}}``, means over its policies."""
+    metrics: dict[str, Any] = {}
+    rates = policies.groupby(["group", "simulator"], sort=False)[["return_rate", "hit_rate"]]
+    for row in rates.mean().reset_index().to_dict("records"):
+        values = place(metrics, [row["group"], row["simulator"]])
+        values.update({name: rounded(row[name]) for name in ("return_rate", "hit_rate")})
+    return metrics
 
 
 if __name__ == "__main__":

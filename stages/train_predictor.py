@@ -7,12 +7,13 @@ import pandas as pd
 
 from rallygap.models.predictors.learned import ForecastNetwork
 from rallygap.models.predictors.training import WindowData
+from rallygap.pipeline.io.artifacts import write_csv
+from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.predictors.parallel_training import (
     TrainingJob,
     TrainingResult,
     train_networks,
 )
-from rallygap.pipeline.predictors.report import training_items, training_metrics
 from rallygap.pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from rallygap.pipeline.predictors.training_data import TrainingEpisodes, untrained_network
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
@@ -38,8 +39,10 @@ def train_predictor(run: StageRun) -> None:
             _save(run, one, data, tuning.sources, one.name.removesuffix(FINE_TUNED))
         results = [*results, *tuned]
     curves = pd.concat([one.curve.assign(predictor=one.name) for one in results])
-    run.write_metrics(training_metrics(curves))
-    run.add(*training_items(curves))
+    last = curves.groupby("predictor", sort=False).last()
+    run.write_metrics({str(name): rounded(loss) for name, loss in last["validation"].items()})
+    run.keep(losses=curves)
+    write_csv(run.report("losses.csv"), curves)
 
 
 def _train(

@@ -1,3 +1,5 @@
 """Tests run with the arithmetic of the stages."""
 
-import pipeline  # noqa: F401  before numpy
+from rallygap.pipeline.runtime.determinism import hold_arithmetic
+
+hold_arithmetic()  # before numpy is loaded

@@ -7,8 +7,13 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-# Of which the stages hidden_effects and report make theirs.
-KEPT = ("reports/exam/", "reports/learning_curves.", "reports/real/forecasts.")
+# Of experiments, which take hours.
+KEPT = tuple(
+    f"reports/{name}/"
+    for name in (
+        "exam", "arenas", "learning_curves", "real_forecasts", "spread_policies", "swap_study",
+    )
+)  # fmt: skip
 IDENTITY = {
     f"GIT_{who}_{what}": text
     for who in ("AUTHOR", "COMMITTER")

@@ -65,5 +65,4 @@ def _above_net(air: Simulator, launches: Floats, times: Floats) -> Floats:
     rows = np.arange(len(paths))
     y0, y1, z0, z1 = y[rows, ahead - 1], y[rows, ahead], z[rows, ahead - 1], z[rows, ahead]
     at_net = z0 - y0 * (z1 - z0) / np.where(y1 == y0, 1.0, y1 - y0)
-    above: Floats = at_net - NET_HEIGHT - BALL_RADIUS
-    return above
+    return at_net - NET_HEIGHT - BALL_RADIUS

@@ -48,7 +48,11 @@ class BounceScatter:
         scattered_out = np.clip(out * bounce, 0, np.maximum(into, out))
         change = after - before
         along = change[:, VELOCITY] - _dot(change[:, VELOCITY], normal)[:, None] * normal
-        extra = np.minimum(grip, _most_grip(before, along, normal)) - 1
+        slip = before[:, VELOCITY] - _dot(before[:, VELOCITY], normal)[:, None] * normal
+        slip = slip - BALL_RADIUS * np.cross(before[:, SPIN], normal)
+        rolling, impulse = ROLLING * np.linalg.norm(slip, axis=1), np.linalg.norm(along, axis=1)
+        most_grip = np.maximum(rolling / np.maximum(impulse, 1e-12), 1.0)  # after it a ball rolls
+        extra = np.minimum(grip, most_grip) - 1
         scattered = after.copy()
         scattered[:, VELOCITY] += extra[:, None] * along + (scattered_out - out)[:, None] * normal
         scattered[:, SPIN] += extra[:, None] * change[:, SPIN]
@@ -67,20 +71,8 @@ def table_normals(simulator: Simulator, positions: Floats) -> Floats:
     nearest[:, 1] = nearest[:, 1].clip(-TABLE_HALF_LENGTH, TABLE_HALF_LENGTH)
     nearest[:, 2] = height - nearest[:, :2] @ up[:2] / up[2]
     away = positions - nearest
-    normals: Floats = away / np.linalg.norm(away, axis=1, keepdims=True)
-    return normals
-
-
-def _most_grip(before: Floats, along: Floats, normal: Floats) -> Floats:
-    """Return the factor on the tangential impulse after which a ball rolls, at least 1."""
-    slip = before[:, VELOCITY] - _dot(before[:, VELOCITY], normal)[:, None] * normal
-    slip = slip - BALL_RADIUS * np.cross(before[:, SPIN], normal)
-    impulse = np.linalg.norm(along, axis=1)
-    rolling = ROLLING * np.linalg.norm(slip, axis=1)
-    most: Floats = np.maximum(rolling / np.maximum(impulse, 1e-12), 1.0)
-    return most
+    return away / np.linalg.norm(away, axis=1, keepdims=True)
 
 
 def _dot(a: Floats, b: Floats) -> Floats:
-    products: Floats = np.einsum("ij,ij->i", a, b)
-    return products
+    return np.einsum("ij,ij->i", a, b)

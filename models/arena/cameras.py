@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
-from rallygap.models.arena.camera_field import CameraField
 from rallygap.models.ball.state import POSITION, SPIN
 from rallygap.models.ball.types import Bools, Floats, Integers
 
 OUTLIER_DISTANCE = (0.05, 0.30)  # m between the ball and a false detection
+FEATURES = 64  # cosines of a random field, per axis
 
 
 @dataclass(frozen=True)
@@ -18,6 +18,29 @@ class SlowError:
 
     share: float  # of the variance of the whole error
     time: float  # s after which the correlation is 1/e
+
+
+@dataclass(frozen=True)
+class CameraField:
+    """An error of position that is a fixed function of the true position.
+
+    Each axis is an independent Gaussian random field with zero mean and the squared exponential
+    kernel, as a sum of random Fourier features (Rahimi 2007). It is the same whenever it is
+    evaluated.
+    """
+
+    standard_deviation: float  # m, of a coordinate
+    length: float  # m, distance after which the correlation is exp(-1/2)
+    seed: int  # of the field
+
+    def errors(self, positions: Floats) -> Floats:
+        """Return the (T, 3) errors (m) at (T, 3) true positions (m)."""
+        random = np.random.default_rng(self.seed)
+        waves = random.standard_normal((3, FEATURES, 3)) / self.length
+        phases = random.uniform(0.0, 2 * np.pi, (3, FEATURES))
+        angles = np.einsum("td,amd->tam", positions, waves) + phases
+        amplitude = self.standard_deviation * np.sqrt(2 / FEATURES)
+        return amplitude * np.cos(angles).sum(axis=2)
 
 
 @dataclass(frozen=True)
@@ -47,7 +70,9 @@ class Cameras:
             Positions (T, 3), spins (T, 3) and whether each sample exists (T,).
         """
         count = len(states)
-        positions = self._distorted(states[:, POSITION])
+        positions = states[:, POSITION]
+        if self.field is not None:
+            positions = positions + self.field.errors(positions)
         positions = positions + self.position_noise * self._errors(count, random)
         outlying = random.random(count) < self.outliers
         positions[outlying] += _offsets(int(outlying.sum()), random)
@@ -55,11 +80,10 @@ class Cameras:
         spins = states[:, SPIN] + self.spin_noise * size * random.standard_normal((count, 3))
         if self.arc_spin_noise > 0.0:
             arcs = np.zeros(count, dtype=np.int64) if arcs is None else arcs
-            spins += self.arc_spin_noise * size * _shared_errors(arcs, random)
+            numbers, rows = np.unique(arcs, return_inverse=True)
+            shared = random.standard_normal((len(numbers), 3))[rows]
+            spins += self.arc_spin_noise * size * shared
         return positions, spins, random.random(count) >= self.dropouts
-
-    def _distorted(self, positions: Floats) -> Floats:
-        return positions if self.field is None else positions + self.field.errors(positions)
 
     def _errors(self, count: int, random: np.random.Generator) -> Floats:
         """Return (count, 3) errors of unit variance: white noise plus slow errors."""
@@ -68,20 +92,11 @@ class Cameras:
         kicks[1:] *= np.sqrt(1 - memory**2)
         slow = lfilter([1.0], [1.0, -memory], kicks, axis=0)
         share = self.slow_error.share
-        errors: Floats = np.sqrt(1 - share) * white + np.sqrt(share) * slow
-        return errors
-
-
-def _shared_errors(arcs: Integers, random: np.random.Generator) -> Floats:
-    """Return (T, 3) errors of unit variance, the same for all rows of an arc."""
-    numbers, rows = np.unique(arcs, return_inverse=True)
-    errors: Floats = random.standard_normal((len(numbers), 3))[rows]
-    return errors
+        return np.sqrt(1 - share) * white + np.sqrt(share) * slow
 
 
 def _offsets(count: int, random: np.random.Generator) -> Floats:
     """Return (count, 3) displacements in any direction."""
     directions = random.standard_normal((count, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    offsets: Floats = directions * random.uniform(*OUTLIER_DISTANCE, size=(count, 1))
-    return offsets
+    return directions * random.uniform(*OUTLIER_DISTANCE, size=(count, 1))

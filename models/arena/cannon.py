@@ -3,13 +3,13 @@
 import numpy as np
 
 from rallygap.models.arena.contacts import KINDS, ContactSequence, follow_contacts
-from rallygap.models.arena.observation import TrackedBall
 from rallygap.models.arena.recording import TrueContacts
 from rallygap.models.arena.truth import Truth
+from rallygap.models.arena.truth_path import TrackedBall
 from rallygap.models.ball.contact_laws import TABLE
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
-from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.ball.types import Floats
 
 MUZZLE_ACROSS = (-0.5, 0.0, 0.5)  # m
 MUZZLE_ALONG = (1.3, 2.0)  # m
@@ -53,8 +53,14 @@ def cannon_launches(simulator: Simulator, shots: int, random: np.random.Generato
     session = np.empty((0, STATE_SIZE))
     while len(session) < shots:
         settings = np.stack([random.choice(values, SETTINGS_PER_DRAW) for values in GRID], axis=1)
-        launches = launch_states(_scattered(settings, random))
-        landed = _lands(simulator, launches)
+        noise = random.standard_normal((len(settings), 5))
+        settings[:, 3:5] += ANGLE_SPREAD * noise[:, :2]
+        settings[:, 5] *= 1 + SPEED_SPREAD * noise[:, 2]
+        settings[:, 6:] *= 1 + SPIN_SPREAD * noise[:, 3:]
+        launches = launch_states(settings)
+        contacts = simulator.fly(launches, LANDING_TIME).contacts
+        on_table = (contacts.count > 0) & (contacts.surface[:, 0] == TABLE)
+        landed = on_table & (contacts.before[:, 0, 1] < 0)
         if landed.mean() < MIN_LANDING_SHARE:
             raise ValueError("hardly any shot of the cannon lands on the table in this simulator")
         used = landed | (random.random(SETTINGS_PER_DRAW) < MISS_SHARE)
@@ -88,20 +94,3 @@ def _ball(launch: Floats, flown: ContactSequence, shot: int, start: float) -> Tr
         np.concatenate([launch[None], flown.states[shot, met]]),
     )
     return TrackedBall(contacts, start + last_visible)
-
-
-def _lands(simulator: Simulator, states: Floats) -> Bools:
-    """Return for each of (B, 9) launch states whether its first contact is the near half."""
-    contacts = simulator.fly(states, LANDING_TIME).contacts
-    on_table = (contacts.count > 0) & (contacts.surface[:, 0] == TABLE)
-    landed: Bools = on_table & (contacts.before[:, 0, 1] < 0)
-    return landed
-
-
-def _scattered(settings: Floats, random: np.random.Generator) -> Floats:
-    noise = random.standard_normal((len(settings), 5))
-    scattered = settings.copy()
-    scattered[:, 3:5] += ANGLE_SPREAD * noise[:, :2]
-    scattered[:, 5] *= 1 + SPEED_SPREAD * noise[:, 2]
-    scattered[:, 6:] *= 1 + SPIN_SPREAD * noise[:, 3:]
-    return scattered

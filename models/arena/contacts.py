@@ -64,7 +64,11 @@ def follow_contacts(
         on = (arcs.times < arcs.lost) & (k < most)
         if not on.any():
             break
-        current = _scattered(truth, arcs, random)[on]
+        after_contact, bounced = arcs.after.copy(), arcs.surfaces == TABLE
+        after_contact[bounced] = truth.scatter.apply(
+            truth.simulator, arcs.before[bounced], arcs.after[bounced], random
+        )
+        current = after_contact[on]
         going, now = going[on], (now + arcs.times)[on]
         times[going, k], surfaces[going, k], after[going, k] = now, arcs.surfaces[on], current
     return ContactSequence(times, surfaces, after, last_visible)
@@ -89,13 +93,6 @@ def fly_to_contact(truth: Truth, states: Floats) -> Arcs:
     )
 
 
-def _scattered(truth: Truth, arcs: Arcs, random: np.random.Generator) -> Floats:
-    after, bounced = arcs.after.copy(), arcs.surfaces == TABLE
-    before = arcs.before[bounced]
-    after[bounced] = truth.scatter.apply(truth.simulator, before, after[bounced], random)
-    return after
-
-
 def _floor(truth: Truth, paths: Floats, scan_times: Floats) -> tuple[Floats, Floats]:
     """Return when balls meet the floor (infinite: not) and their states there (Newton)."""
     level = FLOOR + BALL_RADIUS
@@ -114,8 +111,7 @@ def _floor(truth: Truth, paths: Floats, scan_times: Floats) -> tuple[Floats, Flo
 def in_view(states: Floats) -> Bools:
     """Return for (..., 9) states whether the cameras see the ball."""
     x, y, z = np.moveaxis(states[..., POSITION], -1, 0)
-    seen: Bools = (np.abs(x) < VIEW_HALF_WIDTH) & (np.abs(y) < VIEW_HALF_LENGTH) & (z > FLOOR)
-    return seen
+    return (np.abs(x) < VIEW_HALF_WIDTH) & (np.abs(y) < VIEW_HALF_LENGTH) & (z > FLOOR)
 
 
 def bounce_off_floor(states: Floats) -> Floats:

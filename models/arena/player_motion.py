@@ -49,7 +49,10 @@ def intercept(
     stretch = needed / (players.reach[:, None] + players.movement[:, None] * running)
     early = CONTACT_TIMES / apex[:, None] - players.timing[:, None]
     cost = (early / TIMING_WIDTH) ** 2 + (stretch / STRETCH_WIDTH) ** 2
-    possible = _playable(paths) & (stretch <= 1) & (until[:, None] > CONTACT_TIMES)
+    x, y, z = np.moveaxis(paths[..., :3], -1, 0)
+    over = (np.abs(x) < TABLE_HALF_WIDTH) & (y > -TABLE_HALF_LENGTH)
+    playable = (y < -NEAREST_NET) & (z > np.where(over, OVER_TABLE, LOWEST))
+    possible = playable & (stretch <= 1) & (until[:, None] > CONTACT_TIMES)
     best = np.where(possible, cost, np.inf).argmin(axis=1)
     rows = np.arange(len(paths))
     return Interception(
@@ -62,12 +65,4 @@ def recover(stands: Floats, seconds: Floats, players: Players) -> Floats:
     way = READY - stands
     distance = np.maximum(np.linalg.norm(way, axis=1), 1e-9)
     share = np.minimum(players.movement * seconds / distance, 1)
-    positions: Floats = stands + share[:, None] * way
-    return positions
-
-
-def _playable(paths: Floats) -> Bools:
-    x, y, z = np.moveaxis(paths[..., :3], -1, 0)
-    over = (np.abs(x) < TABLE_HALF_WIDTH) & (y > -TABLE_HALF_LENGTH)
-    playable: Bools = (y < -NEAREST_NET) & (z > np.where(over, OVER_TABLE, LOWEST))
-    return playable
+    return stands + share[:, None] * way

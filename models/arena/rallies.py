@@ -1,12 +1,12 @@
-"""Simulation of many points at once, stroke by stroke, until each is decided."""
+"""Simulation of many points at once, stroke by stroke, until each is decided, and their log."""
 
 import numpy as np
 
 from rallygap.models.arena import player_motion, serves, strokes, umpire
 from rallygap.models.arena.aim import aim_launches
-from rallygap.models.arena.contacts import ContactSequence, follow_contacts
-from rallygap.models.arena.event_log import EventLog
+from rallygap.models.arena.contacts import KINDS, ContactSequence, follow_contacts
 from rallygap.models.arena.levels import Players
+from rallygap.models.arena.recording import TrueContacts
 from rallygap.models.arena.sides import DIRECTIONS, switch_frame
 from rallygap.models.arena.truth import Truth
 from rallygap.models.ball.types import Bools, Floats, Integers
@@ -15,6 +15,47 @@ MAX_CONTACTS = 6  # simulated per stroke
 MIN_CLEARANCE, CLEARANCE_RANGE = 0.01, 0.08  # m above the net that players aim at
 VISIBLE_AFTER = (0.2, 0.8)  # s that a ball is recorded after the end of its point
 FILLER = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])  # state of faulty balls
+
+
+class EventLog:
+    """Contacts and outcomes of N points, in any order.
+
+    Attributes:
+        strokes: (N,) racket contacts.
+        winner: (N,) index of the side.
+        ended_by: (N,) as in ``recording.Point``.
+        end: (N,) s after the launch.
+        last_visible: (N,) s after the launch of the last sample.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.strokes, self.winner = np.zeros((2, count), dtype=np.int64)
+        self.end, self.last_visible = np.zeros((2, count))
+        self.ended_by = np.full(count, "", dtype="<U13")
+        self._points: list[Integers] = []
+        self._contacts: list[TrueContacts] = []
+
+    def add(self, points: Integers, times: Floats, kind: str, states: Floats) -> None:
+        """Add one contact to each of some points."""
+        self._points.append(points)
+        kinds = np.full(len(points), kind, dtype="<U6")
+        self._contacts.append(TrueContacts(times, kinds, states))
+
+    def add_contacts(
+        self, points: Integers, starts: Floats, flight: ContactSequence, until: Floats
+    ) -> None:
+        """Add the contacts up to a time ``until`` after the strokes at ``starts``."""
+        for k in range(flight.times.shape[1]):
+            for surface, kind in KINDS.items():
+                noted = (flight.surfaces[:, k] == surface) & (flight.times[:, k] < until)
+                times = (starts + flight.times[:, k])[noted]
+                self.add(points[noted], times, kind, flight.states[noted, k])
+
+    def contacts(self) -> tuple[Integers, TrueContacts]:
+        """Return the point of each contact (n,) and the contacts, by point and time."""
+        points, contacts = np.concatenate(self._points), TrueContacts.joined(self._contacts)
+        order = np.lexsort([contacts.times, points])
+        return points[order], contacts.take(order)
 
 
 class Rallies:
@@ -86,9 +127,18 @@ class Rallies:
         """Return the strokes of the players whose turn it is, in the table frame."""
         directions, players = DIRECTIONS[self.side], self._players(self.side)
         plan = strokes.plan_strokes(balls, stretch, players, self.random)
-        start, spins, targets = _in_table_frame(balls, plan, directions)
+        wanted = balls.copy()
+        wanted[:, 6:] = plan.spins
+        wanted = switch_frame(wanted, directions)
         clearances = MIN_CLEARANCE + CLEARANCE_RANGE * self.random.random(len(balls))
-        launches = aim_launches(self.truth.simulator, start, spins, targets, plan.times, clearances)
+        launches = aim_launches(
+            self.truth.simulator,
+            wanted[:, :3],
+            wanted[:, 6:],
+            plan.targets * directions[:, None],
+            plan.times,
+            clearances,
+        )
         executed = strokes.execute_strokes(
             switch_frame(launches, directions), balls, stretch, players, self.random
         )
@@ -123,13 +173,3 @@ class Rallies:
 
     def _players(self, sides: Integers) -> Players:
         return self.players.take(self.points + sides * len(self.log.strokes))
-
-
-def _in_table_frame(
-    balls: Floats, plan: strokes.StrokePlan, directions: Floats
-) -> tuple[Floats, Floats, Floats]:
-    """Return places, spins and targets in the table frame."""
-    wanted = balls.copy()
-    wanted[:, 6:] = plan.spins
-    wanted = switch_frame(wanted, directions)
-    return wanted[:, :3], wanted[:, 6:], plan.targets * directions[:, None]

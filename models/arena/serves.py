@@ -12,7 +12,7 @@ from rallygap.models.arena.strokes import SIDE_TAIL, add_execution_errors, spin_
 from rallygap.models.ball.contact_laws import TABLE
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
-from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.ball.types import Floats
 
 # Where serves are struck: public but for y, which the rules want behind the end line.
 STRIKE_SIDE = (0.34, 0.17)  # m from the middle, mean and spread
@@ -84,8 +84,15 @@ def plan_serves(
     count = len(balls)
     candidates = _candidates(balls, players, random)
     flat = switch_frame(candidates.reshape(-1, 9), np.repeat(directions, CANDIDATES))
-    good = _works(simulator, flat, np.repeat(directions, CANDIDATES)).reshape(count, CANDIDATES)
-    chosen = candidates[np.arange(count), good.argmax(axis=1)]
+    # A serve bounces once on each side, without touching the net.
+    contacts = simulator.fly(flat, np.array([0.0, 0.9])).contacts
+    x = contacts.before[:, :2, 0]
+    y = contacts.before[:, :2, 1] * np.repeat(directions, CANDIDATES)[:, None]
+    clean = (contacts.surface[:, :2] == TABLE).all(axis=1)
+    inside = (np.abs(x) < TABLE_HALF_WIDTH - MARGIN).all(axis=1)
+    inside &= (y[:, 0] < -MARGIN) & (y[:, 0] > -TABLE_HALF_LENGTH + MARGIN)
+    good = clean & inside & (y[:, 1] > MARGIN) & (y[:, 1] < TABLE_HALF_LENGTH - MARGIN)
+    chosen = candidates[np.arange(count), good.reshape(count, CANDIDATES).argmax(axis=1)]
     return add_execution_errors(chosen, np.full(count, DIFFICULTY), players, random)
 
 
@@ -115,14 +122,3 @@ def _candidates(balls: Floats, players: Players, random: np.random.Generator) ->
     flat = [(gain * spin).ravel() for spin in spins]
     candidates[..., 6:] = spin_vectors(directions.reshape(-1, 2), *flat).reshape(*shape, 3)
     return candidates
-
-
-def _works(simulator: Simulator, launches: Floats, directions: Floats) -> Bools:
-    """Return whether serves bounce once on each side, without touching the net."""
-    contacts = simulator.fly(launches, np.array([0.0, 0.9])).contacts
-    x, y = contacts.before[:, :2, 0], contacts.before[:, :2, 1] * directions[:, None]
-    clean = (contacts.surface[:, :2] == TABLE).all(axis=1)
-    inside = (np.abs(x) < TABLE_HALF_WIDTH - MARGIN).all(axis=1)
-    inside &= (y[:, 0] < -MARGIN) & (y[:, 0] > -TABLE_HALF_LENGTH + MARGIN)
-    works: Bools = clean & inside & (y[:, 1] > MARGIN) & (y[:, 1] < TABLE_HALF_LENGTH - MARGIN)
-    return works

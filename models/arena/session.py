@@ -16,10 +16,10 @@ from rallygap.models.arena.cameras import Cameras
 from rallygap.models.arena.cannon import cannon_balls
 from rallygap.models.arena.games import games
 from rallygap.models.arena.levels import LEVELS
-from rallygap.models.arena.observation import observe
 from rallygap.models.arena.recording import ArenaRecording
 from rallygap.models.arena.settings import ArenaSettings
 from rallygap.models.arena.truth import Truth
+from rallygap.models.arena.truth_path import observe
 
 CANNON_STREAM = 0
 CANNON_BATCH = 250  # shots
@@ -95,24 +95,17 @@ def _cannon(simulator: BatchSimulator, shots: int, run_tasks: RunTasks) -> Itera
 def _games(
     simulator: BatchSimulator, episodes: int, run_tasks: RunTasks
 ) -> Iterator[ArenaRecording]:
+    """Yield games in turns of one recording of every level, until they have enough strokes."""
     strokes = played = 0
     while strokes < episodes:
         # The number of strokes of a batch is known only after it is simulated.
         missing = ceil((episodes - strokes) * played / strokes) if played else 1
         numbers = range(played, played + min(missing, ROUND // len(LEVELS)))
-        for turn in _turns(simulator, numbers, run_tasks):
-            if strokes < episodes:
-                strokes += sum(point.strokes for game in turn for point in game.points)
-                yield from turn
+        tasks = [partial(simulator.games, level, n) for n in numbers for level in LEVELS]
+        batches = iter(run_tasks(tasks))
+        for of_levels in zip(*[batches] * len(LEVELS), strict=True):
+            for turn in zip(*of_levels, strict=True):
+                if strokes < episodes:
+                    strokes += sum(point.strokes for game in turn for point in game.points)
+                    yield from turn
         played = numbers.stop
-
-
-def _turns(
-    simulator: BatchSimulator, numbers: range, run_tasks: RunTasks
-) -> Iterator[tuple[ArenaRecording, ...]]:
-    """Yield a recording of every level at a time, from batches with these numbers."""
-    batches = iter(
-        run_tasks([partial(simulator.games, level, n) for n in numbers for level in LEVELS])
-    )
-    for of_levels in zip(*[batches] * len(LEVELS), strict=True):
-        yield from zip(*of_levels, strict=True)

@@ -77,7 +77,10 @@ def plan_strokes(
     topspin = np.where(attacks & ~smashes, players.attack_topspin, players.topspin)
     topspin = topspin * _factor(pushes, PUSH_SPIN) * _factor(smashes, SMASH_SPIN)
     topspin = topspin + TOPSPIN_OF_SPEED * noise
-    spins = _spins(targets - balls[:, :2], topspin, players, random)
+    spread = TOPSPIN_SPREAD * np.sqrt(np.maximum(players.topspin / PUBLIC_TOPSPIN, 1.0))
+    side = players.sidespin * random.standard_t(SIDE_TAIL, (2, len(balls))).clip(-6, 6)
+    topspin = topspin + spread * random.standard_normal(len(balls))
+    spins = spin_vectors(targets - balls[:, :2], topspin, *side)
     return StrokePlan(targets, spins, (targets[:, 1] - balls[:, 1]) / speed)
 
 
@@ -148,17 +151,6 @@ def _targets(across: Floats, attacks: Bools, random: np.random.Generator) -> Flo
     y = np.where(attacks, ATTACK_LENGTH, LANDING_LENGTH) + LANDING_SPREAD * noise[1]
     side, end = TABLE_HALF_WIDTH - LANDING_MARGIN, TABLE_HALF_LENGTH - LANDING_MARGIN
     return np.column_stack([np.clip(x, -side, side), np.clip(y, 0.25, end)])
-
-
-def _spins(
-    directions: Floats, topspin: Floats, players: Players, random: np.random.Generator
-) -> Floats:
-    count = len(directions)
-    spread = TOPSPIN_SPREAD * np.sqrt(np.maximum(players.topspin / PUBLIC_TOPSPIN, 1.0))
-    corkscrew, sidespin = players.sidespin * random.standard_t(SIDE_TAIL, (2, count)).clip(-6, 6)
-    return spin_vectors(
-        directions, topspin + spread * random.standard_normal(count), corkscrew, sidespin
-    )
 
 
 def _above(heights: Floats, middle: float, width: float) -> Floats:

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from rallygap.models.arena.bounce_scatter import BounceScatter
-from rallygap.models.arena.camera_field import CameraField
-from rallygap.models.arena.cameras import SlowError
+from rallygap.models.arena.cameras import CameraField, SlowError
 from rallygap.models.ball.quantities import TYPICAL_IMPACT, TYPICAL_SPIN_RATIO
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.simulators import shipped
@@ -67,7 +66,11 @@ def draw_truth(seed: int, physics: str | None = None) -> Truth:
     )
     slow_error = SlowError(share=_between(random, 0.2, 0.5), time=_between(random, 0.03, 0.10))
     effects = _effects(random)
-    _as_of_typical_balls(effects)
+    # Coefficients without spin or at no speed are replaced by those of typical balls.
+    effects["drag"]["cd"] += TYPICAL_SPIN_RATIO * effects["spin_dependent_drag"]["c"]
+    effects["magnus"]["cm"] /= 1 + TYPICAL_SPIN_RATIO * effects["lift_saturation"]["kappa"]
+    loss = TYPICAL_IMPACT * effects["speed_dependent_restitution"]["c"]
+    effects["table_bounce"]["restitution"] -= loss
     simulator = Simulator.from_dict(effects)
     if physics is not None:
         simulator = Simulator.from_dict({"net": effects["net"], **shipped(physics).to_dict()})
@@ -107,14 +110,6 @@ def _effects(random: np.random.Generator) -> dict[str, dict[str, float]]:
             "kp": within(1.8e-3, 2.0e-3),
         },
     }
-
-
-def _as_of_typical_balls(effects: dict[str, dict[str, float]]) -> None:
-    """Replace coefficients without spin or at no speed by those of typical balls."""
-    effects["drag"]["cd"] += TYPICAL_SPIN_RATIO * effects["spin_dependent_drag"]["c"]
-    effects["magnus"]["cm"] /= 1 + TYPICAL_SPIN_RATIO * effects["lift_saturation"]["kappa"]
-    loss = TYPICAL_IMPACT * effects["speed_dependent_restitution"]["c"]
-    effects["table_bounce"]["restitution"] -= loss
 
 
 def _between(random: np.random.Generator, low: float, high: float) -> float:

@@ -1,7 +1,11 @@
-"""The true path of a ball, simulated from its true contacts."""
+"""The true paths of balls, simulated from their contacts, and what the cameras see of them."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from rallygap.models.arena.cameras import Cameras
 from rallygap.models.arena.contacts import fly_to_contact
 from rallygap.models.arena.recording import TrueContacts
 from rallygap.models.arena.truth import Truth
@@ -43,8 +47,41 @@ def along_arcs(simulator: Simulator, starts: Floats, arcs: Integers, elapsed: Fl
     states = np.empty((len(arcs), STATE_SIZE))
     by_length = np.argsort(counts, kind="stable")
     for start in range(0, len(used), ARCS_PER_BATCH):
-        some = by_length[start : start + ARCS_PER_BATCH]
-        steps = np.arange(counts[some].max())
-        rows = first[some, None] + np.minimum(steps, counts[some, None] - 1)
-        states[rows] = simulator.fly(starts[used[some]], elapsed[rows]).states
+        batch = by_length[start : start + ARCS_PER_BATCH]
+        steps = np.arange(counts[batch].max())
+        rows = first[batch, None] + np.minimum(steps, counts[batch, None] - 1)
+        states[rows] = simulator.fly(starts[used[batch]], elapsed[rows]).states
     return states
+
+
+@dataclass(frozen=True)
+class TrackedBall:
+    """One ball from its launch until the cameras lose it."""
+
+    contacts: TrueContacts  # its launch and all contacts after it
+    last_visible: float  # s, time of the last possible sample
+
+
+def observe(
+    truth: Truth, cameras: Cameras, balls: Sequence[TrackedBall], random: np.random.Generator
+) -> Iterator[tuple[Floats, Floats, Floats]]:
+    """Yield times (n,) s, positions (n, 3) m and spins (n, 3) rad/s of each ball's samples.
+
+    Samples lie at multiples of the cameras' interval.
+    """
+    frames, arcs, elapsed, first = [], [], [], 0
+    for ball in balls:
+        start = np.ceil(ball.contacts.times[0] / cameras.interval)
+        end = np.floor(ball.last_visible / cameras.interval) + 1
+        times = np.arange(start, end) * cameras.interval
+        arc = np.searchsorted(ball.contacts.times, times, side="right") - 1
+        frames.append(times)
+        arcs.append(first + arc)
+        elapsed.append(times - ball.contacts.times[arc])
+        first += len(ball.contacts.times)
+    starts = np.concatenate([ball.contacts.states for ball in balls])
+    paths = along_arcs(truth.simulator, starts, np.concatenate(arcs), np.concatenate(elapsed))
+    borders = np.cumsum([len(times) for times in frames])[:-1]
+    for times, path, arc in zip(frames, np.split(paths, borders), arcs, strict=True):
+        positions, spins, exists = cameras.measure(path, random, arc)
+        yield times[exists], positions[exists], spins[exists]

@@ -1,6 +1,6 @@
 """The audit of an engine: its effects with their values, and what no effect explains."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
 from time import monotonic
@@ -91,7 +91,7 @@ class Audit:
     @property
     def probes(self) -> dict[Phase, int]:
         """How many were flown, by phase."""
-        return {phase: len(one.probes) for phase, one in self.flown.items()}
+        return {phase: len(flown.probes) for phase, flown in self.flown.items()}
 
 
 def audit(
@@ -111,14 +111,14 @@ def audit(
     """
     flight = _flown(engine, flight_probes(), lambda share: progress(0.5 * share), patience)
     limit = _spin_limit(flight)
-    simulator, effects = _found(flight, BASE)
+    simulator, effects = _effects(flight, BASE)
     unexplained: dict[Phase, Unexplained] = {"flight": _unexplained(flight, simulator)}
     table = _flown(engine, bounce_probes(), lambda share: progress(0.5 + 0.5 * share), patience)
     flown: dict[Phase, Flown] = {"flight": flight, "table": table}
     bounces = Bounces.of(table, simulator)
     if bounces.met.mean() < FEWEST_MET:
         return Audit(simulator.without_surfaces(), effects, unexplained, None, limit, flown)
-    simulator, more = _found(table, simulator)
+    simulator, more = _effects(table, simulator)
     unexplained["table"] = _unexplained(table, simulator)
     known = bounces if bounces.bounced.mean() >= FEWEST_BOUNCES else None
     return Audit(simulator, (*effects, *more), unexplained, known, limit, flown)
@@ -152,27 +152,27 @@ def _spin_limit(flown: Flown) -> float:
     return largest if cut.any() and same.all() else np.inf
 
 
-def _found(flown: Flown, simulator: Simulator) -> tuple[Simulator, tuple[FoundEffect, ...]]:
+def _effects(flown: Flown, simulator: Simulator) -> tuple[Simulator, tuple[FoundEffect, ...]]:
     """Return the simulator with the engine's effects of a phase, and these."""
     phase = flown.probes.phase
     always = ALWAYS[phase]
     candidates = [
-        one
-        for one in hypotheses(BASE)
-        if one.phase == phase and one not in always and one.identity not in NOT_SEPARABLE
+        hypothesis
+        for hypothesis in hypotheses(BASE)
+        if hypothesis.phase == phase
+        and hypothesis not in always
+        and hypothesis.identity not in NOT_SEPARABLE
     ]
     simulator, chosen = selected(flown, simulator, always, candidates)
-    return simulator, tuple(_effect(flown, simulator, chosen, one) for one in chosen)
-
-
-def _effect(
-    flown: Flown, simulator: Simulator, chosen: Sequence[Hypothesis], one: Hypothesis
-) -> FoundEffect:
-    worth = np.nan
-    if one not in ALWAYS[flown.probes.phase]:
-        reduced = without(flown, simulator, chosen, one)
-        worth = _unexplained(flown, reduced).median_mm - _unexplained(flown, simulator).median_mm
-    return FoundEffect(one, one.value(simulator), worth)
+    left = _unexplained(flown, simulator).median_mm
+    effects = []
+    for hypothesis in chosen:
+        worth = np.nan
+        if hypothesis not in always:
+            reduced = without(flown, simulator, chosen, hypothesis)
+            worth = _unexplained(flown, reduced).median_mm - left
+        effects.append(FoundEffect(hypothesis, hypothesis.value(simulator), worth))
+    return simulator, tuple(effects)
 
 
 def _unexplained(flown: Flown, simulator: Simulator) -> Unexplained:

@@ -54,13 +54,12 @@ class Flown:
 
     def slopes(self, simulator: Simulator, parameters: Sequence[Hypothesis]) -> Floats:
         """Return (B T 6, P) derivatives of the residuals, flattened, by parameters."""
-        here = self.residuals(simulator)
-        columns = [
-            (self.residuals(one.at(simulator, near)) - here) / (near - one.value(simulator))
-            for one in parameters
-            for near in [one.nearby(simulator)]
-        ]
-        return np.stack([column.ravel() for column in columns], axis=-1)
+        here, columns = self.residuals(simulator), []
+        for parameter in parameters:
+            near = parameter.nearby(simulator)
+            change = self.residuals(parameter.at(simulator, near)) - here
+            columns.append((change / (near - parameter.value(simulator))).ravel())
+        return np.stack(columns, axis=-1)
 
 
 def selected(
@@ -104,11 +103,11 @@ def fitted(flown: Flown, simulator: Simulator, parameters: Sequence[Hypothesis])
 
 
 def without(
-    flown: Flown, simulator: Simulator, parameters: Sequence[Hypothesis], one: Hypothesis
+    flown: Flown, simulator: Simulator, parameters: Sequence[Hypothesis], idle: Hypothesis
 ) -> Simulator:
     """Return the simulator with one parameter neutral and the values of the others fitted again."""
-    others = [other for other in parameters if other != one]
-    return fitted(flown, one.at(simulator, one.declaration.neutral), others)
+    others = [parameter for parameter in parameters if parameter != idle]
+    return fitted(flown, idle.at(simulator, idle.declaration.neutral), others)
 
 
 def _most_useful(
@@ -132,8 +131,9 @@ def _without_idle(
 ) -> tuple[Simulator, tuple[Hypothesis, ...]]:
     """Take out, one after the other, parameters without which the residual hardly grows."""
     while chosen:
-        reduced = {one: without(flown, simulator, [*always, *chosen], one) for one in chosen}
-        idle = min(chosen, key=lambda one: flown.rms(reduced[one]))
+        parameters = [*always, *chosen]
+        reduced = {other: without(flown, simulator, parameters, other) for other in chosen}
+        idle = min(chosen, key=lambda other: flown.rms(reduced[other]))
         if flown.rms(reduced[idle]) - flown.rms(simulator) >= LEAST:
             break
         simulator = reduced[idle]
@@ -143,10 +143,12 @@ def _without_idle(
 
 def _at_all(simulator: Simulator, parameters: Sequence[Hypothesis], steps: Floats) -> Simulator:
     """Return the simulator with values changed by steps, within their bounds."""
-    for one, step in zip(parameters, steps, strict=True):
-        low, high = one.declaration.bounds
-        simulator = one.at(simulator, float(np.clip(one.value(simulator) + step, low, high)))
-    return simulator
+    return simulator.with_values(
+        {
+            (one.effect, one.parameter): one.value(simulator) + step
+            for one, step in zip(parameters, steps, strict=True)
+        }
+    )
 
 
 def _rms(residuals: Floats) -> float:

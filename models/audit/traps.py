@@ -45,16 +45,14 @@ NO_TABLE = Trap("no_table", "Balls do not bounce: there is no table where z is z
 
 def traps(audit: Audit) -> tuple[Trap, ...]:
     """Return the traps in what an engine does."""
-    return (*_of_spin(audit), *_of_flight(audit.simulator), *_of_table(audit))
+    return (*_of_flight(audit), *_of_table(audit))
 
 
-def _of_spin(audit: Audit) -> Iterator[Trap]:
+def _of_flight(audit: Audit) -> Iterator[Trap]:
+    simulator = audit.simulator
     if audit.spin_limit < np.inf:
         sentence = f"Spins are cut at {audit.spin_limit:.0f} rad/s; balls have several hundred."
         yield Trap("spin_limit", sentence)
-
-
-def _of_flight(simulator: Simulator) -> Iterator[Trap]:
     if DRAG.value(simulator) == 0.0:
         sentence = "There is no drag: the ball flies in a vacuum."
         yield Trap("no_drag", sentence, _cost(simulator, DRAG))
@@ -98,9 +96,9 @@ def _of_table(audit: Audit) -> Iterator[Trap]:
         yield Trap("elastic_grip", sentence)
 
 
-def _cost(simulator: Simulator, one: Hypothesis) -> float:
+def _cost(simulator: Simulator, parameter: Hypothesis) -> float:
     probes = flight_probes()
-    right = one.at(simulator, one.value(LITERATURE))
-    own, other = (each.fly(probes.states, probes.times).states for each in (simulator, right))
+    right = parameter.at(simulator, parameter.value(LITERATURE))
+    own, other = (law.fly(probes.states, probes.times).states for law in (simulator, right))
     away = np.linalg.norm((own - other)[:, -1, POSITION], axis=-1)
     return float(MM * np.median(away))

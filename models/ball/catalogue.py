@@ -21,13 +21,20 @@ def catalogue() -> dict[str, Effect]:
     Raises:
         ValueError: two effects share a name, or an effect changes a quantity that does not exist.
     """
-    found: dict[str, Effect] = {}
+    acts = {quantity.name: quantity.acts for quantity in QUANTITIES}
+    known: dict[str, Effect] = {}
     for effect in discovered(effects, "effect", ENTRY_POINT_GROUP):
-        if effect.name in found:
+        if effect.name in known:
             raise ValueError(f"two effects are called {effect.name}")
-        _check_quantities(effect)
-        found[effect.name] = effect
-    return found
+        for change in effect.changes:
+            if acts.get(change.quantity) != effect.acts:
+                there = ", ".join(name for name, place in acts.items() if place == effect.acts)
+                raise ValueError(
+                    f"{effect.name} acts in {effect.acts} and changes {change.quantity!r}; "
+                    f"quantities there: {there}"
+                )
+        known[effect.name] = effect
+    return known
 
 
 @cache
@@ -35,14 +42,3 @@ def parameter_columns() -> dict[tuple[str, str], int]:
     """Return the index of every (effect, parameter) in the vector that compiled functions take."""
     names = [(e.name, p.name) for e in catalogue().values() for p in e.parameters]
     return {name: column for column, name in enumerate(names)}
-
-
-def _check_quantities(effect: Effect) -> None:
-    acts = {quantity.name: quantity.acts for quantity in QUANTITIES}
-    for change in effect.changes:
-        if acts.get(change.quantity) != effect.acts:
-            known = ", ".join(name for name, place in acts.items() if place == effect.acts)
-            raise ValueError(
-                f"{effect.name} acts in {effect.acts} and changes {change.quantity!r}; "
-                f"quantities there: {known}"
-            )

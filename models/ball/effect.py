@@ -71,6 +71,10 @@ class Effect:
     table: tuple[str, ...] = ()
     changes: list[Change] = field(default_factory=list, compare=False)
 
+    def parameter(self, name: str) -> Parameter:
+        """Return the parameter of a name."""
+        return next(parameter for parameter in self.parameters if parameter.name == name)
+
     def adds(self, quantity: str) -> Callable[[Hook], Hook]:
         """Decorate ``hook(context, *parameters)``, whose value is added to ``quantity``.
 

@@ -42,20 +42,20 @@ def measured(
         return simulator.fly(states, moments).states
 
     seen = in_rising_order(fly, true - delays(simulator, speeds))
-    positions = measured_positions(simulator, seen[..., POSITION])
-    return positions, _with_flips(simulator, measured_spins(simulator, flown[..., SPIN]), generator)
+    labels = measured_spins(simulator, flown[..., SPIN])
+    flipped = generator.random(len(labels)) < sensor_quantity(simulator, "spin_flip_share")
+    signed = np.where(flipped[:, None, None], -1.0, 1.0) * labels
+    return measured_positions(simulator, seen[..., POSITION]), signed
 
 
 def true_times(simulator: Simulator, times: Floats) -> Floats:
     """Return the true times, s, of times on the sensor's clock."""
-    true: Floats = np.asarray(times, dtype=np.float64) / sensor_quantity(simulator, "clock_gain")
-    return true
+    return np.asarray(times, dtype=np.float64) / sensor_quantity(simulator, "clock_gain")
 
 
 def clock_times(simulator: Simulator, times: Floats) -> Floats:
     """Return the times on the sensor's clock, s, of true times."""
-    measured: Floats = sensor_quantity(simulator, "clock_gain") * times
-    return measured
+    return sensor_quantity(simulator, "clock_gain") * times
 
 
 def delays(simulator: Simulator, speeds: Floats) -> Floats:
@@ -68,16 +68,14 @@ def measured_positions(simulator: Simulator, positions: Floats) -> Floats:
     """Return (..., 3) measured positions, m, of balls at true positions."""
     gain = sensor_quantity(simulator, "position_gain")
     view = View(np.zeros(()), positions)
-    measured: Floats = gain * positions + sensor_quantity(simulator, "position_error", view)
-    return measured
+    return gain * positions + sensor_quantity(simulator, "position_error", view)
 
 
 def measured_spins(simulator: Simulator, spins: Floats) -> Floats:
     """Return (..., 3) spin labels, rad/s, of true spins; signs are right."""
     turn = Rotation.from_rotvec(np.array(sensor_quantity(simulator, "spin_label_rotation")))
     turned = turn.apply(spins.reshape(-1, 3)).reshape(spins.shape) if spins.size else spins
-    labels: Floats = sensor_quantity(simulator, "spin_label_gain") * turned
-    return labels
+    return sensor_quantity(simulator, "spin_label_gain") * turned
 
 
 def in_rising_order(fly: Callable[[Floats], Floats], times: Floats) -> Floats:
@@ -90,14 +88,7 @@ def in_rising_order(fly: Callable[[Floats], Floats], times: Floats) -> Floats:
     order = np.argsort(times, axis=1, kind="stable")
     flown = fly(np.take_along_axis(times, order, axis=1))
     original = np.argsort(order, axis=1, kind="stable")
-    ordered: Floats = np.take_along_axis(flown, original[..., None], axis=1)
-    return ordered
-
-
-def _with_flips(simulator: Simulator, labels: Floats, generator: np.random.Generator) -> Floats:
-    flipped = generator.random(len(labels)) < sensor_quantity(simulator, "spin_flip_share")
-    signed: Floats = np.where(flipped[:, None, None], -1.0, 1.0) * labels
-    return signed
+    return np.take_along_axis(flown, original[..., None], axis=1)
 
 
 def sensor_quantity(simulator: Simulator, name: str, view: View | None = None) -> Any:

@@ -109,6 +109,17 @@ class Simulator:
         current = {**self.effects.get(effect, {}), **parameters}
         return Simulator.from_dict({**self.effects, effect: current})
 
+    def with_values(self, values: Mapping[tuple[str, str], float]) -> "Simulator":
+        """Return this simulator with other values, by effect and parameter.
+
+        They are clipped to their bounds; effects that it lacks are appended.
+        """
+        effects = self.to_dict()
+        for (effect, parameter), value in values.items():
+            within = np.clip(value, *catalogue()[effect].parameter(parameter).bounds)
+            effects.setdefault(effect, {})[parameter] = float(within)
+        return Simulator.from_dict(effects)
+
     def without_surfaces(self) -> "Simulator":
         """Return this simulator with its effects of flight only."""
         flight = {n: p for n, p in self.effects.items() if catalogue()[n].acts == "flight"}
@@ -119,7 +130,7 @@ class Simulator:
         """Parameters of all effects of the catalogue, neutral where an effect is not listed."""
         vector = np.empty(len(parameter_columns()))
         for (effect, parameter), column in parameter_columns().items():
-            neutral = _parameter(catalogue()[effect], parameter).neutral
+            neutral = catalogue()[effect].parameter(parameter).neutral
             vector[column] = self.effects.get(effect, {}).get(parameter, neutral)
         return vector
 
@@ -129,13 +140,16 @@ class Simulator:
 
         Terms that are added come first.
         """
-        found: dict[str, list[tuple[Change, list[Any]]]] = {}
+        changes: dict[str, list[tuple[Change, list[Any]]]] = {}
         for name, effect in catalogue().items():
             if effect.acts == "sensor" and name in self.effects:
                 values = [np.asarray(value) for value in self.effects[name].values()]
                 for change in effect.changes:
-                    found.setdefault(change.quantity, []).append((change, values))
-        return {name: sorted(some, key=lambda one: one[0].how) for name, some in found.items()}
+                    changes.setdefault(change.quantity, []).append((change, values))
+        return {
+            quantity: sorted(terms, key=lambda term: term[0].how)
+            for quantity, terms in changes.items()
+        }
 
     def fly(self, states: ArrayLike, times: ArrayLike) -> Flight:
         """Roll out balls, through every contact with table and net.
@@ -194,10 +208,6 @@ def _rows(values: ArrayLike) -> Floats:
     return np.ascontiguousarray(np.atleast_2d(values), dtype=np.float64)
 
 
-def _parameter(effect: Effect, name: str) -> Parameter:
-    return next(parameter for parameter in effect.parameters if parameter.name == name)
-
-
 def _checked(name: str, values: Any) -> dict[str, Any]:
     if name not in catalogue():
         hint = suggestion(name, catalogue())
@@ -206,14 +216,13 @@ def _checked(name: str, values: Any) -> dict[str, Any]:
     values = {} if values is None else values
     if not isinstance(values, Mapping):
         raise SimulatorError(f"{name}: give its parameters by name, not {values!r}")
-    known = [
-        *(parameter.name for parameter in effect.parameters),
-        *([NODES] if effect.table else []),
-    ]
+    known = [parameter.name for parameter in effect.parameters] + [NODES] * bool(effect.table)
     for unknown in [key for key in values if key not in known]:
         hint = suggestion(unknown, known)
         raise SimulatorError(f"{name} has no parameter {unknown!r}; {hint}")
-    checked = {one.name: _value(name, one, values) for one in effect.parameters}
+    checked: dict[str, Any] = {
+        parameter.name: _value(name, parameter, values) for parameter in effect.parameters
+    }
     return {**checked, NODES: _rows_of_table(effect, values)} if effect.table else checked
 
 

@@ -76,7 +76,7 @@ class CompiledPredictor:
         feeds = {"history": history.states.astype(np.float32), "mask": history.mask}
         if self._baseline is not None:
             feeds["motion"] = self._baseline.predict(history).states.astype(np.float32)
-        states, covariances = (one.astype(np.float64) for one in self._session.run(None, feeds))
+        states, covariances = (part.astype(np.float64) for part in self._session.run(None, feeds))
         return Forecast(states, history.spin_measured), covariances
 
 
@@ -85,7 +85,7 @@ def _states(horizons: tuple[float, float]) -> slice:
 
     Times are interpolated between two states, and differ from a state's by rounding.
     """
-    first, last = (round(one / TICK) for one in horizons)
+    first, last = (round(horizon / TICK) for horizon in horizons)
     return slice(max(first - 2, 0), min(last + 1, FUTURE))
 
 
@@ -175,7 +175,7 @@ def _with_constants(model: Any, path: Path) -> Any:
 
 def _scopes(node: Any) -> list[str]:
     """Return the names of the modules that an operator is of, the outermost first."""
-    notes = {one.key: one.value for one in node.metadata_props}
+    notes = {note.key: note.value for note in node.metadata_props}
     scopes: list[str] = ast.literal_eval(notes.get(SCOPES, "[]"))
     return scopes
 

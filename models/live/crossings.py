@@ -87,8 +87,8 @@ def plane(states: Floats, step: float, point: Floats, normal: Floats) -> Crossin
 
 
 def _first(places: "np.ndarray[tuple[int], np.dtype[np.bool_]]") -> int | None:
-    found = np.flatnonzero(places)
-    return int(found[0]) if len(found) else None
+    rows = np.flatnonzero(places)
+    return int(rows[0]) if len(rows) else None
 
 
 def _gradient(column: int) -> Floats:

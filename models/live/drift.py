@@ -25,7 +25,7 @@ from rallygap.models.gap.settings import DEFAULTS, GapSettings
 REFERENCE = 100  # shots, at least as many as most windows have
 WINDOWS = (5, 7, 10, 14, 20, 28, 40, 57, 80, 113, 160)  # lengths, in shots
 # Standard errors from which a difference is an alarm. In 20,000 quiet shots 5.06 was the largest;
-# benchmarks/drift.py counts false alarms in other sessions.
+# experiments/benchmarks/drift.py counts false alarms in other sessions.
 THRESHOLD = 5.4
 LARGEST = 6.0  # standard deviations; a shot's score counts as no larger
 TINY = 1e-12  # information of a shot that does not show a parameter
@@ -85,7 +85,7 @@ class DriftMonitor:
     def add(self, shots: Shots) -> list[Alarm | None]:
         """Take the next shots, in their order; return the alarm at each of them, if any."""
         fit = fit_nuisance(shots, self._simulator, self._noise, self._settings.fit)
-        return [self._add(*one) for one in zip(*self._scores(fit), strict=True)]
+        return [self._add(*shot) for shot in zip(*self._scores(fit), strict=True)]
 
     def _scores(self, fit: RefitResult) -> tuple[Floats, Floats]:
         """Return (B, K) efficient scores of fitted shots and their information, each alone."""
@@ -99,7 +99,9 @@ class DriftMonitor:
         most = LARGEST * self._excess * np.sqrt(information)
         row = np.stack([scores, np.clip(scores, -most, most), information])[None]
         self._latest = np.concatenate([self._latest[1 - WINDOWS[-1] :], row])
-        windows = np.array([one for one in WINDOWS if one <= len(self._latest)], dtype=np.int64)
+        windows = np.array(
+            [length for length in WINDOWS if length <= len(self._latest)], dtype=np.int64
+        )
         if not len(windows):
             return None
         sums = np.cumsum(self._latest[::-1], axis=0)[windows - 1]
@@ -158,6 +160,6 @@ class Session:
         return None
 
 
-def _shots(found: Sequence[Shot]) -> Shots:
-    times, positions, spins = zip(*found, strict=True)
+def _shots(parts: Sequence[Shot]) -> Shots:
+    times, positions, spins = zip(*parts, strict=True)
     return Shots.from_arrays(times, positions, spins)

@@ -17,8 +17,7 @@ from rallygap.models.ball.state import POSITION, STATE_SIZE
 from rallygap.models.ball.types import Floats
 from rallygap.models.live import crossings
 from rallygap.models.live.crossings import Crossing
-from rallygap.models.live.history import history_of
-from rallygap.models.live.track import Track
+from rallygap.models.live.track import Track, history_of
 from rallygap.models.predictors.ball_filter import ANY_BALL, Expected
 from rallygap.models.predictors.propagation import propagated
 from rallygap.models.predictors.protocol import FUTURE_TIMES, TICK, ProbabilisticPredictor
@@ -154,8 +153,8 @@ class Forecaster:
             raise NoBallError("no ball has been measured three times yet")
         ahead = np.atleast_1d(np.asarray(times, dtype=np.float64)) - self._ball.last
         now = self._ball.state[None], self._ball.covariance[None]
-        found = propagated(self.simulator, *now, ahead / self._sensor.clock)
-        states, covariances = (one[0] for one in found)
+        coming = propagated(self.simulator, *now, ahead / self._sensor.clock)
+        states, covariances = (of_balls[0] for of_balls in coming)
         if self.predictor is None:
             return self._sensor.measured_states(states), covariances
         rows = _known(_at(ahead, self._by(self.predictor)))
@@ -225,14 +224,14 @@ class Forecaster:
     def _new_track(self) -> Track:
         return Track(self.simulator, self.expected)
 
-    def _event(self, found: Crossing | None) -> Event | None:
-        if found is None:
+    def _event(self, crossing: Crossing | None) -> Event | None:
+        if crossing is None:
             return None
         first = TICK if self.predictor else 0.0  # of the coming states
-        before = self._ball.last + first + COMING[found.row]
+        before = self._ball.last + first + COMING[crossing.row]
         covariance = self.predict([before])[1][0]
-        time, error = float(before + found.after), found.time_error(covariance)
-        return Event(time, error, found.state, covariance)
+        time, error = float(before + crossing.after), crossing.time_error(covariance)
+        return Event(time, error, crossing.state, covariance)
 
 
 def _at(ahead: Floats, values: Floats) -> Floats:

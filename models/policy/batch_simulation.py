@@ -1,13 +1,12 @@
 """Batch simulation: parallel environments in one Bullet world."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.ball.types import Bools, Floats, Integers
-from rallygap.models.policy.balls_in_flight import PATH_STEPS_PER_CONTROL, BallsInFlight
+from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.policy.episodes import (
     ARM_ON_TABLE,
     BEFORE_BOUNCE,
@@ -16,10 +15,15 @@ from rallygap.models.policy.episodes import (
     Episodes,
     conclude,
 )
-from rallygap.models.policy.following import following_actions
 from rallygap.models.policy.goals import Goals
-from rallygap.models.policy.incoming_balls import CONTROL_STEP, PATH_STEP, IncomingBalls
-from rallygap.models.policy.observation import Observations, observe
+from rallygap.models.policy.incoming_balls import (
+    CONTROL_STEP,
+    PATH_STEP,
+    PATH_STEPS_PER_CONTROL,
+    BallsInFlight,
+    IncomingBalls,
+)
+from rallygap.models.policy.observation import Observations, observe, plane_crossing
 from rallygap.models.policy.outcome import with_net
 from rallygap.models.policy.racket_contact import (
     RacketContacts,
@@ -32,7 +36,7 @@ from rallygap.models.policy.settings import ObservationKind
 from rallygap.models.robot.arms import Arms
 from rallygap.models.robot.constants import BULLET_STEP, COMMAND_STEP
 from rallygap.models.robot.control import joint_speeds
-from rallygap.models.robot.kinematics import racket
+from rallygap.models.robot.kinematics import Racket, racket
 
 # Racket motion for an action of one: m/s across, along and up; rad/s of its two turning rates.
 VELOCITY = np.array([2.5, 1.5, 2.0])
@@ -42,6 +46,12 @@ ACTIONS = 5
 COMMANDS = round(CONTROL_STEP / COMMAND_STEP)  # of joint speeds, per control step
 BULLET_STEPS = round(COMMAND_STEP / BULLET_STEP)  # per command
 PATH_STEPS = round(BULLET_STEP / PATH_STEP)  # per Bullet step
+
+
+# Following balls.
+GAIN = 8.0  # of the racket's velocity across and up, 1/m: full speed at an eighth of a metre
+NEAR = 0.075  # s from the nearest forecast to the crossing, from when rackets move ahead
+NOISE = np.array([0.1, 0.3, 0.1, 0.2, 0.2])  # standard deviations of actions
 
 
 @dataclass(frozen=True)
@@ -101,7 +111,9 @@ class BatchSimulation:
             self._balls, self._goals = BallsInFlight(incoming), goals[np.arange(len(goals))]
         else:
             self._balls.replace(which, incoming)
-            _replace(self._goals, which, goals)
+            for kept, new in zip(vars(self._goals).values(), vars(goals).values(), strict=True):
+                if kept is not None:
+                    kept[which] = new
         self.arms.reset(which)
         self._actions[:, which] = 0.0
         self.finished[which], self._nearest[which] = False, np.inf
@@ -131,7 +143,9 @@ class BatchSimulation:
         rackets, on_table = self._move()
         moments, balls = self._balls.ahead()
         distance = distances(balls, rackets)
-        self._update_nearest(moments, distance)
+        playable = (moments >= self._balls.bounce) & (moments <= self._balls.gone)
+        nearest = np.where(playable, distance, np.inf).min(axis=0)
+        self._nearest = np.minimum(self._nearest, nearest)
         live = (moments[1:] <= self._balls.gone) & ~self.finished & ~on_table[:-1]
         ended = self._ended(find_contacts(balls, rackets, distance, live), on_table[-1])
         self._balls.advance()
@@ -168,11 +182,6 @@ class BatchSimulation:
         rackets = racket_path(np.array(joints), np.array(speeds), PATH_STEPS)
         return rackets, np.repeat(touched, PATH_STEPS, axis=0)[: len(rackets)]
 
-    def _update_nearest(self, moments: Integers, distance: Floats) -> None:
-        playable = (moments >= self._balls.bounce) & (moments <= self._balls.gone)
-        nearest = np.where(playable, distance, np.inf).min(axis=0)
-        self._nearest = np.minimum(self._nearest, nearest)
-
     def _ended(self, contacts: RacketContacts, on_table: Bools) -> Episodes:
         """Return the episodes that end, given racket contacts and arms on the table."""
         first = self._balls.first
@@ -197,8 +206,20 @@ class BatchSimulation:
         )
 
 
-def _replace(kept: Goals, which: Bools, goals: Goals) -> None:
-    for field in fields(Goals):
-        column = getattr(kept, field.name)
-        if column is not None:
-            column[which] = getattr(goals, field.name)
+def following_actions(rackets: Racket, forecasts: Floats, random: np.random.Generator) -> Floats:
+    """Return (B, 5) actions that bring rackets to where balls cross their planes.
+
+    The warm-up of a training uses them, so that its replay buffer begins with strokes: they hit two
+    balls in three and return one in six, uniformly drawn actions hit one in fifty.
+
+    Args:
+        rackets: B of them.
+        forecasts: (B, 9), of the nearest horizon.
+        random: for the noise, and for how fast a racket moves ahead once its ball is near.
+    """
+    crossing = plane_crossing(rackets, forecasts)
+    time, away = crossing[:, 0], crossing[:, 1:3]
+    actions = NOISE * random.standard_normal((len(time), len(NOISE)))
+    actions[:, [0, 2]] += GAIN * away
+    actions[:, 1] = np.where(time < NEAR, random.uniform(size=len(time)), actions[:, 1])
+    return np.clip(actions, -1.0, 1.0)

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
 
-from rallygap.models.ball.types import Floats, Integers
-from rallygap.models.policy.ball_supply import BallSupply
+from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.policy.batch_simulation import ACTIONS, BatchSimulation
 from rallygap.models.policy.episodes import Episodes
 from rallygap.models.policy.observation import LIMIT, Observations, observation_size
 from rallygap.models.policy.task import Task
+
+BATCH = 256  # balls generated at once, which makes a new episode cheap
 
 # In the info of an ended episode, with its landing, its goal and its ball's number.
 REPORTED = (
@@ -30,6 +31,41 @@ REPORTED = (
     "speed",
     "topspin",
 )
+
+
+class BallSupply:
+    """The balls generated from one random generator, for B environments.
+
+    Attributes:
+        numbers: (B,) of the balls that the environments have, counted from zero.
+    """
+
+    def __init__(self, task: Task, environments: int, random: np.random.Generator) -> None:
+        """Generate the first batch."""
+        self.numbers = np.zeros(environments, dtype=np.int64)
+        self._task, self._random = task, random
+        self._size = max(BATCH, environments)
+        self._handed_out = 0
+        self._fill()
+
+    def start_episodes(self, simulation: BatchSimulation, which: Bools) -> None:
+        """Start new episodes in the environments of ``which`` (B,)."""
+        waiting = np.flatnonzero(which)
+        while len(waiting):
+            if self._next == self._size:
+                self._fill()
+            served = waiting[: self._size - self._next]
+            waiting = waiting[len(served) :]
+            rows = slice(self._next, self._next + len(served))
+            given = np.isin(np.arange(len(which)), served)
+            simulation.reset(given, self._incoming[rows], self._goals[rows])
+            self.numbers[served] = self._handed_out + np.arange(len(served))
+            self._handed_out += len(served)
+            self._next += len(served)
+
+    def _fill(self) -> None:
+        self._incoming, self._goals = self._task.draw(self._size, self._random)
+        self._next = 0
 
 
 class ReturnVecEnv(VecEnv):
@@ -74,9 +110,12 @@ class ReturnVecEnv(VecEnv):
         observation = step.observation
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for row, env in enumerate(step.ended.envs):
-            infos[env] = _report(step.ended, row, self._supply.numbers)
-            infos[env]["terminal_observation"] = step.observation[env]
-            infos[env]["TimeLimit.truncated"] = False
+            infos[env] = {
+                **_report(step.ended, row),
+                "ball": int(self._supply.numbers[env]),
+                "terminal_observation": step.observation[env],
+                "TimeLimit.truncated": False,
+            }
         if len(step.ended.envs):
             self._supply.start_episodes(self._simulation, step.done)
             observation = self._simulation.observe()
@@ -95,21 +134,13 @@ class ReturnVecEnv(VecEnv):
         return [getattr(self, attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Refuse to set an attribute.
-
-        Raises:
-            NotImplementedError: always; environments have no attributes of their own.
-        """
+        """Raise NotImplementedError: environments have no attributes of their own."""
         raise NotImplementedError("environments have no attributes of their own")
 
     def env_method(
         self, method_name: str, *args: Any, indices: VecEnvIndices = None, **kwargs: Any
     ) -> list[Any]:
-        """Refuse to call a method.
-
-        Raises:
-            NotImplementedError: always; environments have no methods of their own.
-        """
+        """Raise NotImplementedError: environments have no methods of their own."""
         raise NotImplementedError("environments have no methods of their own")
 
     def env_is_wrapped(
@@ -119,12 +150,12 @@ class ReturnVecEnv(VecEnv):
         return [False for _ in self._get_indices(indices)]
 
 
-def _report(ended: Episodes, row: int, numbers: Integers) -> dict[str, Any]:
-    """Return the info of an episode that ended."""
+def _report(ended: Episodes, row: int) -> dict[str, Any]:
+    """Return how an episode ended, and its goals."""
     info = {name: getattr(ended, name)[row].item() for name in REPORTED}
     goals = {
         f"goal_{name}": column[row]
         for name, column in vars(ended.goals).items()
         if column is not None
     }
-    return {**info, **goals, "landing": ended.landing[row], "ball": int(numbers[ended.envs[row]])}
+    return {**info, **goals, "landing": ended.landing[row]}

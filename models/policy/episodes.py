@@ -16,6 +16,7 @@ Strings = NDArray[np.str_]
 
 # How episodes end: with a hit, or by one of these faults.
 HIT, MISSED, BEFORE_BOUNCE, ARM_ON_TABLE = "hit", "missed", "before_bounce", "arm_on_table"
+JUDGED = ("before_landing", "landing", "distance", "net_height", "speed", "topspin")  # of hits
 
 
 @dataclass(frozen=True)
@@ -94,29 +95,10 @@ def conclude(
         outcome.landing, outcome.speed, outcome.topspin, outcome.returned, goals[hit]
     )
     reward[hit] = contact_reward(outcome, hits.backhand) + goal_rewards[hit]
-    return Episodes(
-        envs,
-        goals,
-        hit,
-        returned,
-        fault,
-        reward,
-        goal_rewards,
-        nearest,
-        time=_of_hits(hit, times),
-        after_racket=_of_hits(hit, after),
-        before_landing=_of_hits(hit, outcome.before_landing),
-        backhand=_of_hits(hit, hits.backhand.astype(np.float64)),
-        landing=_of_hits(hit, outcome.landing),
-        distance=_of_hits(hit, outcome.distance),
-        net_height=_of_hits(hit, outcome.net_height),
-        speed=_of_hits(hit, outcome.speed),
-        topspin=_of_hits(hit, outcome.topspin),
-    )
-
-
-def _of_hits(hit: Bools, values: Floats) -> Floats:
-    """Return (E, ...) values: those of the hits in their rows, NaN elsewhere."""
-    filled = np.full((len(hit), *values.shape[1:]), np.nan)
-    filled[hit] = values
-    return filled
+    known = {"time": times, "after_racket": after, "backhand": hits.backhand}
+    known |= {name: getattr(outcome, name) for name in JUDGED}
+    of_hits = {}
+    for name, values in known.items():
+        of_hits[name] = np.full((len(hit), *values.shape[1:]), np.nan)
+        of_hits[name][hit] = values
+    return Episodes(envs, goals, hit, returned, fault, reward, goal_rewards, nearest, **of_hits)

@@ -4,9 +4,11 @@
 - ``first_state``: a simulator flies the ball from its true launch, once for the whole flight, so
   errors grow along it. The paper's sim-to-sim protocol.
 - ``re_anchored``: a simulator flies the ball from its true state at each control step.
+- ``filtered_balls``: a filter forecasts from simulated measurements, as on a robot.
 
-Control steps start at the launch. All return the ``forecasts`` of ``IncomingBalls``, (B, T, H, 9).
-Forecasts from measurements are in ``rallygap.models.replay.replayed_balls``.
+Control steps start at the launch, those of a filter with its first window. All return the
+``forecasts`` of ``IncomingBalls``, (B, T, H, 9). Forecasts of measured balls are in
+``rallygap.models.replay.replayed_balls``.
 """
 
 import numpy as np
@@ -14,8 +16,19 @@ import numpy as np
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import STATE_SIZE
 from rallygap.models.ball.types import Floats
-from rallygap.models.policy.incoming_balls import PATH_STEP, IncomingBalls, control_times
-from rallygap.models.policy.settings import HorizonsMs
+from rallygap.models.policy.incoming_balls import (
+    FIRST_WINDOW,
+    PATH_STEP,
+    IncomingBalls,
+    control_times,
+)
+from rallygap.models.policy.measurements import measure
+from rallygap.models.policy.settings import HorizonsMs, SensorNoise
+from rallygap.models.predictors.ball_filter import filtered
+from rallygap.models.predictors.propagation import propagated
+from rallygap.models.predictors.protocol import HISTORY, TICK, History
+
+NOISE = SensorNoise(position=0.003, spin=0.05)  # the paper's cameras
 
 
 def exact(path: Floats, horizons: HorizonsMs, start: float = 0.0) -> Floats:
@@ -46,8 +59,41 @@ def re_anchored(simulator: Simulator, path: Floats, horizons: HorizonsMs) -> Flo
     """
     now = path[:, np.rint(control_times(0.0) / PATH_STEP).astype(np.int64)]
     flown = simulator.fly(now.reshape(-1, STATE_SIZE), np.array(horizons) / 1000).states
-    forecasts: Floats = flown.reshape(len(now), -1, len(horizons), STATE_SIZE)
-    return forecasts
+    return flown.reshape(len(now), -1, len(horizons), STATE_SIZE)
+
+
+def filtered_balls(
+    simulator: Simulator,
+    path: Floats,
+    playable: Floats,
+    horizons: HorizonsMs,
+    random: np.random.Generator,
+) -> IncomingBalls:
+    """Return balls with the forecasts of a filter and their standard deviations.
+
+    Control steps begin when the predictor has its first window. Forecasts of balls that are out of
+    play are zero.
+
+    Args:
+        simulator: that forecasts.
+        path: (B, N, 9) true states as in ``IncomingBalls``.
+        playable: (B, 2) s as in ``IncomingBalls``.
+        horizons: ms.
+        random: of the measurements' noise.
+    """
+    times = control_times(FIRST_WINDOW)
+    in_play = times < playable[:, 1:]
+    measured, mask = measure(path, np.full(len(path), np.inf), NOISE, random)
+    # At each control step the last 12 measurements, ball by ball.
+    rows = np.rint(times / TICK).astype(np.int64)[:, None] + np.arange(1 - HISTORY, 1)
+    now = filtered(History(measured[:, rows][in_play], mask[:, rows][in_play]), simulator)
+    ahead = np.array(horizons) / 1000
+    states, covariances = propagated(simulator, now.states, now.covariances, ahead, components=3)
+    forecasts = np.zeros((*in_play.shape, len(horizons), STATE_SIZE))
+    spreads = np.zeros((*in_play.shape, len(horizons), 3))
+    forecasts[in_play] = states
+    spreads[in_play] = np.sqrt(np.diagonal(covariances, axis1=-2, axis2=-1))
+    return IncomingBalls(path, playable, FIRST_WINDOW, forecasts, spreads)
 
 
 def forecast_error(incoming: IncomingBalls, horizons: HorizonsMs) -> float:
@@ -63,5 +109,4 @@ def forecast_error(incoming: IncomingBalls, horizons: HorizonsMs) -> float:
 
 def _forecast_times(horizons: HorizonsMs, start: float) -> Floats:
     """Return the (T, H) times that are forecast, s from the launch."""
-    times: Floats = control_times(start)[:, None] + np.array(horizons) / 1000
-    return times
+    return control_times(start)[:, None] + np.array(horizons) / 1000

@@ -42,8 +42,7 @@ class Goals:
 
     def distance(self, landing: Floats) -> Floats:
         """Return the distances (B,) m of (B, 2) landing places from the goals."""
-        distance: Floats = np.linalg.norm(landing - self.landing, axis=1)
-        return distance
+        return np.linalg.norm(landing - self.landing, axis=1)
 
     def __len__(self) -> int:
         return len(self.landing)

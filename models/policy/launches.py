@@ -82,7 +82,9 @@ def draw_strokes(count: int, random: np.random.Generator) -> Floats:
     struck, targets = drawn[:, :3], drawn[:, 3:]
     speed = SPEED[0] * (SPEED[1] / SPEED[0]) ** random.random(count)
     spins = np.stack([random.uniform(*s, size=count) for s in (TOPSPIN, SIDESPIN, CORKSCREW)])
-    ahead, distance = _towards(struck, targets)
+    way = np.column_stack([targets - struck[:, :2], np.zeros(count)])
+    distance = np.linalg.norm(way, axis=1)
+    ahead = way / distance[:, None]
     across = np.cross([0.0, 0.0, 1.0], ahead)
     slope = _flat_slope(distance, BALL_RADIUS - struck[:, 2], speed, spins[0])[:, None]
     direction = (ahead + slope * [0.0, 0.0, 1.0]) / np.hypot(1.0, slope)
@@ -102,13 +104,6 @@ def is_playable(simulator: Simulator, launches: Floats) -> Bools:
     found = np.zeros(len(launches), dtype=bool)
     found[passed] = _in_reach(flight.states[passed], between[passed])
     return found
-
-
-def _towards(struck: Floats, targets: Floats) -> tuple[Floats, Floats]:
-    """Return (B, 3) horizontal unit vectors from places to targets, and (B,) the distances."""
-    way = np.column_stack([targets - struck[:, :2], np.zeros(len(struck))])
-    distance: Floats = np.linalg.norm(way, axis=1)
-    return way / distance[:, None], distance
 
 
 def _flat_slope(distance: Floats, rise: Floats, speed: Floats, topspin: Floats) -> Floats:
@@ -133,8 +128,7 @@ def _over_net(paths: Floats) -> Bools:
     y0, y1, z0, z1 = y[rows, behind - 1], y[rows, behind], z[rows, behind - 1], z[rows, behind]
     crosses = (y0 >= 0) & (y1 < 0)
     height = z0 + (z1 - z0) * y0 / np.where(crosses, y0 - y1, 1.0)
-    passes: Bools = crosses & (height > NET_HEIGHT + BALL_RADIUS)
-    return passes
+    return crosses & (height > NET_HEIGHT + BALL_RADIUS)
 
 
 def _in_reach(paths: Floats, between: Floats) -> Bools:
@@ -150,5 +144,4 @@ def _in_reach(paths: Floats, between: Floats) -> Bools:
     upper = np.minimum(WORKSPACE[:, 1], RACKET_HOME + travel)
     inside = ((lower <= places) & (places <= upper)).all(axis=2)
     bounced, gone = between[:, :1] < FLIGHT_TIMES, between[:, 1:] <= FLIGHT_TIMES
-    reached: Bools = (inside & bounced & ~gone).any(axis=1)
-    return reached
+    return (inside & bounced & ~gone).any(axis=1)

@@ -1,7 +1,5 @@
 """Simulated camera measurements of the ball at 200 Hz."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from rallygap.models.ball.state import POSITION, SPIN
@@ -14,23 +12,9 @@ from rallygap.models.predictors.windows import ROUNDING
 _PATH_STEPS = round(TICK / PATH_STEP)  # between two measurements
 
 
-@dataclass(frozen=True)
-class Measurements:
-    """Measurements of B balls, 5 ms apart.
-
-    Attributes:
-        states: (B, M, 6) positions (m) and spins (rad/s), the first at the launch; zero where not
-            measured.
-        mask: (B, M, 6) True where measured.
-    """
-
-    states: Floats
-    mask: Bools
-
-
 def measure(
     path: Floats, until: Floats, noise: SensorNoise, random: np.random.Generator
-) -> Measurements:
+) -> tuple[Floats, Bools]:
     """Measure balls.
 
     Args:
@@ -38,6 +22,10 @@ def measure(
         until: (B,) s from the launch, after which a ball is not measured.
         noise: of every measurement.
         random: of the noise.
+
+    Returns:
+        (B, M, 6) positions (m) and spins (rad/s), the first at the launch, zero where not measured;
+        and (B, M, 6) where they are.
     """
     true = path[:, ::_PATH_STEPS]
     shape = (*true.shape[:2], 3)
@@ -46,4 +34,4 @@ def measure(
     spins = true[..., SPIN] + noise.spin * size * random.standard_normal(shape)
     measured = TICK * np.arange(true.shape[1]) <= until[:, None] + ROUNDING
     mask = np.repeat(measured[..., None], 6, axis=2)
-    return Measurements(np.where(mask, np.concatenate([positions, spins], axis=2), 0.0), mask)
+    return np.where(mask, np.concatenate([positions, spins], axis=2), 0.0), mask

@@ -111,8 +111,7 @@ def _joints(poses: list[Floats], times: Floats) -> Floats:
     """
     values, speeds = np.stack(poses, axis=1)
     spline = CubicHermiteSpline(CONTROL_STEP * np.arange(len(poses)), values, speeds)
-    joints: Floats = spline(np.maximum(times, 0.0))
-    return joints
+    return spline(np.maximum(times, 0.0))
 
 
 def _time_down(flight: Flight) -> float:

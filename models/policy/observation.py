@@ -72,8 +72,7 @@ def observe(
         if spreads is None:
             raise ValueError("this policy observes spreads, but its predictor has none")
         parts.append(spreads.reshape(len(joints), -1) / SPREAD_SCALE)
-    clipped: Observations = np.clip(np.concatenate(parts, axis=1), -LIMIT, LIMIT).astype(np.float32)
-    return clipped
+    return np.clip(np.concatenate(parts, axis=1), -LIMIT, LIMIT).astype(np.float32)
 
 
 def plane_crossing(racket_state: Racket, balls: Floats) -> Floats:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rallygap.models.arena.contacts import ContactSequence
 from rallygap.models.arena.umpire import judge_strokes
-from rallygap.models.ball.simulator import Flight, Simulator
+from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import BALL_RADIUS, VELOCITY
 from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.policy.goals import Goals
@@ -54,9 +54,13 @@ def judge(simulator: Simulator, after: Floats, goals: Goals) -> Outcome:
         goals: (B,) of the returns.
     """
     flight = with_net(simulator).fly(after, [LONGEST_FLIGHT])
-    call = judge_strokes(_touches(flight), np.ones(len(after)), serve=False)
+    met = flight.contacts
+    ends = np.full(len(after), LONGEST_FLIGHT)
+    times = np.where(np.isnan(met.time), np.inf, met.time)
+    touches = ContactSequence(times, met.surface, met.after, ends)
+    call = judge_strokes(touches, np.ones(len(after)), serve=False)
     over_net, down = _without_net(simulator, after)
-    touched = flight.contacts.before[np.arange(len(after)), call.landing]
+    touched = met.before[np.arange(len(after)), call.landing]
     landing = np.where(call.good[:, None], touched[:, :2], down[:, :2])
     return Outcome(
         returned=call.good,
@@ -79,14 +83,7 @@ def topspin(states: Floats) -> Floats:
     """Return the topspin of (B, 9) balls, rad/s; negative is backspin."""
     _, _, _, vx, vy, _, wx, wy, _ = states.T
     along = np.maximum(np.hypot(vx, vy), 1e-9)
-    rate: Floats = (wy * vx - wx * vy) / along
-    return rate
-
-
-def _touches(flight: Flight) -> ContactSequence:
-    met = flight.contacts
-    times = np.where(np.isnan(met.time), np.inf, met.time)
-    return ContactSequence(times, met.surface, met.after, np.full(len(times), LONGEST_FLIGHT))
+    return (wy * vx - wx * vy) / along
 
 
 def _without_net(simulator: Simulator, after: Floats) -> tuple[Floats, Floats]:
@@ -109,5 +106,4 @@ def _zero_crossing(paths: Floats, values: Floats) -> Floats:
     before, after = values[rows, k - 1], values[rows, k]
     share = np.divide(before, before - after, out=np.zeros(len(paths)), where=before > after)
     start, end = paths[rows, k - 1, :3], paths[rows, k, :3]
-    reached: Floats = start + np.clip(share, 0, 1)[:, None] * (end - start)
-    return reached
+    return start + np.clip(share, 0, 1)[:, None] * (end - start)

@@ -50,8 +50,7 @@ class Policy:
         rows = observations
         for layer in self.layers[:-1]:
             rows = np.maximum(_affine(rows, *layer), 0.0)
-        actions: Singles = np.tanh(_affine(rows, *self.layers[-1]))
-        return actions
+        return np.tanh(_affine(rows, *self.layers[-1]))
 
 
 def _affine(rows: Singles, weight: Singles, bias: Singles) -> Singles:
@@ -60,5 +59,4 @@ def _affine(rows: Singles, weight: Singles, bias: Singles) -> Singles:
     Not ``@``: its order of summation, and so the last bit, depends on the number of cores; and its
     threads contend with other processes, up to a hundred times slower.
     """
-    outputs: Singles = np.einsum("bi,oi->bo", rows, weight) + bias
-    return outputs
+    return np.einsum("bi,oi->bo", rows, weight) + bias

@@ -60,8 +60,7 @@ def racket_path(joints: Floats, speeds: Floats, substeps: int) -> Floats:
 def distances(balls: Floats, rackets: Floats) -> Floats:
     """Return (S + 1, B) m, distances between the centres of balls (S + 1, B, 9) and rackets."""
     offset = balls[..., :3] - rackets[..., :3]
-    distance: Floats = np.sqrt(np.einsum("sbi,sbi->sb", offset, offset))
-    return distance
+    return np.sqrt(np.einsum("sbi,sbi->sb", offset, offset))
 
 
 def find_contacts(balls: Floats, rackets: Floats, distance: Floats, live: Bools) -> RacketContacts:
@@ -109,8 +108,7 @@ def _at(rows: Floats, envs: Integers, moments: Floats) -> Floats:
     """Return (C, ...) values interpolated between the rows (S + 1, B, ...) of the moments."""
     step = np.minimum(moments.astype(np.int64), len(rows) - 2)
     share = (moments - step)[:, None]
-    between: Floats = rows[step, envs] + share * (rows[step + 1, envs] - rows[step, envs])
-    return between
+    return rows[step, envs] + share * (rows[step + 1, envs] - rows[step, envs])
 
 
 def _racket(poses: Floats) -> Racket:

@@ -33,8 +33,7 @@ EFFORT = 0.002  # per control step, times the squared action: a full action cost
 def contact_reward(outcome: Outcome, backhand: Bools) -> Floats:
     """Return the (B,) parts of the rewards of hits that do not depend on the goals."""
     low = NET * np.clip((NET_CLEARANCE - outcome.net_height) / NET_DEPTH, 0.0, 1.0)
-    reward: Floats = CONTACT - low - BACKHAND * backhand + RETURN * outcome.returned
-    return reward
+    return CONTACT - low - BACKHAND * backhand + RETURN * outcome.returned
 
 
 def goal_reward(
@@ -58,17 +57,14 @@ def goal_reward(
         style += SPEED * np.exp(-np.abs(speed - goals.speed) / SPEED_SCALE)
     if goals.topspin is not None:
         style += TOPSPIN * np.exp(-np.abs(topspin - goals.topspin) / TOPSPIN_SCALE)
-    reward: Floats = near + np.where(returned, style, 0.0)
-    return reward
+    return near + np.where(returned, style, 0.0)
 
 
 def miss_reward(nearest: Floats) -> Floats:
     """Return the (B,) rewards of misses by ``nearest`` (B,) m."""
-    reward: Floats = -np.minimum(NEAREST_SLOPE * nearest, 1.0)
-    return reward
+    return -np.minimum(NEAREST_SLOPE * nearest, 1.0)
 
 
 def effort_reward(actions: Floats) -> Floats:
     """Return the (B,) effort penalties of (B, 5) actions."""
-    reward: Floats = -EFFORT * (actions**2).sum(axis=1)
-    return reward
+    return -EFFORT * (actions**2).sum(axis=1)

@@ -42,10 +42,12 @@ _Speed = Annotated[float, Field(gt=0, le=30)]
 _Topspin = Annotated[float, Field(ge=-1000, le=1000)]
 
 
-class GoalSettings(BaseModel):
-    """Goals of returns: each quantity is drawn uniformly between its two limits."""
-
+class _Settings(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class GoalSettings(_Settings):
+    """Goals of returns: each quantity is drawn uniformly between its two limits."""
 
     landing_across: Annotated[tuple[_Across, _Across], _Range]
     """Where the return lands across the table (m)."""
@@ -63,10 +65,8 @@ class GoalSettings(BaseModel):
         return 2 + (self.speed is not None) + (self.topspin is not None)
 
 
-class LearningSettings(BaseModel):
+class LearningSettings(_Settings):
     """Soft actor-critic (Haarnoja 2018), in training iterations with a checkpoint after each."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     iterations: Annotated[int, Field(ge=1, le=10_000)]
     """Training iterations. Each starts with new balls from the checkpoint of the one before."""
@@ -101,10 +101,8 @@ class LearningSettings(BaseModel):
         return self
 
 
-class SensorNoise(BaseModel):
+class SensorNoise(_Settings):
     """Standard deviations of the measurement noise."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     position: Annotated[float, Field(ge=0, le=0.05)]
     """Of a coordinate (m)."""

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.policy.filtered_balls import filtered_balls
-from rallygap.models.policy.forecasts import exact
+from rallygap.models.policy.forecasts import exact, filtered_balls
 from rallygap.models.policy.goals import Goals, draw_goals
 from rallygap.models.policy.incoming_balls import FIRST_WINDOW, IncomingBalls, fly_incoming
 from rallygap.models.policy.launches import draw_launches

@@ -219,8 +219,7 @@ def updated(x: Floats, P: Floats, measured: Floats, first: int, R: Floats) -> tu
 def label_noise(spin: Floats) -> Floats:
     """Return the (3, 3) covariance of a spin label."""
     error = SPIN_NOISE_SHARE * np.sqrt((spin**2).sum()) + SPIN_NOISE_FLOOR
-    covariance: Floats = error**2 * np.eye(3)
-    return covariance
+    return error**2 * np.eye(3)
 
 
 @compiled
@@ -232,8 +231,7 @@ def _inverse(a: Floats) -> Floats:
         for m in range(3):
             n, o = (m + 1) % 3, (m + 2) % 3
             cofactors[m, i] = a[j, n] * a[k, o] - a[j, o] * a[k, n]
-    inverse: Floats = cofactors / (a[0] * cofactors[:, 0]).sum()
-    return inverse
+    return cofactors / (a[0] * cofactors[:, 0]).sum()
 
 
 @compiled

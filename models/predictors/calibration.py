@@ -11,6 +11,7 @@ import numpy as np
 from scipy.special import erf
 
 from rallygap.models.ball.state import POSITION
+from rallygap.models.predictors.errors import deviations
 from rallygap.models.predictors.protocol import Floats, Forecast
 from rallygap.models.predictors.windows import Windows
 
@@ -33,16 +34,13 @@ class Errors:
     @classmethod
     def of(cls, forecast: Forecast, covariances: Floats, windows: Windows) -> "Errors":
         """Return the errors of forecasts of windows."""
-        away = (forecast.states - windows.future)[..., POSITION]
-        measured = windows.measured[..., POSITION].all(axis=-1, keepdims=True)
-        return cls(np.where(measured, away, np.nan), covariances)
+        return cls(deviations(forecast, windows, POSITION), covariances)
 
     @property
     def distances(self) -> Floats:
         """(B, H) Mahalanobis distances."""
         solved = np.linalg.solve(self.covariances, self.away[..., None])[..., 0]
-        distances: Floats = np.sqrt((self.away * solved).sum(axis=-1))
-        return distances
+        return np.sqrt((self.away * solved).sum(axis=-1))
 
 
 @dataclass(frozen=True)
@@ -82,8 +80,7 @@ class Calibration:
     def sizes(self, errors: Errors) -> Floats:
         """Return (L, B, H) radii, m, of balls with the volumes of the regions."""
         volumes = np.linalg.det(errors.covariances) ** (1 / 6)
-        sizes: Floats = self.radii[:, None] * volumes
-        return sizes
+        return self.radii[:, None] * volumes
 
 
 def crps(errors: Errors, calibration: Calibration) -> Floats:
@@ -97,5 +94,4 @@ def crps(errors: Errors, calibration: Calibration) -> Floats:
     z = errors.away / size
     density = np.exp(-0.5 * z**2) / np.sqrt(2 * np.pi)
     scores: Floats = size * (z * erf(z / np.sqrt(2)) + 2 * density - 1 / np.sqrt(np.pi))
-    means: Floats = scores.mean(axis=2)
-    return means
+    return scores.mean(axis=2)

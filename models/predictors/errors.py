@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from rallygap.models.ball.state import POSITION, SPIN, VELOCITY
 from rallygap.models.predictors.protocol import FUTURE_TIMES, Bools, Floats, Forecast
 from rallygap.models.predictors.windows import Windows
+from rallygap.models.support.bootstrap import resampled_counts
 
 QUANTITIES = {"position": POSITION, "velocity": VELOCITY, "spin": SPIN}
 _SCALE = {"position": 1000.0, "velocity": 1.0, "spin": 1.0}  # to mm, m/s, rad/s
@@ -39,13 +40,16 @@ class ErrorStatistics:
     high: Floats
 
 
+def deviations(forecast: Forecast, windows: Windows, columns: slice) -> Floats:
+    """Return (B, 60, C) forecast less measured states, NaN where nothing was measured."""
+    measured = windows.measured[..., columns].all(axis=-1, keepdims=True)
+    return np.where(measured, (forecast.states - windows.future)[..., columns], np.nan)
+
+
 def error_norms(forecast: Forecast, windows: Windows, quantity: str) -> Floats:
     """Return (B, H) error norms at the evaluated horizons; NaN where nothing was measured."""
-    columns = QUANTITIES[quantity]
-    difference = forecast.states[..., columns] - windows.future[..., columns]
-    norm = _SCALE[quantity] * np.linalg.norm(difference, axis=-1)
-    measured = windows.measured[..., columns].all(axis=-1)
-    return np.where(measured, norm, np.nan)[:, EVALUATED]
+    away = deviations(forecast, windows, QUANTITIES[quantity])
+    return (_SCALE[quantity] * np.linalg.norm(away, axis=-1))[:, EVALUATED]
 
 
 def error_statistics(
@@ -66,7 +70,7 @@ def error_statistics(
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = value.sum(axis=0) / count
         std = np.sqrt(np.where(counted, (value - mean) ** 2, 0.0).sum(axis=0) / count)
-        means = resampled_means(value, counted, recordings, resamples, generator)
+        means = _resampled_means(value, counted, recordings, resamples, generator)
     low, high = _quantiles(means, [0.025, 0.975]) if resamples else (mean, mean)
     (median,) = _quantiles(error.astype(np.float64), [0.5])
     return ErrorStatistics(mean, median, std, count, low, high)
@@ -84,7 +88,7 @@ def _quantiles(rows: Floats, shares: list[float]) -> Floats:
     return quantiles
 
 
-def resampled_means(
+def _resampled_means(
     value: Floats,
     counted: Bools,
     recordings: np.ndarray,
@@ -99,7 +103,5 @@ def resampled_means(
         np.stack([np.bincount(member, column, len(names)) for column in columns.T], axis=1)
         for columns in (value, counted)
     )
-    uniform = np.full(len(names), 1 / len(names))
-    weights = generator.multinomial(len(names), uniform, size=resamples)
-    means: Floats = (weights @ sums) / (weights @ counts)
-    return means
+    weights = resampled_counts(len(names), resamples, generator)
+    return (weights @ sums) / (weights @ counts)

@@ -82,18 +82,16 @@ class ForecastErrors:
             for k, name in enumerate(predictors)
             for other in [*others, *predictors[k + 1 :]]
         ]
-        frames = {
-            (name, other, quantity): self._difference(name, other, quantity)
-            for name, other in pairs
-            for quantity in QUANTITIES
-        }
+        everything = np.full(len(self.recordings), True)
+        frames = {}
+        for name, other in pairs:
+            for quantity in QUANTITIES:
+                away = self.errors[name][quantity] - self.errors[other][quantity]
+                spread = self._spread(away, everything)
+                lower_share = (spread["mean"] < 0).mean()
+                frames[name, other, quantity] = spread.assign(lower_share=lower_share)
         rows = concat_tables(frames, ["predictor", "other", "quantity"])
         return rows[rows["horizon_ms"].isin(SHOWN_HORIZONS_MS)].drop(columns=["median", "std"])
-
-    def _difference(self, name: str, other: str, quantity: str) -> pd.DataFrame:
-        difference = self.errors[name][quantity] - self.errors[other][quantity]
-        rows = self._spread(difference, np.full(len(difference), True))
-        return rows.assign(lower_share=(rows["mean"] < 0).mean())
 
     def _spread(self, error: Floats, chosen: Bools) -> pd.DataFrame:
         """Return one row a horizon with any measurement, over the chosen windows."""

@@ -5,7 +5,7 @@ import torch
 from torch import Tensor, nn
 
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.predictors.gru_tae import RecurrentAutoencoder
+from rallygap.models.predictors.autoencoders import RecurrentAutoencoder, TrajectoryAutoencoder
 from rallygap.models.predictors.normaliser import Normaliser, uniform_motion
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import Floats, Forecast, History
@@ -16,7 +16,6 @@ from rallygap.models.predictors.settings import (
     TaeSettings,
 )
 from rallygap.models.predictors.spread import Spread
-from rallygap.models.predictors.tae import TrajectoryAutoencoder
 from rallygap.models.predictors.transformer import Transformer
 
 
@@ -73,19 +72,17 @@ class ForecastNetwork(nn.Module):
             mask,
             normaliser.residual(history, mask, motion),
         ).mT
-        turned = normaliser.turned(normaliser.position_size * rows.flatten(1, 2), motion)
-        return turned.view(rows.shape)
+        return normaliser.distances(rows.flatten(1, 2), motion).view(rows.shape)
 
     def deviation(self, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
         """Return the (B, 60, 9) normalised deviations from the baseline, which training fits."""
         normaliser = self.normaliser
-        deviation: Tensor = self.network(
+        return self.network(
             normaliser.normalised(history, mask, motion),
             mask,
             normaliser.residual(history, mask, motion),
             normaliser.expected(motion),
         )
-        return deviation
 
     @property
     def parameter_count(self) -> int:

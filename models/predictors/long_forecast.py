@@ -7,6 +7,7 @@ states of a forecast are the history of the next one, so its errors accumulate.
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import FUTURE, HISTORY, TICK, Floats, History, Predictor
@@ -18,7 +19,8 @@ def forecast_at(predictor: Predictor, history: History, ahead: Floats) -> Floats
     """Return the (B, T, 9) states of balls at (B, T) s after their histories, not falling."""
     if isinstance(predictor, PhysicsPredictor):
         return predictor.states_at(history, ahead)
-    return _between(rolled_out(predictor, history, float(ahead.max())), ahead)
+    states = rolled_out(predictor, history, float(ahead.max()))
+    return between_ticks(states, np.arange(len(states))[:, None], ahead)
 
 
 def rolled_out(predictor: Predictor, history: History, until: float) -> Floats:
@@ -33,11 +35,16 @@ def rolled_out(predictor: Predictor, history: History, until: float) -> Floats:
     return np.concatenate(parts, axis=1)
 
 
-def _between(states: Floats, ahead: Floats) -> Floats:
-    """Return (B, T, 9) states at (B, T) s, between those of (B, N, 9) from 5 ms on."""
-    place = np.clip((ahead / TICK - 1).round(6), 0, states.shape[1] - 1)
+def between_ticks(forecasts: Floats, rows: NDArray[np.int64], ahead: Floats) -> Floats:
+    """Return (..., C) states between those of forecasts; beyond their ends, the nearest one.
+
+    Args:
+        forecasts: (S, N, C) a tick apart, from 5 ms on.
+        rows: (...) which of these.
+        ahead: (...) s.
+    """
+    last = forecasts.shape[1] - 1
+    place = np.clip((ahead / TICK - 1).round(6), 0, last)
     before = place.astype(np.int64)
-    after, share = np.minimum(before + 1, states.shape[1] - 1), (place - before)[..., None]
-    rows = np.arange(len(states))[:, None]
-    found: Floats = (1 - share) * states[rows, before] + share * states[rows, after]
-    return found
+    after, share = np.minimum(before + 1, last), (place - before)[..., None]
+    return (1 - share) * forecasts[rows, before] + share * forecasts[rows, after]

@@ -114,14 +114,9 @@ class Normaliser(nn.Module):
         """Return the (B, 60, 9) ball states that correspond to a network's output."""
         return _rotated(output * self.future_spread + self.future_mean, motion) + motion
 
-    @property
-    def position_size(self) -> Tensor:
-        """What one is in a network's output of a position, m."""
-        return self.future_spread[0]
-
-    def turned(self, vectors: Tensor, motion: Tensor) -> Tensor:
-        """Return (B, N, 3) vectors of a network's output in the table frame."""
-        return _rotated(vectors, motion)
+    def distances(self, output: Tensor, motion: Tensor) -> Tensor:
+        """Return the (B, N, 3) vectors, m, that correspond to a network's output of positions."""
+        return _rotated(self.future_spread[0] * output, motion)
 
 
 def uniform_motion(history: Tensor, mask: Tensor) -> Tensor:

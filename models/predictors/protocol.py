@@ -1,13 +1,13 @@
 """The predictor protocol: from the last 12 measured ball states to the next 60."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from rallygap.models.ball.types import Bools as Bools
+from rallygap.models.ball.types import Floats as Floats
 
 HISTORY = 12  # measured states in a predictor's input
 FUTURE = 60  # forecast states
@@ -42,14 +42,21 @@ class History:
     @property
     def spin_measured(self) -> Bools:
         """(B,) whether the history has a spin label."""
-        labelled: Bools = np.any(self.mask[:, :, 3:].all(axis=2), axis=1)
-        return labelled
+        return np.any(self.mask[:, :, 3:].all(axis=2), axis=1)
 
     def __len__(self) -> int:
         return len(self.states)
 
     def __getitem__(self, rows: slice) -> "History":
         return History(self.states[rows], self.mask[rows])
+
+
+def concatenate_histories(parts: Sequence[History]) -> History:
+    """Return the histories of several batches as one."""
+    return History(
+        np.concatenate([part.states for part in parts]),
+        np.concatenate([part.mask for part in parts]),
+    )
 
 
 @dataclass(frozen=True)

@@ -56,8 +56,7 @@ class Sensor:
         """Return (..., 3) true spins, rad/s, of labels."""
         if self.exact:
             return labels
-        spins: Floats = labels @ np.linalg.inv(self._labels)
-        return spins
+        return labels @ np.linalg.inv(self._labels)
 
     def true_history(self, history: History) -> History:
         """Return a history of true positions and spins."""
@@ -75,7 +74,4 @@ class Sensor:
         both = np.stack([places, places + MOMENT * states[..., VELOCITY]])
         now, ahead = measured_positions(self.simulator, both)
         velocities = (ahead - now) / (MOMENT * self.clock)
-        measured: Floats = np.concatenate(
-            [now, velocities, states[..., SPIN] @ self._labels], axis=-1
-        )
-        return measured
+        return np.concatenate([now, velocities, states[..., SPIN] @ self._labels], axis=-1)

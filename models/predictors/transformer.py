@@ -37,8 +37,7 @@ class Attention(nn.Module):
         """Return (B, Q, width): ``queries`` of that shape attend to (B, K, width) ``memory``."""
         query, key = self._heads(self.query, queries), self._heads(self.key, memory)
         attended = scaled_dot_product_attention(query, key, self._heads(self.value, memory))
-        merged: Tensor = self.merged(attended.transpose(1, 2).flatten(2))
-        return merged
+        return self.merged(attended.transpose(1, 2).flatten(2))
 
     def _heads(self, projection: nn.Module, parts: Rows) -> Tensor:
         """Return (B, heads, T, width / heads) projections."""
@@ -61,8 +60,7 @@ class ConvolutionBlock(nn.Module):
 
     def forward(self, rows: Tensor) -> Tensor:
         """Return (B, T, width) of the same shape."""
-        contracted: Tensor = self.contract(gelu(self.expand(rows)))
-        return contracted
+        return self.contract(gelu(self.expand(rows)))
 
 
 class EncoderLayer(nn.Module):
@@ -76,8 +74,7 @@ class EncoderLayer(nn.Module):
     def forward(self, rows: Tensor) -> Tensor:
         """Return (B, T, width) of the same shape."""
         attended = self.after_attention(self.attention(rows, rows) + rows)
-        encoded: Tensor = self.after_block(self.block(attended) + attended)
-        return encoded
+        return self.after_block(self.block(attended) + attended)
 
 
 class DecoderLayer(nn.Module):
@@ -97,8 +94,7 @@ class DecoderLayer(nn.Module):
         own = own[:, read] if read else own
         attended = self.after_attention(self.attention(own if read else rows, rows) + own)
         crossed = self.after_crossing(self.crossing(attended, encoded) + attended)
-        decoded: Tensor = self.after_block(self.block(crossed) + crossed)
-        return decoded
+        return self.after_block(self.block(crossed) + crossed)
 
 
 class Embedding(nn.Module):
@@ -114,8 +110,7 @@ class Embedding(nn.Module):
     def forward(self, rows: Tensor) -> Tensor:
         """Return (B, T, width) of (B, T, inputs) normalised rows."""
         projected = self.projection(rows.transpose(1, 2)).transpose(1, 2)
-        embedded: Tensor = projected + self.positions[: rows.shape[1]]
-        return embedded
+        return projected + self.positions[: rows.shape[1]]
 
     def of_zeros(self, count: int, first: int) -> Tensor:
         """Return (count, T, width) of rows of zeros from ``first`` on, after one of zeros."""
@@ -188,10 +183,7 @@ class Transformer(nn.Module):
         """Return the decoder's input: the history, and a placeholder for every row of states."""
         if self.uniform_motion:
             states = expected[:, FUTURE // self.rows - 1 :: FUTURE // self.rows]
-            embedded: Tensor = self.decoder_embedding(
-                torch.cat([history, pad(states, (0, RESIDUALS))], dim=1)
-            )
-            return embedded
+            return self.decoder_embedding(torch.cat([history, pad(states, (0, RESIDUALS))], dim=1))
         # The convolution of the first placeholder reaches into the history, the others are fixed.
         first = self.decoder_embedding(pad(history, (0, 0, 0, 1)))
         return first, self.decoder_embedding.of_zeros(len(history), HISTORY + 1)

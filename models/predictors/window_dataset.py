@@ -29,6 +29,7 @@ Indices = NDArray[np.int64]
 BEFORE = torch.arange(1 - HISTORY, 1)
 AFTER = torch.arange(1, FUTURE + 1)
 GRID_TOLERANCE = 1e-6  # s
+ROWS = ("history", "mask", "future", "measured")  # fields of tracks
 
 
 @dataclass(frozen=True)
@@ -58,8 +59,7 @@ class Tracks:
 
     def to(self, device: torch.device) -> "Tracks":
         """Return the tracks with their rows in the memory of a device."""
-        rows = ("history", "mask", "future", "measured")
-        return replace(self, **{name: getattr(self, name).to(device) for name in rows})
+        return replace(self, **{name: getattr(self, name).to(device) for name in ROWS})
 
     def windows(self, anchors: Indices) -> tuple[Tensor, Tensor, Tensor, Tensor]:
         """Return history (B, 12, 6), mask, future (B, 60, 9) and measured at ``anchors``."""
@@ -91,12 +91,9 @@ def build_tracks(episodes: Sequence[Episode]) -> Tracks:
     counts = [np.diff(part.bounds) for part in parts]
     anchors = [part.anchors + row for part, row in zip(parts, rows, strict=False)]
     return Tracks(
-        torch.cat([part.history for part in parts]),
-        torch.cat([part.mask for part in parts]),
-        torch.cat([part.future for part in parts]),
-        torch.cat([part.measured for part in parts]),
-        np.concatenate(anchors),
-        np.concatenate([[0], np.cumsum(np.concatenate(counts))]),
+        **{name: torch.cat([getattr(part, name) for part in parts]) for name in ROWS},
+        anchors=np.concatenate(anchors),
+        bounds=np.concatenate([[0], np.cumsum(np.concatenate(counts))]),
     )
 
 
@@ -122,14 +119,9 @@ def _whole(episode: Episode, ticks: Indices) -> Tracks:
     anchors = ticks[usable]
     bounds = np.array([0, len(anchors)] if len(anchors) else [0])
     beyond = ((0, FUTURE), (0, 0))  # unmeasured padding
-    return Tracks(
-        _tensor(np.pad(history, beyond)),
-        _tensor(np.pad(mask, beyond)),
-        _tensor(np.pad(future, beyond)),
-        _tensor(np.pad(measured, beyond)),
-        anchors,
-        bounds,
-    )
+    parts = zip(ROWS, (history, mask, future, measured), strict=True)
+    rows = {name: _tensor(np.pad(part, beyond)) for name, part in parts}
+    return Tracks(**rows, anchors=anchors, bounds=bounds)
 
 
 def _cut(cut: Windows) -> Tracks:

@@ -7,6 +7,7 @@ either; the future leaves them out.
 """
 
 from dataclasses import dataclass
+from itertools import compress
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from rallygap.models.predictors.protocol import (
     Bools,
     Floats,
     History,
+    concatenate_histories,
 )
 
 MAX_GAP = 0.0151  # s between two samples, for interpolation: two lost frames at 200 Hz
@@ -71,22 +73,16 @@ class Windows:
         return len(self.anchors)
 
     def __getitem__(self, rows: slice) -> "Windows":
-        return Windows(
-            self.history[rows],
-            self.anchors[rows],
-            self.future[rows],
-            self.measured[rows],
-            self.bounced[rows],
-        )
+        return Windows(*(part[rows] for part in vars(self).values()))
 
 
 def cut_windows(episode: Episode, every: float) -> Windows:
     """Cut an episode into windows: after its first 12 ticks, then every ``every`` seconds."""
     tried = _anchors(episode, every)
-    candidates = [(anchor, _history(episode, anchor)) for anchor in tried]
-    kept = [(anchor, history) for anchor, history in candidates if _enough(history)]
-    anchors = np.array([anchor for anchor, _ in kept])
-    histories = [history for _, history in kept]
+    pasts = [observed_at(episode, anchor + HISTORY_TIMES, until=anchor) for anchor in tried]
+    kept = [int(mask[:, :3].all(axis=1).sum()) >= MIN_OBSERVED for _, mask in pasts]
+    anchors = tried[np.array(kept, dtype=bool)]
+    histories = list(compress(pasts, kept))
     futures = [measured_at(episode, anchor + FUTURE_TIMES) for anchor in anchors]
     shape = (len(anchors), len(HISTORY_TIMES), 6)
     states = np.array([states for states, _ in histories]).reshape(shape)
@@ -102,10 +98,7 @@ def cut_windows(episode: Episode, every: float) -> Windows:
 
 def concatenate_windows(parts: list[Windows]) -> Windows:
     """Return the windows of several episodes as one batch."""
-    history = History(
-        np.concatenate([part.history.states for part in parts]),
-        np.concatenate([part.history.mask for part in parts]),
-    )
+    history = concatenate_histories([part.history for part in parts])
     fields = ("anchors", "future", "measured", "bounced")
     rest = [np.concatenate([getattr(part, field) for part in parts]) for field in fields]
     return Windows(history, *rest)
@@ -116,17 +109,7 @@ def _anchors(episode: Episode, every: float) -> Floats:
     last = episode.times[-1] - MIN_FUTURE
     sample = np.searchsorted(episode.times, np.arange(first, last, every))
     anchors: Floats = np.unique(episode.times[sample])
-    within: Floats = anchors[anchors <= last + ROUNDING]
-    return within
-
-
-def _history(episode: Episode, anchor: np.float64) -> tuple[Floats, Bools]:
-    return observed_at(episode, anchor + HISTORY_TIMES, until=anchor)
-
-
-def _enough(history: tuple[Floats, Bools]) -> bool:
-    _, mask = history
-    return int(mask[:, :3].all(axis=1).sum()) >= MIN_OBSERVED
+    return anchors[anchors <= last + ROUNDING]
 
 
 def observed_at(episode: Episode, times: Floats, until: float = np.inf) -> tuple[Floats, Bools]:
@@ -158,9 +141,8 @@ def _interpolated(
     """
     right = np.clip(np.searchsorted(known, times - ROUNDING), 1, max(len(known) - 1, 1))
     if len(known) < 2:
-        return np.zeros((len(times), values.shape[1])), np.zeros(
-            (len(times), values.shape[1]), bool
-        )
+        shape = (len(times), values.shape[1])
+        return np.zeros(shape), np.zeros(shape, dtype=bool)
     left = right - 1
     gap = known[right] - known[left]
     share = ((times - known[left]) / gap)[:, None]

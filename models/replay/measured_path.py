@@ -19,7 +19,7 @@ from rallygap.models.policy.incoming_balls import PATH_TIMES
 from rallygap.models.predictors.ball_filter import POSITION_NOISE
 from rallygap.models.predictors.windows import Episode
 from rallygap.models.segmentation.contacts import extrapolated
-from rallygap.models.segmentation.smoothing import smooth
+from rallygap.models.segmentation.flight import smooth
 
 FEWEST_SAMPLES = 3  # needed to estimate an arc's velocity
 
@@ -104,8 +104,7 @@ def _arc(measured: Episode, rows: Integers, begin: float, end: float, before: _A
 def _spin(labels: Floats, path: CubicHermiteSpline, before: _Arc | None) -> Floats:
     labelled = np.isfinite(labels).all(axis=1)
     if labelled.any():
-        mean: Floats = labels[labelled].mean(axis=0)
-        return mean
+        return labels[labelled].mean(axis=0)
     if before is None:
         return np.zeros(3)
     change = path(before.end, 1) - before.path(before.end, 1)

@@ -29,14 +29,13 @@ from rallygap.models.policy.incoming_balls import (
 from rallygap.models.policy.launches import WORKSPACE
 from rallygap.models.policy.outcome import with_net
 from rallygap.models.policy.settings import HorizonsMs
-from rallygap.models.predictors.long_forecast import forecast_at
+from rallygap.models.predictors.long_forecast import between_ticks, forecast_at
 from rallygap.models.predictors.protocol import (
-    FUTURE,
     HISTORY_TIMES,
-    TICK,
     History,
     Predictor,
     ProbabilisticPredictor,
+    concatenate_histories,
 )
 from rallygap.models.predictors.windows import MIN_OBSERVED, ROUNDING, Episode, observed_at
 from rallygap.models.replay.shots import Shot
@@ -95,8 +94,7 @@ def reachable(path: Floats, playable: Floats) -> Bools:
     places = path[..., POSITION]
     inside = ((WORKSPACE[:, 0] <= places) & (places <= WORKSPACE[:, 1])).all(axis=2)
     in_time = (playable[:, :1] < PATH_TIMES) & (playable[:, 1:] > PATH_TIMES)
-    reached: Bools = np.any(inside & in_time, axis=1)
-    return reached
+    return np.any(inside & in_time, axis=1)
 
 
 def measurement_histories(shots: Sequence[Shot]) -> Histories:
@@ -115,9 +113,7 @@ def measurement_histories(shots: Sequence[Shot]) -> Histories:
         age.append(steps - ends[newest])
         parts.append(history)
         before += len(history)
-    states = np.concatenate([part.states for part in parts])
-    masks = np.concatenate([part.mask for part in parts])
-    return Histories(History(states, masks), np.array(latest), np.array(age))
+    return Histories(concatenate_histories(parts), np.array(latest), np.array(age))
 
 
 def measured_in_time(measured: Episode) -> bool:
@@ -138,8 +134,8 @@ def predict_all_with_spreads(
     """Return the (S, 60, 9) forecasts and (S, 60, 3) m, standard deviations of their positions."""
     states, spreads = [], []
     for first in range(0, len(history), BATCH):
-        found, covariances = predictor.predict_with_covariances(history[first : first + BATCH])
-        states.append(found.states)
+        forecast, covariances = predictor.predict_with_covariances(history[first : first + BATCH])
+        states.append(forecast.states)
         spreads.append(np.sqrt(np.diagonal(covariances, axis1=2, axis2=3)))
     return np.concatenate(states), np.concatenate(spreads)
 
@@ -154,13 +150,8 @@ def every_step(forecasts: Floats, histories: Histories, horizons: HorizonsMs) ->
         histories: of B balls.
         horizons: ms.
     """
-    ahead = (histories.age[..., None] + np.array(horizons) / 1000) / TICK - 1
-    place = np.minimum(ahead.round(6), FUTURE - 1)  # among the states of a forecast
-    before = place.astype(np.int64)
-    after, share = np.minimum(before + 1, FUTURE - 1), (place - before)[..., None]
-    rows = histories.latest[..., None]
-    states: Floats = (1 - share) * forecasts[rows, before] + share * forecasts[rows, after]
-    return states
+    ahead = histories.age[..., None] + np.array(horizons) / 1000
+    return between_ticks(forecasts, histories.latest[..., None], ahead)
 
 
 def anchored(

@@ -80,8 +80,8 @@ def extend_measurements(
         noise: of every measurement.
         random: of the noise.
     """
-    measured = measure(path, until, noise, random)
-    parts = zip(shots, measured.states, measured.mask[..., 0], strict=True)
+    states, mask = measure(path, until, noise, random)
+    parts = zip(shots, states, mask[..., 0], strict=True)
     return [replace(shot, measured=_extended(shot, *later)) for shot, *later in parts]
 
 
@@ -93,14 +93,16 @@ def _extended(shot: Shot, states: Floats, measured: Bools) -> Episode:
     after = measured & (times > before.times[kept].max(initial=-TICK) + TICK / 2)
     count = int(after.sum())
     labelled = np.isfinite(before.spins[kept][-1:]).all()
-    return Episode(
-        times=np.concatenate([before.times[kept], times[after]]),
-        positions=np.concatenate([before.positions[kept], states[after, :3]]),
-        velocities=np.concatenate([before.velocities[kept], np.full((count, 3), np.nan)]),
-        spins=np.concatenate(
-            [before.spins[kept], np.where(labelled, states[after, 3:], np.nan)],
-        ),
-        outlier=np.concatenate([before.outlier[kept], np.zeros(count, dtype=np.bool_)]),
-        arc=np.concatenate([before.arc[kept], np.full(count, before.arc[kept].max(initial=0))]),
-        bounces=before.bounces,
-    )
+    later = {
+        "times": times[after],
+        "positions": states[after, :3],
+        "velocities": np.full((count, 3), np.nan),
+        "spins": np.where(labelled, states[after, 3:], np.nan),
+        "outlier": np.zeros(count, dtype=np.bool_),
+        "arc": np.full(count, before.arc[kept].max(initial=0)),
+    }
+    samples = {
+        name: np.concatenate([getattr(before, name)[kept], values])
+        for name, values in later.items()
+    }
+    return replace(before, **samples)

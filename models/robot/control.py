@@ -40,8 +40,7 @@ def _within_limits(joints: Floats, speeds: Floats) -> Floats:
     """Return speeds scaled into the speed limits, then clipped to what stops within the range."""
     excess = np.max(np.abs(speeds) / SPEED, axis=1, keepdims=True)
     room_below, room_above = (LOWER - joints) / BRAKING, (UPPER - joints) / BRAKING
-    within: Floats = np.clip(speeds / np.maximum(excess, 1.0), room_below, room_above)
-    return within
+    return np.clip(speeds / np.maximum(excess, 1.0), room_below, room_above)
 
 
 @compiled

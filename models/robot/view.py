@@ -14,7 +14,7 @@ from rallygap.models.ball.state import (
     TABLE_HALF_WIDTH,
 )
 from rallygap.models.ball.types import Floats
-from rallygap.models.robot.bullet import add_arm, open_world
+from rallygap.models.robot.arms import add_arm, open_world
 from rallygap.models.robot.constants import FLOOR, TABLE_DEPTH
 from rallygap.models.robot.kinematics import rows_of_joints
 

@@ -93,19 +93,20 @@ def closest_approach(
         earliest: lower bound of the time, s.
         latest: upper bound of the time, s.
     """
+
+    def states(time: float) -> tuple[Floats, Floats]:
+        early, late = (extrapolated(mean, time - since) for mean, since in (before, after))
+        return early, late
+
     time = 0.5 * (earliest + latest)
     for _ in range(NEWTON_STEPS):
-        early, late = _state_at(*before, time), _state_at(*after, time)
+        early, late = states(time)
         offset, relative = early[0] - late[0], early[1] - late[1]
         time -= float(offset @ relative) / max(float(relative @ relative), MIN_RELATIVE_SPEED**2)
         time = min(max(time, earliest), latest)
-    early, late = _state_at(*before, time), _state_at(*after, time)
+    early, late = states(time)
     distance = float(np.linalg.norm(early[0] - late[0]))
     return Contact(time, 0.5 * (early[0] + late[0]), early[1], late[1], distance)
-
-
-def _state_at(mean: Floats, since: float, time: float) -> Floats:
-    return extrapolated(mean, time - since)
 
 
 def extrapolated(mean: Floats, dt: float) -> Floats:

@@ -8,10 +8,9 @@ from scipy.integrate import cumulative_trapezoid
 
 from rallygap.models.ball.types import Bools, Floats, Integers
 from rallygap.models.segmentation.contacts import Contact, closest_approach, extrapolated
-from rallygap.models.segmentation.flight import DRAG
+from rallygap.models.segmentation.flight import DRAG, smooth
 from rallygap.models.segmentation.partition import UNUSED, filter_arc, partition
 from rallygap.models.segmentation.settings import SegmentSettings
-from rallygap.models.segmentation.smoothing import smooth
 
 # Paths of two arcs of three samples, extrapolated over 50 ms of dropouts, approach this closely.
 MAX_DISTANCE = 0.05  # m
@@ -105,22 +104,17 @@ def _assign(
         cuts.outlier[offset + arc.first : offset + arc.last + 1] = ~arc.used
         members = np.flatnonzero(owner == number)
         cuts.flight[offset + members] = flight
-        cuts.velocity[offset + members] = _velocities(arc, t, members)
+        nearest = np.clip(members, arc.first, arc.last)
+        cuts.velocity[offset + members] = arc.means[nearest - arc.first, 1]
+        for k in np.flatnonzero(members != nearest):  # extrapolated beyond the ends of the arc
+            since = t[members[k]] - t[nearest[k]]
+            state = extrapolated(arc.means[nearest[k] - arc.first], since)
+            cuts.velocity[offset + members[k]] = state[1]
 
 
 def _is_contact(contact: Contact, settings: SegmentSettings) -> bool:
     is_step = contact.speed_change > settings.smallest_jump
     return contact.distance < MAX_DISTANCE and (is_step or contact.is_grazing)
-
-
-def _velocities(arc: _Arc, t: Floats, members: Integers) -> Floats:
-    nearest = np.clip(members, arc.first, arc.last)
-    velocities: Floats = arc.means[nearest - arc.first, 1]
-    for k in np.flatnonzero(members != nearest):  # extrapolated beyond the ends of the arc
-        velocities[k] = extrapolated(
-            arc.means[nearest[k] - arc.first], t[members[k]] - t[nearest[k]]
-        )[1]
-    return velocities
 
 
 def flight_residuals(t: Floats, x: Floats, velocity: Floats, used: Bools) -> Floats:
@@ -143,5 +137,4 @@ def flight_residuals(t: Floats, x: Floats, velocity: Floats, used: Bools) -> Flo
     displaced = cumulative_trapezoid(slowed, t, axis=0, initial=0)
     parabola = np.vander(t - t[0], 3)
     coefficients = np.linalg.lstsq(parabola[used], (x - displaced)[used])[0]
-    errors: Floats = np.linalg.norm(x - displaced - parabola @ coefficients, axis=1)
-    return errors
+    return np.linalg.norm(x - displaced - parabola @ coefficients, axis=1)

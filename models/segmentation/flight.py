@@ -1,4 +1,4 @@
-"""Kalman filter of a ball between two contacts.
+"""Kalman filter and smoother of a ball between two contacts.
 
 The state of each axis is position, velocity and the acceleration that gravity and nominal drag
 leave unexplained (Magnus force, a wrong drag coefficient), driven by white jerk. Drag is a known
@@ -11,12 +11,17 @@ place: the partition calls them millions of times.
 """
 
 import math
+from pathlib import Path
 
 import numpy as np
 
+from rallygap.models.ball import state
 from rallygap.models.ball.state import DRAG_FACTOR
-from rallygap.models.ball.types import Floats
-from rallygap.models.segmentation.compiled import compiled
+from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.support.compilation import compiler
+
+# The decorator of this package's compiled functions.
+compiled = compiler([*sorted(Path(__file__).parent.glob("*.py")), Path(state.__file__)])
 
 GRAVITY = 9.81  # m/s^2
 DRAG = DRAG_FACTOR * 0.54  # 1/m, the literature's drag coefficient
@@ -106,3 +111,34 @@ def update(mean: Floats, covariance: Floats, position: Floats, noise: float) -> 
         covariance[row, 0] -= gain * p
         covariance[row, 1] -= gain * pv
         covariance[row, 2] -= gain * pa
+
+
+@compiled
+def smooth(t: Floats, x: Floats, used: Bools, noise: float) -> Floats:
+    """Return the smoothed means (Rauch, Tung and Striebel) at all samples, given the used ones.
+
+    Args:
+        t: increasing times (n,), s.
+        x: positions (n, 3), m.
+        used: whether a sample (n,) is used; the first one must be.
+        noise: standard deviation of a sample in each axis, m.
+
+    Returns:
+        Means (n, 3, 3): rows position, velocity, unexplained acceleration.
+    """
+    n = len(t)
+    means, covariances = np.empty((n, 3, 3)), np.empty((n, 3, 3))
+    predicted, predicted_covariances = np.empty((n, 3, 3)), np.empty((n, 3, 3))
+    initialise(means[0], covariances[0], x[0], noise)
+    for k in range(1, n):
+        predicted[k], predicted_covariances[k] = means[k - 1], covariances[k - 1]
+        predict_mean(predicted[k], t[k] - t[k - 1])
+        predict_covariance(predicted_covariances[k], t[k] - t[k - 1])
+        means[k], covariances[k] = predicted[k], predicted_covariances[k]
+        if used[k]:
+            update(means[k], covariances[k], x[k], noise)
+    for k in range(n - 2, -1, -1):
+        forward = transition(t[k + 1] - t[k])
+        gain = np.linalg.solve(predicted_covariances[k + 1], forward @ covariances[k]).T
+        means[k] += gain @ (means[k + 1] - predicted[k + 1])
+    return means

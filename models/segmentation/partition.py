@@ -13,8 +13,8 @@ several second samples.
 import numpy as np
 
 from rallygap.models.ball.types import Bools, Floats, Integers
-from rallygap.models.segmentation.compiled import compiled
 from rallygap.models.segmentation.flight import (
+    compiled,
     initialise,
     negative_log_likelihood,
     predict_covariance,

@@ -6,11 +6,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from rallygap.models.ball.types import Bools, Floats, Integers
 from rallygap.models.segmentation.settings import ScoringSettings
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 SCORED_KINDS = ("racket", "table")
 UNMATCHED = -1
@@ -52,8 +49,7 @@ def observable(contacts: Floats, samples: Floats, settings: ScoringSettings) -> 
     before = np.maximum(contacts - reach, np.concatenate([[-np.inf], contacts[:-1]]))
     after = np.minimum(contacts + reach, np.concatenate([contacts[1:], [np.inf]]))
     earliest, at, latest = (np.searchsorted(samples, times) for times in (before, contacts, after))
-    enough: Bools = (at - earliest >= fewest) & (latest - at >= fewest)
-    return enough
+    return (at - earliest >= fewest) & (latest - at >= fewest)
 
 
 def match_contacts(true: Floats, detected: Floats, tolerance: float) -> Integers:
@@ -107,30 +103,21 @@ def score(
     # Without any true contact, one empty recording gives tables without rows, but with columns.
     for recording_id, contacts in list(true.groupby("recording_id", sort=False)) or [("", true)]:
         of_recording = by_id.get(recording_id, detected.iloc[:0])
-        table = _described(contacts, measured.get(recording_id, np.empty(0)), settings)
+        times = measured.get(recording_id, np.empty(0))
+        table = contacts[["recording_id", "kind", "t"]].copy()
+        total = np.linalg.norm(contacts[["vx", "vy", "vz"]], axis=1)
+        table["speed"] = np.where(contacts["kind"] == "table", contacts["vz"].abs(), total)
+        table["observable"] = observable(contacts["t"].to_numpy(), times, settings)
+        table["in_play"] = in_play(contacts["kind"].to_numpy(), contacts["py"].to_numpy())
         for kind in SCORED_KINDS:
             of_kind = table[table["kind"] == kind]
             candidates = of_recording[of_recording["kind"] == kind]
             times = candidates["t"].to_numpy()
             matched = match_contacts(of_kind["t"].to_numpy(), times, settings.tolerance)
-            parts.append(_outcomes(of_kind, times, matched))
+            of_kind = of_kind.assign(detected=matched != UNMATCHED, error=np.nan)
+            hits = of_kind["detected"].to_numpy()
+            of_kind.loc[hits, "error"] = times[matched[hits]] - of_kind.loc[hits, "t"]
+            parts.append(of_kind[of_kind["in_play"]].drop(columns=["in_play", "t"]))
             unmatched = np.setdiff1d(np.arange(len(candidates)), matched)
             false.append(candidates.iloc[unmatched][["recording_id", "kind"]])
     return Scored(pd.concat(parts, ignore_index=True), pd.concat(false, ignore_index=True))
-
-
-def _described(contacts: pd.DataFrame, samples: Floats, settings: ScoringSettings) -> pd.DataFrame:
-    """Return speed, observability and play of a recording's true contacts."""
-    table = contacts[["recording_id", "kind", "t"]].copy()
-    total = np.linalg.norm(contacts[["vx", "vy", "vz"]], axis=1)
-    table["speed"] = np.where(contacts["kind"] == "table", contacts["vz"].abs(), total)
-    table["observable"] = observable(contacts["t"].to_numpy(), samples, settings)
-    table["in_play"] = in_play(contacts["kind"].to_numpy(), contacts["py"].to_numpy())
-    return table
-
-
-def _outcomes(contacts: pd.DataFrame, detected: Floats, matched: Integers) -> pd.DataFrame:
-    table = contacts.assign(detected=matched != UNMATCHED, error=np.nan)
-    hits = table["detected"].to_numpy()
-    table.loc[hits, "error"] = detected[matched[hits]] - table.loc[hits, "t"]
-    return table[table["in_play"]].drop(columns=["in_play", "t"])

@@ -74,20 +74,20 @@ class _Assignment:
         wanted = getattr(self.settings.replay, replay_set)
         # Recordings that are reserved for one set also count for the next.
         kept = self.recordings.loc[members & (self.split == "replay"), kind].sum()
-        found = kept + self._assign("replay", members, kind, wanted - kept)
-        if members.any() and found < wanted:
-            self.shortages.append(f"{replay_set} has {found} of {wanted} episodes to replay")
+        reserved = kept + self._assign("replay", members, kind, wanted - kept)
+        if members.any() and reserved < wanted:
+            self.shortages.append(f"{replay_set} has {reserved} of {wanted} episodes to replay")
 
     def assign_test(self) -> None:
         for source, members in self.recordings.groupby("source", sort=True):
             wanted, total = self.settings.test_episodes, members["shot"].sum()
-            found = 0
+            assigned = 0
             for group, of_group in members.groupby("group", sort=True):
                 quota = int(np.ceil(wanted * of_group["shot"].sum() / max(total, 1)))
                 here = (self.recordings["source"] == source) & (self.recordings["group"] == group)
-                found += self._assign("test", here, "shot", quota)
-            if found < wanted:
-                self.shortages.append(f"{source} has {found} of {wanted} shots to test on")
+                assigned += self._assign("test", here, "shot", quota)
+            if assigned < wanted:
+                self.shortages.append(f"{source} has {assigned} of {wanted} shots to test on")
 
     def assign_validation(self) -> None:
         remaining = self.recordings[self.split == "train"]
@@ -105,22 +105,20 @@ class _Assignment:
 
 
 def _shots(episodes: pd.DataFrame, contacts: pd.DataFrame) -> pd.DataFrame:
-    """Return which episodes are shots, and which of those can be replayed to a robot."""
+    """Return which episodes are shots, and which of those can be replayed to a robot.
+
+    These have a stroke at the far end and a bounce on the robot's half.
+    """
     shots = episodes[["recording_id", "source"]].copy()
     shots["shot"] = episodes["unbroken"] & (episodes["bounces"] > 0)
     # A serve is the first contact of a ball since its first sample.
     before = episodes.groupby("recording_id")[["starts_with", "bounces"]].shift()
     is_toss = before["starts_with"].isin(["gap", "recording"]) & (before["bounces"] == 0)
-    towards_robot = shots["shot"] & episodes["episode_id"].isin(_struck_towards_robot(contacts))
-    shots["serve"], shots["stroke"] = towards_robot & is_toss, towards_robot & ~is_toss
-    return shots
-
-
-def _struck_towards_robot(contacts: pd.DataFrame) -> "pd.Series[str]":
-    """Return the episodes with a stroke at the far end and a bounce on the robot's half."""
     struck = contacts[(contacts["kind"] == "racket") & (contacts["py"] > 0)]["episode_id"]
     landed = contacts[(contacts["kind"] == "table") & (contacts["py"] < 0)]["episode_id"]
-    return struck[struck.isin(landed)]
+    towards_robot = shots["shot"] & episodes["episode_id"].isin(struck[struck.isin(landed)])
+    shots["serve"], shots["stroke"] = towards_robot & is_toss, towards_robot & ~is_toss
+    return shots
 
 
 def _recordings(shots: pd.DataFrame, seed: int) -> pd.DataFrame:
@@ -129,13 +127,9 @@ def _recordings(shots: pd.DataFrame, seed: int) -> pd.DataFrame:
     sources = shots.groupby("recording_id")[["source"]].first()
     recordings = sources.join(shots.groupby(ids)[["shot", "stroke", "serve"]].sum())
     recordings["group"] = recording_groups(recordings.index.to_series())
-    ranks = [_rank(recording_id, seed) for recording_id in recordings.index]
-    return recordings.iloc[np.argsort(ranks)]
-
-
-def _rank(recording_id: str, seed: int) -> int:
-    digest = hashlib.blake2b(f"{seed}/{recording_id}".encode(), digest_size=7).digest()
-    return int.from_bytes(digest)
+    names = [f"{seed}/{recording_id}".encode() for recording_id in recordings.index]
+    hashes = [hashlib.blake2b(name, digest_size=7).digest() for name in names]
+    return recordings.iloc[np.argsort([int.from_bytes(digest) for digest in hashes])]
 
 
 def _replay_sets(shots: pd.DataFrame, settings: SplitSettings) -> "pd.Series[str]":

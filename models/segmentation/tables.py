@@ -65,12 +65,12 @@ class _Labels:
         self.outlier = np.zeros(n, dtype=bool)
         self.residual = np.full(n, np.nan)
 
-    def assign(self, rows: Integers, cuts: Cuts, found: list[Episode], first: int) -> None:
+    def assign(self, rows: Integers, cuts: Cuts, joined: list[Episode], first: int) -> None:
         """Assign a recording's samples; its episodes are numbered from ``first`` on."""
         # One more entry for the samples without a flight: their index -1 is the last entry.
         numbers = np.full(cuts.flights + 1, NO_EPISODE)
         arcs = np.zeros(cuts.flights + 1, dtype=np.int64)
-        for number, episode in enumerate(found, start=first):
+        for number, episode in enumerate(joined, start=first):
             numbers[episode.flights] = number
             arcs[episode.flights] = range(len(episode.flights))
         self.episode[rows], self.arc[rows] = numbers[cuts.flight], arcs[cuts.flight]
@@ -95,9 +95,9 @@ def segment_recordings(
     for recording_id, rows in _rows_by_recording(recordings):
         cuts = cut(t[rows], positions[rows], settings)
         launched = starts_with_launch(recording_id)
-        found = list(episodes(cuts, "launch" if launched else "recording"))
-        labels.assign(rows, cuts, found, len(episode_rows))
-        for number, episode in enumerate(found):
+        joined = list(episodes(cuts, "launch" if launched else "recording"))
+        labels.assign(rows, cuts, joined, len(episode_rows))
+        for number, episode in enumerate(joined):
             name = {"recording_id": recording_id, "episode_id": f"{recording_id}/{number:02d}"}
             contact_rows.extend(name | _contact(contact) for contact in episode.contacts)
             episode_rows.append(name | _episode(episode))
@@ -114,13 +114,8 @@ def _rows_by_recording(recordings: pd.DataFrame) -> Iterator[tuple[str, Integers
 
 
 def _contact(contact: Contact) -> Row:
-    position = dict(zip(POSITION, contact.position, strict=True))
-    return {
-        "kind": contact.kind,
-        "t": contact.time,
-        **position,
-        "speed_change": contact.speed_change,
-    }
+    values = (contact.kind, contact.time, *contact.position, contact.speed_change)
+    return dict(zip(("kind", "t", *POSITION, "speed_change"), values, strict=True))
 
 
 def _episode(episode: Episode) -> Row:
@@ -158,5 +153,4 @@ def _samples(recordings: pd.DataFrame, labels: _Labels, ids: "pd.Series[str]") -
     samples["episode_id"] = ids.take(labels.episode[inside]).set_axis(samples.index)
     samples["arc"], samples["outlier"] = labels.arc[inside], labels.outlier[inside]
     samples[VELOCITY] = labels.velocity[inside]
-    ordered: pd.DataFrame = samples[SAMPLE_COLUMNS]
-    return ordered
+    return samples[SAMPLE_COLUMNS]

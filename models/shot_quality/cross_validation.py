@@ -12,10 +12,11 @@ from sklearn.model_selection import GroupKFold
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
-from rallygap.models.ball.types import Floats, Integers
-from rallygap.models.predictors.protocol import Bools
+from rallygap.models.ball.types import Bools, Floats, Integers
+from rallygap.models.shot_quality.bootstrap import Estimate
 from rallygap.models.shot_quality.forest import forest_classifier, win_probabilities
 from rallygap.models.shot_quality.settings import ForestSettings
+from rallygap.models.support.bootstrap import resampled_counts
 
 PERMUTATIONS = 5  # of each feature, for its importance
 
@@ -99,14 +100,12 @@ def roc_auc(wins: Bools, probabilities: Floats, weights: Integers) -> Floats:
     larger = (won * (np.cumsum(lost, axis=1) - 0.5 * lost)).sum(axis=1)
     pairs = won.sum(axis=1) * lost.sum(axis=1)
     with np.errstate(invalid="ignore"):
-        areas: Floats = larger / pairs
-    return areas
+        return larger / pairs
 
 
 def brier(wins: Bools, probabilities: Floats, weights: Integers) -> Floats:
     """Return (R,) mean squared errors of probabilities: 0 is perfect; arguments as above."""
-    found: Floats = weights @ (probabilities - wins) ** 2 / weights.sum(axis=1)
-    return found
+    return weights @ (probabilities - wins) ** 2 / weights.sum(axis=1)
 
 
 def score(metric: Metric, wins: Bools, probabilities: Floats) -> float:
@@ -121,26 +120,21 @@ def bootstrap_score(
     matches: Integers,
     resamples: int,
     seed: int,
-) -> tuple[float, float, float]:
-    """Return a score and the ends of its 95 % interval, bootstrapped over matches.
+) -> Estimate:
+    """Return a score, and its values on resamples of the matches.
 
     Args:
         metric: ``roc_auc`` or ``brier``.
         wins: (B,) whether each shot won.
         probabilities: (B,) predicted.
         matches: (B,) in which each was played.
-        resamples: of the matches; without any, both ends are the score.
+        resamples: of the matches.
         seed: of the resamples.
     """
-    value = score(metric, wins, probabilities)
     names, member = np.unique(matches, return_inverse=True)
-    uniform = np.full(len(names), 1 / len(names))
-    counts = np.random.default_rng(seed).multinomial(len(names), uniform, size=resamples)
+    counts = resampled_counts(len(names), resamples, np.random.default_rng(seed))
     resampled = metric(wins, probabilities, counts[:, member])
-    if not np.isfinite(resampled).any():
-        return value, value, value
-    low, high = np.nanquantile(resampled, [0.025, 0.975])
-    return value, float(low), float(high)
+    return Estimate(score(metric, wins, probabilities), resampled)
 
 
 def calibration(wins: Bools, probabilities: Floats, bins: int) -> list[tuple[int, float, float]]:
@@ -161,6 +155,6 @@ def permutation_importance(
     for repeat, column in np.ndindex(decrease.shape):
         permuted = features.copy()
         permuted[:, column] = random.permutation(permuted[:, column])
-        found = held_out_probabilities(folds, permuted)
-        decrease[repeat, column] = reference - score(roc_auc, wins, found)
+        probabilities = held_out_probabilities(folds, permuted)
+        decrease[repeat, column] = reference - score(roc_auc, wins, probabilities)
     return decrease

@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 from sklearn.ensemble import RandomForestClassifier
 
-from rallygap.models.ball.types import Floats
-from rallygap.models.predictors.protocol import Bools
+from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.shot_quality.settings import ForestSettings
 
 
@@ -30,8 +29,7 @@ class Forest:
 
     def out_of_range(self, features: Floats) -> Bools:
         """Return (B, F) whether a feature lies outside the range of the training shots."""
-        outside: Bools = (features < self.low) | (features > self.high)
-        return outside
+        return (features < self.low) | (features > self.high)
 
 
 def forest_classifier(settings: ForestSettings, seed: int) -> RandomForestClassifier:
@@ -46,5 +44,4 @@ def win_probabilities(classifier: Any, features: Floats) -> Floats:
 
     They are zero where no training shot won: the classifier then has no class for it.
     """
-    probabilities: Floats = classifier.predict_proba(features)[:, classifier.classes_].sum(axis=1)
-    return probabilities
+    return classifier.predict_proba(features)[:, classifier.classes_].sum(axis=1)

@@ -33,11 +33,15 @@ def landing(episode: Episode) -> tuple[Floats, float] | None:
         where the ball did not touch the other half first, as in serves, or too few samples exist.
     """
     first = _first_arc(episode)
-    bounce = _bounce(episode)
-    if bounce is None or len(first) < NET_SAMPLES:
+    later = episode.times[episode.arc > 0]
+    if not len(episode.bounces) or len(first) < NET_SAMPLES:
         return None
-    direction = stroke_direction(episode)
-    states = switch_frame(_states(episode, first)[None], np.array([direction]))[0]
+    bounce = episode.bounces[0]
+    if len(later) and bounce > later[0] + ROUNDING:  # the first contact was not the table
+        return None
+    parts = (episode.positions, episode.velocities, episode.spins)
+    measured = np.column_stack([part[first] for part in parts])
+    states = switch_frame(measured[None], np.array([stroke_direction(episode)]))[0]
     landed = _propagated(states[-1:], bounce - episode.times[first[-1:]])[0]
     landed[6:] = states[:, 6:].mean(axis=0)
     nearest = np.argsort(np.abs(states[:, 1]), kind="stable")[:NET_SAMPLES]
@@ -50,19 +54,6 @@ def _first_arc(episode: Episode) -> Integers:
     """Return the samples before the first contact that are no outliers."""
     flying = np.isfinite(episode.velocities).all(axis=1)
     return np.flatnonzero((episode.arc == 0) & flying & ~episode.outlier)
-
-
-def _bounce(episode: Episode) -> float | None:
-    """Return when the first contact was, if it was the table."""
-    later = episode.times[episode.arc > 0]
-    if not len(episode.bounces) or (len(later) and episode.bounces[0] > later[0] + ROUNDING):
-        return None
-    return float(episode.bounces[0])
-
-
-def _states(episode: Episode, rows: Integers) -> Floats:
-    parts = (episode.positions, episode.velocities, episode.spins)
-    return np.column_stack([part[rows] for part in parts])
 
 
 def _propagated(states: Floats, seconds: Floats) -> Floats:

@@ -4,11 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rallygap.models.arena.event_log import EventLog
 from rallygap.models.arena.levels import Players
 from rallygap.models.arena.rallies import Rallies
 from rallygap.models.arena.truth import Truth
-from rallygap.models.ball.types import Floats, Integers
 from rallygap.models.policy.goals import Goals
 from rallygap.models.policy.outcome import judge
 from rallygap.models.shot_quality.shots import Shots, clearance, landings, shot_features
@@ -59,9 +57,15 @@ def play_against(
     Returns:
         The good returns of the professionals at y < 0, without serves.
     """
-    players = _changed(Players.draw(LEVEL, 2 * points, random), receiver, points)
+    players = Players.draw(LEVEL, 2 * points, random)
+    far = np.arange(2 * points) >= points  # the near players of all points come first
+    error = np.where(far, receiver.error, 1.0)
+    errors = {name: getattr(players, name) * error for name in ERRORS}
+    players = replace(players, reach=players.reach * np.where(far, receiver.reach, 1.0), **errors)
     log = Rallies(truth, players, random.integers(2, size=points), random).play()
-    strokes, rallies = _near_strokes(log)
+    rallies, contacts = log.contacts()
+    near = (contacts.kinds == "racket") & (contacts.states[:, 4] > 0)  # struck towards +y
+    strokes, rallies = contacts.states[near], rallies[near]
     outcome = judge(truth.simulator, strokes, Goals(np.zeros((len(strokes), 2))))
     good = outcome.returned
     last = np.append(rallies[1:] != rallies[:-1], True)
@@ -70,18 +74,3 @@ def play_against(
         landings(truth.simulator, strokes[good]), clearance(outcome.net_height[good])
     )
     return Shots(features, (point & last)[good], point[good], rallies[good])
-
-
-def _changed(players: Players, receiver: Receiver, points: int) -> Players:
-    """Return players (2 P,) with the traits of the far ones, the later half, changed."""
-    far = np.arange(2 * points) >= points
-    error = np.where(far, receiver.error, 1.0)
-    errors = {name: getattr(players, name) * error for name in ERRORS}
-    return replace(players, reach=players.reach * np.where(far, receiver.reach, 1.0), **errors)
-
-
-def _near_strokes(log: EventLog) -> tuple[Floats, Integers]:
-    """Return the (B, 9) states just after strokes towards +y and their (B,) points, in order."""
-    points, contacts = log.contacts()
-    near = (contacts.kinds == "racket") & (contacts.states[:, 4] > 0)
-    return contacts.states[near], points[near]

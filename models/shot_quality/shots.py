@@ -7,9 +7,8 @@ import numpy as np
 from rallygap.models.ball.contact_laws import TABLE
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import BALL_RADIUS, NET_HEIGHT
-from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.ball.types import Bools, Floats, Integers
 from rallygap.models.policy.outcome import LONGEST_FLIGHT, with_net
-from rallygap.models.predictors.protocol import Bools
 
 # In the frame of a player who strikes towards +y: position, velocity and spin just before the
 # bounce, and the clearance over the net. The height at the bounce is always the ball's radius.
@@ -63,5 +62,4 @@ def landings(simulator: Simulator, after: Floats) -> Floats:
     """
     contacts = with_net(simulator).fly(after, [LONGEST_FLIGHT]).contacts
     first = (contacts.surface == TABLE).argmax(axis=1)
-    states: Floats = contacts.before[np.arange(len(after)), first]
-    return states
+    return contacts.before[np.arange(len(after)), first]

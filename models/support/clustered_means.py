@@ -45,19 +45,13 @@ def clustered_mean(values: Floats, recordings: NDArray[np.generic]) -> Clustered
     count = counted.sum(axis=(0, 1))
     mean = np.where(counted, values, 0.0).sum(axis=(0, 1)) / count
     influence = np.where(counted, values - mean, 0.0) / count
-    error, freedom = _standard_error(_by_recording(influence, recordings))
+    names, member = np.unique(recordings, return_inverse=True)
+    belongs = (member == np.arange(len(names))[:, None]).astype(np.float64)
+    error, freedom = _standard_error(belongs @ influence)  # summed over each recording's shots
     margin = error * student.ppf(0.5 + CONFIDENCE / 2, freedom)
     with np.errstate(divide="ignore", invalid="ignore"):
         p = 2 * student.sf(np.abs(mean) / error, freedom)
     return ClusteredMean(mean, mean - margin, mean + margin, np.where(mean == 0, 1.0, p))
-
-
-def _by_recording(influence: Floats, recordings: NDArray[np.generic]) -> Floats:
-    """Return (D, R, K) sums over the shots of each recording."""
-    names, member = np.unique(recordings, return_inverse=True)
-    belongs = (member == np.arange(len(names))[:, None]).astype(np.float64)
-    sums: Floats = belongs @ influence
-    return sums
 
 
 def _standard_error(sums: Floats) -> tuple[Floats, Floats]:
@@ -82,5 +76,4 @@ def _variance(sums: Floats) -> Floats:
     clusters = len(sums)
     if clusters == 1:
         return np.zeros(sums.shape[1])
-    variance: Floats = clusters / (clusters - 1) * (sums**2).sum(axis=0)
-    return variance
+    return clusters / (clusters - 1) * (sums**2).sum(axis=0)

@@ -4,6 +4,7 @@ Numba's cache checks the time stamp of the function's file only, not functions a
 other files. Here the folder of the cache is named after the content of all source files.
 """
 
+import contextlib
 import getpass
 import hashlib
 import os
@@ -41,16 +42,8 @@ def compiler(sources: Iterable[Path], more: str = "") -> Callable[[Compiled], Co
 def _writable_cache() -> Path:
     """Return the user's cache, or where the home cannot be written to a temporary one."""
     home = Path(platformdirs.user_cache_dir("rallygap"))
-    return (
-        home
-        if _is_writable(home)
-        else Path(tempfile.gettempdir()) / f"rallygap-{getpass.getuser()}"
-    )
-
-
-def _is_writable(folder: Path) -> bool:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return False
-    return os.access(folder, os.W_OK | os.X_OK)
+    with contextlib.suppress(OSError):
+        home.mkdir(parents=True, exist_ok=True)
+        if os.access(home, os.W_OK | os.X_OK):
+            return home
+    return Path(tempfile.gettempdir()) / f"rallygap-{getpass.getuser()}"

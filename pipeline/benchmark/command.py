@@ -22,7 +22,7 @@ def export(folder: Annotated[Path, typer.Argument(help="the folder to write to")
     check_folder(folder)
     sets = run_sets(root, load_params(root / "params.yaml"))
     export_windows(sets, folder)
-    counts = ", ".join(f"{len(one.windows):,} of {one.name}" for one in sets)
+    counts = ", ".join(f"{len(measured.windows):,} of {measured.name}" for measured in sets)
     typer.echo(f"Windows: {counts}. What to do with them: {folder / 'README.md'}")
 
 

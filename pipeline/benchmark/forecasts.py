@@ -14,7 +14,7 @@ from rallygap.models.predictors.errors import EVALUATED, HORIZONS_MS
 from rallygap.models.predictors.protocol import FUTURE, Forecast
 from rallygap.pipeline.benchmark.schemas import FORECASTS, type_of
 from rallygap.pipeline.benchmark.windows import window_ids
-from rallygap.pipeline.evaluation.test_windows import MeasuredSet
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
 from rallygap.pipeline.io.schemas import STATE_COLUMNS, checked
 from rallygap.pipeline.runtime.errors import InputError
 
@@ -40,7 +40,7 @@ def read_forecasts(path: Path, sets: Sequence[MeasuredSet]) -> dict[str, Forecas
         InputError: the file is missing, is no such table, or forecasts unknown windows, a window
             twice or not at all; naming the row and field.
     """
-    ids = {one.name: window_ids(one) for one in sets}
+    ids = {measured.name: window_ids(measured) for measured in sets}
     set_of = {name: of for of, names in ids.items() for name in names.tolist()}
     table = checked(_read(path, rows=len(set_of) * len(HORIZONS_MS)), FORECASTS, path)
     if table.empty:
@@ -89,21 +89,21 @@ def _check_columns(schema: pa.Schema, path: Path) -> None:
         if schema.names.count(name) != 1:
             problem = "is missing" if name not in schema.names else "is there twice"
             raise InputError(path, f"{problem}; {EXPORT} and their README.md", field=name)
-        found, wanted = schema.field(name).type, type_of(FORECASTS.columns[name])
-        if not _fits(found, wanted):
-            raise InputError(path, f"has the type {found}; give {wanted}", field=name)
+        present, wanted = schema.field(name).type, type_of(FORECASTS.columns[name])
+        if not _fits(present, wanted):
+            raise InputError(path, f"has the type {present}; give {wanted}", field=name)
     for name in schema.names:
         if name not in FORECASTS.columns:
             raise InputError(path, "is no column of forecasts; leave it out", field=name)
 
 
-def _fits(found: pa.DataType, wanted: str) -> bool:
+def _fits(present: pa.DataType, wanted: str) -> bool:
     """Return whether a column can be widened to what is wanted without loss of meaning."""
     if wanted == "string":
-        return bool(pa.types.is_string(found) or pa.types.is_large_string(found))
+        return bool(pa.types.is_string(present) or pa.types.is_large_string(present))
     if wanted == "int64":
-        return bool(pa.types.is_integer(found))
-    return bool(pa.types.is_integer(found) or pa.types.is_floating(found))
+        return bool(pa.types.is_integer(present))
+    return bool(pa.types.is_integer(present) or pa.types.is_floating(present))
 
 
 def _refuse_first(at_fault: "pd.Series[bool]", table: pd.DataFrame, path: Path, what: str) -> None:
@@ -127,6 +127,6 @@ def _forecast(table: pd.DataFrame, ids: NDArray[np.str_], path: Path) -> Forecas
         )
         raise InputError(path, problem)
     states = np.zeros((len(ids), FUTURE, len(STATE_COLUMNS)))
-    found = rows.loc[wanted, STATE_COLUMNS].to_numpy()
-    states[:, EVALUATED] = found.reshape(len(ids), len(HORIZONS_MS), len(STATE_COLUMNS))
+    forecast = rows.loc[wanted, STATE_COLUMNS].to_numpy()
+    states[:, EVALUATED] = forecast.reshape(len(ids), len(HORIZONS_MS), len(STATE_COLUMNS))
     return Forecast(states, np.ones(len(ids), dtype=bool))

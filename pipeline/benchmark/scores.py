@@ -16,8 +16,8 @@ from rallygap.models.predictors.evaluation import (
 from rallygap.models.predictors.protocol import Forecast
 from rallygap.pipeline.benchmark.forecasts import read_forecasts
 from rallygap.pipeline.benchmark.windows import run_sets
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
 from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_predictors
-from rallygap.pipeline.evaluation.test_windows import MeasuredSet
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.io.metrics import nested
 from rallygap.pipeline.params import Params
@@ -48,30 +48,30 @@ def score(root: Path, params: Params, path: Path) -> pd.DataFrame:
     sets = run_sets(root, params)
     theirs = read_forecasts(path, sets)
     predictors = read_predictors(root / "artifacts", params.evaluate_predictor)
-    if path.name in {one.name for one in predictors}:
+    if path.name in {predictor.name for predictor in predictors}:
         raise InputError(path, "is called as a predictor of the run; give it another name")
     frames = {}
-    for one in sets:
-        if one.name in theirs:
-            forecasts = {path.name: theirs[one.name], **_ours(predictors, one)}
-            frames[(one.name,)] = _errors(forecasts, one, params)
+    for measured in sets:
+        if measured.name in theirs:
+            forecasts = {path.name: theirs[measured.name], **_ours(predictors, measured)}
+            frames[(measured.name,)] = _errors(forecasts, measured, params)
     return concat_tables(frames, ["set"])
 
 
-def _ours(predictors: Sequence[NamedPredictor], one: MeasuredSet) -> dict[str, Forecast]:
-    known = [each for each in predictors if each.forecasts(one.name)]
-    history = one.windows.history
+def _ours(predictors: Sequence[NamedPredictor], measured: MeasuredSet) -> dict[str, Forecast]:
+    known = [predictor for predictor in predictors if predictor.forecasts(measured.name)]
     return {
-        each.name: each.predictor.predict(history) for each in progress(known, one.name, len(known))
+        named.name: named.predictor.predict(measured.windows.history)
+        for named in progress(known, measured.name, len(known))
     }
 
 
-def _errors(forecasts: dict[str, Forecast], one: MeasuredSet, params: Params) -> pd.DataFrame:
+def _errors(forecasts: dict[str, Forecast], measured: MeasuredSet, params: Params) -> pd.DataFrame:
     """Return the errors on a set as evaluate_predictor has them, over all windows."""
     errors = ForecastErrors(
-        forecast_errors(forecasts, one.windows),
-        one.recordings,
-        one.windows.bounced[:, -1],
+        forecast_errors(forecasts, measured.windows),
+        measured.recordings,
+        measured.windows.bounced[:, -1],
         params.evaluate_predictor.bootstrap_resamples,
         params.seed,
     ).over_horizon()
@@ -80,8 +80,7 @@ def _errors(forecasts: dict[str, Forecast], one: MeasuredSet, params: Params) ->
 
 def write_scores(path: Path, errors: pd.DataFrame) -> None:
     """Write all as JSON: ``{set: {predictor: {quantity: {horizon_ms: {mean, std, n, …}}}}}``."""
-    keys = ["set", "predictor", "quantity", "horizon_ms"]
-    write_json(path, nested(errors, keys))
+    write_json(path, nested(errors, ["set", "predictor", "quantity", "horizon_ms"]))
 
 
 def score_tables(errors: pd.DataFrame, own: str) -> Iterator[Table]:

@@ -13,7 +13,7 @@ from rallygap.models.predictors.errors import HORIZONS_MS
 from rallygap.models.predictors.protocol import HISTORY, HISTORY_TIMES, History
 from rallygap.models.predictors.windows import Windows
 from rallygap.pipeline.benchmark.schemas import FORECASTS, WINDOWS, type_of
-from rallygap.pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet, read_test_sets
 from rallygap.pipeline.io.artifacts import write_table, write_text
 from rallygap.pipeline.io.markdown import markdown_page
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, checked
@@ -34,7 +34,7 @@ def run_sets(root: Path, params: Params) -> list[MeasuredSet]:
         InputError: an artefact is missing or broken.
     """
     every = params.evaluate_predictor.window_every_ms / 1000
-    return [_one_per_episode(one) for one in read_test_sets(root / "artifacts", every)]
+    return [_one_per_episode(measured) for measured in read_test_sets(root / "artifacts", every)]
 
 
 def export_windows(sets: Sequence[MeasuredSet], folder: Path) -> None:
@@ -56,18 +56,18 @@ def export_windows(sets: Sequence[MeasuredSet], folder: Path) -> None:
 
 def window_table(sets: Sequence[MeasuredSet]) -> pd.DataFrame:
     """Return the rows of ``WINDOWS``, by set and name: an order that tells nothing."""
-    rows = pd.concat([_rows(one) for one in sets])
+    rows = pd.concat([_rows(measured) for measured in sets])
     return checked(rows.sort_values(["set", "window_id", "t"], ignore_index=True), WINDOWS)
 
 
-def window_ids(one: MeasuredSet) -> NDArray[np.str_]:
+def window_ids(measured: MeasuredSet) -> NDArray[np.str_]:
     """Return (B,) names of windows.
 
     A name is a digest of all that is known of the window, to the micrometre: machines differ in the
     last bits. What came is in it, so that nobody finds recording and time by trying, and forecasts
     of another run's windows meet no window of this one.
     """
-    cut = one.windows
+    cut = measured.windows
     # Plus zero, because what rounds to nothing may keep its sign.
     parts = [np.round(part, DIGITS) + 0.0 for part in (cut.history.states, cut.anchors, cut.future)]
     names = [
@@ -75,24 +75,26 @@ def window_ids(one: MeasuredSet) -> NDArray[np.str_]:
             b"".join([recording.encode(), *(part[row].tobytes() for part in parts)]),
             digest_size=ID_BYTES,
         ).hexdigest()
-        for row, recording in enumerate(one.recordings.tolist())
+        for row, recording in enumerate(measured.recordings.tolist())
     ]
     return np.array(names)
 
 
-def _one_per_episode(one: MeasuredSet) -> MeasuredSet:
+def _one_per_episode(measured: MeasuredSet) -> MeasuredSet:
     """Return the set with the window of each episode whose name sorts first: any instant of it."""
     episode_at = {
-        (one_episode.recording_id, time): number
-        for number, one_episode in enumerate(one.episodes)
-        for time in one_episode.episode.times.tolist()
+        (member.recording_id, time): number
+        for number, member in enumerate(measured.episodes)
+        for time in member.episode.times.tolist()
     }
-    ends = zip(one.recordings.tolist(), one.windows.anchors.tolist(), strict=True)
+    ends = zip(measured.recordings.tolist(), measured.windows.anchors.tolist(), strict=True)
     episodes = np.array([episode_at[end] for end in ends])
-    by_name = np.argsort(window_ids(one))
+    by_name = np.argsort(window_ids(measured))
     _, first = np.unique(episodes[by_name], return_index=True)
     rows = by_name[first]
-    return replace(one, windows=_at(one.windows, rows), recordings=one.recordings[rows])
+    return replace(
+        measured, windows=_at(measured.windows, rows), recordings=measured.recordings[rows]
+    )
 
 
 def _at(cut: Windows, rows: NDArray[np.intp]) -> Windows:
@@ -101,13 +103,13 @@ def _at(cut: Windows, rows: NDArray[np.intp]) -> Windows:
     return Windows(history, cut.anchors[rows], future, measured, bounced)
 
 
-def _rows(one: MeasuredSet) -> pd.DataFrame:
-    history, windows = one.windows.history, len(one.windows)
+def _rows(measured: MeasuredSet) -> pd.DataFrame:
+    history, windows = measured.windows.history, len(measured.windows)
     seen = np.where(history.mask, history.states, np.nan).reshape(-1, 6)
     rows = pd.DataFrame(seen, columns=[*POSITION_COLUMNS, *SPIN_COLUMNS])
     rows.insert(0, "t", np.tile(HISTORY_TIMES.round(3), windows))
-    rows.insert(0, "window_id", np.repeat(window_ids(one), HISTORY))
-    rows.insert(0, "set", one.name)
+    rows.insert(0, "window_id", np.repeat(window_ids(measured), HISTORY))
+    rows.insert(0, "set", measured.name)
     for name, columns in (("position", POSITION_COLUMNS), ("spin", SPIN_COLUMNS)):
         rows[f"{name}_measured"] = rows[columns].notna().all(axis=1)
     return rows

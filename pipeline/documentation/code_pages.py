@@ -1,4 +1,4 @@
-"""Documentation of what the code has: commands, effects, constants and quantities."""
+"""Pages that are generated from the code: the command line and the catalogue of effects."""
 
 from pathlib import Path
 
@@ -8,12 +8,12 @@ from rallygap.models.ball.effect import Effect, Parameter
 from rallygap.models.ball.quantities import QUANTITIES
 from rallygap.pipeline.io.markdown import markdown_table
 
-COMMANDS = "# The command line\n\nThis page is written from the commands by `rallygap docs`.\n\n"
+COMMANDS = "# The command line\n\nThis page is generated from the commands (`make docs`).\n\n"
 
 EFFECTS = """# The catalogue of effects
 
 A simulator is a list of these effects, in YAML (`models/ball/simulators/`). Each is one file in
-`models/ball/effects/`; this page is written from them by `rallygap docs`.
+`models/ball/effects/`; this page is generated from them (`make docs`).
 
 Units are SI, angles in radians. `u` is the ball's velocity relative to the air, `S = r|w| / |u|`
 the spin ratio, `v_n` the normal and `v_b` the contact point's velocity at an impact, `w_t` the
@@ -23,6 +23,11 @@ of [equations and constants](ball-physics.md): `alpha` is the share of `v_b` tha
 `e` and `mu` are restitution and friction.
 
 To add an effect: [how-to](add-an-effect.md).
+"""
+QUANTITIES_HEAD = """## Quantities that effects change
+
+An effect adds to one of these quantities or scales it. Without any effect a quantity has the value
+under *start*.
 """
 PLACES = {
     "flight": "In flight",
@@ -56,20 +61,26 @@ def command_page(_: Path) -> str:
     from rallygap.pipeline.cli import app
 
     command = get_group(app)
-    for one in command.commands.values():
-        one.short_help = (one.help or "").partition("\n")[0]  # else the list has half sentences
+    for subcommand in command.commands.values():
+        subcommand.short_help = (subcommand.help or "").partition("\n")[
+            0
+        ]  # else the list has half sentences
     text = get_docs_for_click(obj=command, ctx=Context(command), name="rallygap")
     return COMMANDS + text.replace("# `rallygap`\n", "", 1)
 
 
 def catalogue_page(_: Path) -> str:
-    """Return the catalogue of effects: one table per place, one row per parameter."""
+    """Return the effects by place, the quantities that they change, and the constants."""
     head = ["effect", "what happens", "exact form", "parameter", "neutral", "bounds", "observed"]
     parts = [EFFECTS]
     for place, title in PLACES.items():
-        effects = (one for one in catalogue().values() if one.acts == place)
-        rows = [_effect_row(one, parameter) for one in effects for parameter in one.parameters]
+        effects = (effect for effect in catalogue().values() if effect.acts == place)
+        rows = [_effect_row(effect, param) for effect in effects for param in effect.parameters]
         parts.append(f"## {title}\n\n{markdown_table([*head, 'source'], rows)}\n")
+    parts += [
+        f"{QUANTITIES_HEAD}\n{_quantities_table()}\n",
+        f"## Constants\n\n{_constants_table()}",
+    ]
     return "\n".join(parts)
 
 
@@ -88,7 +99,7 @@ def _effect_row(effect: Effect, parameter: Parameter) -> list[str]:
     ]
 
 
-def constants_table(_: Path) -> str:
+def _constants_table() -> str:
     """Return the constants of the ball and the table."""
     rows = [
         [f"`{name}`", symbol, meaning, f"{getattr(state, name):.6g}", unit, source]
@@ -97,7 +108,7 @@ def constants_table(_: Path) -> str:
     return markdown_table(["name", "symbol", "meaning", "value", "unit", "source"], rows)
 
 
-def quantities_table(_: Path) -> str:
+def _quantities_table() -> str:
     """Return the quantities that effects change."""
     rows = [
         [f"`{one.name}`", one.acts, one.meaning, f"{one.start:g}", one.size] for one in QUANTITIES

@@ -1,36 +1,15 @@
-"""The README's example of `rallygap diagnose`: a folder of recordings and the real output."""
+"""The recordings of the README's example of `rallygap diagnose`."""
 
-import tempfile
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from rallygap.models.ball.simulators import shipped
-from rallygap.models.gap.settings import DEFAULTS
 
 SHOTS = 30
 NOISE, SPIN_NOISE = 0.002, 0.05  # m, and share of a component
 TIMES = np.arange(0.0, 0.6, 0.005)  # s
-COMMAND = "$ rallygap diagnose recordings --simulator literature --out verdict"
-
-
-def diagnose_example(root: Path) -> str:
-    """Diagnose recordings with more drag and a lower restitution than the literature's simulator.
-
-    Args:
-        root: of the repository; the example does not read it.
-    """
-    from rallygap.pipeline.cli import findings_lines
-    from rallygap.pipeline.gap.diagnose_folder import diagnose_folder
-
-    with tempfile.TemporaryDirectory(prefix="rallygap.") as name:
-        folder = Path(name) / "recordings"
-        write_recordings(folder)
-        out = Path(name) / "verdict"
-        findings = diagnose_folder(folder, "csv", "literature", DEFAULTS.level, out)
-    shown = findings_lines(findings, Path("verdict"))
-    return "\n".join(["```console", COMMAND, "…", *shown, "```"])
 
 
 def write_recordings(folder: Path) -> None:

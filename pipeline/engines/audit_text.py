@@ -8,7 +8,7 @@ from rallygap.models.audit.audit import Audit, FoundEffect
 from rallygap.models.audit.bounces import Bounces
 from rallygap.models.audit.traps import Trap
 from rallygap.models.ball.catalogue import catalogue
-from rallygap.pipeline.io.numbers import number, with_unit
+from rallygap.pipeline.web.numbers import number, with_unit
 
 SMALLEST = 0.01  # mm that sentences tell apart from zero
 AFTER = {"flight": "after 0.4 s of flight", "table": "0.15 s after a bounce begins"}
@@ -17,11 +17,10 @@ AFTER = {"flight": "after 0.4 s of flight", "table": "0.15 s after a bounce begi
 def outcome(name: str, audit: Audit, traps: tuple[Trap, ...]) -> list[str]:
     """Return what the audit says: traps, effects, and what they do not explain."""
     effects = ", ".join(
-        f"{one.hypothesis.identity} {with_unit(one.value, one.hypothesis.declaration.unit)}"
-        for one in audit.effects
+        f"{effect.hypothesis.identity} {_value(effect)}" for effect in audit.effects
     )
     return [
-        *(f"Trap: {sentence(one)}" for one in traps),
+        *(f"Trap: {with_cost(trap.sentence, trap.cost_mm)}" for trap in traps),
         f"{name} has {len(audit.effects)} parameters: {effects}.",
         *(
             f"Not explained by any effect {AFTER[phase]}: {_mm(left.median_mm)} in the median, "
@@ -31,11 +30,6 @@ def outcome(name: str, audit: Audit, traps: tuple[Trap, ...]) -> list[str]:
     ]
 
 
-def sentence(trap: Trap) -> str:
-    """Return a trap with its cost."""
-    return with_cost(trap.sentence, trap.cost_mm)
-
-
 def with_cost(text: str, cost_mm: float | None) -> str:
     """Return the sentence of a trap with its cost, if it has one."""
     return text if cost_mm is None else f"{text} After 0.4 s the ball is {cost_mm:.0f} mm off."
@@ -43,13 +37,14 @@ def with_cost(text: str, cost_mm: float | None) -> str:
 
 def effects_table(audit: Audit) -> dict[str, list[str]]:
     """Return the columns of the table of effects."""
-    declared = [one.hypothesis.declaration for one in audit.effects]
+    effects = audit.effects
+    worth = [effect.worth_mm for effect in effects]
     return {
-        "parameter": [one.hypothesis.identity for one in audit.effects],
-        "effect": [catalogue()[one.hypothesis.effect].title for one in audit.effects],
-        "value ": [with_unit(one.value, one.hypothesis.declaration.unit) for one in audit.effects],
-        "worth (mm) ": [_worth(one) for one in audit.effects],
-        "measured balls": [one.observed or "–" for one in declared],
+        "parameter": [effect.hypothesis.identity for effect in effects],
+        "effect": [catalogue()[effect.hypothesis.effect].title for effect in effects],
+        "value ": [_value(effect) for effect in effects],
+        "worth (mm) ": ["–" if np.isnan(size) else f"{size:.3g}" for size in worth],
+        "measured balls": [effect.hypothesis.declaration.observed or "–" for effect in effects],
     }
 
 
@@ -59,28 +54,32 @@ def audit_content(name: str, audit: Audit, traps: tuple[Trap, ...]) -> dict[str,
         "engine": name,
         "probes": audit.probes,
         "traps": [
-            {"identifier": one.identifier, "sentence": one.sentence, "cost_mm": _round(one.cost_mm)}
-            for one in traps
+            {
+                "identifier": trap.identifier,
+                "sentence": trap.sentence,
+                "cost_mm": _round(trap.cost_mm),
+            }
+            for trap in traps
         ],
         "effects": [
             {
-                "identity": one.hypothesis.identity,
-                "value": float(number(one.value)),
-                "unit": one.hypothesis.declaration.unit,
-                "worth_mm": _round(one.worth_mm),
-                "measured_balls": one.hypothesis.declaration.observed,
+                "identity": effect.hypothesis.identity,
+                "value": float(number(effect.value)),
+                "unit": effect.hypothesis.declaration.unit,
+                "worth_mm": _round(effect.worth_mm),
+                "measured_balls": effect.hypothesis.declaration.observed,
             }
-            for one in audit.effects
+            for effect in audit.effects
         ],
         "unexplained": {
-            phase: {"median_mm": _round(one.median_mm), "largest_mm": _round(one.largest_mm)}
-            for phase, one in audit.unexplained.items()
+            phase: {"median_mm": _round(left.median_mm), "largest_mm": _round(left.largest_mm)}
+            for phase, left in audit.unexplained.items()
         },
-        "bounces": None if audit.bounces is None else _of_bounces(audit.bounces),
+        "bounces": None if audit.bounces is None else _bounces(audit.bounces),
     }
 
 
-def _of_bounces(bounces: Bounces) -> dict[str, float | None]:
+def _bounces(bounces: Bounces) -> dict[str, float | None]:
     return {
         "share": _round(bounces.bounced.mean()),
         "restitution_lowest": _round(np.nanmin(bounces.restitution)),
@@ -90,12 +89,12 @@ def _of_bounces(bounces: Bounces) -> dict[str, float | None]:
     }
 
 
+def _value(effect: FoundEffect) -> str:
+    return with_unit(effect.value, effect.hypothesis.declaration.unit)
+
+
 def _mm(distance: float) -> str:
     return f"{number(distance)} mm" if distance >= SMALLEST else f"less than {SMALLEST} mm"
-
-
-def _worth(one: FoundEffect) -> str:
-    return "–" if np.isnan(one.worth_mm) else f"{one.worth_mm:.3g}"
 
 
 def _round(value: float | None) -> float | None:

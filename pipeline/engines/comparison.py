@@ -1,52 +1,70 @@
-"""Two engines compared: their parameters, and how far their flights are apart."""
+"""What is compared with an audit: another engine, and what the file of a scene states."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rallygap.models.audit.audit import Audit
-from rallygap.models.audit.selection import Flown
 from rallygap.models.ball.state import POSITION
 from rallygap.models.engines.engine import Engine
 from rallygap.models.gap.hypotheses import Hypothesis
-from rallygap.pipeline.engines.audited import audited
-from rallygap.pipeline.io.numbers import number, with_unit
+from rallygap.pipeline.engines.audited import cached_audit
+from rallygap.pipeline.web.numbers import number, with_unit
+
+if TYPE_CHECKING:
+    from rallygap.models.engines.mujoco.scene import MujocoScene
+    from rallygap.models.engines.mujoco.stated import Effects
 
 MM = 1e3
 SAME = 1e-3  # relative difference of values that are alike
+EXACT = "RK4"
 
 
 @dataclass(frozen=True)
-class Apart:
-    """How far the balls of two engines are apart, medians over the probes.
+class Distance:
+    """How far the balls of an engine are from those of an audit, medians over the probes.
 
     Attributes:
+        name: of the engine.
         flight_mm: after 0.4 s of flight.
         bounce_mm: 0.15 s after a bounce begins.
     """
 
+    name: str
     flight_mm: float
     bounce_mm: float
 
+    @classmethod
+    def of(cls, audit: Audit, name: str, engine: Engine) -> "Distance":
+        """Fly the probes of an audit in another engine; the audit has the flights of its own."""
+        sizes = []
+        for flown in (audit.flown["flight"], audit.flown["table"]):
+            others = engine.fly(flown.probes.states, flown.probes.times)
+            away = np.linalg.norm((flown.states - others)[:, -1, POSITION], axis=-1)
+            sizes.append(float(MM * np.median(away)))
+        return cls(name, *sizes)
+
     @property
-    def distances(self) -> dict[str, float]:
-        """Both, with four significant digits."""
+    def content(self) -> dict[str, float]:
+        """Both distances, with four significant digits."""
         shown = {"flight_mm": self.flight_mm, "bounce_mm": self.bounce_mm}
         return {name: float(number(value)) for name, value in shown.items()}
 
 
 @dataclass(frozen=True)
-class Comparison(Apart):
+class Comparison:
     """An engine compared with another one.
 
     Attributes:
-        name: of the other.
-        audit: of the other.
+        audit: of the first.
+        other: audit of the other.
+        distance: of the other from the first.
     """
 
-    name: str
     audit: Audit
+    other: Audit
+    distance: Distance
 
     @classmethod
     def of(cls, audit: Audit, other: Engine) -> "Comparison":
@@ -55,56 +73,109 @@ class Comparison(Apart):
         Raises:
             InputError: the other engine fails.
         """
-        found = audited(other)
-        return cls(*distances(audit, other), other.name, found)
+        other_audit = cached_audit(other)
+        return cls(audit, other_audit, Distance.of(audit, other.name, other))
 
-    def sentences(self, audit: Audit) -> list[str]:
-        """Return what differs from the audit of the first engine."""
-        table = self.table(audit)
+    def sentences(self) -> list[str]:
+        """Return what differs."""
+        distance = self.distance
         differing = ", ".join(
-            f"{name} {here} and {there}" for name, here, there in zip(*table.values(), strict=True)
+            f"{name} {here} and {there}"
+            for name, here, there in zip(*self.table().values(), strict=True)
         )
         return [
-            f"Compared with {self.name}, balls are {number(self.flight_mm)} mm apart after 0.4 s "
-            f"of flight and {number(self.bounce_mm)} mm after a bounce, in the median.",
+            f"Compared with {distance.name}, balls are {number(distance.flight_mm)} mm apart after "
+            f"0.4 s of flight and {number(distance.bounce_mm)} mm after a bounce, in the median.",
             f"Parameters that differ: {differing or 'none'}.",
         ]
 
-    def table(self, audit: Audit) -> dict[str, list[str]]:
+    def table(self) -> dict[str, list[str]]:
         """Return the columns of the parameters that differ."""
         here, there = (
-            {one.hypothesis: one.value for one in each.effects} for each in (audit, self.audit)
+            {effect.hypothesis: effect.value for effect in audit.effects}
+            for audit in (self.audit, self.other)
         )
-        names = [one for one in {**here, **there} if _differ(here.get(one), there.get(one))]
+        differing = [
+            parameter
+            for parameter in {**here, **there}
+            if _differ(here.get(parameter), there.get(parameter))
+        ]
         return {
-            "parameter": [one.identity for one in names],
-            "audited ": [_shown(one, here.get(one)) for one in names],
-            f"{self.name} ": [_shown(one, there.get(one)) for one in names],
+            "parameter": [parameter.identity for parameter in differing],
+            "audited ": [_shown(parameter, here.get(parameter)) for parameter in differing],
+            f"{self.distance.name} ": [
+                _shown(parameter, there.get(parameter)) for parameter in differing
+            ],
+        }
+
+    def content(self) -> dict[str, Any]:
+        """Return the part of ``audit.json``."""
+        effects = {
+            effect.hypothesis.identity: float(number(effect.value)) for effect in self.other.effects
+        }
+        return {"engine": self.distance.name, "effects": effects, **self.distance.content}
+
+
+@dataclass(frozen=True)
+class StatedScene:
+    """What the file of a scene of MuJoCo states, next to its audit.
+
+    Attributes:
+        audit: of the scene.
+        effects: that its attributes stand for.
+        notes: on what one may not expect of it.
+        variants: distances of the scene with another integrator or time step.
+    """
+
+    audit: Audit
+    effects: "Effects"
+    notes: tuple[str, ...]
+    variants: tuple[Distance, ...]
+
+    @classmethod
+    def of(cls, scene: "MujocoScene", audit: Audit) -> "StatedScene":
+        """Read a scene that was audited, and fly its variants."""
+        from rallygap.models.engines.mujoco.notes import scene_notes
+        from rallygap.models.engines.mujoco.stated import stated_effects
+
+        notes = tuple(f"{note[0].upper()}{note[1:]}." for note in scene_notes(scene))
+        step = float(scene.model.opt.timestep)
+        changed = {f"time step {1e3 * h:g} ms": scene.with_step(h) for h in (step / 2, step / 4)}
+        changed[f"integrator {EXACT}"] = scene.with_integrator(EXACT)
+        variants = tuple(Distance.of(audit, name, other) for name, other in changed.items())
+        return cls(audit, stated_effects(scene), notes, variants)
+
+    def table(self) -> dict[str, list[str]]:
+        """Return the columns of what the scene states and does."""
+        does = {effect.hypothesis.identity: effect.value for effect in self.audit.effects}
+        states = {
+            f"{effect}.{name}": value
+            for effect, values in self.effects.items()
+            for name, value in values.items()
+        }
+        shown = [name for name in {**states, **does} if states.get(name) or does.get(name)]
+        units = {name: Hypothesis.from_identity(name).declaration.unit for name in shown}
+        return {
+            "parameter": shown,
+            "the file says ": [with_unit(states.get(name, 0.0), units[name]) for name in shown],
+            "the scene does ": [with_unit(does.get(name, 0.0), units[name]) for name in shown],
+        }
+
+    def variants_table(self) -> dict[str, list[str]]:
+        """Return the columns of the table of variants."""
+        return {
+            "variant": [variant.name for variant in self.variants],
+            "after 0.4 s of flight (mm) ": [number(variant.flight_mm) for variant in self.variants],
+            "after a bounce (mm) ": [number(variant.bounce_mm) for variant in self.variants],
         }
 
     def content(self) -> dict[str, Any]:
         """Return the part of ``audit.json``."""
         return {
-            "engine": self.name,
-            "effects": {
-                one.hypothesis.identity: float(number(one.value)) for one in self.audit.effects
-            },
-            **self.distances,
+            "says": self.effects,
+            "notes": list(self.notes),
+            "variants": [{"name": variant.name, **variant.content} for variant in self.variants],
         }
-
-
-def distances(audit: Audit, other: Engine) -> tuple[float, float]:
-    """Return how far balls of another engine are from those of an audit, in the order of ``Apart``.
-
-    Only the other one flies: the audit has the flights of its engine.
-    """
-    return _distance(audit.flown["flight"], other), _distance(audit.flown["table"], other)
-
-
-def _distance(flown: Flown, other: Engine) -> float:
-    others = other.fly(flown.probes.states, flown.probes.times)
-    away = np.linalg.norm((flown.states - others)[:, -1, POSITION], axis=-1)
-    return float(MM * np.median(away))
 
 
 def _differ(here: float | None, there: float | None) -> bool:

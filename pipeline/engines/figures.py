@@ -5,8 +5,8 @@ from matplotlib.figure import Figure
 
 from rallygap.models.audit.audit import Audit
 from rallygap.models.audit.bounces import SHELL, SOLID, Bounces
-from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, MUTED
-from rallygap.pipeline.io.report_items import ReportFigure
+from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, MUTED
+from rallygap.pipeline.web.report_items import ReportFigure
 
 COLOUR = "#0f7fc4"
 LEAST = 0.6  # restitution from which the axis begins, at least

@@ -3,15 +3,19 @@
 import importlib
 import importlib.util
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rallygap.models.engines.engine import EffectsEngine, Engine, FunctionEngine
+from rallygap.models.engines.engine import EffectsEngine, Engine, EngineError, FunctionEngine
 from rallygap.models.support.suggestion import suggestion
-from rallygap.pipeline.engines.mujoco_file import load_scene
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.runtime.errors import InputError
+
+if TYPE_CHECKING:
+    from rallygap.models.engines.mujoco.scene import MujocoScene
 
 
 def load_engine(name: str) -> Engine:
@@ -26,12 +30,51 @@ def load_engine(name: str) -> Engine:
         InputError: there is no such engine, or its code fails when it is imported.
     """
     if names_scene(name):
-        path, _, ball = name.partition("#")
-        return load_scene(path, ball or None)
+        return load_scene(name)
     if names_function(name):
         place, _, function = name.rpartition(":")
         return FunctionEngine(name, _function(name, _module(place), function))
     return EffectsEngine(name, load_simulator(name))
+
+
+def load_scene(name: str) -> "MujocoScene":
+    """Read a scene from its MJCF file.
+
+    Args:
+        name: ``scene.xml``, or ``scene.xml#body`` of the ball.
+
+    Raises:
+        InputError: MuJoCo is not installed or cannot read the file, or the scene has no ball.
+    """
+    path, _, ball = name.partition("#")
+    try:
+        import mujoco
+
+        from rallygap.models.engines.mujoco.scene import MujocoScene
+    except ImportError as error:
+        advice = "pip install -e '.[mujoco]' brings MuJoCo, which flies this scene"
+        raise InputError(path, f"{advice} ({_one_line(error)})") from None
+    if not Path(path).is_file():
+        raise InputError(path, "there is no such file")
+    with scene_errors(path):
+        return MujocoScene.of(Path(path).stem, mujoco.MjModel.from_xml_path(path), ball or None)
+
+
+@contextmanager
+def scene_errors(path: Path | str) -> Iterator[None]:
+    """Raise errors of MuJoCo about a scene's file as ``InputError``, in one line each."""
+    import mujoco
+
+    try:
+        yield
+    except EngineError as error:
+        raise InputError(path, str(error)) from None
+    except (ValueError, mujoco.FatalError) as error:
+        raise InputError(path, f"MuJoCo cannot read it: {_one_line(error)}") from None
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())
 
 
 def names_scene(name: str) -> bool:

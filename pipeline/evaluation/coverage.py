@@ -1,21 +1,20 @@
 """Uncertainty of forecasts: coverage and size of prediction regions, and CRPS."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 
 import numpy as np
 import pandas as pd
 
 from rallygap.models.predictors.calibration import LEVELS, Calibration, Errors, crps
 from rallygap.models.predictors.errors import EVALUATED, HORIZONS_MS, error_statistics
-from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS, concat_tables
+from rallygap.models.predictors.evaluation import concat_tables
 from rallygap.models.predictors.protocol import Floats, ProbabilisticPredictor
 from rallygap.models.predictors.windows import Windows
-from rallygap.pipeline.evaluation.figures.coverage import coverage_figure
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
 from rallygap.pipeline.evaluation.predictors import NamedPredictor
-from rallygap.pipeline.evaluation.test_windows import MeasuredSet
-from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
 from rallygap.pipeline.runtime.parallel import parallel
 
 BATCH = 256  # windows
@@ -46,14 +45,14 @@ class Coverage:
     @classmethod
     def crossed(cls, parts: Sequence[Errors]) -> "Coverage":
         """Return the coverage of all parts, each with regions that the other parts calibrate."""
-        found = []
-        for k, part in enumerate(parts):
-            others = joined_errors([*parts[:k], *parts[k + 1 :]])
-            found.append(cls.of(Calibration.of(others), part))
+        others = [joined_errors([*parts[:k], *parts[k + 1 :]]) for k in range(len(parts))]
+        crossed = [
+            cls.of(Calibration.of(rest), part) for rest, part in zip(others, parts, strict=True)
+        ]
         return cls(
-            np.concatenate([one.covered for one in found], axis=1),
-            np.concatenate([one.sizes for one in found], axis=1),
-            np.concatenate([one.scores for one in found]),
+            np.concatenate([part.covered for part in crossed], axis=1),
+            np.concatenate([part.sizes for part in crossed], axis=1),
+            np.concatenate([part.scores for part in crossed]),
         )
 
     def table(self, recordings: np.ndarray, resamples: int, seed: int) -> pd.DataFrame:
@@ -111,49 +110,20 @@ def coverage_rows(
     Returns:
         Columns predictor, level, horizon_ms, coverage with ci_low and ci_high, size_mm, crps_mm, n.
     """
+    batches = [_batches(part.windows) for part in (validation, test)]
     tasks = [
-        task for one in predictors for part in (validation, test) for task in _tasks(one, part)
+        partial(_errors_of_batch, named.predictor, batch)
+        for named in predictors
+        for part in batches
+        for batch in part
     ]
-    found = iter(parallel(tasks, f"uncertainty on {test.name}"))
+    results = parallel(tasks, f"uncertainty on {test.name}")
     frames = {}
-    for one in predictors:
-        known, new = (
-            joined_errors([next(found) for _ in _tasks(one, part)]) for part in (validation, test)
-        )
+    for named in predictors:
+        known, new = (joined_errors(list(islice(results, len(part)))) for part in batches)
         coverage = Coverage.of(Calibration.of(known), new)
-        frames[(one.name,)] = coverage.table(test.recordings, resamples, seed)
+        frames[(named.name,)] = coverage.table(test.recordings, resamples, seed)
     return concat_tables(frames, ["predictor"])
-
-
-def coverage_table(rows: Mapping[str, pd.DataFrame]) -> ReportTable:
-    """Return the table at three horizons, by set; without validation windows it is empty."""
-    tables = {(name,): one for name, one in rows.items()}
-    none = pd.DataFrame(columns=["set", "predictor", "level", *COLUMNS])
-    table = concat_tables(tables, ["set"]) if tables else none
-    return ReportTable(
-        table[table["horizon_ms"].isin(SHOWN_HORIZONS_MS)],
-        "coverage",
-        title="Prediction regions at 100, 200 and 300 ms",
-        caption="Share of measured positions inside the prediction regions of 50 and 90 %, with "
-        "its 95 % interval bootstrapped over recordings; the size of the regions in mm, the mean "
-        "radius of balls of the same volume; and the continuous ranked probability score in mm, "
-        "mean over the axes. The predictor gives the shape of a region; its radius is from the "
-        "errors on validation windows, at every horizon on its own.",
-    )
-
-
-def coverage_figures(rows: Mapping[str, pd.DataFrame]) -> list[ReportFigure]:
-    """Return a figure for each set."""
-    return [
-        ReportFigure(
-            coverage_figure(one),
-            f"coverage_{name}",
-            title=f"Coverage and size of prediction regions on {name}",
-            caption="Share of measured positions inside the prediction regions of 50 and 90 % "
-            "(dotted line), and their mean radius. The table has intervals.",
-        )
-        for name, one in rows.items()
-    ]
 
 
 def errors_of(predictor: ProbabilisticPredictor, windows: Windows) -> Errors:
@@ -167,10 +137,6 @@ def joined_errors(parts: Sequence[Errors]) -> Errors:
     return Errors(away, np.concatenate([one.covariances for one in parts]))
 
 
-def _tasks(one: NamedPredictor, part: MeasuredSet) -> list[Callable[[], Errors]]:
-    return [partial(_errors_of_batch, one.predictor, batch) for batch in _batches(part.windows)]
-
-
 def _errors_of_batch(predictor: ProbabilisticPredictor, windows: Windows) -> Errors:
     found = Errors.of(*predictor.predict_with_covariances(windows.history), windows)
     return Errors(found.away[:, EVALUATED], found.covariances[:, EVALUATED])
@@ -182,5 +148,4 @@ def _batches(windows: Windows) -> list[Windows]:
 
 def _mean(values: Floats, known: np.ndarray) -> Floats:
     sums = np.where(known, values, 0.0).sum(axis=0)
-    means: Floats = sums / np.maximum(known.sum(axis=0), 1)
-    return means
+    return sums / np.maximum(known.sum(axis=0), 1)

@@ -5,9 +5,9 @@ from pathlib import Path
 import pandas as pd
 import pandera.pandas as pa
 
-from rallygap.pipeline.io.report_manifest import read_rows
 from rallygap.pipeline.io.schemas import checked
 from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.web.report_manifest import read_rows
 
 REPORT = Path("reports") / "evaluate_predictor" / "forecast_error.csv"
 NUMBERS = ["mean", "median", "std", "n", "ci_low", "ci_high"]

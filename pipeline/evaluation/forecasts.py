@@ -9,15 +9,16 @@ import numpy as np
 from rallygap.models.predictors.evaluation import ForecastErrors, forecast_errors
 from rallygap.models.predictors.protocol import FUTURE_TIMES, Forecast
 from rallygap.models.predictors.windows import Windows, cut_windows
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
 from rallygap.pipeline.evaluation.example_shots import MOST_SHOTS, Point, Shot
 from rallygap.pipeline.evaluation.example_shots import Forecast as ShownForecast
 from rallygap.pipeline.evaluation.predictors import NamedPredictor
-from rallygap.pipeline.evaluation.test_windows import MeasuredSet
 from rallygap.pipeline.io.episodes import MeasuredEpisode
 from rallygap.pipeline.params import EvaluatePredictorSettings
 from rallygap.pipeline.runtime.parallel import parallel
 
 BATCH = 256  # windows
+MEASURED, TRUTH = "measured", "truth"  # what forecasts are compared with
 SMALLEST = 1e-4  # m, that an error counts as at least
 
 

@@ -1,10 +1,11 @@
 """The predictors that are evaluated: physics, amended physics, the oracle and trained networks."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from rallygap.models.ball.simulator import Simulator
+from rallygap.models.predictors.filterpy_ekf import FilterpyPredictor
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import ProbabilisticPredictor
 from rallygap.pipeline.io.amended_simulators import AMENDED, read_amended
@@ -15,6 +16,10 @@ from rallygap.pipeline.predictors.storage import DESCRIPTION, load_predictor, re
 from rallygap.pipeline.runtime.errors import InputError
 
 ORACLE, ARENA = "oracle", "arena"
+OF_KIND: dict[str, Callable[[Simulator], PhysicsPredictor]] = {
+    "physics": PhysicsPredictor,
+    "filterpy_ekf": FilterpyPredictor,
+}
 
 
 @dataclass(frozen=True)
@@ -24,7 +29,7 @@ class NamedPredictor:
     Attributes:
         name: in reports.
         predictor: forecasts, and says how sure it is.
-        kind: ``physics``, ``amended``, ``oracle`` or the kind of network.
+        kind: ``physics``, ``filterpy_ekf``, ``amended``, ``oracle`` or the kind of network.
         simulator: of its flight model, if any.
         parameters: number of trained parameters, if any.
         trained_on: data sets that it was last trained or amended on.
@@ -65,7 +70,7 @@ def read_predictors(artifacts: Path, settings: EvaluatePredictorSettings) -> lis
 
 def _physics(settings: EvaluatePredictorSettings) -> Iterator[NamedPredictor]:
     for name, described in settings.predictors.items():
-        predictor = PhysicsPredictor(load_simulator(described.simulator))
+        predictor = OF_KIND[described.kind](load_simulator(described.simulator))
         yield NamedPredictor(name, predictor, described.kind, simulator=described.simulator)
 
 

@@ -27,11 +27,13 @@ def read_records(path: Path) -> list[ExamRecord]:
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except FileNotFoundError:
-        raise InputError(path, "there is no such file; run `make exam`") from None
+        raise InputError(
+            path, "there is no such file; run `python -m rallygap.stages.exam`"
+        ) from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(path, f"cannot be read as text: {error}") from None
     if not lines:
-        raise InputError(path, "has no record; run `make exam`")
+        raise InputError(path, "has no record; run `python -m rallygap.stages.exam`")
     records = []
     for row, line in enumerate(lines, start=1):
         try:
@@ -39,6 +41,6 @@ def read_records(path: Path) -> list[ExamRecord]:
         except ValidationError as error:
             first = error.errors()[0]
             field = ".".join(str(part) for part in first["loc"]) or None
-            problem = f"{first['msg']}; run `make exam`"
+            problem = f"{first['msg']}; run `python -m rallygap.stages.exam`"
             raise InputError(path, problem, row=row, field=field) from None
     return records

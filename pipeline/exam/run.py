@@ -22,7 +22,7 @@ Assignment = tuple[Question, Mapping[str, Method]]  # a question, and the method
 
 def assignments(params: Params) -> list[Assignment]:
     """Return all questions with their methods: rallygap answers all, the others one in so many."""
-    settings = params.hidden_effects
+    settings = params.exam
     seed = seed_of(params.seed, f"edition {settings.edition}")
     only_rallygap = {RALLYGAP: METHODS[RALLYGAP]}
 

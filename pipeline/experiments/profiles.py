@@ -18,8 +18,8 @@ def profile_flags(root: Path, name: str) -> list[str]:
     """The flags that turn params.yaml into a profile.
 
     Args:
-        root: the repository, with params.yaml and the folder profiles.
-        name: the profile, as the file ``profiles/<name>.yaml``.
+        root: the repository, with params.yaml and the folder experiments/profiles.
+        name: the profile, as the file ``experiments/profiles/<name>.yaml``.
 
     Raises:
         InputError: there is no such profile, or it does not fit params.yaml.
@@ -36,7 +36,7 @@ def profile_params(root: Path, name: str) -> Params:
 
 def _read(root: Path, name: str) -> tuple[Any, Params]:
     """The content of params.yaml with a profile laid over it, and the same as parameters."""
-    path = root / "profiles" / f"{name}.yaml"
+    path = root / "experiments" / "profiles" / f"{name}.yaml"
     if not path.is_file():
         names = [file.stem for file in path.parent.glob("*.yaml")]
         raise InputError(path, f"there is no such profile; {suggestion(name, names)}")

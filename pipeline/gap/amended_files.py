@@ -20,7 +20,7 @@ def amended_simulators(
         folder: of the files.
     """
     files = {name: folder / f"{name}.yaml" for name in amend}
-    tasks = {files[name]: partial(_write, files[name], one) for name, one in amend.items()}
+    tasks = {files[name]: partial(_write, files[name], task) for name, task in amend.items()}
     make_missing(tasks, "amended simulators")
     return {name: load_simulator(str(file)) for name, file in files.items()}
 

@@ -8,11 +8,9 @@ from rallygap.models.ball.simulator import Simulator
 from rallygap.models.gap.amend.simulator import amended, amended_yaml
 from rallygap.models.gap.diagnose import diagnose
 from rallygap.models.gap.settings import DEFAULTS, GapSettings
-from rallygap.models.gap.verdict import DetectionLimits, Verdict
 from rallygap.pipeline.engines.audited import effects_of
-from rallygap.pipeline.engines.export.code import CODE
-from rallygap.pipeline.engines.export.command import code_of
-from rallygap.pipeline.engines.export.scene_file import SCENE, check_place, former_scene
+from rallygap.pipeline.engines.export.code import CODE, SCENE
+from rallygap.pipeline.engines.export.command import check_place, code_of, former_scene
 from rallygap.pipeline.engines.load import names_function, names_scene
 from rallygap.pipeline.gap.expected_balls import expected_balls, expected_json
 from rallygap.pipeline.gap.figures.camera import camera_figure
@@ -21,15 +19,15 @@ from rallygap.pipeline.gap.figures.verdict import causes_figure, error_figure
 from rallygap.pipeline.gap.handed_over import handed_over
 from rallygap.pipeline.gap.measured_shots import MeasuredShots, read_shots
 from rallygap.pipeline.gap.provenance import made_from
-from rallygap.pipeline.gap.summary import Findings, detection_lines
-from rallygap.pipeline.gap.usage import episodes_text, usage_lines, with_doubts
+from rallygap.pipeline.gap.summary import Findings, detection_lines, usage_lines
 from rallygap.pipeline.gap.verdict_page import render_gap_page
+from rallygap.pipeline.gap.wording import episodes_text
 from rallygap.pipeline.io.artifacts import replacing_files, write_text
-from rallygap.pipeline.io.figure_style import apply_style
-from rallygap.pipeline.io.report_items import ReportFigure
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.paths import check_folder
-from rallygap.pipeline.runtime.progress import PhaseBar, phase_bar
+from rallygap.pipeline.runtime.progress import phase_bar
+from rallygap.pipeline.web.figure_style import apply_style
+from rallygap.pipeline.web.report_items import ReportFigure
 
 TABLE = "table_bounce"
 FIGURES = "figures"
@@ -76,68 +74,65 @@ def diagnose_folder(
     nominal = effects_of(simulator, say)
     settings = GapSettings(level=level)
     with phase_bar(SCENE_PHASES if is_scene else PHASES) as bar:
+
+        def say_aside(lines: Iterable[str]) -> None:
+            with bar.aside():
+                for line in lines:
+                    say(line)
+
         with bar.phase("reading and segmenting"):
             measured = read_shots(data, source)
             _check_enough(measured, data)
             _check_table(measured, nominal, simulator)
-        _say(bar, say, usage_lines(measured))
+        say_aside(usage_lines(measured))
         with bar.phase("comparing"):
-            verdict = _verdict(measured, nominal, settings, bar, say)
-        counts = measured.recordings, len(measured.shots)
-        folder = data.resolve().name
-        origin = made_from(measured.name, folder, counts, nominal, simulator, settings)
-        verdict = verdict.model_copy(update={"made_from": origin})
+            verdict = diagnose(
+                measured.shots,
+                nominal,
+                settings,
+                nets=measured.nets,
+                progress=bar.reached,
+                on_limits=lambda limits: say_aside(detection_lines(measured, limits)),
+            )
         with bar.phase("writing"):
+            counts = measured.recordings, len(measured.shots)
+            folder = data.resolve().name
+            origin = made_from(measured.name, folder, counts, nominal, simulator, settings)
+            limitations = (*measured.doubts, *verdict.limitations)
+            verdict = verdict.model_copy(update={"limitations": limitations, "made_from": origin})
             balls = expected_balls(measured.shots, amended(nominal, verdict, minor))
-            findings = Findings(measured, nominal, simulator, settings, verdict, balls)
+            findings = Findings(measured, nominal, simulator, settings, verdict, balls, minor)
             if is_scene:
                 findings = replace(findings, handed=handed_over(findings, minor))
-            write_findings(findings, out, minor)
+            write_findings(findings, out)
     return findings
 
 
-def _verdict(
-    measured: MeasuredShots,
-    nominal: Simulator,
-    settings: GapSettings,
-    bar: PhaseBar,
-    say: Callable[[str], None],
-) -> Verdict:
-    """Return the verdict on measured shots, with doubts about the data."""
-
-    def show(limits: DetectionLimits) -> None:
-        _say(bar, say, detection_lines(measured, limits))
-
-    verdict = diagnose(
-        measured.shots,
-        nominal,
-        settings,
-        nets=measured.nets,
-        progress=bar.reached,
-        on_limits=show,
-    )
-    return with_doubts(verdict, measured)
-
-
-def _say(bar: PhaseBar, say: Callable[[str], None], lines: Iterable[str]) -> None:
-    with bar.aside():
-        for line in lines:
-            say(line)
-
-
-def write_findings(findings: Findings, out: Path, minor: bool = False) -> None:
+def write_findings(findings: Findings, out: Path) -> None:
     """Write verdict, amended simulator, expected balls, page and figures, all of them or none.
 
     Args:
         findings: to write.
         out: folder to write to.
-        minor: whether amended.yaml has minor structure as well.
 
     Raises:
         InputError: the folder cannot be written to.
     """
+    simulator = amended_yaml(
+        findings.simulator, findings.verdict, findings.measured.name, findings.minor
+    )
+    apply_style()
+    figures = figures_of(findings)
     with replacing_files(out, [*FORMER, *former_scene(out)]) as folder:
-        _write_all(findings, folder, minor)
+        pictures = folder / FIGURES
+        pictures.mkdir()
+        for figure in figures:
+            figure.write(pictures / f"{figure.name}.png")
+        write_text(folder / "verdict.json", findings.verdict.to_json())
+        write_text(folder / "amended.yaml", simulator)
+        write_text(folder / "balls.json", expected_json(findings.balls))
+        _write_for_engine(findings, folder)
+        write_text(folder / "report.html", render_gap_page(findings, simulator, pictures, figures))
 
 
 def figures_of(findings: Findings) -> list[ReportFigure]:
@@ -158,21 +153,6 @@ def figures_of(findings: Findings) -> list[ReportFigure]:
     return figures
 
 
-def _write_all(findings: Findings, folder: Path, minor: bool) -> None:
-    simulator = amended_yaml(findings.simulator, findings.verdict, findings.measured.name, minor)
-    pictures = folder / FIGURES
-    pictures.mkdir()
-    apply_style()
-    figures = figures_of(findings)
-    for figure in figures:
-        figure.write(pictures / f"{figure.name}.png")
-    write_text(folder / "verdict.json", findings.verdict.to_json())
-    write_text(folder / "amended.yaml", simulator)
-    write_text(folder / "balls.json", expected_json(findings.balls))
-    _write_for_engine(findings, folder)
-    write_text(folder / "report.html", render_gap_page(findings, simulator, pictures, figures))
-
-
 def _write_for_engine(findings: Findings, folder: Path) -> None:
     """Write the amended simulator for its own engine, where it is no list of effects."""
     handed = findings.handed
@@ -180,8 +160,8 @@ def _write_for_engine(findings: Findings, folder: Path) -> None:
         write_text(folder / CODE, code_of(str(folder / "amended.yaml"), "python"))
     if handed is not None:
         write_text(folder / CODE, handed.code)
-    if handed is not None and handed.scene is not None:
-        write_text(folder / SCENE, handed.scene)
+    if handed is not None and handed.text is not None:
+        write_text(folder / SCENE, handed.text)
 
 
 def _check_enough(measured: MeasuredShots, data: Path) -> None:

@@ -15,7 +15,7 @@ from rallygap.models.gap.fit.shots import Shots
 from rallygap.models.gap.locate.covariates import course_frames
 from rallygap.models.gap.settings import DEFAULTS
 from rallygap.models.predictors.ball_filter import Expected
-from rallygap.pipeline.io.artifacts import read_valid
+from rallygap.pipeline.io.artifacts import read_as
 
 LEAST_SPREAD = 5.0  # rad/s
 
@@ -43,7 +43,11 @@ class _Content(BaseModel, extra="forbid"):
 
 def expected_json(expected: Expected) -> str:
     """Return the content of a file of expected balls, with five digits."""
-    return json.dumps({key: _rounded(value) for key, value in asdict(expected).items()}) + "\n"
+    content = {
+        key: [_rounded(part) for part in value] if isinstance(value, tuple) else _rounded(value)
+        for key, value in asdict(expected).items()
+    }
+    return json.dumps(content) + "\n"
 
 
 def read_expected(path: Path) -> Expected:
@@ -52,11 +56,9 @@ def read_expected(path: Path) -> Expected:
     Raises:
         InputError: it is missing, or a value in it is invalid.
     """
-    content = read_valid(path, _Content, "give the balls.json of a verdict")
+    content = read_as(path, _Content, advice="give the balls.json of a verdict")
     return Expected(**content.model_dump())
 
 
-def _rounded(value: float | tuple[float, ...]) -> float | list[float]:
-    if isinstance(value, tuple):
-        return [float(f"{one:.5g}") for one in value]
+def _rounded(value: float) -> float:
     return float(f"{value:.5g}")

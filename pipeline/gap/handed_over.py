@@ -6,31 +6,27 @@ from rallygap.models.gap.amend.simulator import amended, amended_yaml
 from rallygap.pipeline.engines.export.code import ball_effects
 from rallygap.pipeline.engines.export.command import comments_of
 from rallygap.pipeline.gap.summary import Findings
-from rallygap.pipeline.runtime.errors import InputError
 
 if TYPE_CHECKING:
-    from rallygap.pipeline.engines.export.scene.handover import HandedOver
+    from rallygap.pipeline.engines.export.scene.amended_scene import AmendedScene
 
 
-def handed_over(findings: Findings, minor: bool) -> "HandedOver":
+def handed_over(findings: Findings, minor: bool) -> "AmendedScene":
     """Return the scene of a verdict amended, and code for it, both verified.
 
-    A scene that cannot be patched is no error: then there is the code, and a sentence says why.
+    A scene that cannot be amended is no error: then there is the code, and a sentence says why.
 
     Args:
         findings: on a scene of MuJoCo.
         minor: whether minor structure is amended as well.
 
     Raises:
-        InputError: the scene cannot be read or flown.
+        InputError: the scene cannot be read.
     """
-    from rallygap.pipeline.engines.export.scene import handover
+    from rallygap.pipeline.engines.export.scene.amended_scene import amended_scene
 
     name, before = findings.simulator_name, findings.simulator
     comments = comments_of(amended_yaml(before, findings.verdict, findings.measured.name, minor))
     after = amended(before, findings.verdict, minor)
     code = ball_effects(after, "amended.yaml", comments, "mujoco")
-    try:
-        return handover.handed_over(name, before, after, code, comments)
-    except InputError as problem:
-        return handover.without_scene(name, after, code, problem)
+    return amended_scene(name, before, after, code, comments)

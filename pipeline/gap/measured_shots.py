@@ -1,10 +1,11 @@
 """Shot folders: the recordings of a folder, cut into shots."""
 
-import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from rallygap.models.gap.fit.shots import Shots
@@ -13,21 +14,18 @@ from rallygap.models.segmentation.settings import SegmentSettings
 from rallygap.models.segmentation.tables import segment_recordings
 from rallygap.models.support.suggestion import suggestion
 from rallygap.pipeline.gap.data_check.check import check_recordings
-from rallygap.pipeline.gap.labels import LabelCounts, count_labels
-from rallygap.pipeline.gap.noise import coordinate_noise
+from rallygap.pipeline.gap.data_check.measured import coordinate_noise
 from rallygap.pipeline.gap.shots import shots_of, source_shots
-from rallygap.pipeline.io.artifacts import table_writer, write_table
-from rallygap.pipeline.io.episodes import MeasuredEpisode, read_episodes
+from rallygap.pipeline.io.episodes import MeasuredEpisode, episodes_of
 from rallygap.pipeline.io.schemas import (
     CONTACTS,
     EPISODES,
     POSITION_COLUMNS,
     RECORDINGS,
-    SAMPLES,
+    SPIN_COLUMNS,
     checked,
-    empty,
 )
-from rallygap.pipeline.io.source_manifest import Manifest
+from rallygap.pipeline.io.source_manifest import Manifest, SourceRecord
 from rallygap.pipeline.params import IngestSettings
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sources.registry import registry
@@ -35,6 +33,26 @@ from rallygap.pipeline.sources.source import Source, SourceContext
 from rallygap.pipeline.sources.source_import import SourceImport, in_batches
 
 SIMULATED = "arena"  # the one source that reads no files
+
+
+@dataclass(frozen=True)
+class LabelCounts:
+    """Spin labels of recordings; a label for a whole recording counts once.
+
+    Attributes:
+        read: how many the files have.
+        implausible: how many of them are refused.
+        used: how many are in shots.
+    """
+
+    read: int
+    implausible: int
+    used: int
+
+    @property
+    def elsewhere(self) -> int:
+        """How many are plausible but in no shot."""
+        return self.read - self.implausible - self.used
 
 
 @dataclass(frozen=True)
@@ -79,42 +97,22 @@ def read_shots(folder: Path | str, source: str) -> MeasuredShots:
         InputError: there is no such folder or source, a file is not what the source reads, or
             there are launches without a path.
     """
-    parts, manifest, doubts = _recordings(Path(folder), _source(source))
-    settings = SegmentSettings(noise=_noise(parts))
-    episodes = _episodes(parts, manifest, settings)
-    record = next(iter(manifest.sources.values()))
-    found = source_shots(episodes)
+    recordings = _read(Path(folder), source)
+    episodes, record = recordings.episodes(), recordings.record
+    chosen = source_shots(episodes)
     return MeasuredShots(
         name=record.name,
-        shots=shots_of(found.members),
-        nets=found.nets,
+        shots=shots_of(chosen.members),
+        nets=chosen.nets,
         recordings=record.recordings,
         refused=record.refused_counts,
         episodes=len(episodes),
-        left_out=found.left_out,
-        labels=count_labels(parts, record, found.members),
-        bounces=sum(bool(member.episode.arc.any()) for member in found.members),
-        noise=settings.noise,
-        doubts=doubts,
+        left_out=chosen.left_out,
+        labels=_label_counts(recordings, chosen.members),
+        bounces=sum(bool(member.episode.arc.any()) for member in chosen.members),
+        noise=recordings.noise,
+        doubts=recordings.doubts,
     )
-
-
-class _FolderContext(SourceContext):
-    """The context of a source whose files are in this folder."""
-
-    def __init__(self, folder: Path) -> None:
-        super().__init__(IngestSettings.model_construct(folder=folder), seed=0)
-
-    def folder(self, name: str) -> Path:
-        return Path(str(self.settings.folder))
-
-
-def _source(name: str) -> Source:
-    known = {key: source for key, source in registry().items() if key != SIMULATED}
-    if name not in known:
-        problem = f"there is no source {name!r} of measured balls; {suggestion(name, known)}"
-        raise InputError("--source", problem)
-    return known[name]
 
 
 def read_recordings(folder: Path, source: str) -> list[pd.DataFrame]:
@@ -127,7 +125,7 @@ def read_recordings(folder: Path, source: str) -> list[pd.DataFrame]:
     Raises:
         InputError: as ``read_shots`` does.
     """
-    return _recordings(folder, _source(source))[0]
+    return _read(folder, source).parts
 
 
 def read_measured_episodes(folder: Path, source: str) -> list[MeasuredEpisode]:
@@ -140,14 +138,54 @@ def read_measured_episodes(folder: Path, source: str) -> list[MeasuredEpisode]:
     Raises:
         InputError: as ``read_shots`` does.
     """
-    parts, manifest, _ = _recordings(folder, _source(source))
-    return _episodes(parts, manifest, SegmentSettings(noise=_noise(parts)))
+    return _read(folder, source).episodes()
 
 
-def _recordings(
-    folder: Path, source: Source
-) -> tuple[list[pd.DataFrame], Manifest, tuple[str, ...]]:
-    """Return recordings in batches, each of them whole, their manifest, and what is doubtful."""
+@dataclass(frozen=True)
+class _Recordings:
+    """Rows of recordings in parts of whole ones, what was read, and what is doubtful."""
+
+    parts: list[pd.DataFrame]
+    record: SourceRecord
+    doubts: tuple[str, ...]
+
+    @cached_property
+    def noise(self) -> float:
+        """Of a coordinate, m."""
+        groups = (part.groupby("recording_id")[POSITION_COLUMNS] for part in self.parts)
+        return coordinate_noise([rows.to_numpy() for group in groups for _, rows in group])
+
+    def episodes(self) -> list[MeasuredEpisode]:
+        """Cut the recordings into episodes."""
+        manifest = Manifest(sources={self.record.name: self.record})
+        settings = SegmentSettings(noise=self.noise)
+        cut = [
+            segment_recordings(part, manifest.starts_with_launch, settings) for part in self.parts
+        ]
+        contacts = pd.concat([part.contacts for part in cut], ignore_index=True)
+        episodes = pd.concat([part.episodes for part in cut], ignore_index=True)
+        # No episode is reserved for another purpose here.
+        episodes = episodes.assign(split="test", replay_set="none")
+        return episodes_of(
+            [part.samples for part in cut],
+            checked(contacts, CONTACTS),
+            checked(episodes, EPISODES),
+            manifest.labelled_once,
+        )
+
+
+class _FolderContext(SourceContext):
+    """The context of a source whose files are in this folder."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(IngestSettings.model_construct(folder=folder), seed=0)
+
+    def folder(self, name: str) -> Path:
+        return Path(str(self.settings.folder))
+
+
+def _read(folder: Path, source_name: str) -> _Recordings:
+    source = _source(source_name)
     if not folder.is_dir():
         raise InputError(folder, f"is not a folder; give the one with the files of {source.name}")
     data = source.read(_FolderContext(folder))
@@ -157,35 +195,26 @@ def _recordings(
     tables = list(data.tables)
     doubts = check_recordings(tables, data.description.frame, data.conversion, folder)
     parts = [checked(imported.rows(batch), RECORDINGS) for batch in in_batches(tables)]
-    return parts, Manifest(sources={data.description.name: imported.record()}), doubts
+    return _Recordings(parts, imported.record(), doubts)
 
 
-def _noise(parts: Sequence[pd.DataFrame]) -> float:
-    groups = (part.groupby("recording_id")[POSITION_COLUMNS] for part in parts)
-    return coordinate_noise([rows.to_numpy() for group in groups for _, rows in group])
+def _source(name: str) -> Source:
+    known = {key: source for key, source in registry().items() if key != SIMULATED}
+    if name not in known:
+        problem = f"there is no source {name!r} of measured balls; {suggestion(name, known)}"
+        raise InputError("--source", problem)
+    return known[name]
 
 
-def _episodes(
-    parts: Sequence[pd.DataFrame], manifest: Manifest, settings: SegmentSettings
-) -> list[MeasuredEpisode]:
-    """Cut recordings into temporary files, and read them like files of the segment stage."""
-    with tempfile.TemporaryDirectory(prefix="rallygap.") as name:
-        folder = Path(name)
-        contacts, episodes = zip(*_cut(folder, parts, manifest, settings), strict=True)
-        # No episode is reserved for another purpose here.
-        whole = pd.concat(episodes, ignore_index=True).assign(split="test", replay_set="none")
-        write_table(folder / "episodes.parquet", checked(whole, EPISODES))
-        found = checked(pd.concat(contacts, ignore_index=True), CONTACTS)
-        write_table(folder / "contacts.parquet", found)
-        return read_episodes(folder, manifest.labelled_once)
-
-
-def _cut(
-    folder: Path, parts: Sequence[pd.DataFrame], manifest: Manifest, settings: SegmentSettings
-) -> Iterator[tuple[pd.DataFrame, pd.DataFrame]]:
-    """Write the samples of all episodes, and yield their contacts and the episodes."""
-    with table_writer(folder / "samples.parquet", empty(SAMPLES)) as add:
-        for recordings in parts:
-            found = segment_recordings(recordings, manifest.starts_with_launch, settings)
-            add(checked(found.samples, SAMPLES))
-            yield found.contacts, found.episodes
+def _label_counts(recordings: _Recordings, chosen: Sequence[MeasuredEpisode]) -> LabelCounts:
+    """Count the labels of recordings, of which some shots are chosen."""
+    record = recordings.record
+    kept = pd.concat(
+        part["recording_id"][part[SPIN_COLUMNS].notna().all(axis=1)] for part in recordings.parts
+    )
+    labels = [np.isfinite(member.episode.spins).all(axis=1).sum() for member in chosen]
+    used = pd.Series(np.repeat([member.recording_id for member in chosen], labels), dtype="str")
+    if record.spin == "per_recording":
+        kept, used = kept.drop_duplicates(), used.drop_duplicates()
+    implausible = sum(refused.count for refused in record.labels_refused.values())
+    return LabelCounts(len(kept) + implausible, implausible, len(used))

@@ -19,17 +19,20 @@ def made_from(
     simulator_name: str,
     settings: GapSettings,
 ) -> MadeFrom:
-    """Return what a verdict was made from; of a simulator's path only the file's name is kept.
+    """Return what a verdict was made from.
 
     Args:
         data: name of the source.
         folder: name of the folder of the recordings, if there is one.
         counts: of recordings and of shots.
         simulator: the nominal one.
-        simulator_name: a shipped one's name, or a path.
-        settings: of the workflow.
+        simulator_name: a shipped one's name, or a path, of which only the file's name is kept.
+        settings: of the workflow: the level is kept, and others that are not the default, such as
+            ``fit.refit_steps``.
     """
     recordings, shots = counts
+    default = _by_name(DEFAULTS)
+    changed = {name: value for name, value in _by_name(settings).items() if value != default[name]}
     return MadeFrom(
         data=data,
         folder=folder,
@@ -37,24 +40,18 @@ def made_from(
         shots=shots,
         simulator=Path(simulator_name).name,
         effects=simulator.to_dict(),
-        settings=changed_settings(settings),
+        settings={"level": settings.level, **changed},
         version=version("rallygap"),
     )
 
 
-def changed_settings(settings: GapSettings) -> dict[str, Any]:
-    """Return the level, and other settings that are not the default (``fit.refit_steps``)."""
-    default = _by_name(DEFAULTS)
-    changed = {name: one for name, one in _by_name(settings).items() if one != default[name]}
-    return {"level": settings.level, **changed}
-
-
 def _by_name(settings: Any, prefix: str = "") -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    """Return the values of settings by their dotted names."""
+    values: dict[str, Any] = {}
     for field in fields(settings):
         name, value = f"{prefix}{field.name}", getattr(settings, field.name)
         if is_dataclass(value):
-            found |= _by_name(value, f"{name}.")
+            values |= _by_name(value, f"{name}.")
         else:
-            found[name] = dict(value) if isinstance(value, Mapping) else value
-    return found
+            values[name] = dict(value) if isinstance(value, Mapping) else value
+    return values

@@ -49,11 +49,16 @@ def read_training_shots(artifacts: Path) -> dict[str, SourceShots]:
 
 def source_shots(episodes: Sequence[MeasuredEpisode]) -> SourceShots:
     """Return the shots among the episodes of a source, and its contacts with the net."""
-    parts = [as_shot(member) for member in episodes]
-    reasons = [why_left_out(part) for part in parts]
-    members = [part for part, no in zip(parts, reasons, strict=True) if no is None]
-    left_out = Counter(sorted(reason for reason in reasons if reason))
-    return SourceShots(members, dict(left_out), net_contacts(episodes))
+    members, reasons = [], []
+    for member in episodes:
+        part = member.between(-np.inf, member.touched.min(initial=np.inf))
+        if len(part.episode.times) <= DEFAULTS.observed_samples:
+            reasons.append("too short")
+        elif not part.unbroken:
+            reasons.append("broken")
+        else:
+            members.append(part)
+    return SourceShots(members, dict(Counter(sorted(reasons))), net_contacts(episodes))
 
 
 def shots_of(members: Sequence[MeasuredEpisode]) -> Shots:
@@ -65,18 +70,6 @@ def shots_of(members: Sequence[MeasuredEpisode]) -> Shots:
         names=[member.episode_id for member in members],
         groups=[member.recording_id for member in members],
     )
-
-
-def as_shot(member: MeasuredEpisode) -> MeasuredEpisode:
-    """Return an episode up to where the ball first touches something else than the table."""
-    return member.between(-np.inf, member.touched.min(initial=np.inf))
-
-
-def why_left_out(part: MeasuredEpisode) -> str | None:
-    """Return why such a part is no shot, in words that follow a count; ``None`` for a shot."""
-    if len(part.episode.times) <= DEFAULTS.observed_samples:
-        return "too short"
-    return None if part.unbroken else "broken"
 
 
 def net_contacts(episodes: Sequence[MeasuredEpisode]) -> NetContacts:

@@ -5,32 +5,82 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rallygap.models.ball.catalogue import catalogue
+import numpy as np
+
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.settings import GapSettings
-from rallygap.models.gap.verdict import Cause, DetectionLimits, Gap, Variation, Verdict
+from rallygap.models.gap.verdict import Cause, Check, DetectionLimits, Gap, Verdict
+from rallygap.models.gap.verify.limitations import experiment
 from rallygap.models.predictors.ball_filter import Expected
 from rallygap.pipeline.gap.measured_shots import MeasuredShots
-from rallygap.pipeline.gap.next_step import next_step
-from rallygap.pipeline.gap.reservations import reservations
 from rallygap.pipeline.gap.wording import (
     PLACES,
     ROLES,
+    cause_sentence,
     counted,
-    interval_text,
+    episodes_text,
+    labels_text,
     listed,
     p_text,
     percent,
-    worth_text,
+    variation_sentence,
 )
-from rallygap.pipeline.io.numbers import number, with_unit
+from rallygap.pipeline.web.numbers import with_unit
 
 if TYPE_CHECKING:
-    from rallygap.pipeline.engines.export.scene.handover import HandedOver
+    from rallygap.pipeline.engines.export.scene.amended_scene import AmendedScene
 
 TYPICAL_MS = 200  # the horizon of the summary, where shots are that long
 SIGNIFICANT = 0.05  # p-value up to which a covariate is reported
+
+# What a failed check says, by its ratio and the largest allowed one, plain and in percent; and
+# what is doubtful then.
+MISFITS = {
+    "residuals": (
+        "residuals of held-out shots are {0:.3g} times as large as it expects",
+        "intervals and p-values",
+    ),
+    "prediction": (
+        "predictions err {0:.3g} times as much as it expects",
+        "intervals and small causes",
+    ),
+    "landing": (
+        "predicted landings err {0:.3g} times as much as it expects",
+        "causes at the table",
+    ),
+    "labels": (
+        "spin labels err by {2:.0f} % of the spin (allowed {3:g} %)",
+        "causes that rest on spin labels",
+    ),
+    "bounces": (
+        "the restitution differs by {0:.2g} from bounce to bounce (allowed {1:g})",
+        "causes at the table",
+    ),
+}
+
+# What to do next.
+CHECK_LABELS = "check signs, axes and units of the spin labels, and diagnose again."
+CHECK_BOUNCES = (
+    "let one ball bounce at one place, then at others, then other balls; diagnose those that "
+    "bounce alike by themselves."
+)
+CHECK_RECORDINGS = (
+    "look for errors of the recordings, such as outliers, wrong time stamps or an old "
+    "calibration, and diagnose again."
+)
+KEEP_NOMINAL = (
+    "keep the nominal simulator. Record more shots at other speeds and spins, and diagnose again."
+)
+CONFIRM = "predict with amended.yaml, and diagnose new recordings with it to confirm the causes."
+SPLIT = (
+    "look for what changes between shots, such as balls, air or cameras, and diagnose the parts of "
+    "the session by themselves. No constant value closes this gap."
+)
+UNSETTLED = (
+    "record more shots at other speeds and spins, and measure spins; until then, amended.yaml is "
+    "one of several possible simulators."
+)
 
 
 @dataclass(frozen=True)
@@ -44,6 +94,7 @@ class Findings:
         settings: of the workflow.
         verdict: on these.
         balls: that are to be expected after these shots.
+        minor: whether minor structure is amended as well.
         handed: what is given back where the simulator is a scene of MuJoCo.
     """
 
@@ -53,7 +104,8 @@ class Findings:
     settings: GapSettings
     verdict: Verdict
     balls: Expected
-    handed: "HandedOver | None" = None
+    minor: bool = False
+    handed: "AmendedScene | None" = None
 
     @property
     def outcome(self) -> list[str]:
@@ -68,7 +120,7 @@ class Findings:
             *self._minor(),
             *map(variation_sentence, verdict.variations),
             *self._unexplained(),
-            f"Next: {next_step(verdict, self.measured.shots, self.settings)}",
+            f"Next: {self._next_step()}",
         ]
 
     @property
@@ -111,7 +163,9 @@ class Findings:
     def _phases(self) -> Iterator[str]:
         shares = self.verdict.phases
         if any(shares.model_dump().values()):
-            parts = [f"{percent(getattr(shares, one))} {place}" for one, place in PLACES.items()]
+            parts = [
+                f"{percent(getattr(shares, phase))} {place}" for phase, place in PLACES.items()
+            ]
             yield f"The gap arises {', '.join(parts[:2])} and {parts[2]}."
 
     def _growth(self) -> Iterator[str]:
@@ -149,6 +203,36 @@ class Findings:
         text = f"Identifiable from these shots: {shown} of {shown + len(hidden)} parameters"
         return f"{text}; not {', '.join(hidden)}." if hidden else f"{text}."
 
+    def _next_step(self) -> str:
+        verdict, few = self.verdict, self.settings.verify.few_shots
+        if predicts_worse(verdict):
+            return KEEP_NOMINAL
+        if verdict.misfits:
+            names = {check.name for check in verdict.misfits}
+            single = names.pop() if len(names) == 1 else ""
+            return {"labels": CHECK_LABELS, "bounces": CHECK_BOUNCES}.get(single, CHECK_RECORDINGS)
+        if verdict.verdict == "no_gap":
+            if len(self.measured.shots) < few:
+                return f"nothing to amend. Record {few} shots or more to detect smaller effects."
+            return "nothing to amend. More shots would detect smaller effects."
+        if verdict.verdict == "unknown":
+            phase = verdict.unexplained.phase
+            where = f" {PLACES[phase]}" if phase else ""
+            missing = (
+                f"the catalogue lacks an effect{where}; add one (docs/add-an-effect.md), and "
+                "diagnose again. The candidate formula is a hint."
+            )
+            return SPLIT if verdict.variations and not phase else missing
+        return CONFIRM if verdict.verdict == "named" else self._separating_step()
+
+    def _separating_step(self) -> str:
+        cause = next((cause for cause in self.verdict.main_causes if cause.ambiguous), None)
+        if cause is None:
+            return UNSETTLED
+        others = listed(cause.alternatives)
+        separating = experiment(cause, self.measured.shots, self.settings)
+        return f"predict with amended.yaml; to tell {cause.identity} from {others}, {separating}."
+
 
 def answer_title(verdict: Verdict) -> str:
     """Return the answer in a few words."""
@@ -162,36 +246,46 @@ def minor_causes(verdict: Verdict) -> list[Cause]:
     return [cause for cause in verdict.causes if cause.role == "minor"]
 
 
-def cause_sentence(cause: Cause) -> str:
-    """Return a cause with its estimate, share and worth."""
-    found = f"{with_unit(cause.estimate, cause.unit)} (95 % {interval_text(cause.interval)})"
-    missing = cause.kind == "missing_effect"
-    before = "missing in the simulator" if missing else f"simulator {number(cause.nominal)}"
-    share = f"{percent(cause.gap_share)} of the gap"
-    worth = f"; without it predictions err {worth_text(cause.worth)}" if cause.worth else ""
-    others = f" Not separable from {listed(cause.alternatives)}." if cause.alternatives else ""
-    return (
-        f"{ROLES[cause.role].capitalize()} {cause.identity} ({title(cause.identity)}): "
-        f"estimate {found}, {before}; {share}{worth}.{others}"
-    )
+def reservations(verdict: Verdict) -> Iterator[str]:
+    """Yield what speaks against relying on a verdict, one sentence or two each."""
+    if verdict.misfits:
+        misfits = "; ".join(_misfit(check) for check in verdict.misfits)
+        doubtful = ", ".join(dict.fromkeys(MISFITS[check.name][1] for check in verdict.misfits))
+        yield (
+            f"The fitted model does not describe these shots: {misfits}. Do not rely on {doubtful}."
+        )
+    if verdict.gap and verdict.gap.reduction_mm and predicts_worse(verdict):
+        low, high = verdict.gap.reduction_mm
+        growth = float(np.mean(verdict.gap.after_mm) - np.mean(verdict.gap.before_mm))
+        yield (
+            f"The amended simulator predicts worse than the nominal one: held-out predictions err "
+            f"{growth:.1f} mm more, mean over horizons (95 % {-high:.1f} to {-low:.1f}). "
+            "Do not use amended.yaml."
+        )
 
 
-def variation_sentence(variation: Variation) -> str:
-    """Return a parameter that is not the same in all shots, with the size of its variation."""
-    size = f"{with_unit(variation.size, variation.unit)} (95 % {interval_text(variation.interval)})"
-    what = {
-        "drift": f"drifts over the session, by {size} from the first shot to the last",
-        "by_side": f"is larger where y > 0 than where y < 0, by {size}",
-        "between_shots": f"differs from shot to shot, with a standard deviation of {size}",
-    }[variation.kind]
-    others = variation.possible[1:]
-    tail = f" Not separable from {listed(others)}." if others else ""
-    return f"{variation.identity} ({title(variation.identity)}) {what}; not amended.{tail}"
+def predicts_worse(verdict: Verdict) -> bool:
+    """Return whether amended predictions are significantly worse than nominal ones."""
+    reduction = verdict.gap.reduction_mm if verdict.gap else None
+    return reduction is not None and reduction[1] < 0.0
 
 
-def title(identity: str) -> str:
-    """Return the catalogue's description of the effect of a parameter."""
-    return catalogue()[Hypothesis.from_identity(identity).effect].title
+def _misfit(check: Check) -> str:
+    least, most = check.allowed
+    text = MISFITS[check.name][0].format(check.ratio, most, 100 * check.ratio, 100 * most)
+    if check.name in ("labels", "bounces"):
+        return text
+    low, high = check.interval
+    return f"{text} (95 % {low:.3g} to {high:.3g}; allowed {least:.3g} to {most:.3g})"
+
+
+def usage_lines(measured: MeasuredShots) -> Iterator[str]:
+    """Yield what is used and what is doubtful as lines of text."""
+    yield f"Used: {episodes_text(measured)}. Spin labels: {labels_text(measured.labels)}."
+    if len(measured.nets):
+        yield f"Contacts with the net, with an arc before and after: {len(measured.nets):,}."
+    for doubt in measured.doubts:
+        yield f"Doubtful: {doubt}."
 
 
 def detection_lines(measured: MeasuredShots, limits: DetectionLimits) -> Iterator[str]:

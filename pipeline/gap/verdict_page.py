@@ -7,13 +7,20 @@ from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.location import Located
 from rallygap.models.gap.verdict import Cause, Check, Gap, Worth
 from rallygap.pipeline.gap.figures.verdict import KIND_NAMES
-from rallygap.pipeline.gap.summary import Findings, answer_title, minor_causes, title
-from rallygap.pipeline.gap.usage import episodes_text, labels_text
-from rallygap.pipeline.gap.wording import ROLES, interval_text, percent
-from rallygap.pipeline.io.numbers import number, with_unit
-from rallygap.pipeline.io.report_items import ReportFigure
+from rallygap.pipeline.gap.summary import Findings, answer_title, minor_causes
+from rallygap.pipeline.gap.wording import (
+    ROLES,
+    episodes_text,
+    interval_text,
+    labels_text,
+    percent,
+    reasons_text,
+    title,
+)
 from rallygap.pipeline.web.environment import page_environment
 from rallygap.pipeline.web.items import page_table, shown_figure
+from rallygap.pipeline.web.numbers import number, with_unit
+from rallygap.pipeline.web.report_items import ReportFigure
 
 TEMPLATES = Path(__file__).parent / "templates"
 SMALLEST_P = 1e-4  # that permutations resolve
@@ -47,7 +54,7 @@ def render_gap_page(
         minor=page_table(_minor(minor)) if minor else None,
         growth=page_table(_growth(located)) if located and located.growth else None,
         errors=page_table(_errors(gap)) if gap else None,
-        reduction=_reduction(gap) if gap else "",
+        reduction=_reduction(gap),
         detectable=page_table(_detectable(findings)),
         not_identifiable=[
             f"{identity}: {title(identity)}" for identity in verdict.not_identifiable
@@ -63,19 +70,18 @@ def _causes(causes: Sequence[Cause]) -> dict[str, list[str]]:
         "cause": [cause.identity for cause in causes],
         "role": [ROLES[cause.role] for cause in causes],
         "kind": [KIND_NAMES[cause.kind] for cause in causes],
-        "simulator ": [number(cause.nominal) for cause in causes],
-        "estimate ": [with_unit(cause.estimate, cause.unit) for cause in causes],
-        "95 % interval ": [interval_text(cause.interval) for cause in causes],
-        "worth (mm) ": [_worth_cell(cause.worth) for cause in causes],
-        "share of the gap ": [percent(cause.gap_share) for cause in causes],
+        **_sizes(causes),
         "p ": [_p_cell(cause.p_value) for cause in causes],
         "not separable from": [", ".join(cause.alternatives) or "–" for cause in causes],
     }
 
 
 def _minor(causes: Sequence[Cause]) -> dict[str, list[str]]:
+    return {"parameter": [cause.identity for cause in causes], **_sizes(causes)}
+
+
+def _sizes(causes: Sequence[Cause]) -> dict[str, list[str]]:
     return {
-        "parameter": [cause.identity for cause in causes],
         "simulator ": [number(cause.nominal) for cause in causes],
         "estimate ": [with_unit(cause.estimate, cause.unit) for cause in causes],
         "95 % interval ": [interval_text(cause.interval) for cause in causes],
@@ -117,9 +123,9 @@ def _errors(gap: Gap) -> dict[str, list[str]]:
     return dict(zip(names, map(list, zip(*rows, strict=True)), strict=True))
 
 
-def _reduction(gap: Gap) -> str:
+def _reduction(gap: Gap | None) -> str:
     """Return the reduction of the landing error as a sentence."""
-    if not gap.landing:
+    if not gap or not gap.landing:
         return ""
     low, high = gap.landing.reduction_mm
     earliest, latest = gap.landing.reduction_ms
@@ -131,15 +137,16 @@ def _reduction(gap: Gap) -> str:
 
 def _detectable(findings: Findings) -> dict[str, list[str]]:
     sizes = findings.verdict.minimum_detectable
-    hypotheses = [Hypothesis.from_identity(one) for one in sizes]
+    simulator, hypotheses = findings.simulator, [*map(Hypothesis.from_identity, sizes)]
+    units = [hypothesis.declaration.unit for hypothesis in hypotheses]
     return {
         "parameter": list(sizes),
-        "effect": [title(one) for one in sizes],
+        "effect": [title(identity) for identity in sizes],
         "minimum detectable effect ": [number(size) for size in sizes.values()],
-        "unit": [_unit(one.declaration.unit) for one in hypotheses],
+        "unit": ["–" if unit == "1" else unit for unit in units],
         "simulator ": [
-            number(one.value(findings.simulator)) if one.listed(findings.simulator) else "–"
-            for one in hypotheses
+            number(hypothesis.value(simulator)) if hypothesis.listed(simulator) else "–"
+            for hypothesis in hypotheses
         ],
     }
 
@@ -150,7 +157,7 @@ def _facts(findings: Findings) -> dict[str, str]:
     return {
         "data": measured.name,
         "recordings": f"{measured.recordings:,}",
-        "rows and labels rejected": _rejected(measured.refused),
+        "rows and labels rejected": reasons_text(measured.refused) or "none",
         "episodes used": episodes_text(measured),
         "spin labels used": labels_text(measured.labels),
         "shots with spin labels": f"{labelled:,}",
@@ -158,14 +165,6 @@ def _facts(findings: Findings) -> dict[str, str]:
         "simulator": findings.simulator_name,
         "level": f"{100 * level:g} % probability of a false cause where there is no gap",
     }
-
-
-def _rejected(refused: dict[str, int]) -> str:
-    return ", ".join(f"{count:,} {reason}" for reason, count in refused.items()) or "none"
-
-
-def _unit(unit: str) -> str:
-    return "–" if unit == "1" else unit
 
 
 def _worth_cell(worth: Worth | None) -> str:

@@ -1,8 +1,8 @@
 """Amended simulators as files: close_gap amends a simulator for the recordings of a source."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from rallygap.models.ball.simulator import Simulator
 from rallygap.pipeline.io.simulators import load_simulator
@@ -11,8 +11,7 @@ AMENDED = "amended"
 FIRST = 0  # the split whose amended simulators serve others
 
 
-@dataclass(frozen=True)
-class Amended:
+class Amended(NamedTuple):
     """A simulator that was amended.
 
     Attributes:
@@ -32,10 +31,7 @@ def case_name(source: str, simulator: str, split: int) -> str:
 
 
 def read_amended(folder: Path) -> Iterator[Amended]:
-    """Yield the amended simulators of a folder that serve others, by name.
-
-    Args:
-        folder: that close_gap wrote.
+    """Yield the amended simulators of close_gap's folder that serve others, by name.
 
     Raises:
         InputError: one is broken.
@@ -47,11 +43,6 @@ def read_amended(folder: Path) -> Iterator[Amended]:
 
 def amended_by(folder: Path, source: str, base: str) -> Simulator | None:
     """Return a simulator amended for a source; ``None`` where close_gap did not compare the two.
-
-    Args:
-        folder: that close_gap wrote.
-        source: of the recordings.
-        base: name of the simulator.
 
     Raises:
         InputError: it is broken.

@@ -10,7 +10,6 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 import pandas as pd
 import pyarrow as pa
-from numpy.typing import NDArray
 from pyarrow.parquet import ParquetFile, ParquetWriter
 from pydantic import TypeAdapter, ValidationError
 
@@ -23,7 +22,7 @@ COMPRESSION: Literal["zstd"] = "zstd"  # of tables
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Yield a temporary file next to ``path`` that replaces it when the block succeeds.
+    """Yield a temporary path that takes the place of file ``path`` when the block succeeds.
 
     A block that fails leaves ``path`` unchanged and no other file.
     """
@@ -37,14 +36,11 @@ def replacing(path: Path) -> Iterator[Path]:
 @contextmanager
 def replacing_folder(path: Path) -> Iterator[Path]:
     """Yield an empty folder that takes the place of folder ``path`` when the block succeeds."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
-        temporary = Path(folder) / path.name
+    with replacing(path) as temporary:
         temporary.mkdir()
         yield temporary
         if path.exists():
-            path.rename(Path(folder) / "former")
-        temporary.rename(path)
+            path.rename(temporary.parent / ".former")
 
 
 @contextmanager
@@ -82,13 +78,13 @@ def write_text(path: Path, text: str) -> None:
 
 def write_json(path: Path, content: Any) -> None:
     """Write JSON, indented, in the order given; not-a-number is an error rather than bad JSON."""
-    write_text(path, json.dumps(content, indent=2, allow_nan=False, default=_plain) + "\n")
 
+    def plain(value: Any) -> Any:
+        if isinstance(value, np.generic):
+            return value.item()
+        raise TypeError(f"{type(value).__name__} cannot be written as JSON")
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.generic):
-        return value.item()
-    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
+    write_text(path, json.dumps(content, indent=2, allow_nan=False, default=plain) + "\n")
 
 
 def read_json(path: Path) -> Any:
@@ -103,27 +99,25 @@ def read_json(path: Path) -> Any:
         raise InputError(path, f"is not JSON: {error}") from None
 
 
-def read_as(path: Path, schema: type[Content], stage: str) -> Content:
-    """Read a JSON file that ``stage`` wrote, as a pydantic model or a list of them.
-
-    Raises:
-        InputError: the file is missing, or breaks the schema; naming the field and the stage.
-    """
-    return read_valid(path, schema, f"run `dvc repro -f {stage}` to write it again")
-
-
-def read_valid(path: Path, schema: type[Content], advice: str) -> Content:
+def read_as(path: Path, schema: type[Content], stage: str = "", *, advice: str = "") -> Content:
     """Read a JSON file as a pydantic model or a list of them.
 
+    Args:
+        path: of the file.
+        schema: of its content.
+        stage: that writes it.
+        advice: what to do about a broken file; by default to run ``stage`` again.
+
     Raises:
-        InputError: the file is missing, or breaks the schema; naming the field, with advice.
+        InputError: the file is missing, or breaks the schema; naming the field.
     """
     try:
         return TypeAdapter(schema).validate_python(read_json(path))
     except ValidationError as error:
         first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise InputError(path, f"{first['msg']}; {advice}", field=place) from None
+        field = ".".join(str(part) for part in first["loc"])
+        advice = advice or f"run `dvc repro -f {stage}` to write it again"
+        raise InputError(path, f"{first['msg']}; {advice}", field=field) from None
 
 
 def write_table(path: Path, table: pd.DataFrame) -> None:
@@ -163,19 +157,27 @@ def table_writer(path: Path, empty: pd.DataFrame) -> Iterator[Callable[[pd.DataF
         yield add
 
 
-def read_table(path: Path) -> pd.DataFrame:
-    """Read a parquet table; a missing or broken one is an ``InputError``."""
-    with _reading(path), path.open("rb") as content:
-        return pd.read_parquet(content)
+@contextmanager
+def open_table(path: Path) -> Iterator[ParquetFile]:
+    """Open a parquet table, to read parts of it.
 
-
-def read_column_names(path: Path) -> list[str]:
-    """Return the names of a parquet table's columns, and read nothing else of it.
-
-    A missing or broken one is an ``InputError``.
+    Raises:
+        InputError: it is missing or broken; also where this shows only when a part is read.
     """
-    with _reading(path), ParquetFile(path) as content:
-        return list(content.schema_arrow.names)
+    try:
+        with ParquetFile(path) as table:
+            yield table
+    except FileNotFoundError:
+        raise InputError(path, "there is no such table; run the stage that writes it") from None
+    except (OSError, ValueError, KeyError, TypeError, NotImplementedError, MemoryError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(path, f"is not a parquet table: {reason}") from None
+
+
+def read_table(path: Path, columns: list[str] | None = None) -> pd.DataFrame:
+    """Read a parquet table, or some columns of it; a missing or broken one is an ``InputError``."""
+    with open_table(path) as table:
+        return table.read(columns).to_pandas()
 
 
 def read_row_groups(path: Path) -> Iterator[pd.DataFrame]:
@@ -183,58 +185,6 @@ def read_row_groups(path: Path) -> Iterator[pd.DataFrame]:
 
     A missing or broken one is an ``InputError``.
     """
-    with _reading(path), ParquetFile(path) as content:
-        for group in range(content.num_row_groups):
-            yield content.read_row_group(group).to_pandas()
-
-
-def count_row_groups(path: Path) -> int:
-    """Return in how many parts a parquet table was written.
-
-    A missing or broken one is an ``InputError``.
-    """
-    with _reading(path), ParquetFile(path) as content:
-        return int(content.num_row_groups)
-
-
-def read_row_group(path: Path, number: int) -> pd.DataFrame:
-    """Read one of the parts that a parquet table was written in; they count from 0.
-
-    A missing or broken one is an ``InputError``.
-    """
-    with _reading(path), ParquetFile(path) as content:
-        table: pd.DataFrame = content.read_row_group(number).to_pandas()
-        return table
-
-
-def read_rows(path: Path, rows: NDArray[np.int64], columns: Sequence[str]) -> pd.DataFrame:
-    """Read some rows of a parquet table that need not fit into memory.
-
-    Args:
-        path: of the table; a missing or broken one is an ``InputError``.
-        rows: (n,) their numbers, counted from 0, ascending; at least one.
-        columns: to read.
-    """
-    parts: list[pd.DataFrame] = []
-    first = 0
-    with _reading(path), ParquetFile(path) as content:
-        for group in range(content.num_row_groups):
-            end = first + content.metadata.row_group(group).num_rows
-            within = rows[(rows >= first) & (rows < end)] - first
-            if len(within):
-                found = content.read_row_group(group, columns=columns).to_pandas()
-                parts.append(found.iloc[within])
-            first = end
-    return pd.concat(parts, ignore_index=True)
-
-
-@contextmanager
-def _reading(path: Path) -> Iterator[None]:
-    """Turn what goes wrong when a table is read into an ``InputError``."""
-    try:
-        yield
-    except FileNotFoundError:
-        raise InputError(path, "there is no such table; run the stage that writes it") from None
-    except (OSError, ValueError, KeyError, TypeError, NotImplementedError, MemoryError) as error:
-        reason = " ".join(str(error).split())
-        raise InputError(path, f"is not a parquet table: {reason}") from None
+    with open_table(path) as table:
+        for number in range(table.num_row_groups):
+            yield table.read_row_group(number).to_pandas()

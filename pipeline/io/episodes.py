@@ -1,6 +1,6 @@
 """The segmented tables as episodes, the way predictors' windows take them."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from rallygap.models.ball.types import Floats
 from rallygap.models.predictors.windows import Episode
 from rallygap.pipeline.io.artifacts import read_row_groups
 from rallygap.pipeline.io.schemas import (
@@ -24,9 +25,9 @@ from rallygap.pipeline.io.schemas import (
 )
 from rallygap.pipeline.runtime.errors import InputError
 
-Floats = NDArray[np.float64]
-
 ORIGIN = ["episode_id", "recording_id", "source", "split", "unbroken"]
+NO_TIMES = np.empty(0)
+BY_SAMPLE = ("times", "positions", "velocities", "spins", "outlier", "arc")  # of an Episode
 
 
 @dataclass(frozen=True)
@@ -55,11 +56,8 @@ class MeasuredEpisode:
 
     def between(self, start: float, end: float) -> "MeasuredEpisode":
         """Return the episode with the samples at ``start`` <= t < ``end``, s; its contacts stay."""
-        whole = self.episode
-        rows = (whole.times >= start) & (whole.times < end)
-        names = ("times", "positions", "velocities", "spins", "outlier", "arc")
-        part = replace(whole, **{name: getattr(whole, name)[rows] for name in names})
-        return replace(self, episode=part)
+        times = self.episode.times
+        return replace(self, episode=_rows(self.episode, (times >= start) & (times < end)))
 
 
 def read_episodes(
@@ -78,35 +76,56 @@ def read_episodes(
     """
     contacts = read_checked(folder / "contacts.parquet", CONTACTS)
     episodes = read_checked(folder / "episodes.parquet", EPISODES)
+    path = folder / "samples.parquet"
+    check_columns(path, SAMPLES)
+    return episodes_of(read_row_groups(path), contacts, episodes, labelled_once, splits, path)
+
+
+def episodes_of(
+    samples: Iterable[pd.DataFrame],
+    contacts: pd.DataFrame,
+    episodes: pd.DataFrame,
+    labelled_once: set[str],
+    splits: Collection[str] = SPLITS,
+    path: Path | None = None,
+) -> list[MeasuredEpisode]:
+    """Return the episodes of segmented tables, without the tosses of serves.
+
+    Args:
+        samples: rows of ``SAMPLES`` in parts, each of whole episodes.
+        contacts: rows of ``CONTACTS``.
+        episodes: rows of ``EPISODES``.
+        labelled_once: sources with one spin label a shot, as in ``read_episodes``.
+        splits: which to return.
+        path: of the samples, if they are from a file.
+
+    Raises:
+        InputError: samples are broken or lack an episode.
+    """
     label_ends = _label_ends(contacts, episodes, labelled_once)
-    chosen = episodes[episodes["split"].isin(splits) & ~_tosses(episodes)]
+    # The toss of a serve: no stroke begins it, and the serve ends it.
+    unstruck = episodes["starts_with"].isin(["recording", "gap"])
+    tossed = unstruck & (episodes["ends_with"] == "racket") & (episodes["bounces"] == 0)
+    chosen = episodes[episodes["split"].isin(splits) & ~tossed]
     kind = contacts["kind"]
     bounces, touched, nets = (
-        _times(contacts[some]) for some in (kind == "table", kind != "table", kind == "net")
+        _times(contacts[of_kind]) for of_kind in (kind == "table", kind != "table", kind == "net")
     )
-    path = folder / "samples.parquet"
-    parts = dict(_episodes(path, chosen, bounces, label_ends))
-    absent = [name for name in chosen["episode_id"] if name not in parts]
-    if absent:
-        raise InputError(path, f"has no samples of episode {absent[0]}; run `dvc repro -f segment`")
-    return [
-        MeasuredEpisode(
-            name,
-            recording_id,
-            source,
-            split,
-            unbroken,
-            parts[name],
-            *(_inside(times.get(name), parts[name]) for times in (touched, nets)),
+    parts = dict(_episodes(samples, chosen, bounces, label_ends, path))
+    measured = []
+    for name, recording_id, source, split, unbroken in chosen[ORIGIN].itertuples(index=False):
+        if name not in parts:
+            problem = f"has no samples of episode {name}; run `dvc repro -f segment`"
+            raise InputError(path or "samples", problem)
+        touches, met_nets = (
+            _inside(times.get(name, NO_TIMES), parts[name]) for times in (touched, nets)
         )
-        for name, recording_id, source, split, unbroken in chosen[ORIGIN].itertuples(index=False)
-    ]
-
-
-def _tosses(episodes: pd.DataFrame) -> "pd.Series[bool]":
-    """Return which episodes are the toss of a serve: no stroke begins it, and the serve ends it."""
-    unstruck = episodes["starts_with"].isin(["recording", "gap"])
-    return unstruck & (episodes["ends_with"] == "racket") & (episodes["bounces"] == 0)
+        measured.append(
+            MeasuredEpisode(
+                name, recording_id, source, split, unbroken, parts[name], touches, met_nets
+            )
+        )
+    return measured
 
 
 def _times(contacts: pd.DataFrame) -> dict[str, Floats]:
@@ -115,12 +134,9 @@ def _times(contacts: pd.DataFrame) -> dict[str, Floats]:
     return {str(name): times.to_numpy() for name, times in by_episode}
 
 
-def _inside(times: Floats | None, episode: Episode) -> Floats:
+def _inside(times: Floats, episode: Episode) -> Floats:
     """Return which of an episode's contacts are between its first sample and its last."""
-    if times is None:
-        return np.empty(0)
-    inside: Floats = times[(times > episode.times[0]) & (times < episode.times[-1])]
-    return inside
+    return times[(times > episode.times[0]) & (times < episode.times[-1])]
 
 
 def _label_ends(
@@ -135,22 +151,24 @@ def _label_ends(
 
 
 def _episodes(
-    path: Path,
+    samples: Iterable[pd.DataFrame],
     chosen: pd.DataFrame,
     bounces: dict[str, Floats],
     label_ends: dict[str, float],
+    path: Path | None,
 ) -> Iterator[tuple[str, Episode]]:
-    """Yield the chosen episodes by id, one row group of their samples in memory at a time."""
+    """Yield the chosen episodes by id, one part of the samples in memory at a time."""
     recordings = dict(zip(chosen["episode_id"], chosen["recording_id"], strict=True))
-    check_columns(path, SAMPLES)
-    for samples in read_row_groups(path):
-        wanted = checked(samples[samples["episode_id"].isin(chosen["episode_id"])], SAMPLES, path)
+    for part in samples:
+        wanted = checked(part[part["episode_id"].isin(chosen["episode_id"])], SAMPLES, path)
         whole = as_episode(wanted)
         for name, rows in wanted.groupby("episode_id", sort=False).indices.items():
             episode_id = str(name)
-            label_end = label_ends.get(recordings[episode_id], np.inf)
-            times = bounces.get(episode_id, np.empty(0))
-            yield episode_id, _part(whole, np.asarray(rows), times, label_end)
+            own = _rows(whole, np.asarray(rows))
+            labelled = own.times < label_ends.get(recordings[episode_id], np.inf)
+            spins = np.where(labelled[:, None], own.spins, np.nan)
+            times = bounces.get(episode_id, NO_TIMES)
+            yield episode_id, replace(own, spins=spins, bounces=times)
 
 
 def as_episode(samples: pd.DataFrame) -> Episode:
@@ -162,18 +180,10 @@ def as_episode(samples: pd.DataFrame) -> Episode:
         spins=samples[SPIN_COLUMNS].to_numpy(),
         outlier=samples["outlier"].to_numpy(),
         arc=samples["arc"].to_numpy(),
-        bounces=np.empty(0),
+        bounces=NO_TIMES,
     )
 
 
-def _part(whole: Episode, rows: NDArray[np.intp], bounces: Floats, label_end: float) -> Episode:
-    times = whole.times[rows]
-    return Episode(
-        times=times,
-        positions=whole.positions[rows],
-        velocities=whole.velocities[rows],
-        spins=np.where((times < label_end)[:, None], whole.spins[rows], np.nan),
-        outlier=whole.outlier[rows],
-        arc=whole.arc[rows],
-        bounces=bounces,
-    )
+def _rows(episode: Episode, rows: NDArray[np.bool_] | NDArray[np.intp]) -> Episode:
+    """Return an episode with some of its samples."""
+    return replace(episode, **{name: getattr(episode, name)[rows] for name in BY_SAMPLE})

@@ -58,10 +58,7 @@ def net_contacts(
 ) -> Bools:
     """Return (B,) whether the ball truly meets the net within the forecast of each window.
 
-    Args:
-        windows: B windows of simulated recordings.
-        recordings: (B,) the recording of each.
-        contacts: of these recordings.
+    Arguments are those of ``true_windows``.
     """
     met = np.zeros(len(windows), dtype=bool)
     for name, known in contacts.items():

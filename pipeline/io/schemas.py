@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pandera.pandas as pa
 
-from rallygap.pipeline.io.artifacts import read_column_names, read_table
+from rallygap.pipeline.io.artifacts import open_table, read_table
 from rallygap.pipeline.runtime.errors import InputError
 
 POSITION_COLUMNS = ["px", "py", "pz"]
@@ -21,12 +21,17 @@ FARTHEST_POSITION = 20.0  # m
 FASTEST_BALL = 60.0  # m/s
 FASTEST_SPIN = 3000.0  # rad/s
 
-
-_finite = pa.Check(np.isfinite, error="must be finite")
+HOW_TO_WRITE = "run the stage that writes it"
+_EXPLANATIONS = {  # of pandera's checks
+    "column_in_dataframe": "is missing",
+    "column_in_schema": "is no column of this table",
+    "column_ordered": "is out of order",
+}
 
 
 def _number(limit: float | None = None, nullable: bool = False) -> pa.Column:
-    bounded = _finite if limit is None else pa.Check.in_range(-limit, limit)
+    finite = pa.Check(np.isfinite, error="must be finite")
+    bounded = finite if limit is None else pa.Check.in_range(-limit, limit)
     return pa.Column(float, bounded, nullable=nullable)
 
 
@@ -167,15 +172,6 @@ def empty(contract: pa.DataFrameSchema) -> pd.DataFrame:
     return pd.DataFrame(columns=list(types)).astype(types)
 
 
-HOW_TO_WRITE = "run the stage that writes it"
-
-_EXPLANATIONS = {
-    "column_in_dataframe": "is missing",
-    "column_in_schema": "is no column of this table",
-    "column_ordered": "is out of order",
-}
-
-
 def read_checked(path: Path, contract: pa.DataFrameSchema) -> pd.DataFrame:
     """Read a parquet table that keeps ``contract``.
 
@@ -192,7 +188,8 @@ def check_columns(path: Path, contract: pa.DataFrameSchema) -> None:
     Raises:
         InputError: it is missing, is no parquet table, or has other columns.
     """
-    names = read_column_names(path)
+    with open_table(path) as table:
+        names = table.schema_arrow.names
     for name in contract.columns:
         if names.count(name) != 1:
             problem = "is there twice" if name in names else "is missing"
@@ -219,15 +216,11 @@ def checked(
         return contract.validate(table, lazy=True)
     except pa.errors.SchemaErrors as error:
         failure = error.failure_cases.iloc[0]
-        raise _broken(path or f"table of {contract.name}", contract, failure) from None
-
-
-def _broken(where: Path | str, contract: pa.DataFrameSchema, failure: pd.Series) -> InputError:
-    """Return the error for one failure case of pandera."""
+    where = path or f"table of {contract.name}"
     check, case, column = failure["check"], failure["failure_case"], failure["column"]
     if check in _EXPLANATIONS:
-        return InputError(where, _EXPLANATIONS[check], field=str(case))
+        raise InputError(where, _EXPLANATIONS[check], field=str(case))
     if column == contract.name:
-        return InputError(where, str(check))
+        raise InputError(where, str(check))
     row = None if pd.isna(failure["index"]) else int(failure["index"]) + 1
-    return InputError(where, f"breaks {check}: {case}", row=row, field=str(column))
+    raise InputError(where, f"breaks {check}: {case}", row=row, field=str(column))

@@ -23,5 +23,4 @@ def load_simulator(name: str) -> Simulator:
 
 def simulator_yaml(simulator: Simulator) -> str:
     """Return a simulator as the content of a YAML file."""
-    text: str = yaml.safe_dump(simulator.to_dict(), sort_keys=False)
-    return text
+    return yaml.safe_dump(simulator.to_dict(), sort_keys=False)

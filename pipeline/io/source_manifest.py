@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel
 
 from rallygap.pipeline.io.artifacts import read_as
 from rallygap.pipeline.io.frame import Frame
@@ -12,7 +12,7 @@ from rallygap.pipeline.params import Name
 PathKind = Literal["cannon", "rally"]
 
 
-class Description(BaseModel):
+class Description(BaseModel, extra="forbid", frozen=True):
     """A source as its adapter describes it.
 
     Attributes:
@@ -28,8 +28,6 @@ class Description(BaseModel):
         note: what users of the data must know.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
     name: Name
     kind: PathKind | Literal["launches"] | dict[str, PathKind]
     spin: Literal["none", "per_recording", "per_sample"]
@@ -40,25 +38,21 @@ class Description(BaseModel):
     note: str
 
 
-class Refused(BaseModel):
+class Refused(BaseModel, extra="forbid"):
     """Rows refused for one reason: their number, and the rows of each file or data set."""
-
-    model_config = ConfigDict(extra="forbid")
 
     count: int
     rows: dict[str, list[int]]
 
 
-class FileRecord(BaseModel):
+class FileRecord(BaseModel, extra="forbid"):
     """A file that was read; its name is relative to the source's folder."""
-
-    model_config = ConfigDict(extra="forbid")
 
     file: str
     sha256: str
 
 
-class SourceRecord(Description):
+class SourceRecord(Description, frozen=True):
     """What was read from one source.
 
     Attributes:
@@ -88,10 +82,8 @@ class SourceRecord(Description):
         return {reason: group.count for reason, group in refused.items()}
 
 
-class Manifest(BaseModel):
+class Manifest(BaseModel, extra="forbid"):
     """All sources that ingest read, by name."""
-
-    model_config = ConfigDict(extra="forbid")
 
     sources: dict[str, SourceRecord]
 

@@ -1,26 +1,24 @@
 """``rallygap live``: from a camera server or from recordings to forecasts."""
 
 import signal
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
 import typer
 
-from rallygap.models.live.forecaster import Forecaster
+from rallygap.models.live.forecaster import Forecaster, Seen
 from rallygap.models.predictors.ball_filter import ANY_BALL
 from rallygap.models.predictors.protocol import ProbabilisticPredictor
 from rallygap.pipeline.gap.expected_balls import read_expected
 from rallygap.pipeline.gap.measured_shots import read_recordings
 from rallygap.pipeline.io.simulators import load_simulator
-from rallygap.pipeline.live.bridge import received, sockets
 from rallygap.pipeline.live.latency import Latencies
-from rallygap.pipeline.live.loop import forecast_each, warm_up
-from rallygap.pipeline.live.messages import Measurement
-from rallygap.pipeline.live.replay import measurements, paced
-from rallygap.pipeline.live.view.browser import open_browser
+from rallygap.pipeline.live.messages import Measurement, ball_forecast, forecast_message
+from rallygap.pipeline.live.streams import measurements, paced, received, sockets
 from rallygap.pipeline.live.view.frame import Frame
-from rallygap.pipeline.live.view.server import served
+from rallygap.pipeline.live.view.server import open_browser, served
 from rallygap.pipeline.live.watch import Watch, alarm_sentence
 from rallygap.pipeline.runtime.console import warn
 
@@ -40,9 +38,9 @@ def forecaster(simulator: str, predictor: Path | None, balls: Path | None) -> Fo
     """
     expected = read_expected(balls) if balls else ANY_BALL
     compiled = _compiled(predictor) if predictor else None
-    found = Forecaster(load_simulator(simulator), compiled, expected)
-    warm_up(found)
-    return found
+    ready = Forecaster(load_simulator(simulator), compiled, expected)
+    warm_up(ready)
+    return ready
 
 
 def _compiled(folder: Path) -> ProbabilisticPredictor:
@@ -96,6 +94,47 @@ def replay(
         return _run(paced(rows, speed), forecaster, sender.send_string, view)
 
 
+def forecast_each(
+    rows: Iterable[Measurement],
+    forecaster: Forecaster,
+    watch: Watch,
+    publish: Callable[[str], object],
+    latencies: Latencies,
+    show: Callable[[Frame], object] | None = None,
+) -> None:
+    """Publish the forecast after each measurement.
+
+    Args:
+        rows: in the order in which they come.
+        forecaster: that takes them.
+        watch: for drift.
+        publish: sends a message.
+        latencies: counts how long each took.
+        show: takes what a view shows, after the forecast is published; None without a view.
+    """
+    for row in rows:
+        start = time.perf_counter()
+        seen: Seen = "unused"  # a frame without a ball
+        if row.position is not None:
+            seen = forecaster.observe(row.time, row.position, spin=row.spin)
+        ball = ball_forecast(forecaster)
+        message = forecast_message(row.number, seen, ball, watch.alarm)
+        publish(message)
+        latencies.add(time.perf_counter() - start)
+        watch.observe(row, seen, forecaster.ball)
+        if show is not None:
+            measured = forecaster.ball.positions.copy()
+            show(Frame(row.time, message, ball, measured, watch.alarm))
+
+
+def warm_up(forecaster: Forecaster) -> None:
+    """Compile what forecasts need, which takes seconds on a machine that has not done it yet."""
+    other = Forecaster(forecaster.simulator, forecaster.predictor)
+    for k in range(4):
+        other.observe(0.005 * k, [0.0, 1.0 - 0.03 * k, 0.3], spin=[0.0, 0.0, 0.0])
+        forecast_message(k, "used", ball_forecast(other))
+
+
 def _run(
     rows: Iterator[Measurement],
     forecaster: Forecaster,
@@ -125,9 +164,9 @@ def _viewed(port: int | None, latencies: Latencies) -> Iterator[Callable[[Frame]
 @contextmanager
 def _stoppable() -> Iterator[None]:
     """Let Ctrl-C and the end of a service stop the block, also where the shell ignores Ctrl-C."""
-    before = {one: signal.signal(one, signal.default_int_handler) for one in STOPS}
+    before = {stop: signal.signal(stop, signal.default_int_handler) for stop in STOPS}
     try:
         yield
     finally:
-        for one, handler in before.items():
-            signal.signal(one, handler)
+        for stop, handler in before.items():
+            signal.signal(stop, handler)

@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from rallygap.models.ball.state import POSITION
 from rallygap.models.ball.types import Floats
 from rallygap.models.live.drift import Alarm
-from rallygap.models.live.forecaster import Event, Seen
-from rallygap.pipeline.live.forecast import AHEAD, BallForecast
+from rallygap.models.live.forecaster import Event, Forecaster, Seen
 
 NANOSECONDS = 1e9  # in a second
+AHEAD = 0.01 * np.arange(1, 31)  # s after the last measurement, of the states in a forecast
 
 
 class MessageError(ValueError):
@@ -33,6 +34,23 @@ class Measurement:
     time: float
     position: Floats | None
     spin: Floats | None = None
+
+
+@dataclass(frozen=True)
+class BallForecast:
+    """Where a ball will be.
+
+    Attributes:
+        time: s, of its last measurement, on the sensor's clock.
+        states: (30, 9) position (m), velocity (m/s) and spin (rad/s), ``AHEAD`` of that time.
+        covariances: (30, 3, 3) m^2, of the positions.
+        bounce: the next contact with the table; None without any.
+    """
+
+    time: float
+    states: Floats
+    covariances: Floats
+    bounce: Event | None
 
 
 def parse(message: bytes | str) -> Measurement:
@@ -75,6 +93,15 @@ def _vector(fields: dict[str, Any], name: str) -> Floats | None:
     return vector
 
 
+def ball_forecast(forecaster: Forecaster) -> BallForecast | None:
+    """Return the forecast of the present ball; None without a ball."""
+    if not forecaster.ready:
+        return None
+    states, covariances = forecaster.predict(forecaster.last + AHEAD)
+    of_positions = covariances[:, POSITION, POSITION]
+    return BallForecast(forecaster.last, states, of_positions, forecaster.bounce())
+
+
 def forecast_message(
     number: int, seen: Seen, ball: BallForecast | None, alarm: Alarm | None = None
 ) -> str:
@@ -112,7 +139,7 @@ def _drift(alarm: Alarm | None) -> dict[str, Any] | None:
         "identity": alarm.hypothesis.identity,
         "change": alarm.change,
         "error": alarm.error,
-        "possible": [one.identity for one in alarm.possible],
+        "possible": [hypothesis.identity for hypothesis in alarm.possible],
     }
 
 

@@ -89,7 +89,7 @@ def alarm_sentence(alarm: Alarm) -> str:
     """Return an alarm in words."""
     hypothesis, unit = alarm.hypothesis, alarm.hypothesis.declaration.unit
     size = f"{alarm.change:+.3g}" + (f" {unit}" if unit != "1" else "")
-    others = ", ".join(one.identity for one in alarm.possible[1:])
+    others = ", ".join(other.identity for other in alarm.possible[1:])
     tail = f" Not separable from {others}." if others else ""
     return (
         f"The world has left the simulator: {hypothesis.identity} "

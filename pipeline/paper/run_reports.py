@@ -6,15 +6,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
-from pydantic import BaseModel, ConfigDict
 
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.paper.assessments import Interval
-from rallygap.pipeline.params import check_params, load_params, read_yaml, with_current_keys
+from rallygap.pipeline.params import load_params, with_current_keys
 from rallygap.pipeline.runtime.errors import InputError
 
-RECORD = "run.json"  # of a kept run: commit, command, parameters and fingerprints
+PARAMS = "params.json"  # of the run of a profile
 
 
 @dataclass(frozen=True)
@@ -74,11 +72,6 @@ class Reports:
             return None
         return [float(table.iloc[0][name]) for name in names]
 
-    def number(self, file: str, name: str, **keys: str | int) -> float | None:
-        """Return a number of the row with these values; ``None`` if it does not exist."""
-        found = self.numbers(file, [name], **keys)
-        return None if found is None else found[0]
-
 
 class Reading(NamedTuple):
     """A number of ours.
@@ -96,12 +89,6 @@ class Reading(NamedTuple):
     assessment: str = ""
 
 
-class ReportSource(BaseModel):
-    """Where a number of ours comes from: a kind of ``ours`` in ``values.yaml``."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
 def laptop_reports(root: Path) -> Reports:
     """Return the reports of the last run in a repository.
 
@@ -111,40 +98,14 @@ def laptop_reports(root: Path) -> Reports:
     return Reports(root / "reports", load_params(root / "params.yaml").model_dump(mode="json"))
 
 
-def paper_reports(root: Path) -> Reports:
-    """Return the reports of the run in the paper's size, if it was kept; else its parameters.
-
-    Raises:
-        InputError: parameters are missing or broken.
-    """
-    folder, profile = root / "reports" / "paper", root / "profiles" / "paper.yaml"
-    if (folder / RECORD).is_file():
-        return kept_reports(folder)
-    params = check_params(merged(read_yaml(root / "params.yaml"), read_yaml(profile)), profile)
-    return Reports(folder, params.model_dump(mode="json"), profile)
-
-
-def is_kept_run(folder: Path) -> bool:
-    """Return whether a folder of reports is a kept run; records of studies have the same name."""
-    path = folder / RECORD
-    return path.is_file() and is_record_of_run(read_json(path))
-
-
-def is_record_of_run(record: Any) -> bool:
-    """Return whether a record is of a kept run, whose stages have fingerprints."""
-    return "fingerprints" in record
-
-
 def kept_reports(folder: Path) -> Reports:
-    """Return the reports of a kept run.
+    """Return the reports of a profile's run.
 
     Raises:
-        InputError: its record is missing or broken.
+        InputError: its parameters are missing or broken.
     """
-    path = folder / RECORD
-    record = read_json(path)
-    params = record.get("params") if isinstance(record, dict) else None
+    path = folder / PARAMS
+    params = read_json(path)
     if not isinstance(params, dict):
-        problem = "is missing or holds no parameters; run `rallygap keep` again"
-        raise InputError(path, problem, field="params")
+        raise InputError(path, "holds no parameters; run `python -m rallygap.stages.profile` again")
     return Reports(folder, dict(with_current_keys(params)), path)

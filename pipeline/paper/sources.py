@@ -1,175 +1,213 @@
-"""Where our number comes from: the kinds of ``ours`` in ``values.yaml``."""
+"""Where our number comes from: a reader for each kind of source in ``values.csv``."""
 
-from pydantic import Field
+from collections.abc import Callable, Collection, Mapping
 
 from rallygap.models.ball.simulators import shipped
-from rallygap.pipeline.paper.assessments import Interval, difference
-from rallygap.pipeline.paper.forecast_errors import ErrorDifference, ErrorSpread
-from rallygap.pipeline.paper.run_reports import Reading, Reports, ReportSource
-from rallygap.pipeline.paper.settings import COMPUTED, CONSTANTS
+from rallygap.models.predictors.protocol import FUTURE, HISTORY
+from rallygap.pipeline.paper.assessments import (
+    FAILS,
+    HOLDS,
+    OPEN,
+    Interval,
+    claim,
+    combined,
+    difference,
+)
+from rallygap.pipeline.paper.run_reports import Reading, Reports
+from rallygap.pipeline.paper.values import Value, number, number_or_text
 
 DIGITS = 4  # of a difference in percentage points: tables have six digits of a share
+ERRORS = "evaluate_predictor/forecast_error.csv"
+DIFFERENCES = "evaluate_predictor/forecast_error_difference.csv"
+SET, LEARNED = "arena", "transformer"
+HORIZONS_MS = (100, 200, 300)  # those that the tables of a run have
+CASE: dict[str, str | int] = {"set": SET, "against": "measured", "bounce": "all"}  # of errors
+SPLITS = "segment/splits.csv"
+CANNON = "cannon"  # the group of the arena's episodes without players
+NETWORK, TRAINING = "train_predictor.networks.transformer", "train_predictor.training"
+HORIZONS = "train_policy.groups.sim2sim.horizons_ms"
 
 
-class Table(ReportSource):
-    """A row of a table of the reports: a number, perhaps with its interval and the count behind it.
-
-    The number is ``(column + offset) * scale``.
-    """
-
-    file: str
-    where: dict[str, str | int]
-    column: str
-    low: str | None = "ci_low"
-    high: str | None = "ci_high"
-    offset: float = 0
-    scale: float = 1
-    count: str | None = None
-    of: str | None = None
-
-    @property
-    def place(self) -> str:
-        """The file and the column."""
-        return f"{self.file}: {self.column}"
-
-    def read(self, run: Reports) -> Reading | None:
-        """Return the number, or ``None`` where the reports do not have it."""
-        named = [self.column, self.low, self.high, self.count, self.of]
-        found = run.numbers(self.file, [name for name in named if name], **self.where)
-        if found is None:
-            return None
-        value, *ends = (self.scale * (one + self.offset) for one in found[:3])
-        if self.low is None:
-            return Reading(value)
-        interval = Interval(value, *ends)
-        if self.count is None:
-            return Reading(interval.value, interval)
-        value, low, high = interval
-        counts = f"{round(found[3], 1):g} of {found[4]:.0f}"
-        return Reading(value, interval, f"{counts}: {number(value)} % ({low:.0f} to {high:.0f})")
-
-
-class Difference(ReportSource):
-    """One number minus another that is independent of it."""
-
-    first: "Source"
-    minus: "Source"
-
-    @property
-    def place(self) -> str:
-        """Where the first is."""
-        return self.first.place
-
-    def read(self, run: Reports) -> Reading | None:
-        """Return the difference, or ``None`` where the reports lack one of the two."""
-        found = [one.read(run) for one in (self.first, self.minus)]
-        ends = [one.interval for one in found if one is not None and one.interval is not None]
-        if len(ends) < len(found):
-            return None
-        interval = Interval(*(round(end, DIGITS) + 0.0 for end in difference(*ends)))  # no -0
-        return Reading(interval.value, interval)
-
-
-class Parameter(ReportSource):
-    """A number of params.yaml."""
-
-    param: str
-    scale: float = 1
-
-    @property
-    def place(self) -> str:
-        """Its path."""
-        return f"params.yaml: {self.param}"
-
-    def read(self, run: Reports) -> Reading | None:
-        """Return the run's parameter."""
-        found = run.param(self.param)
-        return None if found is None else Reading(self.scale * float(found))
-
-
-class Constant(ReportSource):
-    """A constant of the code, the same in every run."""
-
-    constant: str
-    of: str
-
-    @property
-    def place(self) -> str:
-        """The module that has it."""
-        return self.of
-
-    def read(self, run: Reports) -> Reading | None:
-        """Return the constant."""
-        return Reading(CONSTANTS[self.constant])
-
-
-class SimulatorParameter(ReportSource):
-    """A parameter of a shipped simulator, which is named here or by a parameter of the run."""
-
-    effect: str
-    parameter: str
-    simulator: str | None = None
-    simulator_param: str | None = None
-
-    @property
-    def place(self) -> str:
-        """The simulator's file, or the parameter that names it."""
-        if self.simulator_param:
-            return f"params.yaml: {self.simulator_param}"
-        return f"models/ball/simulators/{self.simulator}.yaml: {self.effect}.{self.parameter}"
-
-    def read(self, run: Reports) -> Reading | None:
-        """Return the parameter of the simulator."""
-        name = run.param(self.simulator_param) if self.simulator_param else self.simulator
-        if name is None:
-            return None
-        return Reading(float(shipped(name).effects[self.effect][self.parameter]))
-
-
-class Computed(ReportSource):
-    """A setting that is computed from the reports or the parameters of a run."""
-
-    computed: str
-
-    @property
-    def place(self) -> str:
-        """What it is computed from."""
-        return COMPUTED[self.computed][1]
-
-    def read(self, run: Reports) -> Reading | None:
-        """Return the setting."""
-        found = COMPUTED[self.computed][0](run)
-        return None if found is None else Reading(found)
-
-
-class Unmeasured(ReportSource):
-    """No number of ours; where to look instead."""
-
-    see: str = Field(min_length=1)
-
-    @property
-    def place(self) -> str:
-        """Where to look."""
-        return self.see
-
-    def read(self, run: Reports) -> Reading | None:
-        """Return nothing."""
+def _table(value: Value, run: Reports, argument: str = "") -> Reading | None:
+    """Return a number of a table of the reports, from the row that the argument names."""
+    file, column = value.ours.split(": ")
+    where = dict(part.split("=") for part in (argument or value.argument).split("; "))
+    found = run.numbers(file, [column, *value.ends.split()], **where)
+    if found is None:
         return None
+    ours, *ends = (value.scale * (each + value.offset) for each in found[:3])
+    if not ends:
+        return Reading(ours)
+    interval = Interval(ours, *ends)
+    if len(found) == 3:
+        return Reading(ours, interval)
+    counts = f"{round(found[3], 1):g} of {found[4]:.0f}"
+    shown = f"{counts}: {number(ours)} % ({interval.low:.0f} to {interval.high:.0f})"
+    return Reading(ours, interval, shown)
 
 
-Source = (
-    Table
-    | Difference
-    | ErrorDifference
-    | ErrorSpread
-    | Parameter
-    | Constant
-    | SimulatorParameter
-    | Computed
-    | Unmeasured
-)
+def _difference(value: Value, run: Reports) -> Reading | None:
+    """Return one number of a table minus another that is independent of it."""
+    found = [_table(value, run, argument) for argument in (value.argument, value.minus)]
+    ends = [each.interval for each in found if each is not None and each.interval is not None]
+    if len(ends) < len(found):
+        return None
+    interval = Interval(*(round(end, DIGITS) + 0.0 for end in difference(*ends)))  # no -0
+    return Reading(interval.value, interval)
 
 
-def number(value: float) -> str:
-    """Return a number with three digits, however small it is."""
-    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+def _parameter(value: Value, run: Reports) -> Reading | None:
+    found = run.param(value.ours.removeprefix("params.yaml: "))
+    return None if found is None else Reading(value.scale * float(found))
+
+
+def _constant(value: Value, run: Reports) -> Reading | None:
+    """Return a constant of the code, the same in every run; a test compares it with the code."""
+    return Reading(number_or_text(value.argument))
+
+
+def _simulator(value: Value, run: Reports) -> Reading | None:
+    """Return a parameter of a shipped simulator, named in the file or by a parameter of the run."""
+    effect, parameter = value.argument.split(".")
+    place, what = value.ours.split(": ")
+    name = run.param(what) if place == "params.yaml" else place.split("/")[-1][: -len(".yaml")]
+    return None if name is None else Reading(float(shipped(name).effects[effect][parameter]))
+
+
+def _error(value: Value, run: Reports) -> Reading | None:
+    """Return whether the transformer's mean error is below a rival's at every horizon.
+
+    The number is the difference at the last horizon in percent of the rival's error.
+    """
+    quantity, rival = value.argument.split()
+    found = [_error_difference(run, quantity, rival, horizon) for horizon in HORIZONS_MS]
+    keys = {"predictor": rival, "quantity": quantity, "horizon_ms": HORIZONS_MS[-1], **CASE}
+    last = run.numbers(ERRORS, ["mean"], **keys)
+    known = [each for each in found if each is not None]
+    if len(known) < len(found) or last is None:
+        return None
+    word = combined(claim(interval, grows=False) for interval, _ in known)
+    if word == HOLDS and min(lower for _, lower in known) < 1:
+        word = OPEN
+    interval = known[-1][0].times(100 / last[0])
+    return Reading(interval.value, interval, assessment=word)
+
+
+def _error_difference(
+    run: Reports, quantity: str, rival: str, horizon: int
+) -> tuple[Interval, float] | None:
+    """Return the error minus the rival's, and at which share of horizons it is less.
+
+    The table has a pair of predictors in either order.
+    """
+    at: dict[str, str | int] = {"set": SET, "quantity": quantity, "horizon_ms": horizon}
+    names = ["mean", "ci_low", "ci_high", "lower_share"]
+    for first, second, sign in ((LEARNED, rival, 1), (rival, LEARNED, -1)):
+        found = run.numbers(DIFFERENCES, names, predictor=first, other=second, **at)
+        if found is not None:
+            *interval, lower = found
+            return Interval(*interval).times(sign), lower if sign > 0 else 1 - lower
+    return None
+
+
+def _spread(value: Value, run: Reports) -> Reading | None:
+    """Return whether the standard deviation of the error is below every rival's at all horizons.
+
+    The number is the excess over the smallest of the rivals at the last horizon in percent.
+    """
+    quantity, *rivals = value.argument.split()
+    table = run.table(ERRORS, ["quantity", "horizon_ms", "predictor", *CASE], ["std"])
+    for column, kept in {**CASE, "quantity": quantity}.items() if len(table) else ():
+        table = table[table[column] == kept]
+    if not {LEARNED, *rivals} <= set(table.get("predictor", ())):
+        return None
+    spread = table.pivot(index="horizon_ms", columns="predictor", values="std")
+    best = spread[rivals].min(axis=1)
+    word = HOLDS if (spread[LEARNED] < best).all() else FAILS
+    return Reading(100 * float((spread[LEARNED] / best).iloc[-1] - 1), assessment=word)
+
+
+def _computed(value: Value, run: Reports) -> Reading | None:
+    found = COMPUTED[value.argument](run)
+    return None if found is None else Reading(found)
+
+
+def _episodes(run: Reports, column: str = "", values: Collection[str] = ()) -> float | None:
+    """Return how many of the arena's episodes have one of these values in a column."""
+    table = run.table(SPLITS, ["source", *([column] if column else [])], ["episodes"])
+    if table.empty:
+        return None
+    table = table[table["source"] == SET]
+    chosen = table[table[column].isin(values)] if column else table
+    return float(chosen["episodes"].sum())
+
+
+def _players(run: Reports) -> list[str]:
+    table = run.table(SPLITS, ["source", "group"], [])
+    if table.empty:
+        return []
+    return sorted({*table.loc[table["source"] == SET, "group"]} - {CANNON})
+
+
+def _training_share(run: Reports) -> float | None:
+    training, validation = (_episodes(run, "split", [name]) for name in ("train", "validation"))
+    return training / (training + validation) if training and validation else None
+
+
+def _training(run: Reports, key: str, missing: str, present: str = "") -> float | str | None:
+    """Return a setting of the training, or what it means that it is missing or there."""
+    training = run.param(TRAINING)
+    if training is None:
+        return None
+    found = training.get(key)
+    return missing if found is None else present or found
+
+
+def _future_rows(run: Reports) -> int | None:
+    states = run.param(f"{NETWORK}.states_per_row")
+    return None if states is None else FUTURE // int(states)
+
+
+def _decoder_rows(run: Reports) -> float | None:
+    rows = _future_rows(run)
+    return None if rows is None else HISTORY + rows
+
+
+def _placeholders(run: Reports) -> str | None:
+    rows = _future_rows(run)
+    if rows is None:
+        return None
+    uniform = run.param(f"{NETWORK}.uniform_motion")
+    return f"{rows} rows of uniform motion" if uniform else f"{rows} x 6 zeros"
+
+
+def _horizons(run: Reports, index: int) -> str | None:
+    found = run.param(HORIZONS)
+    return ", ".join(map(str, found[index])) if found and len(found) > index else None
+
+
+COMPUTED: Mapping[str, Callable[[Reports], float | str | None]] = {
+    "episodes": _episodes,
+    "game_episodes": lambda run: _episodes(run, "group", _players(run)),
+    "cannon_episodes": lambda run: _episodes(run, "group", [CANNON]),
+    "test_episodes": lambda run: _episodes(run, "split", ["test"]),
+    "training_share": _training_share,
+    "player_levels": lambda run: len(_players(run)) or None,
+    "decoder_rows": _decoder_rows,
+    "placeholders": _placeholders,
+    "decay": lambda run: _training(run, "decay", "half a cosine"),
+    "optimizer": lambda run: _training(run, "matrix_learning_rate", "Adam", "Muon and Adam"),
+    "near_horizons": lambda run: _horizons(run, 0),
+    "far_horizons": lambda run: _horizons(run, 1),
+}
+READERS: Mapping[str, Callable[[Value, Reports], Reading | None]] = {
+    "table": _table,
+    "difference": _difference,
+    "parameter": _parameter,
+    "constant": _constant,
+    "simulator": _simulator,
+    "error": _error,
+    "spread": _spread,
+    "computed": _computed,
+    "nothing": lambda value, run: None,
+}

@@ -1,14 +1,73 @@
-"""The paper's numbers and claims: ``values.yaml``, read, with a row for every combination."""
+"""The paper's numbers and claims, a row each, and where ours come from (``values.csv``)."""
 
-import itertools
-from collections.abc import Iterator, Mapping
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import yaml
+NOTHING = "–"
+PATH = Path(__file__).with_name("values.csv")
 
-PATH = Path(__file__).with_name("values.yaml")
+
+@dataclass(frozen=True)
+class Value:
+    """A number or claim of the paper.
+
+    Attributes:
+        group: of values that are shown together.
+        id: unique among values.
+        what: it is, or is claimed.
+        stage: that makes our number; empty where none does.
+        rule: by which ours is assessed. ``same`` and ``at_least``: a setting; ``rate``: a count of
+            shots; ``more`` and ``less``: the sign of a change; ``twice``: a ratio;
+            ``every_horizon``: a claim about all horizons; ``quoted``: not measured here.
+        value: the paper's; ``None`` where it is only drawn or described.
+        shown: how the paper describes it.
+        unit: of the numbers.
+        count: of shots that the paper prints.
+        of: so many shots.
+        source: kind of ``ours``, a key of ``sources.READERS``.
+        ours: where our number is: a file or a parameter, and what in it.
+        argument: what the source needs besides.
+        minus: argument of the number that is taken off.
+        ends: columns with the ends of the interval and, of a rate, with the count and of how many.
+        offset: added to our number, which is then multiplied by ``scale``.
+        scale: see there.
+    """
+
+    group: str
+    id: str
+    what: str
+    stage: str = ""
+    rule: str = "same"
+    value: float | str | None = None
+    shown: str = ""
+    unit: str = ""
+    count: int | None = None
+    of: int | None = None
+    source: str = "nothing"
+    ours: str = ""
+    argument: str = ""
+    minus: str = ""
+    ends: str = ""
+    offset: float = 0
+    scale: float = 1
+
+    @property
+    def printed(self) -> float | str | None:
+        """The paper's value; ``None`` where it is described in words or drawn."""
+        if self.count is not None and self.of is not None:
+            return 100 * self.count / self.of
+        return self.value
+
+    @property
+    def printed_text(self) -> str:
+        """The paper's value as text."""
+        if self.count is not None:
+            return f"{self.count} of {self.of}: {with_unit(self.printed, '%')}"
+        return self.shown or with_unit(self.value, self.unit)
 
 
 class PrintedTransfer(NamedTuple):
@@ -19,51 +78,47 @@ class PrintedTransfer(NamedTuple):
 
 
 @cache
-def printed_values() -> Mapping[str, Any]:
-    """Return the content of the file."""
-    content: Mapping[str, Any] = yaml.safe_load(PATH.read_text(encoding="utf-8"))
-    return content
+def printed_values() -> tuple[Value, ...]:
+    """Return all values in the paper's order."""
+    with PATH.open(encoding="utf-8", newline="") as file:
+        return tuple(_value(row) for row in csv.DictReader(file))
+
+
+def _value(row: dict[str, str]) -> Value:
+    fields: dict[str, Any] = {name: text for name, text in row.items() if text}
+    fields |= {name: int(fields[name]) for name in ("count", "of") if name in fields}
+    fields |= {name: float(fields[name]) for name in ("offset", "scale") if name in fields}
+    if "value" in fields:
+        fields["value"] = number_or_text(fields["value"])
+    return Value(**fields)
 
 
 def printed_transfer() -> dict[str, PrintedTransfer]:
     """Return the paper's Table I by set."""
-    content = printed_values()
-    return {
-        name: PrintedTransfer(one["shots"], content["transfer"][name])
-        for name, one in content["sets"].items()
-    }
+    printed: dict[str, PrintedTransfer] = {}
+    for value in printed_values():
+        if value.group == "transfer" and "first_window" not in value.id:
+            _, name, horizons, predictor, outcome = value.id.split(".")
+            counts: Any = printed.setdefault(name, PrintedTransfer(value.of or 0, {})).counts
+            counts.setdefault(horizons, {}).setdefault(predictor, {})[outcome] = value.count
+    return printed
 
 
-def group_rows(group: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the rows of a group with what they inherit, one for every combination of their axes."""
-    for row in group["rows"]:
-        own = {**group.get("rows_have", {}), **row}
-        axes, table = own.pop("each", {}), own.pop("table", None)
-        for keys in itertools.product(*axes.values()):
-            yield _filled(own, _names(axes, keys) | {"cell": _cell(table, keys)})
+def number_or_text(text: str) -> float | str:
+    """Return a number where a text is one."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
-def _names(axes: Mapping[str, Mapping[str, Any]], keys: tuple[str, ...]) -> dict[str, Any]:
-    names: dict[str, Any] = {}
-    for (axis, values), key in zip(axes.items(), keys, strict=True):
-        about = values[key] if isinstance(values[key], Mapping) else {"title": values[key]}
-        names |= {axis: key} | {f"{axis}_{name}": value for name, value in about.items()}
-    return names
+def number(value: float) -> str:
+    """Return a number with three digits, however small it is."""
+    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
 
-def _cell(table: Any, keys: tuple[str, ...]) -> Any:
-    for key in keys:
-        table = table[key] if isinstance(table, Mapping) else None
-    return table
-
-
-def _filled(template: Any, names: Mapping[str, Any]) -> Any:
-    """Return a template with names filled in; a text that is one name becomes its value."""
-    if isinstance(template, Mapping):
-        return {key: _filled(value, names) for key, value in template.items()}
-    if isinstance(template, list):
-        return [_filled(value, names) for value in template]
-    if not isinstance(template, str):
-        return template
-    name = template[1:-1] if template.startswith("{") and template.endswith("}") else ""
-    return names[name] if name in names else template.format_map(names)
+def with_unit(value: float | str | None, unit: str) -> str:
+    """Return a value as text; a dash for none."""
+    if value is None:
+        return NOTHING
+    return value if isinstance(value, str) else f"{number(value)} {unit}".strip()

@@ -17,6 +17,7 @@ from safetensors.numpy import load, save
 
 from rallygap.models.policy.policy import Policy
 from rallygap.models.policy.random_streams import evaluation_stream, validation_stream
+from rallygap.models.policy.scores import scores
 from rallygap.models.policy.trial import TrialResult, play
 from rallygap.pipeline.io.artifacts import read_json, replacing_folder, write_json
 from rallygap.pipeline.policies.storage import WEIGHTS, TrainedPolicy
@@ -25,6 +26,7 @@ from rallygap.pipeline.runtime.progress import progress
 
 VALIDATION_SHOTS = 100  # that a policy plays after every iteration
 RECORD = "record.json"
+RETURN = "return.npz"  # among trained policies: the motion of a test shot
 TEST_TRIALS = "unseen.parquet"  # among trained policies: the tables of ``play_test_shots``
 
 
@@ -172,3 +174,16 @@ def _result(job: TrainingJob) -> TrainingResult:
     curve = pd.DataFrame(records)
     seconds = float(curve.pop("seconds").sum())
     return TrainingResult(job.description, policy, curve, seconds)
+
+
+def policies_table(results: Sequence[TrainingResult], tests: Sequence[TrialResult]) -> pd.DataFrame:
+    """Return one row a policy: its labels, how long it was trained, and its scores in a test."""
+    rows = [
+        {
+            **result.description.labels,
+            "control_steps": result.curve["control_steps"].iloc[-1],
+            **scores(test.table),
+        }
+        for result, test in zip(results, tests, strict=True)
+    ]
+    return pd.DataFrame(rows)

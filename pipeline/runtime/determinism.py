@@ -4,7 +4,8 @@ numpy, OpenBLAS, MKL, oneDNN and torch choose instructions by the processor. Wid
 another order, the last bits differ, and a training amplifies the difference. All are limited to
 AVX2, which every such processor of the last ten years has. The threads of OpenBLAS add in another
 order as well: it has one, whatever the number of cores. They read the environment when they are
-loaded, so it is set before the first of them.
+loaded, so it is set before the first of them: by the command line, by the stages, and by
+``python -m rallygap.…``. Importing rallygap into another program sets nothing.
 
 MKL, which multiplies torch's matrices, still adds in another order on AMD's processors than on
 Intel's; ``MKL_CBWR=COMPATIBLE`` makes them alike, in 1.5 times the time (docs/decisions.md).
@@ -12,6 +13,7 @@ Intel's; ``MKL_CBWR=COMPATIBLE`` makes them alike, in 1.5 times the time (docs/d
 
 import os
 import platform
+import sys
 
 ARITHMETIC = {
     "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR",
@@ -28,3 +30,11 @@ def hold_arithmetic() -> None:
     if platform.machine() in ("x86_64", "AMD64"):
         for name, value in ARITHMETIC.items():
             os.environ.setdefault(name, value)
+
+
+def is_program(package: str) -> bool:
+    """Return whether ``python -m`` is importing a package in order to run one of its modules."""
+    # So it is documented: while the module is located, sys.argv starts with -m.
+    if sys.argv[:1] != ["-m"]:
+        return False
+    return sys.orig_argv[-len(sys.argv)].removeprefix("-m").startswith(f"{package}.")

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, TypeVar
 from joblib import Parallel, cpu_count, delayed
 from threadpoolctl import threadpool_limits
 
+from rallygap.pipeline.runtime.determinism import hold_arithmetic
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.progress import progress
 
@@ -110,6 +111,7 @@ def _check_workers(client: "Client") -> None:
         if threads != 1:
             problem = f"has {threads} threads; start it with --nthreads 1"
             raise InputError(CLUSTER, problem, field=worker)
+    client.register_worker_callbacks(hold_arithmetic)  # also of those that join later
     ours = code_digest()
     for worker, digest in client.run(code_digest).items():
         if digest != ours:

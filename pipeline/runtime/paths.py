@@ -44,6 +44,19 @@ def clone_with_run() -> Path:
     return root
 
 
+def measured_sets() -> Path:
+    """The folder with the measured sets, from the environment variable RALLYGAP_DATA.
+
+    Raises:
+        InputError: it is not set, or is no folder.
+    """
+    folder = os.environ.get("RALLYGAP_DATA", "")
+    if not folder or not Path(folder).is_dir():
+        problem = "is not a folder; set it to the one that holds spindoe, tt3d, …"
+        raise InputError("RALLYGAP_DATA", problem)
+    return Path(folder)
+
+
 def check_folder(folder: Path) -> None:
     """Raise unless a folder can be written to, or made.
 

@@ -5,6 +5,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.runtime.errors import InputError
@@ -22,12 +23,12 @@ class Provenance:
 
 
 def provenance(root: Path, stage: str) -> Provenance:
-    """Describe the run of a stage of ``root/dvc.yaml`` with its dependencies as they are now.
+    """Describe the run of a stage of dvc.yaml with its dependencies as they are now.
 
     Raises:
         InputError: a dependency is missing or cannot be read.
     """
-    entry = read_yaml(root / "dvc.yaml")["stages"][stage]
+    entry = stage_entries(root)[stage]
     values = read_yaml(root / "params.yaml")
     inputs = {
         "command": entry["cmd"],
@@ -36,6 +37,17 @@ def provenance(root: Path, stage: str) -> Provenance:
     }
     digest = hashlib.sha256(json.dumps(inputs, sort_keys=True).encode())
     return Provenance(entry["cmd"], digest.hexdigest())
+
+
+def stage_entries(root: Path) -> dict[str, Any]:
+    """Return the stages of the pipeline and of the experiments, by name."""
+    pipelines = (root / "dvc.yaml", root / "experiments" / "dvc.yaml")
+    return {
+        name: entry
+        for path in pipelines
+        if path.is_file()
+        for name, entry in read_yaml(path)["stages"].items()
+    }
 
 
 def short(fingerprint: str) -> str:

@@ -14,9 +14,8 @@ from filelock import FileLock
 from pydantic import FiniteFloat
 
 from rallygap.pipeline.io.artifacts import read_as, write_json
-from rallygap.pipeline.io.report_manifest import read_contents
 from rallygap.pipeline.runtime.paths import repository_root
-from rallygap.pipeline.runtime.provenance import short
+from rallygap.pipeline.runtime.provenance import provenance, short
 
 COPIES = "copies"  # folder of scratch/ with checkpoints of temporary copies
 
@@ -53,24 +52,17 @@ def keep_timings(stage: str, fingerprint: str, timings: dict[str, Any]) -> None:
         write_json(_timings_file(repository_root(), stage, fingerprint), timings)
 
 
-def kept_timings(root: Path, report: Path) -> Timings:
-    """The timings of the run that wrote a report; empty where it ran on another machine.
-
-    Args:
-        root: of the repository.
-        report: the stage's folder, among the present reports or those of an experiment.
+def kept_timings(root: Path, stage: str) -> Timings:
+    """The timings of a stage with its present inputs; empty where it ran on another machine.
 
     Returns:
         Name to seconds, or to seconds by name.
 
     Raises:
-        InputError: the report's contents.json or the file with the timings is broken.
+        InputError: an input of the stage is missing, or the file with the timings is broken.
     """
-    if not (report / "contents.json").exists():
-        return {}
-    fingerprint = read_contents(report.parent, report.name).fingerprint
-    path = _timings_file(root, report.name, fingerprint)
-    return read_as(path, Timings, report.name) if path.exists() else {}
+    path = _timings_file(root, stage, provenance(root, stage).fingerprint)
+    return read_as(path, Timings, stage) if path.exists() else {}
 
 
 def _timings_file(root: Path, stage: str, fingerprint: str) -> Path:

@@ -1,29 +1,31 @@
-"""One run of one stage: where its files are, what it reports, and how it ends.
+"""One run of one stage: where its files are, what it keeps, and how it ends.
 
-A stage is a function of a ``StageRun``. It reads its inputs, calls the domain packages, and adds
-what they return to the report: ``run.add(item, …)`` takes the figures, animations and tables of
-``rallygap.pipeline.io.report_items``, which carry their title and caption.
+A stage is a function of a ``StageRun``. It reads its inputs, calls the domain packages, and keeps
+tables: ``run.keep(errors=…)``. The stage ``report`` makes the tables and figures that people read
+from them (``pipeline.report``), so that a caption or a colour is no dependency of a computation.
 """
 
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from rallygap.pipeline.io.artifacts import write_json
-from rallygap.pipeline.io.figure_style import apply_style
-from rallygap.pipeline.io.report_items import ReportItem
-from rallygap.pipeline.io.report_manifest import Item
+import pandas as pd
+
+from rallygap.pipeline.io.artifacts import read_table, write_csv, write_json, write_table
 from rallygap.pipeline.params import Params, load_params
 from rallygap.pipeline.runtime.console import refuse
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.runtime.provenance import Provenance, content_hash, provenance, short
+from rallygap.pipeline.runtime.provenance import content_hash, provenance, short
 from rallygap.pipeline.tracking.recording import InputData, Results, recorded
+from rallygap.pipeline.web.figure_style import apply_style
+
+KEPT = "report"  # folder among a stage's artefacts
 
 
 class StageRun:
-    """A stage's parameters, the paths of its inputs and outputs, and its report.
+    """A stage's parameters, the paths of its inputs and outputs, and its metrics.
 
     Args:
         stage: the stage's name, also its key in params.yaml and its folder under reports.
@@ -34,6 +36,7 @@ class StageRun:
     Attributes:
         timings: name to seconds. They differ from run to run, so they go to MLflow and to
             ``timings/``, which neither DVC nor git keeps.
+        figures: paths of the figures that MLflow records.
     """
 
     def __init__(self, stage: str, root: Path, params: Params, fingerprint: str = "") -> None:
@@ -41,7 +44,7 @@ class StageRun:
         self.fingerprint = fingerprint
         self.timings: dict[str, Any] = {}
         self.metrics: dict[str, Any] = {}
-        self.items: list[Item] = []
+        self.figures: list[Path] = []
         self.inputs: list[InputData] = []
 
     @property
@@ -74,26 +77,38 @@ class StageRun:
         self.metrics = metrics
         write_json(self.report("metrics.json"), metrics)
 
-    def add(self, *items: ReportItem) -> None:
-        """Write figures, animations and tables into the report, in this order."""
-        for item in items:
-            item.write(self.report(item.item.file))
-            self.items.append(item.item)
+    def keep(self, **tables: pd.DataFrame) -> None:
+        """Write tables for the stage ``report``."""
+        for name, table in tables.items():
+            write_table(self.artifact(f"{KEPT}/{name}.parquet"), table)
 
-    def write_contents(self, origin: Provenance) -> None:
-        """Write the report's contents.json: the run that made it and what it holds."""
-        contents = {
-            "stage": self.stage,
-            "command": origin.command,
-            "fingerprint": short(origin.fingerprint),
-            "items": [item.model_dump() for item in self.items],
-        }
-        write_json(self.report("contents.json"), contents)
+    def publish(self, tables: Mapping[str, pd.DataFrame], digits: int = 4) -> None:
+        """Write tables as CSV files of the report, so many significant digits a number.
+
+        For stages whose results are in git, because they take hours; ``report`` publishes others.
+        """
+        for name, table in tables.items():
+            write_csv(self.report(f"{name}.csv"), table, digits)
+
+    def published(self, stage: str, name: str) -> pd.DataFrame:
+        """Return a table that a stage has published.
+
+        Raises:
+            InputError: there is no such table.
+        """
+        path = self.root / "reports" / stage / f"{name}.csv"
+        if not path.is_file():
+            raise InputError(path, f"is missing; run `python -m rallygap.stages.{stage}`")
+        return pd.read_csv(path)
+
+    def kept(self, stage: str, name: str) -> pd.DataFrame:
+        """Return a table that a stage has kept."""
+        return read_table(self.input(stage, f"{KEPT}/{name}.parquet"))
 
     def clear(self) -> None:
         """Remove the outputs of an earlier run of this stage, whole or broken off."""
-        for folder in (self.artifact("."), self.report(".")):
-            shutil.rmtree(folder, ignore_errors=True)
+        shutil.rmtree(self.artifact("."), ignore_errors=True)
+        self.report("metrics.json").unlink(missing_ok=True)
 
     def clear_scratch(self) -> None:
         """Remove what only an unfinished run needs."""
@@ -101,12 +116,7 @@ class StageRun:
 
     def results(self) -> Results:
         """What MLflow records at the end."""
-        figures = [self.report(item.file) for item in self.items if item.kind != "table"]
-        return Results(
-            {**self.metrics, "timings": self.timings},
-            self.inputs,
-            [path for path in figures if path.exists()],
-        )
+        return Results({**self.metrics, "timings": self.timings}, self.inputs, self.figures)
 
 
 def run_stage(stage: Callable[[StageRun], None]) -> None:
@@ -125,7 +135,6 @@ def run_stage(stage: Callable[[StageRun], None]) -> None:
             run.clear()
             try:
                 stage(run)
-                run.write_contents(origin)
                 run.clear_scratch()
             except BaseException:
                 run.clear()  # no later stage takes half of the outputs for all of them

@@ -10,8 +10,7 @@ import pandas as pd
 from rallygap.models.segmentation.scoring import SCORED_KINDS, Scored, score
 from rallygap.models.segmentation.settings import ScoringSettings
 from rallygap.models.segmentation.split import recording_groups
-from rallygap.pipeline.io.artifacts import read_row_groups
-from rallygap.pipeline.io.report_items import ReportTable
+from rallygap.pipeline.io.artifacts import read_table
 from rallygap.pipeline.io.schemas import (
     CONTACTS,
     EPISODES,
@@ -44,41 +43,30 @@ def score_test_recordings(
     detected = read_checked(segmented / "contacts.parquet", CONTACTS)
     path = ingested / "recordings.parquet"
     check_columns(path, RECORDINGS)
-    samples = pd.concat(
-        part.loc[part["recording_id"].isin(testing), ["recording_id", "t"]]
-        for part in read_row_groups(path)
-    )
+    samples = read_table(path, ["recording_id", "t"])
+    samples = samples[samples["recording_id"].isin(testing)]
     true, detected = (table[table["recording_id"].isin(testing)] for table in (true, detected))
     return score(true, detected, samples, settings)
 
 
-def contacts_table(scored: Scored, settings: ScoringSettings) -> ReportTable:
+def contacts_table(scored: Scored) -> pd.DataFrame:
     """Return precision and recall of each kind of contact, by players' level and for all levels."""
-    return ReportTable(
-        pd.DataFrame(_rows(scored), columns=COLUMNS),
-        "contacts",
-        title="Detected contacts",
-        caption="Contacts of test recordings while the ball is in play. A contact is detected if "
-        f"one of the same kind is detected within {1e3 * settings.tolerance:g} ms. Precision and "
-        f"recall count contacts with at least {settings.fewest_samples} samples within "
-        f"{1e3 * settings.reach:g} ms on each side and no other contact between; the others are "
-        "listed as hidden.",
-    )
+    return pd.DataFrame(_rows(scored), columns=COLUMNS)
 
 
 def contact_metrics(table: pd.DataFrame) -> dict[str, Any]:
-    """Return precision, recall, time error and count of each kind and level."""
-    metrics: dict[str, Any] = {}
-    for row in table.to_dict("records"):
-        values = {
-            "precision": row["precision"],
-            "recall": row["recall"],
-            "time_error_rms_ms": row["time error rms (ms)"],
-            "contacts": row["contacts"],
-        }
-        finite = {name: round(value, 4) for name, value in values.items() if np.isfinite(value)}
-        metrics.setdefault(row["kind"], {})[row["level"]] = finite
-    return metrics
+    """Return precision, recall, time error and count of each kind, over all levels."""
+    columns = {
+        "precision": "precision",
+        "recall": "recall",
+        "time error rms (ms)": "time_error_rms_ms",
+        "contacts": "contacts",
+    }
+    overall = table[table["level"] == ALL].set_index("kind")[list(columns)]
+    return {
+        str(kind): {columns[str(name)]: round(value, 4) for name, value in row.dropna().items()}
+        for kind, row in overall.iterrows()
+    }
 
 
 def _rows(scored: Scored) -> Iterator[dict[str, Any]]:

@@ -11,12 +11,7 @@ import pandas as pd
 from rallygap.models.segmentation.settings import SegmentSettings
 from rallygap.models.segmentation.split import recording_groups
 from rallygap.models.segmentation.tables import Segmented, segment_recordings
-from rallygap.pipeline.io.artifacts import (
-    count_row_groups,
-    read_row_group,
-    read_row_groups,
-    table_writer,
-)
+from rallygap.pipeline.io.artifacts import open_table, read_row_groups, table_writer
 from rallygap.pipeline.io.schemas import RECORDINGS, SAMPLES, check_columns, checked, empty
 from rallygap.pipeline.io.source_manifest import Manifest
 from rallygap.pipeline.runtime.errors import InputError
@@ -83,36 +78,32 @@ def cut_recordings(
     Raises:
         InputError: the recordings break their data contract.
     """
-    numbers = range(count_row_groups(recordings))
+    with open_table(recordings) as opened:
+        numbers = range(opened.num_row_groups)
     tasks = [partial(_cut, recordings, number, manifest, settings, drawn) for number in numbers]
-    cuts = []
+    measured, kept, contacts, episodes, gaps = [], [], [], [], []
     with table_writer(samples, empty(SAMPLES)) as write:
         for cut in parallel(tasks, "parts of the recordings"):
             table = cut.segmented.samples
             write(table)
-            kept = table[table["recording_id"].isin(drawn)]
-            segmented = Segmented(kept, cut.segmented.contacts, cut.segmented.episodes)
-            cuts.append(CutRecordings(cut.measured, segmented, cut.gaps))
-    return _joined(cuts)
+            measured.append(cut.measured)
+            kept.append(table[table["recording_id"].isin(drawn)])
+            contacts.append(cut.segmented.contacts)
+            episodes.append(cut.segmented.episodes)
+            gaps.append(cut.gaps)
+    parts = (pd.concat(tables, ignore_index=True) for tables in (kept, contacts, episodes))
+    return CutRecordings(pd.concat(measured), Segmented(*parts), pd.concat(gaps))
 
 
 def _cut(
     path: Path, number: int, manifest: Manifest, settings: SegmentSettings, drawn: Sequence[str]
 ) -> CutRecordings:
     """Cut the recordings of a row group; ``segmented`` has all their samples."""
-    recordings = checked(read_row_group(path, number), RECORDINGS, path)
-    found = segment_recordings(recordings, manifest.starts_with_launch, settings)
-    checked(found.samples, SAMPLES)
+    with open_table(path) as opened:
+        recordings = opened.read_row_group(number).to_pandas()
+    recordings = checked(recordings, RECORDINGS, path)
+    segmented = segment_recordings(recordings, manifest.starts_with_launch, settings)
+    checked(segmented.samples, SAMPLES)
     ids = recordings["recording_id"]
     gaps = ids[(recordings["t"].diff() > settings.longest_gap) & (ids == ids.shift())]
-    return CutRecordings(recordings[ids.isin(drawn)], found, gaps)
-
-
-def _joined(cuts: Sequence[CutRecordings]) -> CutRecordings:
-    segmented = Segmented(
-        pd.concat([cut.segmented.samples for cut in cuts], ignore_index=True),
-        pd.concat([cut.segmented.contacts for cut in cuts], ignore_index=True),
-        pd.concat([cut.segmented.episodes for cut in cuts], ignore_index=True),
-    )
-    measured = pd.concat([cut.measured for cut in cuts])
-    return CutRecordings(measured, segmented, pd.concat([cut.gaps for cut in cuts]))
+    return CutRecordings(recordings[ids.isin(drawn)], segmented, gaps)

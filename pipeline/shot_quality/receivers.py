@@ -51,7 +51,7 @@ def order_agreement(medians: pd.DataFrame, forest: str, reference: str = NOMINAL
     """
     agreements = []
     for _, group in medians.groupby(KEYS[:2], sort=False):
-        for one, other in combinations(group.index, 2):
-            difference = group.loc[one] - group.loc[other]
+        for experiment, other in combinations(group.index, 2):
+            difference = group.loc[experiment] - group.loc[other]
             agreements.append(np.sign(difference[forest]) == np.sign(difference[reference]))
     return float(np.mean(agreements)) if agreements else np.nan

@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 
 from rallygap.models.ball.types import Floats
+from rallygap.models.shot_quality.bootstrap import Estimate, resampled_median
 from rallygap.models.shot_quality.forest import Forest
-from rallygap.models.shot_quality.medians import Estimate, resampled_median
 from rallygap.models.shot_quality.shots import FEATURES, clearance, shot_features
 from rallygap.pipeline.io.schemas import SPIN_COLUMNS
 from rallygap.pipeline.transfer.returns import LANDED
@@ -94,13 +94,13 @@ def experiments(
 def quality_table(results: Sequence[Experiment]) -> pd.DataFrame:
     """Return one row an experiment: its values, each median with the ends of its interval."""
     return pd.DataFrame(
-        [
-            _keys(one)
-            | {"returns": one.returns}
-            | _intervals(one.medians)
-            | {"out_of_range": one.out_of_range}
-            for one in results
-        ]
+        {
+            **dict(zip(KEYS, result.key, strict=True)),
+            "returns": result.returns,
+            **_intervals(result.medians),
+            "out_of_range": result.out_of_range,
+        }
+        for result in results
     )
 
 
@@ -111,13 +111,13 @@ def swap_table(results: Sequence[Experiment]) -> pd.DataFrame:
         One row an experiment other than ``BASELINE``: ``KEYS``, and every metric's ratio with the
         ends of its interval.
     """
-    baselines = {one.key[:2]: one.medians for one in results if one.key[2:] == BASELINE}
+    physics = {result.key[:2]: result.medians for result in results if result.key[2:] == BASELINE}
     rows = []
-    for one in results:
-        if one.key[2:] != BASELINE:
-            physics = baselines[one.key[:2]]
-            ratios = {name: median.ratio(physics[name]) for name, median in one.medians.items()}
-            rows.append(_keys(one) | _intervals(ratios))
+    for result in results:
+        if result.key[2:] != BASELINE:
+            baseline = physics[result.key[:2]]
+            ratios = {name: median.ratio(baseline[name]) for name, median in result.medians.items()}
+            rows.append({**dict(zip(KEYS, result.key, strict=True)), **_intervals(ratios)})
     return pd.DataFrame(rows)
 
 
@@ -125,10 +125,6 @@ def out_of_range_table(returns: pd.DataFrame) -> pd.DataFrame:
     """Return the share of the returns outside the range of the training shots, by feature."""
     shares = returns.groupby(KEYS, sort=False)[list(OUT_OF_RANGE)].mean()
     return shares.rename(columns=OUT_OF_RANGE).reset_index()
-
-
-def _keys(one: Experiment) -> dict[str, Hashable]:
-    return dict(zip(KEYS, one.key, strict=True))
 
 
 def _intervals(estimates: Mapping[str, Estimate]) -> dict[str, float]:

@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from rallygap.models.ball.types import Floats
-from rallygap.models.predictors.protocol import Bools
+from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.shot_quality.cross_validation import (
     Fold,
     bootstrap_score,
@@ -66,10 +65,11 @@ def score_table(shots: Shots, validations: Validations, resamples: int, seed: in
         row: dict[str, Hashable] = {"outcome": outcome, "method": name, "shots": len(shots)}
         row["share"] = result.outcome.mean()
         for title, metric in (("roc_auc", roc_auc), ("brier", brier)):
-            ends = bootstrap_score(
+            estimate = bootstrap_score(
                 metric, result.outcome, result.probabilities, shots.matches, resamples, seed
             )
-            row |= zip((title, f"{title}_low", f"{title}_high"), ends, strict=True)
+            names = (title, f"{title}_low", f"{title}_high")
+            row |= zip(names, estimate.interval(), strict=True)
         rows.append(row)
     return pd.DataFrame(rows)
 

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 import pandas as pd
-from pydantic import AfterValidator, BaseModel, ConfigDict
+from pydantic import AfterValidator, BaseModel
 
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
 
@@ -38,17 +38,15 @@ def _are_three(axes: tuple[Axis, Axis, Axis]) -> tuple[Axis, Axis, Axis]:
 Axes = Annotated[tuple[Axis, Axis, Axis], AfterValidator(_are_three)]
 
 
-class Units(BaseModel):
+class Units(BaseModel, extra="forbid", frozen=True):
     """Units of the columns; a minus means that spins have the opposite sense of rotation."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     position: PositionUnit = "m"
     time: TimeUnit = "s"
     spin: SpinUnit = "rad/s"
 
 
-class Conversion(BaseModel):
+class Conversion(BaseModel, extra="forbid", frozen=True):
     """What columns mean.
 
     Attributes:
@@ -56,21 +54,21 @@ class Conversion(BaseModel):
         units: of all columns.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
     axes: Axes = ("x", "y", "z")
     units: Units = Units()
 
-    @property
-    def columns(self) -> list[str]:
-        """Names of the columns t, x, y, z, wx, wy, wz by what they have."""
-        return ["t", *(f"p{axis}" for axis in self.axes), *(f"w{axis}" for axis in self.axes)]
-
     def to_si(self, rows: pd.DataFrame) -> pd.DataFrame:
-        """Return rows with times in s, positions in m and spins, where there are any, in rad/s."""
-        units, converted = self.units, rows.copy()
+        """Return rows in the columns of a ``RawTable``: s, m and, where there are spins, rad/s.
+
+        Args:
+            rows: columns t, x, y, z, and wx, wy, wz where there are spins, as users name them.
+        """
+        columns: dict[str, str] = {}
+        for name, axis in zip("xyz", self.axes, strict=True):
+            columns |= {name: f"p{axis}", f"w{name}": f"w{axis}"}
+        units, converted = self.units, rows.rename(columns=columns)
         converted["t"] /= TIME_UNITS[units.time]
         converted[POSITION_COLUMNS] /= POSITION_UNITS[units.position]
-        if SPIN_COLUMNS[0] in rows:
+        if SPIN_COLUMNS[0] in converted:
             converted[SPIN_COLUMNS] /= SPIN_UNITS[units.spin]
         return converted

@@ -92,17 +92,11 @@ def read_separated(
     fields = {row: line.split(separator) for row, line in lines if line.strip()}
     complete = [row for row, values in fields.items() if len(values) == len(columns)]
     texts = pd.DataFrame([fields[row] for row in complete], columns=list(columns), dtype=object)
-    table, is_text = _numbers(texts)
+    texts = texts.apply(lambda column: column.str.strip().str.lower())
+    table = texts.apply(pd.to_numeric, errors="coerce").astype(float)
+    is_text = (table.isna() & ~texts.isin(MISSING)).any(axis="columns")
     table.insert(0, "row", np.array(complete, dtype=np.int64))
     others = sorted(fields.keys() - complete)
     refusals = [Refusal(path.name, row, "wrong number of fields") for row in others]
     refusals += [Refusal(path.name, int(row), "not a number") for row in table["row"][is_text]]
     return table[~is_text].reset_index(drop=True), refusals
-
-
-def _numbers(texts: pd.DataFrame) -> tuple[pd.DataFrame, pd.Series]:
-    """Return the numbers (NaN for missing ones) and which rows have text instead."""
-    stripped = texts.apply(lambda column: column.str.strip().str.lower())
-    numbers = stripped.apply(pd.to_numeric, errors="coerce").astype(float)
-    is_text = (numbers.isna() & ~stripped.isin(MISSING)).any(axis="columns")
-    return numbers, is_text

@@ -22,12 +22,12 @@ def registry() -> dict[str, Source]:
     Raises:
         ValueError: two sources share a name.
     """
-    found: dict[str, Source] = {}
+    sources: dict[str, Source] = {}
     for source in discovered(adapters, "source", ENTRY_POINT_GROUP):
-        if source.name in found:
+        if source.name in sources:
             raise ValueError(f"two sources are called {source.name}")
-        found[source.name] = source
-    return found
+        sources[source.name] = source
+    return sources
 
 
 def find_source(name: str) -> Source:

@@ -11,6 +11,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 
 import pandas as pd
 
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
 from rallygap.pipeline.io.source_manifest import Description
 from rallygap.pipeline.params import IngestSettings
 from rallygap.pipeline.runtime.errors import InputError
@@ -19,6 +20,8 @@ from rallygap.pipeline.sources.conversion import Conversion
 
 FOLDER_VARIABLE = "RALLYGAP_DATA"  # environment variable; the setting takes precedence
 NOT_STATED = "not stated upstream"
+SAMPLE_COLUMNS = ["t", *POSITION_COLUMNS, *SPIN_COLUMNS]  # of a recording
+LAUNCH_COLUMNS = ["id", *STATE_COLUMNS]
 
 
 class Refusal(NamedTuple):
@@ -40,9 +43,9 @@ class RawTable:
 
     Attributes:
         name: of the recording or set, inside its source.
-        rows: column ``row`` (1-based line or sample in the file), then those of a recording
-            (``t``, positions, spins) or of launches (``id``, positions, velocities, spins), in the
-            source's own axes; NaN where there is no number. Spin may be left out.
+        rows: column ``row`` (1-based line or sample in the file), then ``SAMPLE_COLUMNS`` or
+            ``LAUNCH_COLUMNS``, in the source's own axes; NaN where there is no number. Spin may be
+            left out.
         file: ``None`` for simulated recordings.
         part: the data set inside the file, if there are several.
         refusals: rows that the reader cannot parse.
@@ -105,10 +108,10 @@ class SourceContext:
             raise InputError("params.yaml", problem, field="ingest.folder")
         folder = repository_root() / sources / name
         try:
-            found = folder.is_dir()
+            is_folder = folder.is_dir()
         except OSError as error:  # a parent without permission, a name that is too long
             raise InputError(folder, f"cannot be read: {error.strerror}") from None
-        if not found:
+        if not is_folder:
             problem = f"there is no such folder; set ingest.folder or {FOLDER_VARIABLE}"
             raise InputError(folder, problem)
         return folder

@@ -1,26 +1,39 @@
-"""The import of one source: its rows in batches, checked, and the record of what was refused."""
+"""The import of one source: its rows in batches, the impossible ones refused, and the record."""
 
 import hashlib
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from rallygap.pipeline.io.schemas import LAUNCHES, RECORDINGS
+from rallygap.pipeline.io.frame import Frame
+from rallygap.pipeline.io.schemas import (
+    FARTHEST_POSITION,
+    FASTEST_BALL,
+    FASTEST_SPIN,
+    LAUNCHES,
+    POSITION_COLUMNS,
+    RECORDINGS,
+    SPIN_COLUMNS,
+    VELOCITY_COLUMNS,
+)
 from rallygap.pipeline.io.source_manifest import FileRecord, Refused, SourceRecord
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.sources.row_checks import (
-    ONLY_SAMPLE,
-    RowChecks,
-    check_launches,
-    check_samples,
+from rallygap.pipeline.sources.source import (
+    LAUNCH_COLUMNS,
+    SAMPLE_COLUMNS,
+    RawTable,
+    Refusal,
+    SourceData,
 )
-from rallygap.pipeline.sources.source import RawTable, Refusal, SourceData
 
 BATCH_ROWS = 200_000  # that are checked and written at once, at least
+SHORTEST_STEP = 1e-6  # s, between two samples
+ONLY_SAMPLE = "the only sample of its recording"
 
 
 def in_batches(tables: Iterable[RawTable]) -> Iterator[list[RawTable]]:
@@ -35,6 +48,71 @@ def in_batches(tables: Iterable[RawTable]) -> Iterator[list[RawTable]]:
             batch, rows = [], 0
     if batch:
         yield batch
+
+
+class RowChecks:
+    """Rows and labels of some tables, of which checks refuse the impossible ones.
+
+    Attributes:
+        rows: not refused so far, of all tables in their order; column ``table`` is the number of
+            the table.
+        refusals: by checks and by the reader.
+    """
+
+    def __init__(self, tables: Sequence[RawTable], columns: list[str]) -> None:
+        self._places = [table.place for table in tables]
+        self.refusals = [refusal for table in tables for refusal in table.refusals]
+        rows = pd.concat([table.rows for table in tables], ignore_index=True)
+        numbers = dict.fromkeys([name for name in columns if name != "id"], float)
+        self.rows = rows.reindex(columns=["row", *columns]).astype(numbers)
+        lengths = [len(table.rows) for table in tables]
+        self.rows.insert(0, "table", np.repeat(np.arange(len(tables)), lengths))
+
+    def refuse(
+        self, reason: str, at_fault: "pd.Series[bool]", what: Literal["row", "label"] = "row"
+    ) -> None:
+        """Remove rows, or the spin of rows."""
+        faulty = self.rows[at_fault]
+        for table, row in zip(faulty["table"], faulty["row"], strict=True):
+            self.refusals.append(Refusal(self._places[table], int(row), reason, what))
+        if what == "row":
+            self.rows = self.rows[~at_fault]
+        else:
+            self.rows.loc[at_fault, SPIN_COLUMNS] = np.nan
+
+    def longer(self, columns: list[str], limit: float) -> "pd.Series[bool]":
+        """Return the rows in which the vector in ``columns`` is longer than ``limit``."""
+        with np.errstate(over="ignore"):  # an overflow is too long, too
+            length = np.linalg.norm(self.rows[columns].to_numpy(dtype=float), axis=1)
+        return pd.Series(length > limit, index=self.rows.index)
+
+
+def check_rows(tables: Sequence[RawTable], frame: Frame, *, launches: bool) -> RowChecks:
+    """Transform recordings or launches into the table frame; refuse impossible rows and labels."""
+    checks = RowChecks(tables, LAUNCH_COLUMNS if launches else SAMPLE_COLUMNS)
+    needed = [*POSITION_COLUMNS, *VELOCITY_COLUMNS] if launches else ["t", *POSITION_COLUMNS]
+    finite = np.isfinite(checks.rows[needed].to_numpy(dtype=float)).all(axis=1)
+    checks.refuse("not a number", pd.Series(~finite, index=checks.rows.index))
+    known = checks.rows[SPIN_COLUMNS].notna()
+    checks.refuse("spin incomplete", known.any(axis=1) & ~known.all(axis=1), "label")
+    too_fast = checks.longer(SPIN_COLUMNS, FASTEST_SPIN)
+    checks.refuse(f"spin above {FASTEST_SPIN:g} rad/s", too_fast, "label")
+    checks.rows = frame.to_table(checks.rows)
+    far = (checks.rows[POSITION_COLUMNS].abs() > FARTHEST_POSITION).any(axis=1)
+    checks.refuse(f"farther than {FARTHEST_POSITION:g} m", far)
+    if launches:
+        too_fast = checks.longer(VELOCITY_COLUMNS, FASTEST_BALL)
+        checks.refuse(f"faster than {FASTEST_BALL:g} m/s", too_fast)
+        checks.refuse("id repeated", checks.rows.duplicated(["table", "id"]))
+        return checks
+    # A sample must be later than every previous one of its recording.
+    latest = checks.rows.groupby("table")["t"].cummax()
+    step = checks.rows["t"] - latest.groupby(checks.rows["table"]).shift()
+    checks.refuse("time backwards", step < 0)
+    checks.refuse("time repeated", step[checks.rows.index] < SHORTEST_STEP)
+    samples = checks.rows.groupby("table")["t"].transform("size")
+    checks.refuse(ONLY_SAMPLE, samples == 1)
+    return checks
 
 
 class SourceImport:
@@ -65,9 +143,13 @@ class SourceImport:
         Raises:
             InputError: two recordings of the source have the same name.
         """
-        self._check_names(batch)
-        check = check_launches if self.is_launches else check_samples
-        checks = check(batch, self._description.frame)
+        for table in batch:
+            if table.name in self._names:
+                where = table.file or self._description.name
+                problem = f"there is another recording {table.name}"
+                raise InputError(where, problem, field=table.part or None)
+            self._names.add(table.name)
+        checks = check_rows(batch, self._description.frame, launches=self.is_launches)
         self._count(batch, checks)
         names = [f"{self._description.name}/{table.name}" for table in batch]
         ids = pd.Series(names, dtype="str").take(checks.rows["table"].to_numpy())
@@ -89,9 +171,12 @@ class SourceImport:
         if not self._rows_kept:
             raise InputError(self._description.name, "no recording has more than one sample")
         files = dict.fromkeys([*self._side_files, *self._files])
+        rate = None
+        if not self.is_launches:
+            rate = round(1 / float(np.median(np.concatenate(self._steps))), 2)
         return SourceRecord(
             **dict(self._description),
-            rate_hz=None if self.is_launches else self._rate(),
+            rate_hz=rate,
             recordings=self._recordings,
             launches=self._rows_kept if self.is_launches else 0,
             rows_read=self._rows_read,
@@ -100,14 +185,6 @@ class SourceImport:
             labels_refused=_by_reason(entry for entry in self._refusals if entry.what == "label"),
             files=[FileRecord(file=path.name, sha256=_sha256(path)) for path in files],
         )
-
-    def _check_names(self, batch: Sequence[RawTable]) -> None:
-        for table in batch:
-            if table.name in self._names:
-                where = table.file or self._description.name
-                problem = f"there is another recording {table.name}"
-                raise InputError(where, problem, field=table.part or None)
-            self._names.add(table.name)
 
     def _count(self, batch: Sequence[RawTable], checks: RowChecks) -> None:
         self._refusals += checks.refusals
@@ -126,16 +203,13 @@ class SourceImport:
 
     def _check_files(self) -> None:
         """Raise if a file has no usable row: then it is not what the source reads."""
-        for path in [path for path, usable in self._files.items() if not usable]:
-            of_file = (one for one in self._refusals if one.place.split("/")[0] == path.name)
-            refusal = next(of_file, None)
-            if refusal is None:
+        for path, usable in self._files.items():
+            for refusal in self._refusals if not usable else []:
+                if refusal.place.split("/")[0] == path.name:
+                    problem = f"nothing in it can be used: {refusal.reason}"
+                    raise InputError(path, problem, row=refusal.row)
+            if not usable:
                 raise InputError(path, "holds no rows")
-            problem = f"nothing in it can be used: {refusal.reason}"
-            raise InputError(path, problem, row=refusal.row)
-
-    def _rate(self) -> float:
-        return round(1 / float(np.median(np.concatenate(self._steps))), 2)
 
 
 def _by_reason(refusals: Iterable[Refusal]) -> dict[str, Refused]:
@@ -143,14 +217,13 @@ def _by_reason(refusals: Iterable[Refusal]) -> dict[str, Refused]:
     groups: dict[str, list[Refusal]] = defaultdict(list)
     for refusal in refusals:
         groups[refusal.reason].append(refusal)
-    return {reason: _refused(groups[reason]) for reason in sorted(groups)}
-
-
-def _refused(refusals: list[Refusal]) -> Refused:
-    rows: dict[str, list[int]] = defaultdict(list)
-    for refusal in sorted(refusals):
-        rows[refusal.place].append(refusal.row)
-    return Refused(count=len(refusals), rows=dict(rows))
+    refused = {}
+    for reason, group in sorted(groups.items()):
+        rows: dict[str, list[int]] = defaultdict(list)
+        for refusal in sorted(group):
+            rows[refusal.place].append(refusal.row)
+        refused[reason] = Refused(count=len(group), rows=dict(rows))
+    return refused
 
 
 def _sha256(path: Path) -> str:

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, MUTED, apply_style
+from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, MUTED, apply_style
 
 HEIGHT = 3.4  # inch
 COMPLETED, PARAMS = "#0f7fc4", "#d55e00"

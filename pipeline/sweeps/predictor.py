@@ -14,7 +14,7 @@ from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
 from rallygap.models.predictors.learned import LearnedPredictor
 from rallygap.models.predictors.protocol import Floats
 from rallygap.models.predictors.training import ForecastTraining, WindowData
-from rallygap.pipeline.evaluation.test_windows import MeasuredSet, read_test_sets
+from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet, read_test_sets
 from rallygap.pipeline.params import Params
 from rallygap.pipeline.predictors.trainer import train
 from rallygap.pipeline.predictors.training_data import TrainingEpisodes, untrained_network

@@ -10,12 +10,12 @@ from optuna.trial import TrialState
 
 from rallygap.pipeline.experiments.profiles import flags, merged
 from rallygap.pipeline.io.artifacts import write_csv, write_json, write_text
-from rallygap.pipeline.io.figure_style import save_figure
 from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sweeps.figure import sweep_figure
 from rallygap.pipeline.sweeps.settings import Sweep, nested
+from rallygap.pipeline.web.figure_style import save_figure
 
 BEST, TRIALS, SUMMARY = "best_params.yaml", "trials.csv", "sweep.json"
 FIGURE = "trials.png"

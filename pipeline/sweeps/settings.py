@@ -1,4 +1,4 @@
-"""The settings of a sweep, read from ``profiles/sweeps/NAME.yaml`` and checked against params.yaml.
+"""The settings of a sweep, ``experiments/profiles/sweeps/NAME.yaml``, checked with params.yaml.
 
 Parameters are named as in ``dvc exp run -S``: by their dotted path in params.yaml.
 """
@@ -148,7 +148,7 @@ class Sweep:
 
     Attributes:
         root: the repository.
-        name: of the file ``profiles/sweeps/NAME.yaml``.
+        name: of the file ``experiments/profiles/sweeps/NAME.yaml``.
         settings: its content.
         params: the content of params.yaml.
     """
@@ -204,7 +204,7 @@ class Sweep:
 
 
 def _path(root: Path, name: str) -> Path:
-    return root / "profiles" / "sweeps" / f"{name}.yaml"
+    return root / "experiments" / "profiles" / "sweeps" / f"{name}.yaml"
 
 
 def load_sweep(root: Path, name: str) -> Sweep:

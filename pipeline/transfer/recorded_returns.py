@@ -18,7 +18,7 @@ from rallygap.pipeline.policies.storage import TrainedPolicy
 from rallygap.pipeline.runtime.torch_threads import one_thread
 from rallygap.pipeline.transfer.example_returns import Return, TimedForecast, Track
 from rallygap.pipeline.transfer.replay_sets import ReplaySet
-from rallygap.pipeline.transfer.replay_trials import EveryStep, ReplayTrial
+from rallygap.pipeline.transfer.replay_trials import EVERY_STEP, ReplayTrial
 from rallygap.pipeline.transfer.transfer_table import PHYSICS
 from rallygap.pipeline.transfer.trials import Played
 
@@ -52,7 +52,7 @@ def example_returns(
     predictors = {
         trial.forecaster.name: trial.forecaster.predictor
         for trial, _ in trials
-        if isinstance(trial.forecaster, EveryStep)
+        if trial.forecaster.mode == EVERY_STEP
     }
     played = {
         trial.forecaster.name: result.recorded

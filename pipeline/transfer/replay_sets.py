@@ -137,7 +137,10 @@ def _measured(artifacts: Path, manifest: Manifest) -> Iterator[_Candidates]:
         source, recordings = members[0].source, [one.recording_id for one in members]
         if source == ARENA and truth is not None:
             shots, rotated = _arena_shots(members, truth, contacts), np.zeros(len(members), bool)
-            simulator = _with_racket(truth.simulator)
+            simulator = truth.simulator
+            if "racket_bounce" not in simulator.effects:
+                racket = LITERATURE.effects["racket_bounce"]
+                simulator = simulator.amended("racket_bounce", **racket)
             yield _Candidates(name, source, shots, recordings, rotated, simulator, truth.simulator)
         else:
             measured = [from_launch(one.episode) for one in members]
@@ -195,13 +198,6 @@ def _launched_shots(
         for path, times, surfaces in zip(flight.states, met.time, met.surface, strict=True)
     ]
     return extend_measurements(shots, flight.states, until, noise, random)
-
-
-def _with_racket(simulator: Simulator) -> Simulator:
-    """Return the simulator with a racket effect, the literature's where it has none."""
-    if "racket_bounce" in simulator.effects:
-        return simulator
-    return simulator.amended("racket_bounce", **LITERATURE.effects["racket_bounce"])
 
 
 def _replay_set(

@@ -2,9 +2,8 @@
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
-from typing import ClassVar, Protocol
+from typing import cast
 
 import numpy as np
 import pandas as pd
@@ -15,7 +14,6 @@ from rallygap.models.policy.goals import Goals, draw_goals
 from rallygap.models.policy.incoming_balls import FIRST_WINDOW, IncomingBalls
 from rallygap.models.policy.policy import Policy
 from rallygap.models.policy.settings import HorizonsMs
-from rallygap.models.policy.trial import TrialResult
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import Predictor, ProbabilisticPredictor
 from rallygap.models.replay.replayed_balls import (
@@ -41,62 +39,44 @@ Forecasts = Callable[[HorizonsMs], tuple[Floats, Floats | None]]
 """Forecasts of some shots at the horizons of a policy, and their spreads, as ``IncomingBalls`` has
 them."""
 
+# When a predictor forecasts: at every control step; from the first window alone; every few steps.
+EVERY_STEP, ONCE, EVERY_STEPS = "every_tick", "first_window", "every_steps"
 
-class Forecaster(Protocol):
-    """Forecasts replayed shots for policies, from their measurements."""
 
-    protocol: ClassVar[str]
+@dataclass(frozen=True)
+class Forecaster:
+    """Forecasts replayed shots for policies, from their measurements.
 
-    @property
-    def name(self) -> str:
-        """Of the predictor."""
-        ...
+    Attributes:
+        name: of the predictor.
+        predictor: forecasts.
+        mode: when it does; ``protocol`` in tables.
+        spreads: whether it also says how sure it is; at every control step alone.
+        steps: from one forecast to the next, with ``EVERY_STEPS``.
+    """
+
+    name: str
+    predictor: Predictor
+    mode: str = EVERY_STEP
+    spreads: bool = False
+    steps: int | None = None
 
     def forecasts(self, histories: Histories) -> Forecasts:
         """Forecast shots from their measurement histories."""
-        ...
-
-
-@dataclass(frozen=True)
-class EveryStep:
-    """A predictor that forecasts again at every control step."""
-
-    name: str
-    predictor: Predictor
-    protocol: ClassVar[str] = "every_tick"
-
-    def forecasts(self, histories: Histories) -> Forecasts:
-        """Forecast from every history."""
+        if self.mode != EVERY_STEP:
+            return lambda horizons: (
+                anchored(self.predictor, histories, horizons, self.steps),
+                None,
+            )
+        if self.spreads:
+            predictor = cast(ProbabilisticPredictor, self.predictor)
+            means, spreads = predict_all_with_spreads(predictor, histories.history)
+            return lambda horizons: (
+                every_step(means, histories, horizons),
+                every_step(spreads, histories, horizons),
+            )
         states = predict_all(self.predictor, histories.history)
         return lambda horizons: (every_step(states, histories, horizons), None)
-
-
-@dataclass(frozen=True)
-class EveryStepWithSpreads:
-    """A predictor that also says how sure it is at every control step."""
-
-    name: str
-    predictor: ProbabilisticPredictor
-    protocol: ClassVar[str] = "every_tick"
-
-    def forecasts(self, histories: Histories) -> Forecasts:
-        """Forecast from every history."""
-        found = predict_all_with_spreads(self.predictor, histories.history)
-        states, spreads = (partial(every_step, one, histories) for one in found)
-        return lambda horizons: (states(horizons), spreads(horizons))
-
-
-@dataclass(frozen=True)
-class FirstWindow:
-    """A predictor that forecasts the whole flight from the first window."""
-
-    name: str
-    predictor: Predictor
-    protocol: ClassVar[str] = "first_window"
-
-    def forecasts(self, histories: Histories) -> Forecasts:
-        """Forecast from the first histories."""
-        return lambda horizons: (anchored(self.predictor, histories, horizons), None)
 
 
 @dataclass(frozen=True)
@@ -117,36 +97,30 @@ class ReplayTrial:
 
     def run(self) -> Played:
         """Return each shot's outcome and forecast error with each policy."""
+        shots = self.shots
         with one_thread():
             forecasts = self.forecaster.forecasts(self.histories)
-        played = [
-            self._play(policy, trained, *forecasts(trained.horizons), self.record and not number)
-            for number, (policy, trained) in enumerate(self.policies)
+        played = []
+        for number, (policy, trained) in enumerate(self.policies):
+            forecast = forecasts(trained.horizons)
+            incoming = IncomingBalls(shots.path, shots.playable, FIRST_WINDOW, *forecast)
+            recorded = len(shots) if self.record and not number else 0
+            played.append(
+                play_policy(
+                    policy, trained, shots.simulator, incoming, self.goals, recorded, self.latency
+                )
+            )
+        tables = [
+            with_states(result.table, result.after_racket, result.before_landing)
+            for result in played
         ]
-        tables = [with_states(one.table, one.after_racket, one.before_landing) for one in played]
         table = pd.concat(tables, ignore_index=True).assign(
-            set=self.shots.name,
-            recording=np.tile(np.asarray(self.shots.recordings), len(played)),
+            set=shots.name,
+            recording=np.tile(np.asarray(shots.recordings), len(played)),
             predictor=self.forecaster.name,
-            protocol=self.forecaster.protocol,
+            protocol=self.forecaster.mode,
         )
         return Played(table, played[0] if self.record else None)
-
-    def _play(
-        self,
-        policy: Policy,
-        trained: TrainedPolicy,
-        forecasts: Floats,
-        spreads: Floats | None,
-        record: bool,
-    ) -> TrialResult:
-        shots = self.shots
-        incoming = IncomingBalls(shots.path, shots.playable, FIRST_WINDOW, forecasts, spreads)
-        count = len(shots) if record else 0
-        goals, latency = self.goals, self.latency
-        return play_policy(
-            policy, trained, shots.simulator, incoming, goals, count, latency=latency
-        )
 
 
 def load_players(folder: Path, settings: Sim2RealSettings) -> Policies:
@@ -160,7 +134,9 @@ def load_players(folder: Path, settings: Sim2RealSettings) -> Policies:
         InputError: there is none, or a file is broken.
     """
     group = load_policies(folder, settings.group)
-    policies = [one for one in group if one[1].simulator == settings.simulator]
+    policies = [
+        (policy, trained) for policy, trained in group if trained.simulator == settings.simulator
+    ]
     if not policies:
         problem = f"has no policy of {settings.group} that was trained in {settings.simulator}"
         raise InputError(folder, problem, field="sim2real.simulator")
@@ -191,12 +167,12 @@ def replay_trials(
         ReplayTrial(
             shots,
             histories,
-            one,
+            forecaster,
             policies,
             goals,
-            record=one.name in recorded and one.protocol == EveryStep.protocol,
+            record=forecaster.name in recorded and forecaster.mode == EVERY_STEP,
         )
-        for one in forecasters
+        for forecaster in forecasters
     ]
 
 
@@ -212,14 +188,6 @@ def informed_predictors(
         if simulator is not None:
             found[name] = PhysicsPredictor(simulator)
     return found
-
-
-def informed_forecasters(
-    shots: ReplaySet, learned: Iterable[NamedPredictor], amended: Simulator | None
-) -> list[EveryStep]:
-    """Return these predictors as forecasters at every control step."""
-    informed = informed_predictors(shots, learned, amended)
-    return [EveryStep(*named) for named in informed.items()]
 
 
 def source_of(shots: ReplaySet) -> str:

@@ -1,81 +1,46 @@
-"""Which forecast errors policies tolerate: trials with deliberate errors, and their report."""
+"""Which forecast errors policies tolerate: trials with deliberate errors."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
-import pandas as pd
 
 from rallygap.models.policy.incoming_balls import IncomingBalls
 from rallygap.models.policy.policy import Policy
 from rallygap.models.replay.perturbed_forecasts import ERRORS
-from rallygap.pipeline.io.report_items import ReportFigure, ReportTable
 from rallygap.pipeline.policies.storage import TrainedPolicy
 from rallygap.pipeline.runtime.stage_run import StageRun
-from rallygap.pipeline.transfer.figures.sim2real import tolerance_figure
-from rallygap.pipeline.transfer.rates import rates
 from rallygap.pipeline.transfer.replay_trials import Policies, trial_seed
 from rallygap.pipeline.transfer.trials import Played, play_policy
 
-KEYS = ["error", "size_cm", "horizons_ms"]
 
+def tolerance_trials(run: StageRun, policies: Policies) -> list[Callable[[], Played]]:
+    """Return the trials of all policies with all errors.
 
-@dataclass(frozen=True)
-class ToleranceTrial:
-    """A policy plays shots of its own simulator with one kind of forecast error.
-
-    All trials of a policy have the same shots; errors of all sizes have the same directions.
-
-    Attributes:
-        policy: plays.
-        trained: its description.
-        error: key of ``ERRORS``.
-        size: of the error, m.
-        shots: how many.
-        seed: of shots, goals and errors.
+    Policies play shots of their own simulators. All trials of a policy have the same shots; errors
+    of all sizes have the same directions.
     """
-
-    policy: Policy
-    trained: TrainedPolicy
-    error: str
-    size: float
-    shots: int
-    seed: Sequence[int]
-
-    def run(self) -> Played:
-        """Return how each shot ended."""
-        task, random = self.trained.task, np.random.default_rng(self.seed)
-        balls, goals = task.draw(self.shots, random)
-        forecasts = ERRORS[self.error](balls.forecasts, self.size, random)
-        incoming = IncomingBalls(balls.path, balls.playable, balls.start, forecasts)
-        result = play_policy(self.policy, self.trained, task.simulator, incoming, goals)
-        return Played(result.table.assign(error=self.error, size_cm=100 * self.size))
-
-
-def tolerance_trials(run: StageRun, policies: Policies) -> list[ToleranceTrial]:
-    """Return the trials of all policies with all errors."""
     settings = run.params.sim2real.tolerance
     errors = [(kind, size / 100) for kind in ("bias", "noise") for size in settings.errors_cm]
     return [
-        ToleranceTrial(policy, trained, error, size, settings.shots, trial_seed(run.seed))
+        partial(_play, policy, trained, error, size, settings.shots, trial_seed(run.seed))
         for policy, trained in policies
         for error, size in [*errors, ("no_spin", 0.0)]
     ]
 
 
-def report_tolerance(run: StageRun, played: pd.DataFrame) -> None:
-    """Add the table and the figure of return rates over forecast errors."""
-    settings = run.params.sim2real
-    table = rates(played, KEYS)
-    caption = (
-        f"{settings.tolerance.shots} test shots of the policies' own simulator with exact "
-        "forecasts but for one error. bias: forecast positions shifted in one random direction "
-        "per shot; noise: shifted independently at every control step, with this root mean "
-        "square; no_spin: forecast spin set to zero. 95 % intervals are over "
-        "trainings and shots."
-    )
-    title = "Tolerated forecast errors"
-    run.add(
-        ReportFigure(tolerance_figure(table), "tolerance", title, caption),
-        ReportTable(table, "tolerance", title, caption),
-    )
+def _play(
+    policy: Policy,
+    trained: TrainedPolicy,
+    error: str,
+    size: float,
+    shots: int,
+    seed: Sequence[int],
+) -> Played:
+    """Return how shots end with a key of ``ERRORS``, of a size in m."""
+    task, random = trained.task, np.random.default_rng(seed)
+    balls, goals = task.draw(shots, random)
+    forecasts = ERRORS[error](balls.forecasts, size, random)
+    incoming = IncomingBalls(balls.path, balls.playable, balls.start, forecasts)
+    table = play_policy(policy, trained, task.simulator, incoming, goals).table
+    return Played(table.assign(error=error, size_cm=100 * size))

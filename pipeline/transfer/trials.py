@@ -1,8 +1,7 @@
 """Runs trials of trained policies in parallel."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -30,17 +29,9 @@ class Played:
     recorded: TrialResult | None = None
 
 
-class Trial(Protocol):
-    """A trial that can run in another process."""
-
-    def run(self) -> Played:
-        """Run the trial."""
-        ...
-
-
-def run_trials(trials: Sequence[Trial]) -> list[Played]:
-    """Run trials in parallel; return their results in the same order."""
-    return list(parallel([trial.run for trial in trials], "trials"))
+def run_trials(trials: Sequence[Callable[[], Played]]) -> list[Played]:
+    """Run trials in parallel processes; return their results in the same order."""
+    return list(parallel(trials, "trials"))
 
 
 def joined(results: Sequence[Played]) -> pd.DataFrame:

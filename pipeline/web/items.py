@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from rallygap.pipeline.io.report_items import ReportFigure
-from rallygap.pipeline.io.report_manifest import Column, read_figure
+from rallygap.pipeline.web.report_items import ReportFigure
+from rallygap.pipeline.web.report_manifest import Column, read_figure
 
 
 def shown_figure(figure: ReportFigure, folder: Path) -> dict[str, str]:

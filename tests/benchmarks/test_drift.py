@@ -1,6 +1,6 @@
 """The report on drift counts shots, alarms and right names."""
 
-from benchmarks.drift import CAUSES, QUIET_SHOTS, SHOTS, SIZES, Session, summary
+from experiments.benchmarks.drift import CAUSES, QUIET_SHOTS, SHOTS, SIZES, Session, summary
 from rallygap.models.gap.hypotheses import Hypothesis
 
 FIRST = next(iter(CAUSES))

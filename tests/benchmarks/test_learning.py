@@ -5,9 +5,9 @@ from itertools import count
 
 import pytest
 
-from benchmarks import learning
-from benchmarks.comparison import comparison_table
-from benchmarks.learning import LEARNING, Progress, compared, train
+from experiments.benchmarks import learning
+from experiments.benchmarks.comparison import comparison_table
+from experiments.benchmarks.learning import LEARNING, Progress, compared, train
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.params import read_yaml
 
 ROOT = Path(__file__).parents[2]
-PROFILE = ROOT / "profiles" / "smoke.yaml"
+PROFILE = ROOT / "experiments" / "profiles" / "smoke.yaml"
 OUTPUTS = ("artifacts", "reports")
 CACHE = Path(".dvc") / "cache" / "files" / "md5"
 POLL = 0.02  # s

@@ -21,12 +21,11 @@ from rallygap.pipeline.experiments.profiles import profile_flags
 from rallygap.pipeline.io.artifacts import read_as, write_json
 from rallygap.pipeline.io.episodes import read_episodes
 from rallygap.pipeline.io.ground_truth import read_contacts, read_truth
-from rallygap.pipeline.io.report_manifest import read_columns, read_contents
 from rallygap.pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.io.source_manifest import read_manifest
 from rallygap.pipeline.paper.comparison import compare
-from rallygap.pipeline.paper.run_reports import paper_reports
+from rallygap.pipeline.paper.run_reports import kept_reports
 from rallygap.pipeline.params import load_params
 from rallygap.pipeline.policies.storage import TrainedPolicy, load_policy
 from rallygap.pipeline.predictors.storage import load_predictor
@@ -36,6 +35,7 @@ from rallygap.pipeline.sweeps.report import BEST
 from rallygap.pipeline.sweeps.settings import load_sweep
 from rallygap.pipeline.tracking.lineage import report_of
 from rallygap.pipeline.transfer.truth_comparison import NamedCauses
+from rallygap.pipeline.web.report_manifest import read_columns, read_contents
 from tests.fuzz import hostile
 from tests.models.exam.example_records import answer, hidden, named, record
 from tests.models.predictors.balls import observed
@@ -45,7 +45,7 @@ from tests.pipeline.sources import made_up
 from tests.pipeline.trained_policies import save_drawn
 
 ROOT = Path(__file__).parents[2]
-SWEEP = "profiles/sweeps/predictor.yaml"
+SWEEP = "experiments/profiles/sweeps/predictor.yaml"
 BALL = [0.1, 1.3, 0.3, 0.2, -8.0, 0.5, -150.0, 10.0, 5.0]
 
 
@@ -342,7 +342,7 @@ def _read_timings(folder: Path) -> int:
 
 
 def _read_kept_run(folder: Path) -> int:
-    compare(paper_reports(folder))
+    compare(kept_reports(folder / "reports" / "paper"))
     return 0
 
 
@@ -371,7 +371,9 @@ READERS = [
         JSON,
     ),
     Reader("params.yaml", _copied("params.yaml"), _read_params, YAML),
-    Reader("profile", _copied("params.yaml", "profiles/smoke.yaml"), _read_profile, YAML),
+    Reader(
+        "profile", _copied("params.yaml", "experiments/profiles/smoke.yaml"), _read_profile, YAML
+    ),
     Reader("sweep", _copied("params.yaml", SWEEP), _read_sweep, YAML),
     Reader("best_params.yaml", _write_best, _read_best, YAML),
     Reader("simulator", _write_simulator, _read_simulator, YAML),

@@ -14,7 +14,9 @@ TARGET, CHANGED = "score_segmentation", "segment.outlier_cost"
 def experiments(tmp_path_factory):
     """A clone with small parameters, run up to the target as `base` and `strict`; `base` stays."""
     folder = cloned(tmp_path_factory.mktemp("comparing") / "rallygap")
-    small = merged(read_yaml(folder / "params.yaml"), read_yaml(folder / "profiles/smoke.yaml"))
+    small = merged(
+        read_yaml(folder / "params.yaml"), read_yaml(folder / "experiments/profiles/smoke.yaml")
+    )
     (folder / "params.yaml").write_text(yaml.safe_dump(small, sort_keys=False))
     commit(folder, "small")
     run(folder, "dvc", "exp", "run", "--name", "base", TARGET)

@@ -3,7 +3,7 @@
 import pytest
 
 
-def kill_at(module, step, experiment, root):
+def kill_at(module, step, experiment, run):
     """Run an experiment that is killed when a function of its module is called: no reports yet."""
 
     def killed(*_):
@@ -11,5 +11,5 @@ def kill_at(module, step, experiment, root):
 
     with pytest.MonkeyPatch.context() as patch, pytest.raises(KeyboardInterrupt):
         patch.setattr(module, step, killed)
-        experiment(root)
-    assert not (root / "reports").exists()
+        experiment(run)
+    assert not run.report(".").exists()

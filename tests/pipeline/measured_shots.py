@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 
 from rallygap.models.arena.bounce_scatter import BounceScatter
-from rallygap.models.arena.camera_field import CameraField
-from rallygap.models.arena.cameras import SlowError
+from rallygap.models.arena.cameras import CameraField, SlowError
 from rallygap.models.arena.truth import Truth
 from rallygap.models.ball.simulators import shipped
 from rallygap.models.predictors.spread import Spread

@@ -17,8 +17,7 @@ RALLYGAP = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main(
 
 
 VERBS = (
-    "diagnose audit export live simulators check profile run-of ui real known-answers sweep "
-    "confirm keep page benchmark costs docs stale everything compare-commits"
+    "diagnose audit export live simulators example check profile ui sweep confirm benchmark docs"
 )
 
 
@@ -42,13 +41,30 @@ def test_help_names_every_verb_without_loading_the_libraries():
         "import sys; from rallygap.pipeline.cli import app\n"
         "from typer.testing import CliRunner\n"
         "print(CliRunner().invoke(app, ['--help']).output)\n"
-        "heavy = {'pandas', 'mlflow', 'dvc', 'matplotlib', 'numba', 'optuna', 'torch'}\n"
+        "heavy = {'numpy', 'pandas', 'mlflow', 'dvc', 'matplotlib', 'numba', 'optuna', 'torch'}\n"
         "print('loaded', heavy & set(sys.modules))"
     )
     shown = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True)
     for verb in VERBS.split():
         assert f" {verb} " in shown.stdout
     assert "loaded set()" in shown.stdout
+
+
+def test_help_takes_less_than_half_a_second_of_the_processor():
+    def seconds():
+        before = sum(os.times()[2:4])  # of child processes
+        assert rallygap("--help").returncode == 0
+        return sum(os.times()[2:4]) - before
+
+    assert min(seconds() for _ in range(3)) < 0.5
+
+
+def test_the_example_recordings_are_written_into_a_new_folder_only(tmp_path):
+    assert rallygap("example", "recordings", cwd=tmp_path).returncode == 0
+    assert len(list((tmp_path / "recordings").glob("*.csv"))) == 30
+    refused = rallygap("example", "recordings", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert refused.stderr == "rallygap: recordings: is there already; give a new folder\n"
 
 
 def test_a_profile_is_printed_as_flags_from_any_folder_of_the_repository():

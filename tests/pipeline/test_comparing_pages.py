@@ -1,4 +1,4 @@
-"""What two runs look like next to each other in MLflow: the pictures of docs/compare.md.
+"""What two runs look like next to each other in MLflow: the pictures of docs/daily.md.
 
 ``make pictures`` writes them.
 """

@@ -65,7 +65,7 @@ def small(folder):
     """Make a repository with the smallest parameters."""
     cloned(folder)
     params = read_yaml(folder / "params.yaml")
-    params = merged(params, read_yaml(folder / "profiles" / "smoke.yaml"))
+    params = merged(params, read_yaml(folder / "experiments" / "profiles" / "smoke.yaml"))
     (folder / "params.yaml").write_text(yaml.safe_dump(params, sort_keys=False))
     commit(folder, "small")
 

@@ -1,22 +1,26 @@
-"""The base installation diagnoses; what it lacks is named with the extra that brings it."""
+"""The package: what is installed and importable, and what the base installation can do."""
 
 import json
+import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
 import tomllib
+import zipfile
 from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
-import numpy as np
 import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from rallygap.models.ball.simulators import shipped
+import rallygap
+from tests.clone import run
 
 ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "docs" / "examples" / "recordings"
 
 # Runs Python code where every package that the base installation lacks cannot be imported.
 BASE_ONLY = """
@@ -73,18 +77,11 @@ def base_only(tmp_path_factory):
 
 @pytest.fixture
 def recordings(tmp_path):
-    """A folder of recordings flown by the literature's simulator with more drag."""
+    """A folder with eight of the example recordings."""
     folder = tmp_path / "recordings"
     folder.mkdir()
-    random = np.random.default_rng(0)
-    simulator = shipped("literature").amended("drag", cd=0.7)
-    times = np.arange(0.0, 0.6, 0.005)
-    for number in range(12):
-        velocity = random.normal([0.0, 6.0, 1.5], 0.5)
-        state = np.array([0.0, -1.3, 0.3, *velocity, 100.0, 0.0, 0.0])
-        positions = simulator.fly(state[None], times[None]).states[0, :, :3]
-        rows = np.column_stack([times, positions + random.normal(0.0, 0.002, positions.shape)])
-        np.savetxt(folder / f"{number:02}.csv", rows, delimiter=",", header="t,x,y,z", comments="")
+    for number in range(8):
+        shutil.copy(EXAMPLE / f"{number:02}.csv", folder)
     return folder
 
 
@@ -97,19 +94,149 @@ def test_the_base_installation_diagnoses_a_folder(base_only, recordings, tmp_pat
     assert verdict["verdict"] != "no_gap"
 
 
-def test_the_code_of_the_python_api_page_runs_as_pasted(base_only, recordings, tmp_path):
-    literature = ROOT / "models" / "ball" / "simulators" / "literature.yaml"
-    shutil.copy(literature, tmp_path / "simulator.yaml")
+def test_the_code_of_the_python_api_page_runs_as_pasted(base_only, recordings):
     page = (ROOT / "docs" / "python-api.md").read_text()
     code = "\n".join(re.findall(r"```python\n(.*?)```", page, re.DOTALL))
     ended = base_only(code=code, cwd=recordings.parent)
     assert ended.returncode == 0, ended.stderr
+    assert "named" in ended.stdout
     assert "drag.cd" in ended.stdout
+    assert "gravity.g 9.81\n" in ended.stdout
 
 
 @pytest.mark.parametrize("words", [["sweep", "quick"], ["ui"], ["real", "."]])
 def test_a_command_that_misses_its_extra_says_which(base_only, words):
     ended = base_only(*words)
     assert ended.returncode == 2
-    assert "pip install -e '.[pipeline]'" in ended.stderr
+    assert "pip install 'rallygap[pipeline]'" in ended.stderr
     assert len(ended.stderr.splitlines()) == 1
+
+
+def test_every_public_name_is_there():
+    for name in rallygap.__all__:
+        assert getattr(rallygap, name).__name__ == name
+        assert name in dir(rallygap)
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        rallygap.nothing  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    "statement", ["import rallygap", "from rallygap import diagnose, Simulator, Verdict"]
+)
+def test_importing_rallygap_changes_nothing_in_the_process(statement):
+    code = f"import os; before = dict(os.environ); {statement}; assert before == dict(os.environ)"
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
+
+
+def test_importing_rallygap_is_quick():
+    code = (
+        "import sys, time; started, before = time.process_time(), set(sys.modules)\n"
+        "import rallygap; print(time.process_time() - started, 'numpy' in sys.modules)"
+    )
+    seconds, numpy_loaded = run(ROOT, sys.executable, "-c", code).split()
+    assert float(seconds) < 0.3
+    assert numpy_loaded == "False"
+
+
+@pytest.mark.parametrize(
+    ("words", "threads"),
+    [
+        (["-m", "rallygap.stages.segment"], "1"),
+        (["-m", "rallygap.pipeline.gap.measured_shots"], "1"),
+        (["-c", COMMAND_LINE, "audit", "literature", "--out", "audit"], "1"),
+        (["-c", "from rallygap import diagnose"], "None"),
+    ],
+)
+def test_programs_hold_their_arithmetic_before_numpy_is_loaded(words, threads, tmp_path):
+    numpy = "import os; print(os.environ.get('OPENBLAS_NUM_THREADS')); raise SystemExit"
+    (tmp_path / "numpy.py").write_text(numpy)
+    environment = {"PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"}
+    started = subprocess.run(
+        [sys.executable, *words], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
+    assert started.stdout.split() == [threads], started.stderr
+
+
+def test_the_example_recordings_are_those_that_their_script_writes(tmp_path):
+    script = runpy.run_path(str(ROOT / "docs" / "examples" / "record_shots.py"))
+    script["record_shots"](tmp_path / "recordings")
+    written = contents(tmp_path / "recordings")
+    assert len(written) == 30
+    assert sum(map(len, written.values())) < 200_000
+    assert written == contents(EXAMPLE)
+
+
+def contents(folder):
+    """The contents of the files of a folder, by name."""
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """The folder in which the wheel was built, installed in an empty environment, and tried."""
+    folder = tmp_path_factory.mktemp("wheel")
+    environment = {key: text for key, text in os.environ.items() if key != "PYTHONPATH"}
+    environment["PYTHON"] = sys.executable
+    subprocess.run([ROOT / ".ci" / "wheel", folder], env=environment, check=True)
+    return folder
+
+
+@pytest.mark.slow
+def test_the_wheel_has_the_package_with_its_data_and_nothing_else(built):
+    tracked = run(ROOT, "git", "ls-files", "models", "pipeline", "stages").split()
+    recordings = (f"examples/recordings/{path.name}" for path in EXAMPLE.iterdir())
+    (wheel,) = built.glob("*.whl")
+    packaged = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
+    own = ["__init__.py", "py.typed", *recordings]
+    assert packaged == {f"rallygap/{name}" for name in [*own, *tracked]}
+    installed = {path.name for path in built.glob("empty/lib/python*/site-packages/*")}
+    assert not {"models", "pipeline", "stages", "tests", "docs", "benchmarks"} & installed
+
+
+@pytest.mark.slow
+def test_the_wheel_works_in_an_empty_environment_away_from_the_repository(built):
+    assert contents(built / "recordings") == contents(EXAMPLE)
+    verdict = rallygap.Verdict.load(built / "verdict" / "verdict.json")
+    assert [cause.identity for cause in verdict.leading] == ["drag.cd", "table_bounce.restitution"]
+    assert (built / "audit" / "report.html").exists()
+
+
+@pytest.fixture
+def clone(tmp_path):
+    """What `make` needs to set up an environment; pip does nothing there."""
+    for name in ("Makefile", "pyproject.toml", "constraints.txt"):
+        shutil.copy(ROOT / name, tmp_path)
+    return tmp_path
+
+
+def make_environment(folder):
+    command = ["make", ".venv/ready", "PIP=true", f"PYTHON={sys.executable}"]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True)
+
+
+def test_make_uses_an_environment_that_it_did_not_make(clone):
+    run(clone, sys.executable, "-m", "venv", "--without-pip", ".venv")
+    (clone / ".venv" / "mine").touch()
+    made = make_environment(clone)
+    assert made.returncode == 0
+    assert "make: the environment .venv is there already" in made.stdout
+    assert (clone / ".venv" / "mine").exists()
+
+
+def test_make_creates_again_what_it_did_not_finish(clone):
+    (clone / ".venv").mkdir()
+    for name in ("by-make", "half"):
+        (clone / ".venv" / name).touch()
+    assert make_environment(clone).returncode == 0
+    assert (clone / ".venv" / "ready").exists()
+    assert not (clone / ".venv" / "half").exists()
+
+
+def test_make_refuses_an_environment_of_another_python(clone):
+    python = clone / ".venv" / "bin" / "python"
+    python.parent.mkdir(parents=True)
+    python.write_text("#!/bin/sh\nexit 1\n")
+    python.chmod(0o755)
+    made = make_environment(clone)
+    assert made.returncode != 0
+    assert made.stderr.startswith("make: .venv is not of Python 3.11")

@@ -3,7 +3,6 @@
 import hashlib
 import json
 import os
-import shlex
 import signal
 import subprocess
 import sys
@@ -13,10 +12,8 @@ from pathlib import Path
 import mlflow
 import numpy as np
 import pytest
-import yaml
 
 from rallygap.models.predictors.protocol import History
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.predictors.storage import load_predictor
 from rallygap.pipeline.tracking.headlines import HEADLINES
@@ -73,9 +70,9 @@ def digests(folder):
     }
 
 
-def test_every_stage_leaves_its_report_and_the_page(reproduced):
-    for stage in read_yaml(reproduced / "dvc.yaml")["stages"]:
-        assert (reproduced / "reports" / stage / "contents.json").is_file()
+def test_every_stage_leaves_its_metrics_and_the_page(reproduced):
+    for stage in set(read_yaml(reproduced / "dvc.yaml")["stages"]) - {"report"}:
+        assert (reproduced / "reports" / stage / "metrics.json").is_file()
     assert (reproduced / "reports" / "index.html").is_file()
 
 
@@ -180,35 +177,3 @@ def test_the_champion_forecasts_as_the_predictor_that_was_trained(reproduced, tr
     assert np.isfinite(expected.states).all()
     np.testing.assert_array_equal(forecast["states"], expected.states)
     np.testing.assert_array_equal(forecast["spin_measured"], expected.spin_measured)
-
-
-def test_an_experiment_is_kept_without_a_trace_of_this_machine(reproduced, flags):
-    rallygap(reproduced, "keep", "smoke")
-    kept = reproduced / "reports" / "smoke"
-    reports, trained = reproduced / "reports", reproduced / "artifacts" / "train_predictor"
-    for path in kept.rglob("*.*"):
-        inside = path.relative_to(kept)
-        assert str(reproduced).encode() not in path.read_bytes()
-        if inside.parts[0] == "predictors":
-            own = trained.joinpath(*inside.parts[1:]).read_bytes()
-            assert path.read_bytes() == own.replace(b"`reports/", b"`reports/smoke/")
-        elif inside.name != "run.json":
-            assert path.read_bytes() == (reports / inside).read_bytes()
-    assert (kept / "predictors" / "transformer" / "weights.safetensors").exists()
-    command = json.loads((kept / "run.json").read_text())["command"]
-    assert set(flags) <= set(shlex.split(command))
-
-
-@pytest.mark.real
-def test_the_measured_sets_are_run_and_kept_by_one_command(reproduced, real_data):
-    profiles = reproduced / "profiles"
-    small = merged(read_yaml(profiles / "real.yaml"), read_yaml(profiles / "smoke.yaml"))
-    (profiles / "real.yaml").write_text(yaml.safe_dump(small))
-    kept = reproduced / "reports" / "real"
-    (kept / "run.json").write_text(json.dumps({"fingerprints": {}}))  # a former run is replaced
-    rallygap(reproduced, "real", str(real_data.resolve()))
-    metrics = json.loads((kept / "evaluate_predictor" / "metrics.json").read_text())
-    for name in ("spindoe", "tt3d", "isr_ball_prediction"):
-        assert "transformer_fine_tuned" in metrics[name]
-    texts = [path.read_bytes() for path in kept.rglob("*") if path.is_file()]
-    assert not any(str(real_data.resolve()).encode() in text for text in texts)

@@ -16,7 +16,6 @@ MAY_KNOW = {
     "score_segmentation",
     "sim2real",
     "retrain_policy",
-    "hidden_effects",
 }
 
 

@@ -20,8 +20,7 @@ from rallygap.models.gap.verdict import (
 )
 from rallygap.models.predictors.ball_filter import ANY_BALL
 from rallygap.pipeline.gap.cases import Case, Diagnosed
-from rallygap.pipeline.gap.labels import LabelCounts
-from rallygap.pipeline.gap.measured_shots import MeasuredShots
+from rallygap.pipeline.gap.measured_shots import LabelCounts, MeasuredShots
 from rallygap.pipeline.gap.summary import Findings
 
 TIMES = 0.01 * np.arange(20)

@@ -2,9 +2,17 @@
 
 import pandas as pd
 
+from rallygap.pipeline.report.stages import write_report
+
+
+def items(run):
+    """What the stage ``report`` writes of a stage: kinds, files, titles and captions."""
+    return write_report(run, run.stage)
+
 
 def table(run, name, *keys):
     """A table of the report, indexed by ``keys``."""
+    items(run)
     rows = pd.read_csv(run.report(f"{name}.csv"))
     return rows.set_index(list(keys)) if keys else rows
 

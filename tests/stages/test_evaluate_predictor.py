@@ -8,6 +8,7 @@ import pytest
 
 from rallygap.pipeline.evaluation.example_shots import read_shots
 from rallygap.pipeline.io.artifacts import read_table, write_table
+from rallygap.pipeline.io.metrics import place
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.stages.evaluate_predictor import evaluate_predictor
@@ -19,7 +20,7 @@ from tests.pipeline.measured_shots import (
     write_inputs,
     write_trained,
 )
-from tests.stages.outputs import table, written
+from tests.stages.outputs import items, table, written
 
 
 def evaluated(root, processes=1, **inputs):
@@ -28,7 +29,27 @@ def evaluated(root, processes=1, **inputs):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LOKY_MAX_CPU_COUNT", str(processes))
         evaluate_predictor(run)
-    return run, json.loads(run.report("metrics.json").read_text())
+    return run, means(run)
+
+
+def means(run):
+    """Mean, deviation and count by set, predictor, quantity and horizon, over all windows."""
+    found = {}
+    for row in run.kept(run.stage, "errors").query("bounce == 'all'").to_dict("records"):
+        label = row["set"] if row["against"] == "measured" else f"{row['set']}_{row['against']}"
+        keys = (label, row["predictor"], row["quantity"], row["horizon_ms"])
+        place(found, keys).update({name: row[name] for name in ("mean", "std", "n")})
+    return found
+
+
+def test_metrics_are_the_mean_position_errors_at_the_farthest_horizon(whole):
+    run, found = whole
+    metrics = json.loads(run.report("metrics.json").read_text())
+    for name, errors in metrics.items():
+        assert set(errors) == set(found[name])
+        for predictor, mean in errors.items():
+            last = found[name][predictor]["position"]["300"]["mean"]
+            assert mean == pytest.approx(last, rel=1e-5)
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +125,7 @@ def test_sets_are_calibrated_by_validation_windows(whole, tmp_path):
     assert (rows["size_mm"].loc[("oracle", 0.9)] > rows["size_mm"].loc[("oracle", 0.5)]).all()
     error = metrics["arena"]["oracle"]["position"]["300"]["mean"]
     assert 0.1 * error < rows["crps_mm"].loc[("oracle", 0.9, 300)] < error
-    assert "figures/coverage_arena.png" in {item.file for item in run.items}
+    assert "figures/coverage_arena.png" in {item.file for item in items(run)}
 
 
 def test_without_a_trained_predictor_the_stage_to_run_is_named(tmp_path):

@@ -9,7 +9,7 @@ from rallygap.pipeline.io.schemas import LAUNCHES, POINTS, RECORDINGS, TRUE_CONT
 from rallygap.pipeline.io.source_manifest import read_manifest
 from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.sources.made_up import ARENA, WRITERS, write_tt3d
-from tests.stages.outputs import table, written
+from tests.stages.outputs import items, table, written
 from tests.stages.small_runs import run_ingest
 
 
@@ -74,13 +74,9 @@ def test_metrics_say_what_was_read_and_refused(tmp_path, everything):
     assert metrics["tt3d"] == {
         "recordings": 1,
         "launches": 0,
-        "rows_read": 6,
         "rows_kept": 4,
-        "rows_refused": {"not a number": 1, "time repeated": 1},
-        "labels_refused": {},
-        "rate_hz": 142.86,
+        "rows_refused": 2,
     }
-    assert "rate_hz" not in metrics["competitive_robot_table_tennis"]
 
 
 def test_the_report_shows_every_source(tmp_path, everything):
@@ -89,8 +85,7 @@ def test_the_report_shows_every_source(tmp_path, everything):
     sources = table(run, "sources", "source")
     assert list(sources.index) == list(WRITERS)
     assert sources.loc["tt3d", "licence"] == "not stated upstream"
-    assert run.report("figures/measured_balls.png").read_bytes().startswith(b"\x89PNG")
-    assert [item.file for item in run.items] == [
+    assert [item.file for item in items(run)] == [
         "figures/measured_balls.png",
         "sources.csv",
         "figures/launches.png",
@@ -105,7 +100,7 @@ def test_running_twice_writes_the_same_bytes(tmp_path, everything):
     )
 
     assert one == two
-    assert len(one) == 11
+    assert len(one) == 8
 
 
 def test_nothing_tells_where_the_data_lay(tmp_path, everything):

@@ -12,6 +12,7 @@ from rallygap.pipeline.io.artifacts import read_json, read_table, write_table
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.stages.score_segmentation import score_segmentation
 from tests.pipeline.sources.made_up import ARENA
+from tests.stages.outputs import items
 from tests.stages.small_runs import run_ingest, run_segment
 
 
@@ -38,10 +39,9 @@ def test_bounces_of_test_recordings_are_scored(root):
     assign_to_split(root)
     metrics = read_json(run_score(root).report("metrics.json"))
     true = read_table(root / "artifacts/ingest/true_contacts.parquet")
-    assert metrics["table"]["cannon"] == metrics["table"]["all"]
-    assert metrics["table"]["all"]["precision"] == metrics["table"]["all"]["recall"] == 1.0
-    assert metrics["table"]["all"]["time_error_rms_ms"] < 2.0
-    assert metrics["table"]["all"]["contacts"] <= (true["kind"] == "table").sum()
+    assert metrics["table"]["precision"] == metrics["table"]["recall"] == 1.0
+    assert metrics["table"]["time_error_rms_ms"] < 2.0
+    assert metrics["table"]["contacts"] <= (true["kind"] == "table").sum()
 
 
 def test_missed_contact_lowers_recall(root):
@@ -49,7 +49,7 @@ def test_missed_contact_lowers_recall(root):
     path = root / "artifacts/segment/contacts.parquet"
     contacts = read_table(path)
     write_table(path, contacts.drop(contacts.index[contacts["kind"] == "table"][0]))
-    metrics = read_json(run_score(root).report("metrics.json"))["table"]["all"]
+    metrics = read_json(run_score(root).report("metrics.json"))["table"]
     assert metrics["precision"] == 1.0
     assert metrics["recall"] == pytest.approx(1 - 1 / metrics["contacts"], abs=1e-4)
 
@@ -59,14 +59,13 @@ def test_only_test_recordings_are_scored(root, capsys):
     run = run_score(root)
     assert read_json(run.report("metrics.json")) == {}
     assert "no contacts to score" in capsys.readouterr().err
-    assert run.report("contacts.csv").exists()
-    assert run.report("figures/contact_scores.png").exists()
+    assert [item.file for item in items(run)] == ["contacts.csv", "figures/contact_scores.png"]
 
 
 def test_table_and_figure_are_in_the_report(root):
     assign_to_split(root)
     run = run_score(root)
-    assert [item.file for item in run.items] == ["contacts.csv", "figures/contact_scores.png"]
+    assert [item.file for item in items(run)] == ["contacts.csv", "figures/contact_scores.png"]
     assert pd.read_csv(run.report("contacts.csv"))["level"].tolist() == ["cannon", "all"]
 
 
@@ -77,6 +76,6 @@ def test_contacts_of_games_are_found(tmp_path):
     assign_to_split(tmp_path)
     metrics = read_json(run_score(tmp_path).report("metrics.json"))
     for kind in ("racket", "table"):
-        assert metrics[kind]["all"]["contacts"] > 1500
-        assert metrics[kind]["all"]["precision"] >= 0.99
-        assert metrics[kind]["all"]["recall"] >= 0.99
+        assert metrics[kind]["contacts"] > 1500
+        assert metrics[kind]["precision"] >= 0.99
+        assert metrics[kind]["recall"] >= 0.99

@@ -15,7 +15,7 @@ from rallygap.stages.shot_quality import shot_quality
 from tests.pipeline.measured_shots import params
 from tests.pipeline.professional_games import played_games, write_games
 from tests.pipeline.returned import trials, write_trials
-from tests.stages.outputs import table, written
+from tests.stages.outputs import items, table, written
 
 SETTINGS = ShotQualitySettings(
     forest=ForestSettings(trees=5, min_samples_leaf=5), folds=2, points=20, bootstrap_resamples=20
@@ -59,7 +59,7 @@ def test_forest_regression_and_base_rate_are_scored_on_both_outcomes(whole):
     share = rows.loc[("wins", "forest"), "share"]
     assert 0 < share < rows.loc[("point", "forest"), "share"] < 1
     metrics = read_json(whole.report("metrics.json"))
-    assert metrics["scores"]["wins"]["forest"]["brier"] == rows.loc[("wins", "forest"), "brier"]
+    assert metrics["forest_roc_auc"]["wins"] == rows.loc[("wins", "forest"), "roc_auc"]
 
 
 def test_every_receiver_has_its_medians(whole):
@@ -76,7 +76,7 @@ def test_every_receiver_has_its_medians(whole):
 
 
 def test_the_report_holds_every_table_and_figure(whole):
-    files = {item.file for item in whole.items}
+    files = {item.file for item in items(whole)}
     assert files == {
         "figures/quality.png", "figures/calibration.png", *(f"{name}.csv" for name in TABLES)
     }  # fmt: skip
@@ -113,4 +113,4 @@ def test_without_a_return_the_forest_is_validated_and_medians_are_missing(again,
     assert rows["speed"].isna().all()
     assert len(table(run, "scores")) == 6
     assert table(run, "out_of_range").empty and table(run, "win_probability").empty
-    assert {item.file for item in run.items} >= {"figures/quality.png", "quality.csv"}
+    assert {item.file for item in items(run)} >= {"figures/quality.png", "quality.csv"}

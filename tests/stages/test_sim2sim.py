@@ -3,15 +3,16 @@
 import json
 
 import numpy as np
-import pandas as pd
 import pytest
 
+from rallygap.pipeline.io.metrics import place
 from rallygap.pipeline.policies.storage import save_policy
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.stages.sim2sim import sim2sim
 from tests.pipeline.measured_shots import params
 from tests.pipeline.trained_policies import chaser, description
+from tests.stages import outputs
 from tests.stages.outputs import written
 
 HORIZONS = (115, 120, 125)
@@ -32,7 +33,31 @@ def judged(root, **changes):
     settings = params().sim2sim.model_copy(update=few)
     run = StageRun("sim2sim", root, params(sim2sim=settings))
     sim2sim(run)
-    return run, json.loads(run.report("metrics.json").read_text())
+    return run, rates_and_gains(run)
+
+
+def rates_and_gains(run):
+    """Return rates of every seed, and gains, by protocol, simulator and horizons."""
+    found = {}
+    keys = ["protocol", "simulator", "horizons_ms"]
+    for row in run.kept("sim2sim", "rates").to_dict("records"):
+        rate = {"mean": row["return_rate"], "std": row["std"], "per_seed": list(row["per_seed"])}
+        own = place(found, [*(row[key] for key in keys), row["predictor"]])
+        own.update(return_rate=rate, hit_rate=row["hit_rate"])
+    for row in run.kept("sim2sim", "differences").to_dict("records"):
+        gain = {"mean": row["difference"], "low": row["ci_low"], "high": row["ci_high"]}
+        place(found, [*(row[key] for key in keys), "difference"]).update(gain)
+    return found
+
+
+def test_metrics_are_the_gains(whole):
+    run, found = whole
+    metrics = json.loads(run.report("metrics.json").read_text())
+    for protocol, simulators in metrics.items():
+        for simulator, horizons in simulators.items():
+            for ahead, gain in horizons.items():
+                known = found[protocol][simulator][ahead]["difference"]["mean"]
+                assert gain == pytest.approx(known, abs=1e-5)
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +70,7 @@ def whole(tmp_path_factory):
 
 
 def table(run, name, simulator):
-    rows = pd.read_csv(run.report(f"{name}.csv"))
+    rows = outputs.table(run, name)
     return rows[rows["simulator"] == simulator].set_index("protocol")
 
 

@@ -17,7 +17,7 @@ from rallygap.stages.train_predictor import train_predictor
 from tests.models.predictors.balls import observed
 from tests.models.predictors.small_training import BRIEF, TINY, TINY_GRU_TAE, TINY_TAE, changed
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs
-from tests.stages.outputs import written
+from tests.stages.outputs import items, written
 
 NETWORKS = {
     "small": TINY,
@@ -107,14 +107,17 @@ def test_the_report_has_the_losses_of_every_epoch(whole):
     metrics = read_json(whole.report("metrics.json"))
     names = [*NETWORKS, *(f"{name}_fine_tuned" for name in NETWORKS)]
     assert list(metrics) == names
-    assert list(metrics["small"]) == ["1", "2", "3"]
+    losses = pd.read_csv(whole.report("losses.csv")).set_index(["predictor", "epoch"])
+    assert losses.loc["small"].index.tolist() == [1, 2, 3]
+    shown = [item.file for item in items(whole)]
     last = pd.read_csv(whole.report("training.csv"))
     assert last["predictor"].tolist() == names
     assert last["epoch"].tolist() == [3] * 4 + [1] * 4
     for row in last.to_dict("records"):
-        epoch = metrics[row["predictor"]][str(row["epoch"])]
-        assert epoch == {key: row[key] for key in ("training", "validation")}
-    assert [item.file for item in whole.items] == ["figures/training.png", "training.csv"]
+        assert metrics[row["predictor"]] == row["validation"]
+        epoch = losses.loc[row["predictor"], row["epoch"]]
+        assert epoch.to_dict() == {key: row[key] for key in ("training", "validation")}
+    assert shown == ["figures/training.png", "training.csv"]
 
 
 def test_the_same_inputs_give_the_same_bytes(whole, tmp_path, monkeypatch):

@@ -8,13 +8,7 @@ effect = Effect(
     title="the clock runs fast or slow",
     equation="t_measured = (1 + d) t",
     acts="sensor",
-    parameters=(
-        Parameter(
-            "d",
-            bounds=(-0.2, 0.2),
-            observed="1e-4; 1e-2 for a wrong frame rate",
-        ),
-    ),
+    parameters=(Parameter("d", bounds=(-0.2, 0.2), observed="1e-4; 1e-2 for a wrong frame rate"),),
 )
 
 

@@ -9,12 +9,7 @@ effect = Effect(
     equation="a = -rho A C_D / 2m |u| u",
     acts="flight",
     parameters=(
-        Parameter(
-            "cd",
-            bounds=(0.0, 1.5),
-            observed="0.40-0.56",
-            source="Nakashima 2010: 0.54",
-        ),
+        Parameter("cd", bounds=(0.0, 1.5), observed="0.40-0.56", source="Nakashima 2010: 0.54"),
     ),
 )
 

@@ -10,13 +10,7 @@ effect = Effect(
     equation="gravity along (sin tx, sin ty, -sqrt(1 - sin^2 tx - sin^2 ty))",
     acts="flight",
     parameters=tuple(
-        Parameter(
-            axis,
-            unit="rad",
-            bounds=(-0.2, 0.2),
-            observed="0.1-1 degree",
-        )
-        for axis in "xy"
+        Parameter(axis, unit="rad", bounds=(-0.2, 0.2), observed="0.1-1 degree") for axis in "xy"
     ),
 )
 

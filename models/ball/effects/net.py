@@ -16,12 +16,7 @@ effect = Effect(
             observed="not reported; a net gives way",
             source="assumption: 0.2",
         ),
-        Parameter(
-            "friction",
-            bounds=(0.0, 2.0),
-            observed="not reported",
-            source="assumption: 0.5",
-        ),
+        Parameter("friction", bounds=(0.0, 2.0), observed="not reported", source="assumption: 0.5"),
     ),
 )
 

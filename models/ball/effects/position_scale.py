@@ -8,13 +8,7 @@ effect = Effect(
     title="the cameras' scale is off",
     equation="x_measured = (1 + s) x",
     acts="sensor",
-    parameters=(
-        Parameter(
-            "s",
-            bounds=(-0.1, 0.1),
-            observed="0.1-1 percent",
-        ),
-    ),
+    parameters=(Parameter("s", bounds=(-0.1, 0.1), observed="0.1-1 percent"),),
 )
 
 

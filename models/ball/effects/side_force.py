@@ -12,13 +12,7 @@ effect = Effect(
     title="a steady side force",
     equation="a = rho A C_Y / 2m |u|^2, horizontal, to the right of the path",
     acts="flight",
-    parameters=(
-        Parameter(
-            "cy",
-            bounds=(-0.5, 0.5),
-            observed="to 0.05 on a knuckle ball",
-        ),
-    ),
+    parameters=(Parameter("cy", bounds=(-0.5, 0.5), observed="to 0.05 on a knuckle ball"),),
 )
 
 

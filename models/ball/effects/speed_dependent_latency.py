@@ -12,12 +12,7 @@ effect = Effect(
     equation="x_measured(t) = x(t - tau |v|)",
     acts="sensor",
     parameters=(
-        Parameter(
-            "tau",
-            unit="s^2/m",
-            bounds=(-0.002, 0.002),
-            observed="1-5 ms per 10 m/s",
-        ),
+        Parameter("tau", unit="s^2/m", bounds=(-0.002, 0.002), observed="1-5 ms per 10 m/s"),
     ),
 )
 

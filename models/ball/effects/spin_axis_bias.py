@@ -10,13 +10,7 @@ effect = Effect(
     equation="w_measured = R(rotation vector) w",
     acts="sensor",
     parameters=tuple(
-        Parameter(
-            axis,
-            unit="rad",
-            bounds=(-0.8, 0.8),
-            observed="1-3 degrees",
-        )
-        for axis in "xyz"
+        Parameter(axis, unit="rad", bounds=(-0.8, 0.8), observed="1-3 degrees") for axis in "xyz"
     ),
 )
 

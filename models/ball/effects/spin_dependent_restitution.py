@@ -8,14 +8,7 @@ effect = Effect(
     title="restitution depends on spin",
     equation="e + c (r|w_t| - 3)",
     acts="contact",
-    parameters=(
-        Parameter(
-            "c",
-            unit="s/m",
-            bounds=(-0.1, 0.1),
-            observed="not reported",
-        ),
-    ),
+    parameters=(Parameter("c", unit="s/m", bounds=(-0.1, 0.1), observed="not reported"),),
 )
 
 

@@ -8,13 +8,7 @@ effect = Effect(
     title="spin labels are scaled",
     equation="w_measured = (1 + s) w",
     acts="sensor",
-    parameters=(
-        Parameter(
-            "s",
-            bounds=(-0.5, 0.5),
-            observed="5 percent",
-        ),
-    ),
+    parameters=(Parameter("s", bounds=(-0.5, 0.5), observed="5 percent"),),
 )
 
 

@@ -8,13 +8,7 @@ effect = Effect(
     title="some spin labels are negated",
     equation="w_measured = -w in a share of the shots",
     acts="sensor",
-    parameters=(
-        Parameter(
-            "share",
-            bounds=(0.0, 1.0),
-            observed="14 percent in one public set",
-        ),
-    ),
+    parameters=(Parameter("share", bounds=(0.0, 1.0), observed="14 percent in one public set"),),
 )
 
 

@@ -17,10 +17,7 @@ effect = Effect(
             source="Nakashima 2010: 0.93",
         ),
         Parameter(
-            "friction",
-            bounds=(0.0, 2.0),
-            observed="0.15-0.35",
-            source="Nakashima 2010: 0.25",
+            "friction", bounds=(0.0, 2.0), observed="0.15-0.35", source="Nakashima 2010: 0.25"
         ),
     ),
 )

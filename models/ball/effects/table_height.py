@@ -8,12 +8,7 @@ effect = Effect(
     equation="surface at z = h",
     acts="contact",
     parameters=(
-        Parameter(
-            "h",
-            unit="m",
-            bounds=(-0.2, 0.2),
-            observed="1-3 mm; one public set 22 mm",
-        ),
+        Parameter("h", unit="m", bounds=(-0.2, 0.2), observed="1-3 mm; one public set 22 mm"),
     ),
 )
 

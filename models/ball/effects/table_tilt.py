@@ -10,12 +10,7 @@ effect = Effect(
     equation="surface normal along (sin tx, sin ty, 1)",
     acts="contact",
     parameters=tuple(
-        Parameter(
-            axis,
-            unit="rad",
-            bounds=(-0.1, 0.1),
-            observed="0.05-0.3 degrees",
-        )
+        Parameter(axis, unit="rad", bounds=(-0.1, 0.1), observed="0.05-0.3 degrees")
         for axis in "xy"
     ),
 )

@@ -10,10 +10,7 @@ effect = Effect(
     acts="contact",
     parameters=(
         Parameter(
-            "et",
-            bounds=(0.0, 1.0),
-            observed="0 on wood",
-            source="Maw, Barber, Fawcett 1976",
+            "et", bounds=(0.0, 1.0), observed="0 on wood", source="Maw, Barber, Fawcett 1976"
         ),
     ),
 )

@@ -9,12 +9,7 @@ effect = Effect(
     equation="x_measured(t) = x(t - tau)",
     acts="sensor",
     parameters=(
-        Parameter(
-            "tau",
-            unit="s",
-            bounds=(-0.1, 0.1),
-            observed="not visible in the ball's path",
-        ),
+        Parameter("tau", unit="s", bounds=(-0.1, 0.1), observed="not visible in the ball's path"),
     ),
 )
 

@@ -9,12 +9,7 @@ effect = Effect(
     equation="u = v - wind",
     acts="flight",
     parameters=tuple(
-        Parameter(
-            axis,
-            unit="m/s",
-            bounds=(-10.0, 10.0),
-            observed="0.1-0.5 from air conditioning",
-        )
+        Parameter(axis, unit="m/s", bounds=(-10.0, 10.0), observed="0.1-0.5 from air conditioning")
         for axis in "xyz"
     ),
 )

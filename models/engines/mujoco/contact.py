@@ -16,8 +16,7 @@ from rallygap.models.ball.state import STATE_SIZE
 from rallygap.models.ball.types import Floats
 from rallygap.models.engines.mujoco.ball import Ball
 from rallygap.models.engines.mujoco.frame import TableFrame
-from rallygap.models.engines.mujoco.initial import initial_data
-from rallygap.models.engines.mujoco.log import collected_warnings
+from rallygap.models.engines.mujoco.simulation import collected_warnings, initial_data
 
 DEFAULT_SOLREF = (0.02, 1.0)
 OVERLAP = 1e-4  # m, of the ball with the table when the contact is looked at

@@ -15,7 +15,7 @@ import numpy as np
 from rallygap.models.ball.state import POSITION, SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH, VELOCITY
 from rallygap.models.ball.types import Floats
 from rallygap.models.engines.mujoco.ball import Ball
-from rallygap.models.engines.mujoco.initial import initial_data
+from rallygap.models.engines.mujoco.simulation import initial_data
 
 SIZE_TOLERANCE = 0.05  # of the table's length and width, relative
 COPLANAR = 2e-3  # m, between the tops of boxes that are one surface

@@ -10,10 +10,8 @@ from rallygap.models.ball.state import POSITION, SPIN, STATE_SIZE, VELOCITY
 from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.engines.engine import EngineError
 from rallygap.models.engines.mujoco.ball import Ball, find_ball
-from rallygap.models.engines.mujoco.between_steps import states_between
 from rallygap.models.engines.mujoco.frame import TableFrame, find_frame
-from rallygap.models.engines.mujoco.initial import reset
-from rallygap.models.engines.mujoco.log import collected_warnings
+from rallygap.models.engines.mujoco.simulation import collected_warnings, reset
 from rallygap.models.support.suggestion import suggestion
 
 INTEGRATORS = {
@@ -60,6 +58,13 @@ class MujocoScene:
         """
         found = find_ball(model, ball)
         return cls(name, model, found, find_frame(model, found))
+
+    @property
+    def content(self) -> bytes:
+        """All that its flights follow from: the compiled model, and which body is the ball."""
+        model = np.empty(mujoco.mj_sizeModel(self.model), dtype=np.uint8)
+        mujoco.mj_saveModel(self.model, None, model)
+        return model.tobytes() + self.ball.name.encode()
 
     def with_step(self, step: float) -> "MujocoScene":
         """Return this scene with another time step (s).
@@ -118,7 +123,7 @@ class MujocoScene:
         reset(model, data)
         self._place(data, launch)
         states, touches = self._steps(model, data, count)
-        return states_between(states, touches, step, times)
+        return _states_between(states, touches, step, times)
 
     def _place(self, data: mujoco.MjData, launch: Floats) -> None:
         first, moving = self.ball.position, self.ball.velocity
@@ -174,3 +179,39 @@ def _without_resets(model: mujoco.MjModel) -> mujoco.MjModel:
     changed = copy.copy(model)
     changed.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     return changed
+
+
+def _states_between(states: Floats, touches: Bools, step: float, times: Floats) -> Floats:
+    """Return states at any times from those at the steps.
+
+    The time step of a scene belongs to it, above all to its contacts, so a flight is not stepped
+    to the times that are asked for. Velocity and spin are linear within a step. The position
+    follows the cubic with the velocities at both ends; within a step that touches something the
+    velocity jumps, and the position is linear. With RK4 at 2 ms that adds errors of 1e-11 m and
+    3e-5 m/s to those of the steps; with Euler, whose steps err by 9e-3 m, 2e-5 m.
+
+    Args:
+        states: (K + 1, 9) at the steps, K of at least one.
+        touches: (K,) whether the ball touches anything in the step from one state to the next.
+        step: s.
+        times: (T,) s, from 0 to K steps.
+
+    Returns:
+        (T, 9) states.
+    """
+    first = np.clip((times / step).astype(np.int64), 0, len(states) - 2)
+    share = (times / step - first)[:, None]
+    before, after = states[first], states[first + 1]
+    between = np.empty((len(times), STATE_SIZE))
+    between[:] = (1.0 - share) * before + share * after
+    bend = _bend(before, after, share, step)
+    between[:, POSITION] += np.where(touches[first][:, None], 0.0, bend)
+    return between
+
+
+def _bend(before: Floats, after: Floats, share: Floats, step: float) -> Floats:
+    """Return (T, 3) m by which the cubic deviates from the straight line."""
+    straight = after[:, POSITION] - before[:, POSITION]
+    start = step * before[:, VELOCITY] - straight
+    end = step * after[:, VELOCITY] - straight
+    return share * (1.0 - share) * ((1.0 - share) * start - share * end)

@@ -111,10 +111,10 @@ def fitted_changes(
 
     @lru_cache(maxsize=1)  # residuals and slopes of the same values are asked for in turn
     def rows(*values: float) -> Floats:
-        simulator = nominal
-        for hypothesis, value in zip(columns, values, strict=True):
-            simulator = hypothesis.at(simulator, float(value))
-        return trajectories.rows(simulator, columns)
+        changed = {
+            (one.effect, one.parameter): value for one, value in zip(columns, values, strict=True)
+        }
+        return trajectories.rows(nominal.with_values(changed), columns)
 
     def residuals(values: Floats) -> Floats:
         return rows(*values)[..., -1].ravel()

@@ -2,14 +2,15 @@
 
 from pathlib import Path
 
-from rallygap.pipeline.engines.audited import audited
-from rallygap.pipeline.engines.export.code import CODE, ENGINES, ball_effects
-from rallygap.pipeline.engines.export.scene_file import SCENE, check_place
+from rallygap.pipeline.engines.audited import cached_audit
+from rallygap.pipeline.engines.export.code import CODE, ENGINES, SCENE, ball_effects
 from rallygap.pipeline.engines.load import load_engine, names_scene
 from rallygap.pipeline.io.artifacts import replacing_files, write_text
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.paths import check_folder
+
+MARK = b"<!-- rallygap: "  # of every amended scene
 
 
 def export(simulator: str, engine: str, out: Path) -> None:
@@ -44,7 +45,7 @@ def export_scene(simulator: str, engine: str, scene: str, out: Path) -> tuple[st
         out: folder to write to.
 
     Returns:
-        Sentences: what is changed, what is not said, and what the verification shows.
+        Sentences: what is changed, what has no attribute, and what the verification shows.
 
     Raises:
         InputError: the list or the scene cannot be used, or the folder cannot be written to.
@@ -56,16 +57,42 @@ def export_scene(simulator: str, engine: str, scene: str, out: Path) -> tuple[st
     check_folder(out)
     check_place(scene, out)
     after = load_simulator(simulator)
-    before = audited(load_engine(scene)).simulator
-    from rallygap.pipeline.engines.export.scene.handover import handed_over
+    before = cached_audit(load_engine(scene)).simulator
+    from rallygap.pipeline.engines.export.scene.amended_scene import amended_scene
 
-    comments, code = _comments(simulator), code_of(simulator, "mujoco")
-    handed = handed_over(scene, before, after, code, comments)
+    code, comments = code_of(simulator, "mujoco"), _comments(simulator)
+    amended = amended_scene(scene, before, after, code, comments)
+    if amended.text is None:
+        assert amended.problem is not None  # it says why
+        raise amended.problem
     with replacing_files(out) as folder:
-        assert handed.scene is not None  # otherwise there is an error
-        write_text(folder / SCENE, handed.scene)
-        write_text(folder / CODE, handed.code)
-    return handed.sentences
+        write_text(folder / SCENE, amended.text)
+        write_text(folder / CODE, amended.code)
+    return amended.sentences
+
+
+def check_place(scene: str, out: Path) -> None:
+    """Raise unless an amended scene may be written to a folder.
+
+    Args:
+        scene: the user's, ``scene.xml`` or ``scene.xml#body``.
+        out: the folder.
+
+    Raises:
+        InputError: the folder has the user's scene under the name of the amended one.
+    """
+    place, own = out / SCENE, Path(scene.partition("#")[0])
+    if not place.is_file():
+        return
+    if not former_scene(out) or (own.is_file() and own.samefile(place)):
+        problem = f"has a {SCENE} of yours, which would be replaced; give another folder"
+        raise InputError(out, problem)
+
+
+def former_scene(out: Path) -> list[str]:
+    """Return the name of an earlier amended scene in a folder, if there is one."""
+    place = out / SCENE
+    return [SCENE] if place.is_file() and MARK in place.read_bytes() else []
 
 
 def code_of(simulator: str, engine: str) -> str:

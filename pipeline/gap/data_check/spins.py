@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from rallygap.models.ball.state import MAGNUS_FACTOR
-from rallygap.pipeline.gap.data_check.flights import Flights
-from rallygap.pipeline.gap.data_check.problem import Problem, Setup
-from rallygap.pipeline.gap.data_check.units import GRAVITY
+from rallygap.pipeline.gap.data_check.doubt import Doubt, Setup
+from rallygap.pipeline.gap.data_check.measured import Flights
 from rallygap.pipeline.io.schemas import FASTEST_SPIN
 from rallygap.pipeline.sources.conversion import SPIN_UNITS, SpinUnit
 
 UNITS: tuple[SpinUnit, ...] = ("rad/s", "rpm", "rev/s", "deg/s")
+GRAVITY = 9.81  # m/s^2
 TYPICAL_CM = 0.12
 CM = (0.025, 0.5)  # of any ball, saturated and not
 LARGEST_CM = 0.35  # above which small labels are in a larger unit
@@ -65,33 +65,34 @@ def is_opposite(flights: Flights) -> bool:
     return lift is not None and lift.opposite >= NEARLY_ALL
 
 
-def spin_problem(flights: Flights, setup: Setup) -> Problem | None:
-    """Return what is wrong with the unit and the sense of rotation of spin labels."""
+def impossible_spins(flights: Flights, setup: Setup) -> Iterator[Doubt]:
+    """Yield what is wrong with the unit and the sense of rotation of spin labels."""
     if not len(flights.spins):
-        return None
-    quantile = float(np.quantile(flights.spin_sizes, QUANTILE))
+        return
+    quantile = float(np.quantile(np.linalg.norm(flights.spins, axis=1), QUANTILE))
     present = setup.units.spin
     unit = _best_unit(flights, quantile, present)
     opposite = is_opposite(flights)
-    found = []
+    wrong = []
     if unit != present.lstrip("-"):
-        found.append(f"are not in {present}, which makes their 90 % quantile {quantile:.3g} rad/s")
+        wrong.append(f"are not in {present}, which makes their 90 % quantile {quantile:.3g} rad/s")
     elif quantile > FASTEST_SPIN:
-        return Problem(f"spin labels of {quantile:.3g} rad/s are implausible: give their unit")
+        text = f"spin labels of {quantile:.3g} rad/s are implausible: give their unit"
+        yield Doubt(text, impossible=True)
+        return
     if opposite:
-        found.append("have the opposite sense of rotation: balls curve the other way")
-    if not found:
-        return None
-    sign = "" if opposite == present.startswith("-") else "-"
-    text = f"spin labels {' and '.join(found)}; {sign + unit}?"
-    return Problem(text, setup.units_line(spin=sign + unit))
+        wrong.append("have the opposite sense of rotation: balls curve the other way")
+    if wrong:
+        sign = "" if opposite == present.startswith("-") else "-"
+        text = f"spin labels {' and '.join(wrong)}; {sign + unit}?"
+        yield Doubt(text, impossible=True, line=setup.units_line(spin=sign + unit))
 
 
-def spin_doubts(flights: Flights) -> Iterator[str]:
-    """Yield what is doubtful about spin labels."""
+def spin_doubts(flights: Flights) -> Iterator[Doubt]:
+    """Yield what is unusual about spin labels."""
     lift = lift_of(flights)
     if lift is not None and lift.opposite > MOST:
-        yield (
+        yield Doubt(
             f"{100 * lift.opposite:.0f} % of flights curve against their spin labels: check the "
             "labels' sense of rotation"
         )

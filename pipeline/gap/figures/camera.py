@@ -13,8 +13,8 @@ from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
 from rallygap.models.ball.types import Floats
 from rallygap.models.gap.verdict import Verdict
-from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
-from rallygap.pipeline.io.report_items import ReportFigure
+from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, INK, MUTED
+from rallygap.pipeline.web.report_items import ReportFigure
 
 CAMERA = "camera_distortion"
 HEIGHTS = (0.1, 0.3, 0.6)  # m above the table
@@ -100,12 +100,12 @@ def _draw_slice(
     axes.add_patch(
         Rectangle(corner, 2 * TABLE_HALF_WIDTH, 2 * TABLE_HALF_LENGTH, fill=False, ec=MUTED)
     )
-    some = slice(None, None, ARROW_EVERY)
+    shown = slice(None, None, ARROW_EVERY)
     arrows = axes.quiver(
-        across[some],
-        along[some],
-        error[some, some, 0],
-        error[some, some, 1],
+        across[shown],
+        along[shown],
+        error[shown, shown, 0],
+        error[shown, shown, 1],
         angles="xy",
         scale_units="xy",
         scale=scale / ARROW,

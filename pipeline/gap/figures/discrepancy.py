@@ -10,8 +10,8 @@ from rallygap.models.gap.location import Growth, Located
 from rallygap.models.gap.types import PHASES, Phase
 from rallygap.pipeline.gap.summary import SIGNIFICANT
 from rallygap.pipeline.gap.wording import PLACES, p_text, percent
-from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
-from rallygap.pipeline.io.report_items import ReportFigure
+from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, INK, MUTED
+from rallygap.pipeline.web.report_items import ReportFigure
 
 PHASE_COLOURS: dict[Phase, str] = {"flight": "#0f7fc4", "table": "#009988", "sensor": "#8a6fd1"}
 DIRECTIONS = {"along": "#d55e00", "across": "#0f7fc4", "up": "#009988"}

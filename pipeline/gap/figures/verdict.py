@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rallygap.models.gap.verdict import Cause, Gap, Verdict
-from rallygap.pipeline.io.figure_style import FIGURE_WIDTH, INK, MUTED
-from rallygap.pipeline.io.numbers import number, with_unit
-from rallygap.pipeline.io.report_items import ReportFigure
+from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, INK, MUTED
+from rallygap.pipeline.web.numbers import number, with_unit
+from rallygap.pipeline.web.report_items import ReportFigure
 
 KIND_COLOURS = {"wrong_value": "#0f7fc4", "missing_effect": "#d55e00"}
 KIND_NAMES = {"wrong_value": "wrong value", "missing_effect": "missing effect"}

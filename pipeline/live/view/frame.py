@@ -9,8 +9,8 @@ from scipy.special import chdtri
 from rallygap.models.ball.types import Floats
 from rallygap.models.live.drift import Alarm
 from rallygap.models.live.track import LONGEST_GAP
-from rallygap.pipeline.live.forecast import BallForecast
 from rallygap.pipeline.live.latency import Latencies
+from rallygap.pipeline.live.messages import BallForecast
 from rallygap.pipeline.live.watch import alarm_sentence
 
 OUTSIDE = 0.1  # probability that a position is outside of its set

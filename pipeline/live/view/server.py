@@ -8,18 +8,22 @@ import os
 import re
 import socket
 import sys
+import webbrowser
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 from threading import Event, Thread
 from typing import Any
 
 from rallygap.pipeline.live.latency import Latencies
 from rallygap.pipeline.live.view.frame import Frame, picture
-from rallygap.pipeline.live.view.page import render_view
 from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.web.environment import page_environment
+from rallygap.pipeline.web.table_geometry import table_geometry
 
+TEMPLATES = Path(__file__).parent / "templates"
 HOST = "127.0.0.1"
 # Any other name may belong to a web site that lets it point here, to read the page (DNS rebinding).
 LOCAL = re.compile(r"(127\.0\.0\.1|localhost)(:\d+)?")
@@ -30,6 +34,9 @@ UNDERWAY = 1 << 16  # bytes of pictures on their way to a viewer; more would be 
 POLL = 0.1  # s, after which the server looks whether it is to end
 RETRY = b"retry: 1000\n\n"  # ms, after which the page connects again
 COMMENT = b":\n\n"
+WITHOUT_X = ("darwin", "win32")  # platforms whose screen no variable tells
+OPENER = "browser opener"  # name of the thread
+SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 
 
 class ViewServer(ThreadingHTTPServer):
@@ -102,6 +109,27 @@ def served(port: int, latencies: Latencies) -> Iterator[ViewServer]:
         finally:
             server.ended.set()
             server.shutdown()
+
+
+def render_view() -> str:
+    """Render the page, which works offline but for the events of its server."""
+    template = page_environment(TEMPLATES).get_template("live.html")
+    return template.render(view={"table": table_geometry()})
+
+
+def open_browser(address: str) -> None:
+    """Open a page in the browser, if there is a screen or the user has named a browser.
+
+    Elsewhere, ``webbrowser`` would start a browser of text, which takes the terminal. A browser
+    that is slow to start is not waited for, and one that does not start is no error.
+    """
+    if sys.platform in WITHOUT_X or any(os.environ.get(name) for name in SCREENS):
+        Thread(target=_open, args=(address,), name=OPENER, daemon=True).start()
+
+
+def _open(address: str) -> None:
+    with suppress(webbrowser.Error, OSError):
+        webbrowser.open(address)
 
 
 def _bound(port: int, latencies: Latencies) -> ViewServer:

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from rallygap.models.arena.recording import ArenaRecording, Point, TrueContacts
+from rallygap.models.arena.recording import ArenaRecording
 from rallygap.models.arena.session import recordings
 from rallygap.models.arena.settings import ArenaSettings
 from rallygap.models.arena.truth import draw_truth
@@ -43,22 +43,15 @@ def _table(recording: ArenaRecording) -> RawTable:
     numbers = np.arange(1, len(recording.times) + 1)
     samples = np.column_stack([numbers, recording.times, recording.positions, recording.spins])
     rows = pd.DataFrame(samples, columns=["row", "t", *POSITION_COLUMNS, *SPIN_COLUMNS])
-    extra_tables = {"true_contacts": _contacts(recording.contacts)}
+    contacts = recording.contacts
+    states = np.column_stack([contacts.times, contacts.states])
+    true_contacts = pd.DataFrame(states, columns=["t", *STATE_COLUMNS])
+    true_contacts.insert(1, "kind", contacts.kinds.astype(object))
+    extra_tables = {"true_contacts": true_contacts}
     if recording.points:
-        extra_tables["points"] = _points(recording.points)
+        points = [[getattr(point, name) for name in POINT_COLUMNS] for point in recording.points]
+        extra_tables["points"] = pd.DataFrame(points, columns=POINT_COLUMNS)
     return RawTable(recording.name, rows, extra_tables=extra_tables)
-
-
-def _contacts(contacts: TrueContacts) -> pd.DataFrame:
-    values = np.column_stack([contacts.times, contacts.states])
-    rows = pd.DataFrame(values, columns=["t", *STATE_COLUMNS])
-    rows.insert(1, "kind", contacts.kinds.astype(object))
-    return rows
-
-
-def _points(points: tuple[Point, ...]) -> pd.DataFrame:
-    rows = [[getattr(point, column) for column in POINT_COLUMNS] for point in points]
-    return pd.DataFrame(rows, columns=POINT_COLUMNS)
 
 
 def _describe(settings: ArenaSettings) -> Description:

@@ -9,8 +9,13 @@ import pandas as pd
 from rallygap.pipeline.io.source_manifest import Description
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sources.files import read_text, source_file
-from rallygap.pipeline.sources.row_checks import LAUNCH_COLUMNS
-from rallygap.pipeline.sources.source import RawTable, Refusal, SourceContext, SourceData
+from rallygap.pipeline.sources.source import (
+    LAUNCH_COLUMNS,
+    RawTable,
+    Refusal,
+    SourceContext,
+    SourceData,
+)
 
 FILES = ("rallies.json", "serves.json")
 KEYS = [
@@ -45,24 +50,20 @@ class CompetitiveRobotTableTennis:
 
 
 def _table(file: Path) -> RawTable:
-    states = [_state(entry) for entry in _entries(file)]
-    rows = pd.DataFrame(
-        [(row, *state) for row, state in enumerate(states, start=1) if state is not None],
-        columns=["row", *LAUNCH_COLUMNS],
-    )
-    faulty = [row for row, state in enumerate(states, start=1) if state is None]
-    refusals = [Refusal(file.name, row, "not a ball state") for row in faulty]
-    return RawTable(file.stem, rows, file, refusals=refusals)
-
-
-def _entries(file: Path) -> list[Any]:
     try:
         entries = json.loads(read_text(file))
     except (ValueError, RecursionError) as error:
         raise InputError(file, f"is not JSON: {error}") from None
     if not isinstance(entries, list):
         raise InputError(file, "must be a JSON list of ball states")
-    return entries
+    states, refusals = [], []
+    for row, entry in enumerate(entries, start=1):
+        if (state := _state(entry)) is None:
+            refusals.append(Refusal(file.name, row, "not a ball state"))
+        else:
+            states.append((row, *state))
+    rows = pd.DataFrame(states, columns=["row", *LAUNCH_COLUMNS])
+    return RawTable(file.stem, rows, file, refusals=refusals)
 
 
 def _state(entry: Any) -> list[float] | None:

@@ -1,4 +1,7 @@
-"""ball_prediction of the Intelligent Soft Robots lab: launched balls, many shots per HDF5 file."""
+"""ball_prediction of the Intelligent Soft Robots lab: launched balls, many shots per HDF5 file.
+
+The source is the lab's ``mn5008_*`` and ``no_spin_*`` files; their velocities are not used.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,8 +16,8 @@ from rallygap.pipeline.io.frame import Frame
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS
 from rallygap.pipeline.io.source_manifest import Description
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.sources.files import source_files
-from rallygap.pipeline.sources.source import RawTable, SourceContext, SourceData
+from rallygap.pipeline.sources.folder_source import FolderSource
+from rallygap.pipeline.sources.source import RawTable
 
 GROUP = "originals"
 SURFACE_HEIGHT = 0.74  # m above the set's origin
@@ -35,35 +38,23 @@ DESCRIPTION = Description(
 )
 
 
-class ISRBallPrediction:
-    """The lab's ``mn5008_*`` and ``no_spin_*`` files; their velocities are not used."""
-
-    name = DESCRIPTION.name
-
-    def read(self, context: SourceContext) -> SourceData:
-        """Read every shot of every hdf5 file as one recording."""
-        files = source_files(context.folder(self.name), "*.hdf5")
-        return SourceData(DESCRIPTION, [table for file in files for table in _read_shots(file)])
-
-
-def _read_shots(file: Path) -> list[RawTable]:
+def _recordings(file: Path) -> list[RawTable]:
     try:
         with h5py.File(file) as content:
-            shots = list(_shots(content, MOST_PACKED * file.stat().st_size))
+            return list(_shots(file, content))
     except Exception as error:
         # For a damaged file, h5py raises errors of many types.
         reason = " ".join(str(error).split())[:200]
         raise InputError(file, f"is no whole HDF5 file with {GROUP}: {reason}") from None
-    return [_table(file, *shot) for shot in shots]
 
 
-def _shots(content: Any, most: int) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-    """Yield the key, times (T,) and positions (T, 3) of every shot, in the order of their keys.
+def _shots(file: Path, content: Any) -> Iterator[RawTable]:
+    """Yield every shot, in the order of their keys.
 
     Raises:
-        ValueError: a shot is not of this form, or all unpack to more than ``most`` bytes.
+        ValueError: a shot is not of this form, or all unpack to more than a file can hold.
     """
-    group = content[GROUP]
+    group, most = content[GROUP], MOST_PACKED * file.stat().st_size
     if not len(group):
         raise ValueError("there is no shot in it")
     for key in sorted(group, key=lambda key: key.zfill(9)):
@@ -76,14 +67,10 @@ def _shots(content: Any, most: int) -> Iterator[tuple[str, np.ndarray, np.ndarra
             raise ValueError(f"shot {key} has {times.shape} times, {positions.shape} positions")
         if not len(times):
             raise ValueError(f"shot {key} has no samples")
-        yield key, times, positions
+        rows = pd.DataFrame(positions, columns=POSITION_COLUMNS)
+        rows.insert(0, "t", times)
+        rows.insert(0, "row", np.arange(1, len(rows) + 1))
+        yield RawTable(f"{file.stem}_{key.zfill(3)}", rows, file, f"/{GROUP}/{key}")
 
 
-def _table(file: Path, key: str, times: np.ndarray, positions: np.ndarray) -> RawTable:
-    rows = pd.DataFrame(positions, columns=POSITION_COLUMNS)
-    rows.insert(0, "t", times)
-    rows.insert(0, "row", np.arange(1, len(rows) + 1))
-    return RawTable(f"{file.stem}_{key.zfill(3)}", rows, file, f"/{GROUP}/{key}")
-
-
-source = ISRBallPrediction()
+source = FolderSource("isr_ball_prediction", "*.hdf5", _recordings, DESCRIPTION)

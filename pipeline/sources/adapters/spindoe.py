@@ -47,7 +47,11 @@ class SpinDOE:
             if file.stem in labels.index:
                 rows[SPIN_COLUMNS] = labels.loc[file.stem, SPIN_COLUMNS].to_numpy(dtype=float)
             tables.append(RawTable(file.stem, rows, file, refusals=refused))
-        return SourceData(DESCRIPTION, tables, [index], [*refusals, *_without_file(labels, folder)])
+        missing = [not (folder / f"{stem}.csv").is_file() for stem in labels.index]
+        refusals += [
+            Refusal(INDEX, row, "label without a file", "label") for row in labels["row"][missing]
+        ]
+        return SourceData(DESCRIPTION, tables, [index], refusals)
 
 
 def _read_labels(index: Path) -> tuple[pd.DataFrame, list[Refusal]]:
@@ -57,19 +61,11 @@ def _read_labels(index: Path) -> tuple[pd.DataFrame, list[Refusal]]:
     rows, unreadable = read_separated(index, columns, separator=",", first_line=2)
     refusals = [refusal._replace(what="label") for refusal in unreadable]
     whole = rows["number"].between(0, 1e9) & (rows["number"] % 1 == 0)
-    repeated = rows["number"].duplicated()
-    for reason, at_fault in {
-        "no number of a file": ~whole,
-        "label repeated": whole & repeated,
-    }.items():
+    repeated = whole & rows["number"].duplicated()
+    for reason, at_fault in (("no number of a file", ~whole), ("label repeated", repeated)):
         refusals += [Refusal(INDEX, row, reason, "label") for row in rows["row"][at_fault]]
     usable = rows[whole & ~repeated]
     return usable.set_index(usable["number"].map("{:03.0f}".format)), refusals
-
-
-def _without_file(labels: pd.DataFrame, folder: Path) -> list[Refusal]:
-    missing = [not (folder / f"{stem}.csv").is_file() for stem in labels.index]
-    return [Refusal(INDEX, row, "label without a file", "label") for row in labels["row"][missing]]
 
 
 source = SpinDOE()

@@ -1,9 +1,16 @@
-"""TT3D: rallies of two amateurs, seen by several cameras, one csv file per recording."""
+"""TT3D: rallies of two amateurs, seen by several cameras, one csv file per recording.
+
+The source is the ground truth of TT3D's benchmark (its folder ``3D_gt``).
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
 
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS
 from rallygap.pipeline.io.source_manifest import Description
-from rallygap.pipeline.sources.files import check_header, read_separated, source_files
-from rallygap.pipeline.sources.source import NOT_STATED, RawTable, SourceContext, SourceData
+from rallygap.pipeline.sources.files import check_header, read_separated
+from rallygap.pipeline.sources.folder_source import FolderSource
+from rallygap.pipeline.sources.source import NOT_STATED, RawTable
 
 HEADER = "Timestamp,X,Y,Z"
 
@@ -17,20 +24,11 @@ DESCRIPTION = Description(
 )
 
 
-class TT3D:
-    """The ground truth of TT3D's benchmark (its folder ``3D_gt``)."""
-
-    name = DESCRIPTION.name
-
-    def read(self, context: SourceContext) -> SourceData:
-        """Read every csv file as one recording."""
-        tables = []
-        for file in source_files(context.folder(self.name), "*.csv"):
-            check_header(file, HEADER)
-            columns = ["t", *POSITION_COLUMNS]
-            rows, refusals = read_separated(file, columns, separator=",", first_line=2)
-            tables.append(RawTable(file.stem, rows, file, refusals=refusals))
-        return SourceData(DESCRIPTION, tables)
+def _recordings(file: Path) -> Iterator[RawTable]:
+    check_header(file, HEADER)
+    columns = ["t", *POSITION_COLUMNS]
+    rows, refusals = read_separated(file, columns, separator=",", first_line=2)
+    yield RawTable(file.stem, rows, file, refusals=refusals)
 
 
-source = TT3D()
+source = FolderSource("tt3d", "*.csv", _recordings, DESCRIPTION)

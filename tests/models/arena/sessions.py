@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from rallygap.models.arena.camera_field import CameraField
+from rallygap.models.arena.cameras import CameraField
 from rallygap.models.arena.session import recordings
 from rallygap.models.arena.settings import ArenaSettings
 from rallygap.models.arena.truth import draw_truth

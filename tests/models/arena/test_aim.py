@@ -39,7 +39,3 @@ def test_it_clears_the_net_by_what_was_asked():
 
     at_net = path[np.abs(path[:, 1]).argmin(), 2]
     assert at_net > 0.1525 + 0.02 + 0.1 - 0.01
-
-
-def test_in_the_air_there_is_neither_table_nor_net():
-    assert AIR.fly([0, 0.5, 0.3, 0, -2, 0, 0, 0, 0], [1.0]).contacts.count[0] == 0

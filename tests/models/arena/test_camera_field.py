@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rallygap.models.arena.camera_field import CameraField
+from rallygap.models.arena.cameras import CameraField
 from rallygap.models.arena.truth import draw_truth
 
 DEVIATION, LENGTH = 0.0015, 0.8  # m
@@ -18,11 +18,12 @@ def places(count):
     return np.random.default_rng(0).uniform(*PLAYING_VOLUME, (count, 3))
 
 
-def test_errors_have_their_size_on_every_axis_and_no_mean():
+def test_errors_of_the_axes_have_their_size_no_mean_and_no_correlation():
     errors = np.concatenate([field.errors(places(50)) for field in FIELDS])
 
     assert errors.std(axis=0) == pytest.approx([DEVIATION] * 3, rel=0.05)
     assert np.abs(errors.mean(axis=0)).max() < 0.1 * DEVIATION
+    assert np.abs(np.corrcoef(errors.T) - np.eye(3)).max() < 0.05
 
 
 @pytest.mark.parametrize("lengths", [0.1, 0.5, 1.0, 3.0])
@@ -34,12 +35,6 @@ def test_the_correlation_falls_off_with_the_stated_length_in_any_direction(lengt
 
     correlation = np.mean(products, axis=(0, 1)) / DEVIATION**2
     assert correlation == pytest.approx([np.exp(-(lengths**2) / 2)] * 3, abs=0.07)
-
-
-def test_axes_are_independent():
-    errors = np.concatenate([field.errors(places(50)) for field in FIELDS])
-
-    assert np.abs(np.corrcoef(errors.T) - np.eye(3)).max() < 0.05
 
 
 def test_a_field_is_a_function_of_the_position():

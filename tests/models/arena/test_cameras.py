@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rallygap.models.arena.camera_field import CameraField
-from rallygap.models.arena.cameras import OUTLIER_DISTANCE, Cameras, SlowError
+from rallygap.models.arena.cameras import OUTLIER_DISTANCE, CameraField, Cameras, SlowError
 
 SAMPLES = 40_000
 SPIN = np.array([300.0, 0.0, 400.0])
@@ -50,19 +49,14 @@ def test_spin_noise_is_a_share_of_the_whole_spin():
     assert errors.std(axis=0) == pytest.approx([0.05 * 500] * 3, rel=0.02)
 
 
-def test_outliers_are_as_frequent_and_as_far_as_stated():
-    positions, _, _ = measure(outliers=0.01)
+def test_outliers_and_dropouts_are_as_frequent_and_as_far_as_stated():
+    positions, _, seen = measure(outliers=0.01, dropouts=0.02)
 
     distance = np.linalg.norm(positions - STATES[:, :3], axis=1)
     outlying = distance[distance > 0]
     assert len(outlying) / SAMPLES == pytest.approx(0.01, rel=0.2)
     assert outlying.min() >= OUTLIER_DISTANCE[0]
     assert outlying.max() <= OUTLIER_DISTANCE[1]
-
-
-def test_dropouts_are_as_frequent_as_stated():
-    _, _, seen = measure(dropouts=0.02)
-
     assert (~seen).mean() == pytest.approx(0.02, rel=0.15)
 
 

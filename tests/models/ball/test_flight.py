@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from rallygap.models.ball.flight import flight_environment, step
-from rallygap.models.ball.state import DRAG_FACTOR, MAGNUS_FACTOR
 from tests.models.ball.balls import NOMINAL, simulator
 
 TIMES = np.arange(1, 61) * 0.005
@@ -17,30 +16,6 @@ def test_a_vacuum_gives_the_parabola():
     expected = BALL[:3] + BALL[3:6] * t + np.array([0, 0, -9.81]) * t**2 / 2
     np.testing.assert_allclose(flown[:, :3], expected, atol=1e-13)
     np.testing.assert_array_equal(flown[:, 6:], np.tile(BALL[6:], (60, 1)))
-
-
-def test_drag_alone_follows_the_logarithm():
-    k, v0 = DRAG_FACTOR * 0.55, 9.0
-    flown = simulator(drag={"cd": 0.55}).fly([0, 0, 1, 0, -v0, 0, 0, 0, 0], TIMES).states[0]
-    np.testing.assert_allclose(flown[:, 1], -np.log1p(k * v0 * TIMES) / k, atol=1e-9)
-    np.testing.assert_allclose(flown[:, 4], -v0 / (1 + k * v0 * TIMES), atol=1e-8)
-
-
-def test_spin_decays_with_the_way_flown():
-    k, v0, c = DRAG_FACTOR * 0.55, 9.0, 0.05
-    damped = simulator(drag={"cd": 0.55}, spin_decay={"c": c})
-    flown = damped.fly([0, 0, 1, 0, -v0, 0, 100, 0, -50], TIMES).states[0]
-    left = (1 + k * v0 * TIMES) ** (-c / k)
-    np.testing.assert_allclose(flown[:, 6], 100 * left, rtol=1e-9)
-    np.testing.assert_allclose(flown[:, 8], -50 * left, rtol=1e-9)
-
-
-def test_lift_alone_turns_the_path_on_a_circle():
-    spin, speed = 300.0, 8.0
-    flown = simulator(magnus={"cm": 0.069}).fly([0, 0, 1, 0, -speed, 0, 0, 0, spin], TIMES).states
-    turn = MAGNUS_FACTOR * 0.069 * spin * TIMES
-    velocity = speed * np.stack([np.sin(turn), -np.cos(turn)], axis=-1)
-    np.testing.assert_allclose(flown[0, :, 3:5], velocity, atol=1e-9)
 
 
 @pytest.mark.parametrize("along", [(0.0, -9.0, 1.5), (14.0, 14.0, 4.0)])

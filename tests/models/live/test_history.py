@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from rallygap.models.ball.simulators import shipped
-from rallygap.models.live.history import history_of
-from rallygap.models.live.track import Track
+from rallygap.models.live.track import Track, history_of
 
 TRUTH = shipped("literature")
 FIRST = np.array([0.1, 1.2, 0.35, 0.3, -6.0, 1.0, -150.0, 20.0, 30.0])

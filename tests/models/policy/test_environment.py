@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rallygap.models.policy import ball_supply as supply
+from rallygap.models.policy import environment as environments
 from rallygap.models.policy.environment import ReturnVecEnv
 from rallygap.models.policy.settings import GoalSettings
 from rallygap.models.policy.task import Task
@@ -41,7 +41,7 @@ def test_the_seed_decides_everything():
 
 
 def test_every_ball_is_played_once_and_in_order(monkeypatch):
-    monkeypatch.setattr(supply, "BATCH", 4)
+    monkeypatch.setattr(environments, "BATCH", 4)
 
     _, infos = played(many(3), ticks=100)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from rallygap.models.policy.scores import fitted_line, scores
+from rallygap.models.policy.scores import scores
 
 PLAYED = pd.DataFrame(
     {
@@ -35,10 +35,3 @@ def test_an_undefined_score_is_not_a_number():
     assert nothing["return_rate"] == 0
     assert np.isnan([nothing["landing_error_m"], nothing["speed_slope"]]).all()
     assert np.isnan(scores(PLAYED.assign(goal_speed=4.0))["speed_slope"])
-
-
-def test_the_line_is_that_of_the_least_squares():
-    asked = np.array([1.0, 2.0, 3.0, 4.0])
-    off = np.array([0.1, -0.1, -0.1, 0.1])  # sums to zero, also weighted by what was asked
-
-    assert fitted_line(asked, 3.0 - 0.5 * asked + off) == pytest.approx((-0.5, 3.0))

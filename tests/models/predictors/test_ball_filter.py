@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from rallygap.models.predictors.ball_filter import ANY_BALL, Expected, filtered
+from rallygap.models.predictors.filterpy_ekf import FilterpyPredictor, filtered_by_filterpy
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import History
 from tests.models.predictors.balls import FIRST, TRUTH, observed
-from tests.models.predictors.filterpy_filter import filtered_by_filterpy
 
 BALLS = np.tile(FIRST, (8, 1))
 
@@ -28,16 +28,22 @@ def test_states_and_covariances_are_those_of_filterpy(labelled, spoilt):
     history, _ = observed(BALLS, noise=0.003, labelled=labelled)
     if spoilt:
         history = with_gaps_and_outliers(history, seed=3)
-    found = filtered(history, TRUTH)
-    for b in range(len(history)):
-        state, covariance = filtered_by_filterpy(history.states[b], history.mask[b], TRUTH)
-        assert found.states[b] == pytest.approx(state, rel=1e-6, abs=1e-5)
-        assert found.covariances[b] == pytest.approx(covariance, rel=1e-5, abs=1e-7)
+    compiled, reference = filtered(history, TRUTH), filtered_by_filterpy(history, TRUTH)
+    assert compiled.states == pytest.approx(reference.states, rel=1e-6, abs=1e-5)
+    assert compiled.covariances == pytest.approx(reference.covariances, rel=1e-5, abs=1e-7)
+
+
+def test_both_forecast_the_same_where_the_sensor_errs_too():
+    sensor = TRUTH.amended("clock_rate", d=0.02).amended("position_scale", s=0.01)
+    history, _ = observed(BALLS, noise=0.003)
+    forecasts = [one(sensor).predict(history) for one in (PhysicsPredictor, FilterpyPredictor)]
+    assert forecasts[0].states == pytest.approx(forecasts[1].states, rel=1e-6, abs=1e-5)
 
 
 def test_a_ball_without_a_measurement_is_at_rest_at_the_centre():
     nothing = History(np.zeros((2, 12, 6)), np.zeros((2, 12, 6), dtype=bool))
     assert not filtered(nothing, TRUTH).states.any()
+    assert not filtered_by_filterpy(nothing, TRUTH).states.any()
 
 
 def test_errors_are_as_large_as_the_covariance_says():

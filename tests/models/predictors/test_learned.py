@@ -1,44 +1,11 @@
 """A network behind the predictors' protocol."""
 
 import numpy as np
-import torch
 
-from rallygap.models.predictors.learned import ForecastNetwork, LearnedPredictor
-from rallygap.models.predictors.normaliser import uniform_motion
+from rallygap.models.predictors.learned import LearnedPredictor
 from rallygap.models.predictors.protocol import History
 from tests.models.predictors.balls import observed
 from tests.models.predictors.small_training import network, small_training
-
-
-class Constant(torch.nn.Module):
-    """A network with a constant output that stores its inputs."""
-
-    def __init__(self, output):
-        super().__init__()
-        self.output = output
-
-    def forward(self, history, seen, residual, expected):
-        self.inputs, self.mask, self.residual, self.expected = history, seen, residual, expected
-        return torch.full((len(history), 60, 9), self.output)
-
-
-def fitted(inner):
-    """``inner`` between the halves of a normaliser that was fitted to balls."""
-    outer = ForecastNetwork(inner)
-    training, _ = small_training()
-    outer.normaliser.load_state_dict(training.network.normaliser.state_dict())
-    return outer
-
-
-def test_forecast_is_uniform_motion_plus_network_output():
-    history, _ = observed(noise=0.003)
-    predictor = LearnedPredictor(fitted(Constant(2.0)))
-    normaliser = predictor.network.normaliser
-    motion = uniform_motion(torch.from_numpy(history.states), torch.from_numpy(history.mask))
-    expected = motion + normaliser.future_mean + 2.0 * normaliser.future_spread
-    np.testing.assert_allclose(
-        predictor.predict(history).states, expected, rtol=1e-5, atol=1e-4
-    )  # fmt: skip
 
 
 def test_forecast_is_equivariant_under_a_half_turn():

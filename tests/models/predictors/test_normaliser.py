@@ -3,7 +3,6 @@
 import itertools
 
 import numpy as np
-import pytest
 import torch
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -87,14 +86,6 @@ def test_a_sample_off_uniform_motion_shows_in_units_of_6_mm(position, velocity, 
     np.testing.assert_allclose(residual, expected, rtol=0.01, atol=1e-9)
 
 
-def test_residuals_are_clipped_at_five_units():
-    history, _ = moving(np.zeros(3), np.array([0.0, -5.0, 0.0]), np.zeros(3))
-    motion = uniform_motion(history, ALL)
-    history[0, 6, :3] += torch.tensor([0.3, -3.0, 30.0])
-    residual = Normaliser().residual(history, ALL, motion)[0]
-    np.testing.assert_allclose(residual[6], [5.0, -5.0, 5.0], rtol=1e-3)
-
-
 @settings(max_examples=30)
 @given(arrays(bool, 12), st.integers(0, 100))
 def test_velocity_is_the_theil_sen_estimate(seen, seed):
@@ -107,27 +98,6 @@ def test_velocity_is_the_theil_sen_estimate(seen, seed):
     motion = uniform_motion(history, torch.from_numpy(seen)[None, :, None].expand(ALL.shape))[0]
     np.testing.assert_allclose(motion[:, 2], now + velocity * FUTURE_TIMES, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(motion[:, 5], velocity, rtol=1e-9, atol=1e-9)
-
-
-def one_ball():
-    return torch.from_numpy(observed(FIRST[[0]], noise=0.003)[0].states)
-
-
-def with_outlier(history, sample):
-    degraded = history.clone()
-    degraded[:, sample, :3] += 0.3
-    return degraded
-
-
-def largest_move(forecast, others):
-    """Of the position 0.3 s ahead, along one axis."""
-    return (forecast - others)[0, -1, :3].abs().max()
-
-
-@pytest.mark.parametrize("sample", range(12))
-def test_an_outlier_of_30_cm_moves_uniform_motion_by_3_at_most(sample):
-    history, degraded = one_ball(), with_outlier(one_ball(), sample)
-    assert largest_move(uniform_motion(degraded, ALL), uniform_motion(history, ALL)) < 0.03
 
 
 def test_states_come_back_from_their_deviation():
@@ -184,15 +154,3 @@ def test_a_number_that_never_varies_or_was_never_measured_stays_finite():
     assert normaliser.future_spread[6:].tolist() == [1 / WEIGHT[2]] * 3
     assert normaliser.history_mean[4] == 0.0
     assert not normaliser.future_mean[6:].any()
-
-
-@pytest.mark.parametrize("seen", [[], [0], [11]])
-def test_a_ball_with_fewer_than_two_samples_has_zero_velocity(seen):
-    history, _ = moving(np.array([0.1, 0.2, 0.3]), np.array([1.0, 2.0, 3.0]), np.full(3, 50.0))
-    known = torch.zeros_like(ALL)
-    known[:, seen] = True
-    position = history[0, seen[0], :3] if seen else torch.zeros(3)
-    spin = torch.full((3,), 50.0 if seen else 0.0)
-    motion = uniform_motion(history, known)[0]
-    still = torch.cat([position, torch.zeros(3), spin]).expand(60, 9)
-    torch.testing.assert_close(motion, still.double(), rtol=0, atol=1e-12)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import interp1d
 
-from rallygap.models.ball.simulators import shipped
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import HISTORY_TIMES, History
 from tests.models.predictors.balls import FIRST, TRUTH, observed
@@ -35,20 +34,6 @@ def test_true_physics_on_clean_measurements_forecasts_to_a_millimetre():
     forecast = TRUE_PHYSICS.predict(history)
     assert position_error(forecast, future, -1).max() < 1e-3
     assert np.abs(forecast.states[..., 6:] - future[..., 6:]).max() < 2.0
-
-
-def test_noisy_measurements_cost_centimetres_not_decimetres():
-    balls = np.tile(FIRST, (30, 1))
-    history, future = observed(balls, noise=0.003)
-    error = position_error(TRUE_PHYSICS.predict(history), future, -1)
-    assert 0.003 < np.median(error) < 0.05
-
-
-def test_wrong_drag_forecasts_too_far():
-    history, future = observed(FIRST[[0]])
-    low_drag = PhysicsPredictor(shipped("literature").amended("drag", cd=0.2))
-    ahead = low_drag.predict(history).states[0, -1, 1] - future[0, -1, 1]
-    assert ahead < -0.05
 
 
 def test_spin_is_estimated_from_the_path_without_a_label():

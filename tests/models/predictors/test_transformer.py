@@ -7,7 +7,7 @@ import pytest
 import torch
 from torch import nn
 
-from rallygap.models.predictors.transformer import ConvolutionBlock, Transformer, sinusoids
+from rallygap.models.predictors.transformer import Transformer, sinusoids
 
 HEADS, ENCODER_LAYERS, DECODER_LAYERS = 4, 3, 2
 
@@ -134,25 +134,3 @@ def test_in_the_paper_s_size_it_has_12_6_million_parameters():
         network = Transformer(512, 1024, 8, 3, 2, 1, False)
     count = sum(weight.numel() for weight in network.parameters())
     assert round(count / 1e6, 1) == 12.6
-
-
-def test_linear_maps_are_convolutions_over_one_sample(balls):
-    history, *_ = balls
-    block = ConvolutionBlock(6, 20).double()
-    expand, contract = (nn.Conv1d(*size, 1, dtype=torch.float64) for size in [(6, 20), (20, 6)])
-    for convolution, linear in [(expand, block.expand), (contract, block.contract)]:
-        convolution.load_state_dict(
-            {"weight": linear.weight[:, :, None], "bias": linear.bias}
-        )  # fmt: skip
-    convolved = contract(gelu(expand(history.transpose(1, 2)))).transpose(1, 2)
-    torch.testing.assert_close(block(history), convolved, rtol=0, atol=1e-12)
-
-
-def test_every_number_of_the_forecast_depends_on_every_measured_number(network, balls):
-    history, *others = (part[:1] for part in balls)
-    nudges = torch.eye(72, dtype=torch.float64).view(72, 12, 6)
-    with torch.no_grad():
-        nudged = network(history + nudges, *(part.expand(72, -1, -1) for part in others))
-        change = nudged - network(history, *others)
-    assert change.shape == (72, 60, 9)
-    assert change.abs().min() > 1e-9  # rounding is a millionth of that

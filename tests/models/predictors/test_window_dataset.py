@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chisquare
@@ -89,10 +88,3 @@ def test_every_anchor_of_an_episode_is_drawn_equally_often():
 def test_nothing_to_learn_from_is_refused(episodes):
     with pytest.raises(ValueError, match="no episode has a window"):
         build_tracks(episodes)
-
-
-def test_windows_are_cut_in_the_memory_of_the_device():
-    track = build_tracks([flown()])
-    there = track.to(torch.device("meta")).windows(track.anchors)
-    assert {part.device.type for part in there} == {"meta"}
-    assert [part.shape for part in there] == [part.shape for part in track.windows(track.anchors)]

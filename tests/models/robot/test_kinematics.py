@@ -4,7 +4,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from rallygap.models.robot.bullet import add_arm, open_world
+from rallygap.models.robot.arms import add_arm, open_world
 from rallygap.models.robot.constants import BLADE, JOINTS, LOWER, NEUTRAL, SPEED, UPPER
 from rallygap.models.robot.kinematics import racket
 

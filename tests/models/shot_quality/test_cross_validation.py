@@ -76,11 +76,11 @@ def test_scores_are_those_of_scikit_learn():
 
 def test_intervals_contain_the_score_and_resample_whole_matches():
     _, wins, matches, _, probabilities = validated("logistic", rule=True, count=300)
-    value, low, high = bootstrap_score(brier, wins, probabilities, matches, 400, 0)
+    value, low, high = bootstrap_score(brier, wins, probabilities, matches, 400, 0).interval()
     assert low < value == score(brier, wins, probabilities) < high
     doubled = [np.repeat(one, 2) for one in (wins, probabilities, matches)]
-    assert bootstrap_score(brier, *doubled, 400, 0) == pytest.approx((value, low, high))
-    alone = bootstrap_score(roc_auc, wins, probabilities, matches, 0, 0)
+    assert bootstrap_score(brier, *doubled, 400, 0).interval() == pytest.approx((value, low, high))
+    alone = bootstrap_score(roc_auc, wins, probabilities, matches, 0, 0).interval()
     assert alone == (score(roc_auc, wins, probabilities),) * 3
 
 

@@ -7,7 +7,7 @@ import pytest
 from rallygap.models.predictors.protocol import HISTORY
 from rallygap.pipeline.benchmark.schemas import FORECASTS, WINDOWS, type_of
 from rallygap.pipeline.benchmark.windows import export_windows, window_ids, window_table
-from rallygap.pipeline.evaluation.test_windows import read_test_sets
+from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
 from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.measured_shots import params, write_inputs

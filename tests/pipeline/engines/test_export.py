@@ -166,3 +166,22 @@ def test_the_command_writes_a_file_with_the_origin_of_its_values(tmp_path):
 def test_another_engine_is_refused():
     result = CliRunner().invoke(app, ["export", "literature", "--to", "unreal"])
     assert "unreal is no engine; give python or pybullet or mujoco" in str(result.exception)
+
+
+QUOTED = [
+    '"""\nimport pathlib; pathlib.Path("executed").touch()\n"""',
+    r"from C:\Users\lab\x and \N{bad}",
+    'ends with ""',
+    "\x00 \r \u2028 \udcff",
+]
+
+
+@pytest.mark.parametrize("text", QUOTED)
+def test_text_of_a_user_stays_text_in_the_code(tmp_path, monkeypatch, text):
+    monkeypatch.chdir(tmp_path)
+    code = ball_effects(ALL, text, [text], "python")
+    imported(tmp_path / "ball_effects.py", code)
+    assert not (tmp_path / "executed").exists()
+    shown = ast.get_docstring(ast.parse(code), clean=False)
+    plain = "".join(one if one.isprintable() else ascii(one)[1:-1] for one in text)
+    assert shown.count(text if text.isprintable() else plain) >= 1

@@ -6,7 +6,7 @@ import pytest
 
 from rallygap.pipeline.evaluation.example_shots import read_shots, write_shots
 from rallygap.pipeline.runtime.errors import InputError
-from tests.pipeline.web.example_reports import made_up_shots
+from tests.pipeline.report.example_reports import made_up_shots
 
 
 def test_shots_come_back_as_they_were_written(tmp_path):

@@ -9,18 +9,21 @@ import joblib
 import numpy as np
 import pytest
 
-import rallygap.pipeline.exam.full_run
+import rallygap.pipeline.exam.sample
+import rallygap.stages.exam
 from rallygap.models.exam.design.question import Question, seed_of
 from rallygap.models.exam.design.questions import exam
 from rallygap.models.exam.interface import Answer
 from rallygap.models.exam.methods.registry import METHODS, RALLYGAP
 from rallygap.models.exam.simulate.trial import Trial
-from rallygap.pipeline.exam.full_run import INPUTS, main, run_exam, run_sample, verdict_costs
 from rallygap.pipeline.exam.records import RECORDS, read_records
 from rallygap.pipeline.exam.run import assignments, run_questions
+from rallygap.pipeline.exam.sample import run_sample
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.params import load_params
 from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.stages.exam import verdict_costs
 from tests.models.exam.example_records import record
 from tests.models.exam.example_trials import NOMINAL
 
@@ -30,8 +33,8 @@ NAMES = ["clean/0", "clean/1", "clean/2"]
 
 def params(**changes):
     repository = load_params(REPOSITORY / "params.yaml")
-    settings = repository.hidden_effects.model_copy(update=changes)
-    return repository.model_copy(update={"hidden_effects": settings})
+    settings = repository.exam.model_copy(update=changes)
+    return repository.model_copy(update={"exam": settings})
 
 
 class Counting:
@@ -62,12 +65,12 @@ def test_rallygap_answers_every_question_and_the_others_one_in_so_many():
     settings = params()
     assigned = assignments(settings)
 
-    hidden = settings.hidden_effects
-    seed = seed_of(settings.seed, f"edition {hidden.edition}")
-    assert [question for question, _ in assigned] == exam(load_simulator(hidden.simulator), seed)
+    chosen = settings.exam
+    seed = seed_of(settings.seed, f"edition {chosen.edition}")
+    assert [question for question, _ in assigned] == exam(load_simulator(chosen.simulator), seed)
     assert all(RALLYGAP in methods for _, methods in assigned)
     share = np.mean([methods == METHODS for _, methods in assigned])
-    assert share == pytest.approx(1 / hidden.other_methods_every, rel=0.15)
+    assert share == pytest.approx(1 / chosen.other_methods_every, rel=0.15)
 
 
 def test_every_edition_asks_its_own_questions_of_the_same_kinds():
@@ -87,18 +90,15 @@ def test_a_damaged_file_of_a_killed_run_is_named(tmp_path):
 
 @pytest.fixture
 def root(tmp_path):
-    """A repository with one file of code."""
-    for name in INPUTS[1:]:
-        (tmp_path / name).mkdir(parents=True)
+    """A repository with parameters alone."""
     shutil.copy(REPOSITORY / "params.yaml", tmp_path)
-    (tmp_path / "models/gap/a.py").write_text("a = 1\n")
     return tmp_path
 
 
 def run_with(method, root, monkeypatch):
     """Run an exam of three questions; return how many of them a method is asked."""
-    monkeypatch.setattr(rallygap.pipeline.exam.full_run, "assignments", lambda _: asked(method))
-    run_exam(root)
+    monkeypatch.setattr(rallygap.stages.exam, "assignments", lambda _: asked(method))
+    rallygap.stages.exam.exam(StageRun("exam", root, params()))
     return method.calls
 
 
@@ -111,17 +111,8 @@ def test_a_stopped_exam_continues_and_leaves_records_and_costs(root, monkeypatch
     records = read_records(root / RECORDS)
     assert [record.name for record in records] == NAMES
     assert all(record.seconds.keys() == {RALLYGAP} for record in records)
-    assert not (root / "scratch/exam").exists()
-    assert RALLYGAP in (root / "reports/costs/verdicts.csv").read_text()
-    assert json.loads((root / "reports/costs/verdicts.json").read_text())["cores"] >= 1
-
-
-def test_a_run_of_other_code_starts_again(root, monkeypatch):
-    with pytest.raises(KeyboardInterrupt):
-        run_with(Counting(killed_after=2), root, monkeypatch)
-    (root / "models/gap/a.py").write_text("a = 2\n")
-
-    assert run_with(Counting(), root, monkeypatch) == 3
+    assert RALLYGAP in (root / "reports/exam/costs.csv").read_text()
+    assert json.loads((root / "reports/exam/metrics.json").read_text())["false_alarm_rate"] == 0
 
 
 def test_costs_are_cpu_seconds_by_method_and_shots():
@@ -140,7 +131,7 @@ def sampled(root, monkeypatch, groups, every):
     def run(assignments, folder):
         return [record(name=question.trial.name) for question, _ in assignments]
 
-    monkeypatch.setattr(rallygap.pipeline.exam.full_run, "run_questions", run)
+    monkeypatch.setattr(rallygap.pipeline.exam.sample, "run_questions", run)
     run_sample(root, root / "sample.jsonl", groups, every)
     return [one.name for one in read_records(root / "sample.jsonl")]
 
@@ -158,12 +149,3 @@ def test_a_sample_is_some_questions_of_some_groups(root, monkeypatch):
 def test_an_unknown_group_is_one_error(root):
     with pytest.raises(InputError, match="there is no group 'tilt'; groups: sweep"):
         run_sample(root, root / "sample.jsonl", ["tilt"], 1)
-
-
-@pytest.mark.parametrize("arguments", [["--groups", "several"], ["--every", "6"]])
-def test_a_sample_needs_a_file_of_its_own(arguments, monkeypatch, capsys):
-    monkeypatch.setattr("sys.argv", ["full_run", *arguments])
-
-    with pytest.raises(SystemExit):
-        main()
-    assert "a sample needs --out" in capsys.readouterr().err

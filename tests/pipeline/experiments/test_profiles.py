@@ -24,11 +24,14 @@ def overridden(path, words):
     return read_yaml(path)
 
 
-@pytest.mark.parametrize("name", [path.stem for path in (ROOT / "profiles").glob("*.yaml")])
+@pytest.mark.parametrize(
+    "name", [path.stem for path in (ROOT / "experiments" / "profiles").glob("*.yaml")]
+)
 def test_every_profile_reaches_dvc_as_it_is_written(name, tmp_path):
     shutil.copy(ROOT / "params.yaml", tmp_path)
     expected = merged(
-        read_yaml(ROOT / "params.yaml"), read_yaml(ROOT / "profiles" / f"{name}.yaml")
+        read_yaml(ROOT / "params.yaml"),
+        read_yaml(ROOT / "experiments" / "profiles" / f"{name}.yaml"),
     )
     assert overridden(tmp_path / "params.yaml", profile_flags(ROOT, name)) == expected
     load_params(tmp_path / "params.yaml")
@@ -57,7 +60,7 @@ def test_an_unknown_profile_is_refused_with_the_nearest_one():
 
 def test_a_profile_that_does_not_fit_is_refused_by_its_own_name(tmp_path):
     shutil.copy(ROOT / "params.yaml", tmp_path)
-    (tmp_path / "profiles").mkdir()
-    (tmp_path / "profiles" / "mine.yaml").write_text("segment: {noize: 1}")
+    (tmp_path / "experiments" / "profiles").mkdir(parents=True)
+    (tmp_path / "experiments" / "profiles" / "mine.yaml").write_text("segment: {noize: 1}")
     with pytest.raises(InputError, match=r"mine\.yaml, segment\.noize: .*did you mean noise\?"):
         profile_flags(tmp_path, "mine")

@@ -4,14 +4,17 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from rallygap.models.ball.simulator import Simulator
+from rallygap.models.gap.settings import DEFAULTS
 from rallygap.pipeline.gap import diagnose_folder as diagnosis
 from rallygap.pipeline.gap.diagnose_folder import diagnose_folder, write_findings
 from rallygap.pipeline.gap.expected_balls import read_expected
+from rallygap.pipeline.gap.provenance import made_from
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.recorded import NOMINAL, write_recordings
@@ -112,10 +115,27 @@ def test_a_function_is_audited_diagnosed_and_given_back_as_code(tmp_path):
 def test_minor_structure_is_amended_on_request_only(tmp_path):
     found = findings(verdict(causes=(WIND_CAUSE, MINOR)))
     for minor in (False, True):
-        write_findings(found, tmp_path, minor)
+        write_findings(replace(found, minor=minor), tmp_path)
         amended = load_simulator(str(tmp_path / "amended.yaml")).effects
         assert ("spin_decay" in amended) == minor
         assert amended["wind"]["x"] == WIND_CAUSE.estimate
+
+
+def test_doubts_about_recordings_are_limitations_of_the_verdict(tmp_path, monkeypatch):
+    folder, said = write_recordings(tmp_path / "lab", shots=6, time_resolution=1e-3), []
+    monkeypatch.setattr(diagnosis, "diagnose", lambda *arguments, **named: verdict())
+    found = diagnose_folder(folder, "csv", NOMINAL, 0.003, tmp_path / "out", said.append)
+    (doubt,) = (line for line in said if "rounded to 1 ms" in line)
+    assert doubt == f"Doubtful: {found.verdict.limitations[0]}."
+    assert found.verdict.limitations[1:] == verdict().limitations
+
+
+def test_a_verdict_keeps_the_settings_that_differ_from_the_default():
+    settings = replace(DEFAULTS, level=0.01, fit=replace(DEFAULTS.fit, refit_steps=9))
+    nominal = load_simulator(NOMINAL)
+    origin = made_from("lab", "takes", (3, 40), nominal, "/home/me/sim.yaml", settings)
+    assert origin.settings == {"level": 0.01, "fit.refit_steps": 9}
+    assert (origin.simulator, origin.effects) == ("sim.yaml", nominal.to_dict())
 
 
 def test_an_error_of_the_cameras_has_a_figure_until_a_verdict_without_it(tmp_path):

@@ -5,11 +5,10 @@ import pytest
 
 from rallygap.models.predictors.windows import Episode
 from rallygap.pipeline.gap.shots import (
-    as_shot,
     net_contacts,
     read_training_shots,
     shots_of,
-    why_left_out,
+    source_shots,
 )
 from rallygap.pipeline.io.episodes import MeasuredEpisode
 from tests.pipeline.measured_shots import shot_tables, write_inputs
@@ -28,24 +27,26 @@ def episode(samples=20, touched=(), nets=(), bounces=(), unbroken=True):
 
 
 @pytest.mark.parametrize(
-    ("one", "reason"),
+    ("one", "left_out"),
     [
-        (episode(), None),
-        (episode(bounces=[0.095]), None),
-        (episode(touched=[0.155], bounces=[0.095]), None),
-        (episode(nets=[0.095]), "too short"),
-        (episode(samples=12), "too short"),
-        (episode(unbroken=False), "broken"),
+        (episode(), {}),
+        (episode(bounces=[0.095]), {}),
+        (episode(touched=[0.155], bounces=[0.095]), {}),
+        (episode(nets=[0.095]), {"too short": 1}),
+        (episode(samples=12), {"too short": 1}),
+        (episode(unbroken=False), {"broken": 1}),
     ],
 )
-def test_a_shot_is_whole_and_long_enough(one, reason):
-    assert why_left_out(as_shot(one)) == reason
+def test_a_shot_is_whole_and_long_enough(one, left_out):
+    found = source_shots([one])
+    assert (len(found.members), found.left_out) == (not left_out, left_out)
 
 
 def test_a_shot_ends_where_the_ball_touches_something_else_than_the_table():
-    one = as_shot(episode(bounces=[0.055], touched=[0.185], nets=[0.155]))
-    assert one.episode.times[-1] == pytest.approx(0.15)
-    assert len(as_shot(episode(bounces=[0.055])).episode.times) == 20
+    touching = episode(bounces=[0.055], touched=[0.185], nets=[0.155])
+    touched, bounced = source_shots([touching, episode(bounces=[0.055])]).members
+    assert touched.episode.times[-1] == pytest.approx(0.15)
+    assert len(bounced.episode.times) == 20
 
 
 def test_arcs_about_the_net_end_at_the_contacts_next_to_it():

@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from rallygap.pipeline.gap.tables import (
+from rallygap.pipeline.report.close_gap import (
     cause_table,
     error_table,
     metrics,

@@ -8,6 +8,8 @@ import pytest
 from rallygap.pipeline.gap.diagnose_folder import figures_of
 from rallygap.pipeline.gap.verdict_page import render_gap_page
 from rallygap.pipeline.runtime.errors import InputError
+from tests.pipeline.report.test_page_in_browser import DESKTOP, PHONE, open_page, requests
+from tests.pipeline.report.test_report_page import HOSTILE, Tags
 from tests.pipeline.verdicts import (
     CAMERA,
     CAMERA_NODES,
@@ -17,8 +19,6 @@ from tests.pipeline.verdicts import (
     findings,
     verdict,
 )
-from tests.pipeline.web.test_page_in_browser import DESKTOP, PHONE, open_page, requests
-from tests.pipeline.web.test_report_page import HOSTILE, Tags
 
 BOTH = verdict("ambiguous", (WIND, GRAVITY))
 WHOLE = verdict("ambiguous", (WIND, GRAVITY, CAMERA, MINOR), camera=CAMERA_NODES)

@@ -1,7 +1,7 @@
 """Colours that stay with what they stand for."""
 
-from rallygap.pipeline.io.figure_style import predictor_colour
-from tests.pipeline.web.example_reports import OFFSETS
+from rallygap.pipeline.web.figure_style import predictor_colour
+from tests.pipeline.report.example_reports import OFFSETS
 
 
 def test_the_projects_predictors_have_colours_of_their_own():

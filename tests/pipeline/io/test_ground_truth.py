@@ -7,7 +7,7 @@ import pytest
 
 from rallygap.models.arena.recording import TrueContacts
 from rallygap.models.predictors.protocol import FUTURE_TIMES
-from rallygap.pipeline.evaluation.test_windows import read_test_sets
+from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.io.ground_truth import net_contacts, read_contacts, read_truth, true_windows
 from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.measured_shots import NOISE, SIMULATOR, write_inputs

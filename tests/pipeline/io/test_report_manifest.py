@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from rallygap.pipeline.io.report_items import ReportAnimation
-from rallygap.pipeline.io.report_manifest import (
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.pipeline.web.report_items import ReportAnimation
+from rallygap.pipeline.web.report_manifest import (
     read_columns,
     read_contents,
     read_figure,
     read_first_frame,
 )
-from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.runtime.stage_run import StageRun
-from tests.pipeline.web.example_reports import moving_dot, write_stage
+from tests.pipeline.report.example_reports import moving_dot, write_stage
 
 
 def cells(path, text):

@@ -20,7 +20,7 @@ from rallygap.models.predictors.ball_filter import ANY_BALL, Expected
 from rallygap.pipeline.cli import app
 from rallygap.pipeline.gap.expected_balls import expected_json
 from rallygap.pipeline.live.command import forecaster
-from rallygap.pipeline.live.replay import measurements, paced
+from rallygap.pipeline.live.streams import measurements, paced
 from rallygap.pipeline.runtime.errors import InputError
 from tests.services import await_answer, free_port
 

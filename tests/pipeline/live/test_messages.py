@@ -7,8 +7,12 @@ import pytest
 
 from rallygap.models.ball.simulators import shipped
 from rallygap.models.live.forecaster import Forecaster
-from rallygap.pipeline.live.forecast import ball_forecast
-from rallygap.pipeline.live.messages import MessageError, forecast_message, parse
+from rallygap.pipeline.live.messages import (
+    MessageError,
+    ball_forecast,
+    forecast_message,
+    parse,
+)
 
 TRUTH = shipped("literature")
 FIRST = np.array([0.1, 1.2, 0.35, 0.3, -6.0, 1.0, -150.0, 20.0, 30.0])

@@ -17,13 +17,13 @@ from rallygap.pipeline.paper.assessments import (
     OPEN,
     SAME,
 )
-from rallygap.pipeline.paper.comparison import compare, exhibits, groups
+from rallygap.pipeline.paper.comparison import compare, exhibits
 from rallygap.pipeline.paper.run_reports import Reports
-from rallygap.pipeline.paper.sources import Table
-from rallygap.pipeline.paper.values import printed_transfer
+from rallygap.pipeline.paper.sources import READERS
+from rallygap.pipeline.paper.values import Value, printed_transfer, printed_values
 from rallygap.pipeline.runtime.errors import InputError
 
-VALUES = {value.id: value for group in groups() for value in group.values}
+VALUES = {value.id: value for value in printed_values()}
 RIVALS = ("physics_c", "physics_literature", "tae", "gru_tae", "amended_imperfect_c", "oracle")
 QUANTITIES = ("position", "velocity", "spin")
 HORIZONS_MS = (100, 200, 300)
@@ -188,10 +188,9 @@ def test_a_table_with_several_rows_for_a_number_is_refused(tmp_path):
 
 
 def test_a_number_without_an_interval_has_its_unit(tmp_path):
-    none = {"low": None, "high": None}
-    source = Table(file="a.csv", where={"set": "tt3d"}, column="error_m", scale=1000, **none)
+    value = Value("", "", "", ours="a.csv: error_m", argument="set=tt3d", scale=1000)
     run = write(tmp_path, "a.csv", [{"set": "tt3d", "error_m": 0.031}])
-    assert source.read(run).value == pytest.approx(31.0)
+    assert READERS["table"](value, run).value == pytest.approx(31.0)
 
 
 def test_a_gain_over_the_first_window_is_paired_by_shot(tmp_path):

@@ -1,25 +1,26 @@
 """The page on the paper: complete, and its settings those of the run and of the code."""
 
 import json
-import shutil
 from pathlib import Path
 
 import pytest
 
+from rallygap.models.predictors.errors import HORIZONS_MS
 from rallygap.models.predictors.normaliser import INPUTS, OUTPUTS
+from rallygap.models.predictors.protocol import FUTURE, HISTORY, TICK
 from rallygap.models.predictors.transformer import Transformer
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.paper.assessments import DIFFERS, MEANINGS, NOT_MEASURED
-from rallygap.pipeline.paper.comparison import NOTHING, compare, exhibits, groups
+from rallygap.pipeline.paper.comparison import compare, exhibits, groups
 from rallygap.pipeline.paper.page import paper_page
-from rallygap.pipeline.paper.run_reports import Reports, laptop_reports, paper_reports
+from rallygap.pipeline.paper.run_reports import Reports, kept_reports, laptop_reports
+from rallygap.pipeline.paper.values import NOTHING, printed_values
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sweeps.settings import nested
 
 ROOT = Path(__file__).parents[3]
-VALUES = [value for group in groups() for value in group.values]
+VALUES = printed_values()
 STAGES = set(read_yaml(ROOT / "dvc.yaml")["stages"])
 
 
@@ -27,7 +28,8 @@ def test_every_value_has_its_own_id_and_a_stage_that_exists():
     files = [file for one in exhibits() if one.claims for file in one.ours.split(", ")]
     assert [file for file in files if not (ROOT / "reports/paper" / file).is_file()] == []
     assert len({value.id for value in VALUES}) == len(VALUES)
-    assert {value.stage for value in VALUES} - {NOTHING} <= STAGES
+    assert {value.stage for value in VALUES} - {""} <= STAGES
+    assert {value.group for value in VALUES} == {group.id for group in groups()}
     assert {one.stage for one in exhibits()} <= STAGES
     found = compare(laptop_reports(ROOT)).values()
     assert {one.assessment for one in found} <= set(MEANINGS)
@@ -41,6 +43,11 @@ def test_settings_that_no_parameter_changes_are_those_of_the_network():
     assert convolution.stride == (found["setting.stride"].value,)
     assert convolution.in_channels == found["setting.inputs"].value == INPUTS
     assert found["setting.outputs"].value == OUTPUTS
+    assert found["setting.history"].value == HISTORY
+    assert found["setting.future"].value == FUTURE
+    assert found["setting.tick"].value == 1000 * TICK
+    horizons = [found[f"setting.judged.{name}"].value for name in ("first", "last", "every")]
+    assert horizons == [HORIZONS_MS[0], HORIZONS_MS[-1], HORIZONS_MS[1] - HORIZONS_MS[0]]
 
 
 @pytest.mark.parametrize("states", [1, 10])
@@ -53,37 +60,8 @@ def test_rows_of_the_decoder_are_the_networks(tmp_path, states):
     assert found["setting.placeholders"].value == f"{network.rows} rows of uniform motion"
 
 
-def test_the_kept_run_is_the_profile_that_the_page_names():
-    kept = paper_reports(ROOT).params
-    assert merged(kept, read_yaml(ROOT / "profiles" / "two_cores.yaml")) == kept
-
-
-def test_a_run_with_the_papers_network_is_not_described_as_smaller(tmp_path):
-    assert "has not been run" not in kept_page(tmp_path, width=512)
-    smaller = kept_page(tmp_path, width=96)
-    assert "has not been run" in smaller
-    assert "differs from the paper's: width of the layers 96 instead of 512.\n" in smaller
-
-
-def test_a_run_of_the_papers_network_with_fewer_epochs_is_described_as_such(tmp_path):
-    page = kept_page(tmp_path, width=512, epochs=16)
-    assert "differs from the paper's: epochs 16 instead of 80." in page
-
-
-def kept_page(root, width, epochs=80):
-    """The page of a repository that keeps a run with networks of a width."""
-    shutil.copy(ROOT / "params.yaml", root)
-    networks = {"transformer": {"width": width}}
-    params = {"train_predictor": {"networks": networks, "training": {"epochs": epochs}}}
-    write_json(root / "reports" / "paper" / "run.json", {"params": params})
-    return paper_page(root)
-
-
-def test_a_run_with_other_policies_is_shown_for_policies_only(tmp_path):
-    assert "run shots" not in kept_page(tmp_path, width=96)
-    record = {"params": {}, "fingerprints": {"ingest": "0"}}
-    write_json(tmp_path / "reports" / "shots" / "run.json", record)
-    page = paper_page(tmp_path)
+def test_a_run_with_other_policies_is_shown_for_policies_only():
+    page = paper_page(ROOT)
     shown = {part.splitlines()[0] for part in page.split("## ") if "run shots" in part}
     assert "Figure 5: shot quality" in shown and "The network and its training" not in shown
     figure_3 = next(line for line in page.splitlines() if line.startswith("| Figure 3 |"))
@@ -91,20 +69,20 @@ def test_a_run_with_other_policies_is_shown_for_policies_only(tmp_path):
 
 
 def test_settings_of_the_papers_profile_are_the_papers(tmp_path):
-    for name in ("params.yaml", "profiles/paper.yaml"):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        shutil.copy(ROOT / name, tmp_path / name)
-    found = compare(paper_reports(tmp_path))  # no run is kept
-    differ = {key for key, one in found.items() if one.assessment == DIFFERS}
-    settings = {value.id for value in VALUES if "params.yaml" in value.ours.place}
+    params = merged(
+        read_yaml(ROOT / "params.yaml"),
+        read_yaml(ROOT / "experiments" / "profiles" / "paper_network.yaml"),
+    )
+    found = compare(Reports(tmp_path, params))
+    differ = {key for key, ours in found.items() if ours.assessment == DIFFERS}
+    settings = {value.id for value in VALUES if "params.yaml" in value.ours}
     assert settings and differ & settings == set()
 
 
-@pytest.mark.parametrize("record", [7, {"params": [1]}])
-def test_a_broken_record_of_the_kept_run_is_named(tmp_path, record):
-    write_json(tmp_path / "reports" / "paper" / "run.json", record)
-    with pytest.raises(InputError, match=r"run\.json, params: .*`rallygap keep`"):
-        paper_reports(tmp_path)
+def test_broken_parameters_of_a_profile_s_run_are_named(tmp_path):
+    write_json(tmp_path / "reports" / "paper" / "params.json", [1])
+    with pytest.raises(InputError, match=r"params\.json: holds no parameters"):
+        kept_reports(tmp_path / "reports" / "paper")
 
 
 @pytest.mark.parametrize(
@@ -118,14 +96,12 @@ def test_a_broken_record_of_the_kept_run_is_named(tmp_path, record):
     ],
 )
 def test_a_kept_parameter_of_the_wrong_type_is_named(tmp_path, path, value):
-    shutil.copy(ROOT / "params.yaml", tmp_path)
-    kept = tmp_path / "reports" / "paper" / "run.json"
-    kept.parent.mkdir(parents=True)
+    kept = tmp_path / "params.json"
     states = {"train_predictor.networks.transformer.states_per_row": 1}
     params = nested({"train_predictor.training.epochs": 80} | states | {path: value})
-    kept.write_text(json.dumps({"params": params}))
-    with pytest.raises(InputError, match=rf"run\.json, params\.yaml: {path}.*`rallygap keep`"):
-        paper_page(tmp_path)
+    kept.write_text(json.dumps(params))
+    with pytest.raises(InputError, match=rf"params\.json, params\.yaml: {path}"):
+        compare(kept_reports(tmp_path))
 
 
 @pytest.mark.parametrize(

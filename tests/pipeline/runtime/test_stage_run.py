@@ -9,17 +9,14 @@ import sys
 from contextlib import nullcontext
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.figure import Figure
-from PIL import Image, ImageSequence
 
 from rallygap.pipeline.io.artifacts import write_table
-from rallygap.pipeline.io.report_items import ReportAnimation, ReportFigure, ReportTable
 from rallygap.pipeline.params import load_params
 from rallygap.pipeline.runtime import stage_run as run_module
 from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.provenance import provenance
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.tracking import recording as tracking
 
@@ -33,8 +30,6 @@ stages:
     params: [seed, segment]
     outs: [artifacts/segment]
 """
-
-FRAMES = np.random.default_rng(0).integers(256, size=(4, 30, 40, 3), dtype=np.uint8)
 
 
 @pytest.fixture
@@ -53,11 +48,8 @@ def segment(run: StageRun) -> None:
     """A stage that writes one of everything."""
     table = pd.DataFrame({"name": ["a", "b"], "value": [1 / 3, 2.0]})
     write_table(run.artifact("episodes.parquet"), table)
-    figure = Figure()
-    figure.subplots().plot(table["value"])
-    run.add(ReportFigure(figure, "values", title="Values", caption="Of everything."))
-    run.add(ReportAnimation(FRAMES, "noise", title="Noise", caption="In motion."))
-    run.add(ReportTable(table, "values", title="Values", caption="In numbers."))
+    run.keep(values=table)
+    run.publish({"values": table})
     run.write_metrics({"a": {"mean": 1 / 3}})
 
 
@@ -73,36 +65,13 @@ def exit_status(stage):
     return caught.value.code
 
 
-def test_a_run_leaves_artefacts_a_report_and_its_contents(repository):
+def test_a_run_leaves_artefacts_tables_and_metrics(repository):
     run_stage(segment)
-    assert pd.read_parquet("artifacts/segment/episodes.parquet")["value"].tolist() == [1 / 3, 2.0]
-    assert Path("reports/segment/values.csv").read_text() == "name,value\na,0.333333\nb,2\n"
+    for name in ("episodes", "report/values"):
+        kept = pd.read_parquet(f"artifacts/segment/{name}.parquet")
+        assert kept["value"].tolist() == [1 / 3, 2.0]
+    assert Path("reports/segment/values.csv").read_text() == "name,value\na,0.3333\nb,2\n"
     assert json.loads(Path("reports/segment/metrics.json").read_text()) == {"a": {"mean": 1 / 3}}
-    contents = json.loads(Path("reports/segment/contents.json").read_text())
-    shown = [(item["kind"], item["file"]) for item in contents["items"]]
-    assert shown == [
-        ("figure", "figures/values.png"),
-        ("animation", "figures/noise.png"),
-        ("table", "values.csv"),
-    ]
-    assert contents["command"] == "python -m rallygap.stages.segment"
-
-
-def test_an_animation_has_every_pixel_and_rests_on_its_last_frame(repository):
-    run_stage(segment)
-    with Image.open("reports/segment/figures/noise.png") as animation:
-        frames = ImageSequence.Iterator(animation)
-        seen = [(np.asarray(frame), frame.info["duration"]) for frame in frames]
-        assert animation.info["loop"] == 0  # without end
-    np.testing.assert_array_equal([pixels for pixels, _ in seen], FRAMES)
-    assert [duration for _, duration in seen] == [40, 40, 40, 1000]
-
-
-def test_tracking_gets_figures_and_animations(repository):
-    run = StageRun("segment", repository, load_params(Path("params.yaml")))
-    segment(run)
-    names = [path.name for path in run.results().figures]
-    assert names == ["values.png", "noise.png"]
 
 
 def test_the_same_inputs_give_the_same_bytes(repository):
@@ -117,13 +86,11 @@ def test_the_same_inputs_give_the_same_bytes(repository):
     [("code/a.py", "2"), ("code/b.py", ""), ("params.yaml", None), ("dvc.yaml", None)],
 )
 def test_the_fingerprint_follows_code_parameters_and_command(repository, file, text):
-    run_stage(segment)
-    first = json.loads(Path("reports/segment/contents.json").read_text())["fingerprint"]
+    first = provenance(repository, "segment").fingerprint
     path = repository / file
     changes = path.read_text() if text is None else text
     path.write_text(changes.replace("seed: 1", "seed: 2").replace("python -m", "python3 -m"))
-    run_stage(segment)
-    assert json.loads(Path("reports/segment/contents.json").read_text())["fingerprint"] != first
+    assert provenance(repository, "segment").fingerprint != first
 
 
 def test_an_input_error_is_one_line_and_leaves_nothing(repository, capsys):

@@ -35,7 +35,7 @@ def small_sweep(root, **changes):
     write_yaml(root / "dvc.yaml", {"stages": stages})
     (root / "data.txt").write_text("shots")
     settings = {key: value for key, value in {**SETTINGS, **changes}.items() if value is not None}
-    write_yaml(root / "profiles" / "sweeps" / "tiny.yaml", settings)
+    write_yaml(root / "experiments" / "profiles" / "sweeps" / "tiny.yaml", settings)
     return load_sweep(root, "tiny")
 
 

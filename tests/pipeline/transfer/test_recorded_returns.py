@@ -11,15 +11,15 @@ from rallygap.models.robot.kinematics import racket
 from rallygap.pipeline.transfer.example_returns import read_returns, write_returns
 from rallygap.pipeline.transfer.recorded_returns import choose, example_returns
 from rallygap.pipeline.transfer.replay_sets import read_replay_sets
-from rallygap.pipeline.transfer.replay_trials import EveryStep, FirstWindow, replay_trials
+from rallygap.pipeline.transfer.replay_trials import ONCE, Forecaster, replay_trials
 from tests.pipeline.replayed import LAUNCH, SETTINGS, launched, write_replays
 from tests.pipeline.trained_policies import chaser, description
 
 SIMULATOR = shipped("imperfect_c")
 FORECASTERS = [
-    FirstWindow("physics", PhysicsPredictor(SIMULATOR)),
-    EveryStep("physics", PhysicsPredictor(SIMULATOR)),
-    EveryStep("oracle", PhysicsPredictor(shipped("literature"))),
+    Forecaster("physics", PhysicsPredictor(SIMULATOR), ONCE),
+    Forecaster("physics", PhysicsPredictor(SIMULATOR)),
+    Forecaster("oracle", PhysicsPredictor(shipped("literature"))),
 ]
 
 

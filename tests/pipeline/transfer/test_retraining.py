@@ -52,13 +52,6 @@ def test_shares_of_the_gap_are_of_what_the_oracle_gains():
     assert np.isnan(closed["original", "physics"])
 
 
-def test_differences_are_on_the_same_balls():
-    amended = table(played()).loc[("original", "amended")]
-    assert amended["difference"] == 0.25
-    assert (amended["gained"], amended["lost"]) == (2, 1)
-    assert amended["ci_low"] < 0.25 < amended["ci_high"]
-
-
 def test_without_an_oracle_the_gap_is_to_the_rate_in_the_own_simulator():
     closed = table(more_balls(played(oracle=False)))["gap_closed"]
     assert closed["original", "amended"] == pytest.approx(0.25 / 0.5)

@@ -1,31 +1,106 @@
-"""Attributes of a scene that give its ball a flight: the inverse of what a scene says."""
+"""Attributes of a scene that give its ball a flight: the inverse of what a scene states."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import mujoco
 import numpy as np
 
 from rallygap.models.ball.state import AIR_DENSITY, DRAG_FACTOR, MAGNUS_FACTOR
+from rallygap.models.ball.types import Floats
 from rallygap.models.engines.mujoco.air import is_sphere, shaped_geoms
 from rallygap.models.engines.mujoco.scene import MujocoScene
-from rallygap.pipeline.engines.export.scene.target import Target
+from rallygap.pipeline.engines.export.scene.change import ROUNDING, Change, Element
 from rallygap.pipeline.runtime.errors import InputError
 
+SAME = 1e-4  # relative; and of the unit of a number that is zero
 AIR = {"wind_x", "wind_y", "wind_z", "drag", "lift", "linear", "spin_loss"}
 FALL = {"fall", "tilt_x", "tilt_y"}
 SHELL = 2.0 / 3.0  # moment of inertia over m r^2
 SAME_INERTIA = 0.01  # relative
 DECIMALS = 6  # of fluidcoef, whose added mass MuJoCo integrates to so many
-ROUNDING = 1e-6  # relative, of numbers as they are written
 NO_PASSIVE = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
 NO_GRAVITY = mujoco.mjtDisableBit.mjDSBL_GRAVITY
+OPTION = Element("option")
 
-Attributes = dict[str, str]
+Effects = Mapping[str, Mapping[str, Any]]
 
 
-def option_changes(scene: MujocoScene, target: Target, changed: Sequence[str]) -> Attributes:
-    """Return the attributes of ``<option>`` that have to change, with their values.
+@dataclass(frozen=True)
+class Target:
+    """What MuJoCo has attributes for: numbers of a flight.
+
+    Added mass is in them: it divides all forces, also that of gravity.
+
+    Attributes:
+        fall: m/s^2, the size of gravity, with buoyancy.
+        tilt_x: sine of the tilt of gravity.
+        tilt_y: the same along y.
+        wind_x: m/s.
+        wind_y: m/s.
+        wind_z: m/s.
+        drag: C_D.
+        lift: C_M.
+        linear: k1, 1/s.
+        spin_loss: c of ``spin_decay``, 1/m, for which there is no attribute.
+    """
+
+    fall: float
+    tilt_x: float
+    tilt_y: float
+    wind_x: float
+    wind_y: float
+    wind_z: float
+    drag: float
+    lift: float
+    linear: float
+    spin_loss: float
+
+    @classmethod
+    def of(cls, effects: Effects) -> "Target":
+        """Return the numbers of a list of effects."""
+
+        def value(effect: str, parameter: str) -> float:
+            return float(effects.get(effect, {}).get(parameter, 0.0))
+
+        share = 1.0 / (1.0 + 0.5 * MAGNUS_FACTOR * value("added_mass", "c"))
+        carried = 1.0 - MAGNUS_FACTOR * value("buoyancy", "b")
+        return cls(
+            fall=share * carried * value("gravity", "g"),
+            tilt_x=math.sin(value("frame_tilt", "x")),
+            tilt_y=math.sin(value("frame_tilt", "y")),
+            wind_x=value("wind", "x"),
+            wind_y=value("wind", "y"),
+            wind_z=value("wind", "z"),
+            drag=share * value("drag", "cd"),
+            lift=share * value("magnus", "cm"),
+            linear=share * value("linear_drag", "k1"),
+            spin_loss=value("spin_decay", "c"),
+        )
+
+    def where_changed(self, before: "Target", after: "Target") -> "Target":
+        """Return these numbers, those of ``after`` where they differ from those of ``before``.
+
+        What a list does not change keeps its attribute, even if the scene does something else than
+        the attribute states, because of its time step.
+        """
+        return replace(self, **{name: getattr(after, name) for name in after.changed(before)})
+
+    def changed(self, before: "Target") -> tuple[str, ...]:
+        """Return the names of the numbers that differ from those of ``before``."""
+        names = [field.name for field in fields(self)]
+        return tuple(name for name in names if differs(getattr(before, name), getattr(self, name)))
+
+
+def differs(before: float, after: float) -> bool:
+    """Return whether two values of a parameter differ."""
+    return not math.isclose(before, after, rel_tol=SAME, abs_tol=SAME)
+
+
+def option_changes(scene: MujocoScene, target: Target, changed: Sequence[str]) -> list[Change]:
+    """Return the changes of ``<option>``.
 
     Args:
         scene: as it is.
@@ -36,26 +111,26 @@ def option_changes(scene: MujocoScene, target: Target, changed: Sequence[str]) -
     Raises:
         InputError: gravity or the air is switched off by a flag.
     """
-    wanted: dict[str, float | np.ndarray] = {}
+    wanted: dict[str, float | Floats] = {}
     if FALL & set(changed):
         _check_flag(scene, NO_GRAVITY, "gravity")
         wanted["gravity"] = _gravity(scene, target)
     if AIR & set(changed):
         _check_flag(scene, NO_PASSIVE, "all passive forces, that of the air among them,")
-        blows = np.array([target.wind_x, target.wind_y, target.wind_z])
-        wanted["wind"] = scene.frame.axes @ blows
-        wanted["density"] = density(scene, target)
+        wind = np.array([target.wind_x, target.wind_y, target.wind_z])
+        wanted["wind"] = scene.frame.axes @ wind
+        wanted["density"] = _density(scene, target)
         wanted["viscosity"] = _viscosity(scene, target)
     option = scene.model.opt
-    return {
-        name: numbers(value)
+    return [
+        Change.of(OPTION, name, value)
         for name, value in wanted.items()
         if not np.allclose(getattr(option, name), value, rtol=ROUNDING, atol=ROUNDING)
-    }
+    ]
 
 
-def ball_changes(scene: MujocoScene, target: Target, changed: Sequence[str]) -> Attributes:
-    """Return the attributes of the ball's geom that have to change for its flight.
+def ball_changes(scene: MujocoScene, target: Target, changed: Sequence[str]) -> list[Change]:
+    """Return the changes of the ball's geom for its flight.
 
     Args:
         scene: as it is.
@@ -66,16 +141,17 @@ def ball_changes(scene: MujocoScene, target: Target, changed: Sequence[str]) -> 
         InputError: the air also acts on other geoms of the ball.
     """
     if not AIR & set(changed):
-        return {}
+        return []
     model, geom = scene.model, scene.ball.geom
     shaped = shaped_geoms(model, scene.ball)
     if set(shaped) - {geom} or not is_sphere(model, geom):
         problem = "the air acts on several geoms of the ball; give fluidshape to its sphere alone"
         raise InputError(scene.name, problem)
     known, wanted = model.geom_fluid[geom, 1:6], _coefficients(scene, target, changed)
-    changes = {} if shaped else {"fluidshape": "ellipsoid"}
+    element = Element("geom", geom)
+    changes = [] if shaped else [Change.of(element, "fluidshape", 1.0)]
     if not shaped or not np.allclose(known, wanted, rtol=ROUNDING, atol=ROUNDING):
-        changes["fluidcoef"] = numbers(wanted)
+        changes.append(Change.of(element, "fluidcoef", wanted))
     return changes
 
 
@@ -86,18 +162,13 @@ def is_shell(scene: MujocoScene) -> bool:
     return bool(np.allclose(share, SHELL, rtol=SAME_INERTIA))
 
 
-def density(scene: MujocoScene, target: Target) -> float:
+def _density(scene: MujocoScene, target: Target) -> float:
     """Return the density of the air, kg/m^3: that of the scene, where it has one or needs none."""
     known = float(scene.model.opt.density)
     return known if known > 0.0 or not (target.drag or target.lift) else AIR_DENSITY
 
 
-def numbers(values: float | np.ndarray) -> str:
-    """Return numbers as an attribute, with seven digits."""
-    return " ".join(f"{value + 0.0:.7g}" for value in np.atleast_1d(np.round(values, 12)))
-
-
-def _gravity(scene: MujocoScene, target: Target) -> np.ndarray:
+def _gravity(scene: MujocoScene, target: Target) -> Floats:
     """Return the (3,) attribute; the compensation of the ball's body remains."""
     x, y = target.tilt_x, target.tilt_y
     pull = target.fall * np.array([x, y, -math.sqrt(1.0 - x**2 - y**2)])
@@ -105,7 +176,7 @@ def _gravity(scene: MujocoScene, target: Target) -> np.ndarray:
     if share == 0.0:
         problem = "gravcomp of the ball is 1, so it has no gravity; take it away"
         raise InputError(scene.name, problem)
-    return scene.frame.axes @ pull / share
+    return np.asarray(scene.frame.axes @ pull / share)
 
 
 def _viscosity(scene: MujocoScene, target: Target) -> float:
@@ -115,13 +186,13 @@ def _viscosity(scene: MujocoScene, target: Target) -> float:
     return max(missing, 0.0) / (6.0 * math.pi * ball.radius)
 
 
-def _coefficients(scene: MujocoScene, target: Target, changed: Sequence[str]) -> np.ndarray:
+def _coefficients(scene: MujocoScene, target: Target, changed: Sequence[str]) -> Floats:
     """Return the (5,) attribute ``fluidcoef``.
 
     The third number slows spin, in proportion to spin and not to speed. It remains where a list
     describes it as before, and else is 0.
     """
-    ball, air = scene.ball, density(scene, target)
+    ball, air = scene.ball, _density(scene, target)
     known = scene.model.geom_fluid[ball.geom, 1:7]
     drag, second, brake, fourth, lift, added = known.tolist()
     volume = 4.0 / 3.0 * math.pi * ball.radius**3

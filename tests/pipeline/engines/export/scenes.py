@@ -1,9 +1,8 @@
-"""Scenes to be patched, and lists of effects for them."""
+"""Scenes to be amended, and lists of effects for them."""
 
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.engines.mujoco.says import says
-from rallygap.pipeline.engines.export.scene.patch import patched
-from rallygap.pipeline.engines.export.scene.source import SceneSource
+from rallygap.models.engines.mujoco.stated import stated_effects
+from rallygap.pipeline.engines.export.scene.amendment import SceneFile, amend
 
 SCENE = """<?xml version="1.0"?>
 <!-- A table. <option wind="9 9 9"/> and <geom name="ball"/> are not here -- and stay. -->
@@ -33,28 +32,38 @@ def plain(ball='mass=".0027" shellinertia="true" friction="0 0 0"', head="", res
     return PLAIN.format(ball=ball, head=head, rest=rest)
 
 
-def source_of(folder, text):
+def file_of(folder, text):
     """The scene as a file."""
     path = folder / "lab.xml"
     path.write_bytes(text.encode())
-    return SceneSource.read(str(path))
+    return SceneFile.read(str(path))
 
 
-def does(source):
+def does(file):
     """The list that a scene's attributes stand for."""
-    return Simulator.from_dict(says(source.scene()).effects)
+    return Simulator.from_dict(stated_effects(file.scene()))
 
 
-def amended(source, changes):
+def changed(file, changes):
     """The same list with changes, such as ``{"drag": {"cd": 0.5}}``."""
-    after = does(source)
+    after = does(file)
     for effect, values in changes.items():
         after = after.amended(effect, **values)
     return after
 
 
-def patch_of(folder, text, changes, comments=()):
-    """A scene patched with changes of what it says, and the list of both."""
-    source = source_of(folder, text)
-    after = amended(source, changes)
-    return patched(source, does(source), after, comments), after
+class Amended:
+    """A scene that states one list, amended so that it states another."""
+
+    def __init__(self, file, after, comments=()):
+        self.before, self.after = does(file), after
+        amendments = amend(file, self.before, after, comments)
+        self.sentences = [one.sentence for one in amendments]
+        self.changes = tuple(dict.fromkeys(one.attribute for one in amendments))
+        self.text, self.scene = file.text(self.sentences), file.written()
+
+
+def amended(folder, text, changes, comments=()):
+    """The scene of a text amended with changes of what it states."""
+    file = file_of(folder, text)
+    return Amended(file, changed(file, changes), comments)

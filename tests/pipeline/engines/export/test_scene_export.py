@@ -1,4 +1,4 @@
-"""Scenes are handed over with what the verification shows; all files are written, or none."""
+"""Amended scenes come with what the verification shows; all files are written, or none."""
 
 import pytest
 from typer.testing import CliRunner
@@ -6,16 +6,18 @@ from typer.testing import CliRunner
 from rallygap.models.engines.mujoco.scene import MujocoScene
 from rallygap.pipeline.cli import app
 from rallygap.pipeline.engines.export.code import ball_effects
-from rallygap.pipeline.engines.export.command import export_scene
-from rallygap.pipeline.engines.export.scene.coded_ball import CodedBall
-from rallygap.pipeline.engines.export.scene.handover import handed_over, without_scene
-from rallygap.pipeline.engines.export.scene.shots import VerificationShots
-from rallygap.pipeline.engines.export.scene.unsaid import unsaid
-from rallygap.pipeline.engines.export.scene.verification import agreement, scene_sentences
-from rallygap.pipeline.engines.export.scene_file import check_place, former_scene
-from rallygap.pipeline.engines.mujoco_file import load_scene
+from rallygap.pipeline.engines.export.code_engine import CodeEngine
+from rallygap.pipeline.engines.export.command import check_place, export_scene, former_scene
+from rallygap.pipeline.engines.export.scene.amended_scene import amended_scene
+from rallygap.pipeline.engines.export.scene.unsupported import unsupported
+from rallygap.pipeline.engines.export.scene.verification import (
+    VerificationShots,
+    agreement,
+    scene_sentences,
+)
+from rallygap.pipeline.engines.load import load_scene
 from rallygap.pipeline.runtime.errors import InputError
-from tests.pipeline.engines.export.scenes import SCENE, amended, does, patch_of, source_of
+from tests.pipeline.engines.export.scenes import SCENE, amended, changed, does, file_of, plain
 
 LIST = """gravity: {g: 9.81}
 # drag.cd: 0.3 before; estimated 0.47 from lab (95 % 0.46 to 0.48); verdict named
@@ -26,7 +28,7 @@ table_bounce: {restitution: 0.93, friction: 0.0}
 
 
 def test_the_command_writes_a_verified_scene_and_code(tmp_path):
-    source = source_of(tmp_path, SCENE)
+    source = file_of(tmp_path, SCENE)
     (tmp_path / "amended.yaml").write_text(LIST)
     out = tmp_path / "out"
     words = ["export", str(tmp_path / "amended.yaml"), "--to", "mujoco"]
@@ -34,7 +36,7 @@ def test_the_command_writes_a_verified_scene_and_code(tmp_path):
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 0, result.output
     assert sorted(one.name for one in out.iterdir()) == ["ball_effects.py", "scene.xml"]
-    scene, text = load_scene(out / "scene.xml"), (out / "scene.xml").read_text()
+    scene, text = load_scene(str(out / "scene.xml")), (out / "scene.xml").read_text()
     assert does_drag(scene) == pytest.approx(0.47)
     assert "estimated 0.47 from lab (95 % 0.46 to 0.48)" in text
     said = result.output.splitlines()
@@ -46,9 +48,9 @@ def test_the_command_writes_a_verified_scene_and_code(tmp_path):
 
 
 def does_drag(scene: MujocoScene):
-    from rallygap.models.engines.mujoco.says import says
+    from rallygap.models.engines.mujoco.stated import stated_effects
 
-    return says(scene).effects["drag"]["cd"]
+    return stated_effects(scene)["drag"]["cd"]
 
 
 @pytest.mark.parametrize(
@@ -81,9 +83,9 @@ def test_a_scene_of_the_user_is_never_replaced(tmp_path):
 
 def test_euler_does_not_meet_the_limit_and_the_step_that_does_is_given(tmp_path):
     text = SCENE.replace('integrator="RK4"', "").replace('"0.001"', '"0.004"')
-    found, after = patch_of(tmp_path, text, {"drag": {"cd": 0.47}})
-    shots = VerificationShots.of(after).some()
-    said = list(scene_sentences(found.scene, after, shots, "scene.xml"))
+    found = amended(tmp_path, text, {"drag": {"cd": 0.47}})
+    shots = VerificationShots.of(found.after).some()
+    said = list(scene_sentences(found.scene, found.after, shots, "scene.xml"))
     assert said[0].startswith("scene.xml, Euler at 4 ms: 40 shots differ") and " over " in said[0]
     assert said[-2].startswith("With RK4 at 4 ms, scene.xml flies within 0.0")
     assert "a contact lasts" in said[-1]
@@ -97,9 +99,10 @@ def test_what_no_attribute_says_is_said_with_its_cost(tmp_path):
         "linear_drag": {"k1": 0.05},
         "time_offset": {"tau": 0.01},
     }
-    found, after = patch_of(tmp_path, SCENE, changes)
-    shots = VerificationShots.of(after)
-    said = list(unsaid(found.scene, does(source_of(tmp_path, SCENE)), after, shots))
+    found = amended(tmp_path, SCENE, changes)
+    shots = VerificationShots.of(found.after)
+    before = does(file_of(tmp_path, SCENE))
+    said = list(unsupported(found.scene, before, found.after, shots))
     begins = ("spin_decay.c 0.02 1/m", "lift_saturation.kappa 1", "table_height.h 0.002 m (move")
     assert len(said) == 4
     for sentence in said[:3]:
@@ -113,64 +116,65 @@ def test_a_ball_whose_inertia_is_written_stays_solid_and_that_is_said(tmp_path):
     text = SCENE.replace('shellinertia="true"', "").replace(
         "<freejoint/>", f"<freejoint/>{inertia}"
     )
-    found, after = patch_of(tmp_path, text, {})
-    said = list(unsaid(found.scene, after, after, VerificationShots.of(after)))
+    found = amended(tmp_path, text, {})
+    shots = VerificationShots.of(found.after)
+    said = list(unsupported(found.scene, found.after, found.after, shots))
     assert said[0].startswith("The ball is no shell")
 
 
 def test_code_agrees_in_a_turned_scene_with_euler(tmp_path):
-    source = source_of(tmp_path, SCENE.replace('integrator="RK4"', "").replace(".001", ".002"))
-    after = amended(source, {"spin_decay": {"c": 0.02}, "table_bounce": {"friction": 0.3}})
-    ball = CodedBall("ball", ball_effects(after, "list", [], "mujoco"), source.scene())
+    source = file_of(tmp_path, SCENE.replace('integrator="RK4"', "").replace(".001", ".002"))
+    after = changed(source, {"spin_decay": {"c": 0.02}, "table_bounce": {"friction": 0.3}})
+    ball = CodeEngine("ball", ball_effects(after, "list", [], "mujoco"), source.scene())
     shots = VerificationShots.of(after)
     some = VerificationShots(shots.flights[::25], shots.bounces[::25])
     found = agreement(ball, after, some, 0.002, True)
     assert found.flight.largest < 0.01 and found.bounce.largest < 0.01
 
 
-def test_a_scene_that_cannot_be_patched_leaves_verified_code(tmp_path):
-    (tmp_path / "ball.xml").write_text(
-        '<mujoco><worldbody><body name="ball"><freejoint/><geom type="sphere" size=".02" '
-        'mass=".0027" shellinertia="true"/></body></worldbody></mujoco>'
-    )
-    source = source_of(tmp_path, '<mujoco><include file="ball.xml"/></mujoco>')
-    before = does(source)
-    after = before.amended("drag", cd=0.47)
+def amended_of(folder, text, changes):
+    file = file_of(folder, text)
+    after = changed(file, changes)
     code = ball_effects(after, "list", [], "mujoco")
-    with pytest.raises(InputError) as problem:
-        handed_over(str(source.path), before, after, code, [])
-    found = without_scene(str(source.path), after, code, problem.value)
-    assert found.scene is None
-    assert found.sentences[0].startswith("There is no amended scene.xml: ")
+    return amended_scene(str(file.path), does(file), after, code, [])
+
+
+def test_a_scene_that_cannot_be_amended_leaves_verified_code(tmp_path):
+    head = '<option density="1.2"><flag spring="disable" damper="disable"/></option>'
+    found = amended_of(tmp_path, plain(head=head), {"drag": {"cd": 0.47}})
+    assert found.text is None and "passive forces" in str(found.problem)
+    assert found.sentences[0] == f"There is no amended scene.xml: {found.problem}."
     assert found.sentences[1].startswith("ball_effects.py: 40 shots differ")
 
 
-def test_a_scene_with_paths_says_where_it_belongs(tmp_path):
+def test_what_the_written_scene_has_not_is_said(tmp_path):
     (tmp_path / "rest.xml").write_text('<mujoco><option density="1.2"/></mujoco>')
+    (tmp_path / "post.obj").write_text(
+        "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    )
     text = SCENE.replace("<worldbody>", '<include file="rest.xml"/><worldbody>')
-    source = source_of(tmp_path, text)
-    after = amended(source, {"gravity": {"g": 9.8}})
-    found = handed_over(
-        str(source.path), does(source), after, ball_effects(after, "list", [], "mujoco"), []
-    )
-    assert "scene.xml belongs into the folder of lab.xml: its paths are relative to it." in (
-        found.sentences
-    )
-    assert "All bodies" not in " ".join(found.sentences)
+    head = '<asset><mesh file="post.obj"/></asset>'
+    with_paths = text.replace("<worldbody>", f"{head}<worldbody>")
+    own = "scene.xml belongs into the folder of lab.xml: its paths are relative to it."
+    for content, relative in ((text, False), (with_paths, True)):
+        found = amended_of(tmp_path, content, {"gravity": {"g": 9.8}})
+        assert any(one.startswith("MuJoCo writes scene.xml") for one in found.sentences)
+        assert (own in found.sentences) == relative
+        assert "All bodies" not in " ".join(found.sentences)
 
 
 def test_without_a_table_flights_alone_are_compared(tmp_path):
-    found, after = patch_of(
+    found = amended(
         tmp_path,
         '<mujoco><option integrator="RK4"/><worldbody><body><freejoint/>'
         '<geom type="sphere" size=".02" mass=".0027"/></body></worldbody></mujoco>',
         {"drag": {"cd": 0.47}},
     )
-    shots = VerificationShots.of(after)
+    shots = VerificationShots.of(found.after)
     assert found.changes == ("density", "fluidshape", "fluidcoef")
     assert len(shots.bounces) == 0
-    (said,) = scene_sentences(found.scene, after, shots.some(), "scene.xml")
+    (said,) = scene_sentences(found.scene, found.after, shots.some(), "scene.xml")
     assert said.startswith("scene.xml, RK4 at 2 ms: 40 shots differ from the list by at most 0.0")
-    bouncing = after.amended("table_bounce", restitution=0.9, friction=0.2)
+    bouncing = found.after.amended("table_bounce", restitution=0.9, friction=0.2)
     *_, last = scene_sentences(found.scene, bouncing, shots.some(), "scene.xml")
     assert last == "scene.xml has no contact of ball and table, so bounces are not compared."

@@ -1,18 +1,18 @@
-"""Patched scenes fly and bounce as the list of effects."""
+"""Amended scenes fly and bounce as the list of effects."""
 
 import numpy as np
 import pytest
 
 from rallygap.models.engines.engine import EffectsEngine
-from rallygap.pipeline.engines.export.scene.patch import patched
-from rallygap.pipeline.engines.export.scene.shots import (
+from rallygap.pipeline.engines.export.scene.amendment import amend
+from rallygap.pipeline.engines.export.scene.verification import (
     AFTER,
     BEFORE,
     FLIGHT,
     VerificationShots,
     distances,
 )
-from tests.pipeline.engines.export.scenes import SCENE, does, patch_of, plain, source_of
+from tests.pipeline.engines.export.scenes import SCENE, amended, does, file_of, plain
 
 # Contacts that are short: a bounce of 3 m/s comes late by 2.8 mm per millisecond of contact.
 STIFF = SCENE.replace('solref="-1000000 -30"', 'solref="-16000000 -120"').replace(
@@ -41,28 +41,28 @@ def flight_error(scene, simulator):
 )
 @pytest.mark.parametrize("text", [SCENE, plain(head=SMOOTH)], ids=["turned", "plain"])
 def test_flights_are_those_of_the_list(tmp_path, text, changes):
-    found, after = patch_of(tmp_path, text, changes)
-    assert flight_error(found.scene, after) < 0.02
+    found = amended(tmp_path, text, changes)
+    assert flight_error(found.scene, found.after) < 0.02
 
 
 def test_linear_drag_is_exact_without_spin(tmp_path):
     changes = {"linear_drag": {"k1": 0.1}, "magnus": {"cm": 0.0}}
-    found, after = patch_of(tmp_path, SCENE, changes)
-    assert flight_error(found.scene, after) < 0.02
+    found = amended(tmp_path, SCENE, changes)
+    assert flight_error(found.scene, found.after) < 0.02
 
 
 def test_what_is_not_changed_keeps_what_the_time_step_makes_of_it(tmp_path):
     """A list that an audit finds may have errors of integration; they stay out of attributes."""
-    source = source_of(tmp_path, plain(head='<option timestep=".004" density="1.2"/>'))
-    before = does(source).amended("gravity", g=9.85)
-    found = patched(source, before, before.amended("drag", cd=0.47), [])
-    assert "gravity" not in found.changes
+    file = file_of(tmp_path, plain(head='<option timestep=".004" density="1.2"/>'))
+    before = does(file).amended("gravity", g=9.85)
+    amendments = amend(file, before, before.amended("drag", cd=0.47), [])
+    assert "gravity" not in [one.attribute for one in amendments]
 
 
 @pytest.mark.parametrize("restitution", [0.8, 0.93])
 def test_bounces_are_those_of_the_list(tmp_path, restitution):
-    found, after = patch_of(tmp_path, STIFFEST, {"table_bounce": {"restitution": restitution}})
-    shots, known = VerificationShots.of(after).some(), EffectsEngine("list", after)
+    found = amended(tmp_path, STIFFEST, {"table_bounce": {"restitution": restitution}})
+    shots, known = VerificationShots.of(found.after).some(), EffectsEngine("list", found.after)
     bounces = distances(found.scene, known, shots.bounces, BEFORE + AFTER)
     assert found.changes == ("solref",)
     assert len(shots.bounces) > 30
@@ -75,7 +75,7 @@ def test_the_restitution_is_solved_for_the_scene(tmp_path, step, tolerance, soli
     """The default contact becomes stiffer; at 2 ms, its impedance and the steps matter."""
     ball = f'mass=".0027" shellinertia="true" friction="0 0 0" {solimp}'
     text = plain(ball, f'<option timestep="{step}" integrator="RK4"/>')
-    found, _ = patch_of(tmp_path, text, {"table_bounce": {"restitution": 0.9}})
+    found = amended(tmp_path, text, {"table_bounce": {"restitution": 0.9}})
     speeds = np.linspace(1.5, 4.5, 60)
     launches = np.zeros((60, 9))
     launches[:, 1], launches[:, 2], launches[:, 5] = 0.7, 0.021, -speeds

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rallygap.pipeline.gap.figures.camera import HEIGHTS, camera_figure, position_errors
-from rallygap.pipeline.io.figure_style import apply_style
+from rallygap.pipeline.web.figure_style import apply_style
 from tests.pipeline.verdicts import CAMERA, CAMERA_NODES, WIND, verdict
 
 FOUND = verdict(causes=(WIND, CAMERA), camera=CAMERA_NODES)

@@ -10,7 +10,7 @@ from rallygap.pipeline.gap.figures.discrepancy import (
     discrepancy_figure,
     growth_figure,
 )
-from rallygap.pipeline.io.figure_style import MUTED
+from rallygap.pipeline.web.figure_style import MUTED
 from tests.pipeline.verdicts import LOCATED
 
 

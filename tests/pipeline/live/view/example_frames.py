@@ -6,8 +6,8 @@ from rallygap.models.ball.simulators import shipped
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.live.drift import Alarm
 from rallygap.models.live.forecaster import Forecaster
+from rallygap.pipeline.live.command import forecast_each
 from rallygap.pipeline.live.latency import Latencies
-from rallygap.pipeline.live.loop import forecast_each
 from rallygap.pipeline.live.messages import Measurement
 
 TRUTH = shipped("literature")

@@ -5,8 +5,8 @@ import webbrowser
 
 import pytest
 
-from rallygap.pipeline.live.view import browser
-from rallygap.pipeline.live.view.browser import open_browser
+from rallygap.pipeline.live.view import server as browser
+from rallygap.pipeline.live.view.server import open_browser
 
 ADDRESS = "http://127.0.0.1:7662/"
 

@@ -6,7 +6,7 @@ from selenium.webdriver.support.wait import WebDriverWait
 from rallygap.pipeline.live.latency import Latencies
 from rallygap.pipeline.live.view.server import served
 from tests.pipeline.live.view.example_frames import ALARM, frames, rows
-from tests.pipeline.web.test_page_in_browser import (
+from tests.pipeline.report.test_page_in_browser import (
     COLOURS_DRAWN,
     DESKTOP,
     PHONE,

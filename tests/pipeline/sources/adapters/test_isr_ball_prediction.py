@@ -16,23 +16,16 @@ def change(path, name, value):
             file[name] = value
 
 
-def test_balls_are_turned_towards_the_robot_and_heights_counted_from_the_table(tmp_path):
-    write_isr(tmp_path)
-
-    recordings = read(tmp_path, "isr_ball_prediction").recordings
-
-    shot = recordings[recordings["recording_id"] == "isr_ball_prediction/no_spin_000"]
-    assert np.allclose(shot[POSITION_COLUMNS], PATH, atol=1e-12)
-    assert np.array_equal(shot["t"], TIMES)
-
-
-def test_shots_keep_their_order(tmp_path):
+def test_shots_keep_their_order_and_are_turned_towards_the_robot_over_the_table(tmp_path):
     write_isr(tmp_path)
 
     recordings = read(tmp_path, "isr_ball_prediction").recordings
 
     names = recordings["recording_id"].unique()
     assert [name[-3:] for name in names] == ["000", "002", "010"]
+    shot = recordings[recordings["recording_id"] == "isr_ball_prediction/no_spin_000"]
+    assert np.allclose(shot[POSITION_COLUMNS], PATH, atol=1e-12)
+    assert np.array_equal(shot["t"], TIMES)
 
 
 def test_a_refused_sample_is_named_with_its_shot(tmp_path):

@@ -8,33 +8,18 @@ from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.sources.made_up import PATH, SPIN, TIMES, read, write_spindoe
 
 
-def test_positions_and_times_are_left_as_they_are(tmp_path):
+def test_positions_times_and_labels_are_left_as_they_are_and_labels_hold_for_every_sample(tmp_path):
     write_spindoe(tmp_path)
 
-    recordings = read(tmp_path, "spindoe").recordings
+    gathered = read(tmp_path, "spindoe")
 
+    recordings, record = gathered.recordings, gathered.manifest.sources["spindoe"]
     shot = recordings[recordings["recording_id"] == "spindoe/001"]
     assert np.array_equal(shot["t"], TIMES)
     assert np.array_equal(shot[POSITION_COLUMNS], PATH)
-
-
-def test_every_sample_carries_its_shots_label(tmp_path):
-    write_spindoe(tmp_path)
-
-    gathered = read(tmp_path, "spindoe")
-
-    labels = gathered.recordings.groupby("recording_id")[SPIN_COLUMNS].agg(["min", "max"])
-    assert labels.loc["spindoe/001"].tolist() == [value for value in SPIN for _ in range(2)]
-    assert gathered.manifest.sources["spindoe"].spin == "per_recording"
-
-
-def test_a_doubtful_label_is_data(tmp_path):
-    write_spindoe(tmp_path)
-
-    gathered = read(tmp_path, "spindoe")
-
-    assert gathered.recordings["wz"].max() == 2261.0
-    assert gathered.manifest.sources["spindoe"].labels_refused == {}
+    assert np.array_equal(shot[SPIN_COLUMNS], np.tile(SPIN, (4, 1)))
+    assert recordings["wz"].max() == 2261.0  # doubtful, and data
+    assert (record.spin, record.labels_refused) == ("per_recording", {})
 
 
 def test_a_shot_without_label_has_no_spin(tmp_path):

@@ -1,1 +1,0 @@
-"""Benchmarks: measured comparisons with other programs, and costs of our own."""

@@ -1,0 +1,100 @@
+"""What predictors cost: training time, and latency for one ball on one core.
+
+``python -m experiments.benchmarks.costs``, after ``make reproduce``.
+"""
+
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from experiments.benchmarks.comparison import ROOT, one_core, write_measured
+from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
+from rallygap.models.predictors.protocol import History, Predictor
+from rallygap.pipeline.evaluation.error_table import read_errors
+from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
+from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_predictors
+from rallygap.pipeline.params import load_params
+from rallygap.pipeline.runtime.progress import progress
+from rallygap.pipeline.runtime.scratch import kept_timings
+
+CALLS, WARM_UP = 500, 50
+ERROR_COLUMNS = [f"position_error_mm_{horizon}ms" for horizon in SHOWN_HORIZONS_MS]
+
+
+def measure_costs(root: Path) -> pd.DataFrame:
+    """Measure every predictor on the first set of the stage evaluate_predictor.
+
+    Args:
+        root: of the repository, with the artefacts and reports of a finished run.
+
+    Returns:
+        One row a predictor: its parameters, position errors (mm) as reported, seconds of training,
+        median and 99th percentile (ms) of the time of one forecast.
+
+    Raises:
+        InputError: an artefact or a report is missing or invalid.
+    """
+    settings = load_params(root / "params.yaml").evaluate_predictor
+    first = read_test_sets(root / "artifacts", settings.window_every_ms / 1000)[0]
+    predictors = [
+        one for one in read_predictors(root / "artifacts", settings) if one.forecasts(first.name)
+    ]
+    errors = read_errors(root).query(
+        "against == 'measured' and quantity == 'position' and bounce == 'all'"
+    )
+    of_set = errors[errors["set"] == first.name]
+    position_errors = of_set.pivot_table("mean", "predictor", "horizon_ms")
+    timings = kept_timings(root, "train_predictor")
+    training = {
+        name: one["training_s"]
+        for name, one in timings.items()
+        if isinstance(one, dict) and "training_s" in one
+    }
+    history = first.windows.history
+    evenly = np.linspace(0, len(history) - 1, CALLS).astype(int)
+    histories = [history[row : row + 1] for row in evenly]
+    with one_core():
+        latencies = {
+            one.name: latency(one.predictor, histories)
+            for one in progress(predictors, "latency", len(predictors))
+        }
+    rows = [_row(one, position_errors, training, latencies[one.name]) for one in predictors]
+    return pd.DataFrame(rows).astype({"parameters": "Int64", "training_s": "Float64"})
+
+
+def latency(predictor: Predictor, histories: list[History]) -> np.ndarray:
+    """Return the duration (ms) of each forecast, after a warm-up.
+
+    Args:
+        predictor: forecasts.
+        histories: one ball each.
+    """
+    for history in histories[:WARM_UP]:
+        predictor.predict(history)
+    times = []
+    for history in histories:
+        start = time.perf_counter()
+        predictor.predict(history)
+        times.append(1000 * (time.perf_counter() - start))
+    return np.array(times)
+
+
+def _row(
+    one: NamedPredictor, errors: pd.DataFrame, training: dict[str, float], times: np.ndarray
+) -> dict[str, Any]:
+    known = errors.reindex(index=[one.name], columns=list(SHOWN_HORIZONS_MS)).to_numpy()[0]
+    return {
+        "predictor": one.name,
+        "parameters": one.parameters,
+        **dict(zip(ERROR_COLUMNS, known, strict=True)),
+        "training_s": training.get(one.name),
+        "latency_ms_median": float(np.median(times)),
+        "latency_ms_p99": float(np.quantile(times, 0.99)),
+    }
+
+
+if __name__ == "__main__":
+    write_measured("costs", measure_costs(ROOT))

@@ -1,1 +1,0 @@
-"""Figures of evaluation: drawing alone, from tables that others have computed."""

@@ -1,1 +1,0 @@
-"""Figures of policies: drawing alone, from tables that others have computed."""

@@ -1,1 +1,0 @@
-"""Figures of predictors: drawing alone, from tables that others have computed."""

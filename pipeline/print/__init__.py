@@ -1,1 +1,0 @@
-"""The results page as a printed document."""

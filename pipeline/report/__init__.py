@@ -1,0 +1,1 @@
+"""What people read of the stages: tables and figures with their captions, on one page."""

@@ -1,0 +1,116 @@
+"""The report of `segment`: recordings over time with their contacts, and the splits."""
+
+from collections.abc import Iterator, Sequence
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from rallygap.models.segmentation.split import recording_groups
+from rallygap.pipeline.io.schemas import EPISODES, read_checked
+from rallygap.pipeline.runtime.stage_run import StageRun
+from rallygap.pipeline.web.figure_style import CONTACT_COLOURS, FIGURE_WIDTH, INK
+from rallygap.pipeline.web.report_items import ReportFigure, ReportItem, ReportTable
+
+COLUMNS = 4
+CELL_HEIGHT = 2.3  # inch, of one recording: height above, length below
+HEADROOM = 0.5  # inch, for the legend
+OUTLIER_COLOUR = "#c94f6d"
+PALE = "#c2c9ce"
+SHOWN_SECONDS = 4.0  # of each recording
+DRAWN = {"pz": "z (m)", "py": "y (m)"}
+
+
+def items(run: StageRun) -> Iterator[ReportItem]:
+    """Yield the recordings of every source that were drawn at random, and the splits."""
+    names = ("drawn_recordings", "drawn_samples", "drawn_contacts")
+    recordings, samples, contacts = (run.kept("segment", name) for name in names)
+    chosen = recordings["recording_id"].drop_duplicates().sort_values()
+    for source, members in chosen.groupby(chosen.str.partition("/")[0], sort=True):
+        yield cuts_figure(str(source), recordings, samples, contacts, list(members))
+    yield splits_table(read_checked(run.input("segment", "episodes.parquet"), EPISODES))
+
+
+def cuts_figure(
+    source: str,
+    recordings: pd.DataFrame,
+    samples: pd.DataFrame,
+    contacts: pd.DataFrame,
+    chosen: Sequence[str],
+) -> ReportFigure:
+    """Draw the first seconds of the chosen recordings: samples and contacts.
+
+    Args:
+        source: of the recordings.
+        recordings: measured samples.
+        samples: samples in an episode; the others are drawn in grey.
+        contacts: detected contacts.
+        chosen: ids of the recordings to draw, in the order of drawing; at least one.
+    """
+    rows = -(-len(chosen) // COLUMNS)
+    figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + CELL_HEIGHT * rows))
+    grid = figure.subplots(2 * rows, COLUMNS, squeeze=False)
+    for axes in grid.flat:
+        axes.set_axis_off()
+    for number, recording_id in enumerate(chosen):
+        row, column = divmod(number, COLUMNS)
+        cell = list(grid[2 * row : 2 * row + 2, column])
+        recording = recordings[recordings["recording_id"] == recording_id]
+        end = recording["t"].iloc[0] + SHOWN_SECONDS
+        tables = [
+            table[(table["recording_id"] == recording_id) & (table["t"] < end)]
+            for table in (recording, samples, contacts)
+        ]
+        _draw_recording(cell, *tables)
+        cell[0].set_title(recording_id.split("/", 1)[1], fontsize="small")
+    for axes in grid[:, 0]:
+        axes.yaxis.label.set_visible(True)
+    figure.supxlabel("time since the first sample (s)", fontsize="medium")
+    figure.legend(handles=_legend(), loc="outside upper center", ncols=6, handletextpad=0.4)
+    return ReportFigure(
+        figure,
+        f"cuts_{source}",
+        title=f"Contacts in recordings of {source}",
+        caption=f"{len(chosen)} recordings drawn at random: height above the table (z) and "
+        f"position along it (y) in the first {SHOWN_SECONDS:g} s. Vertical lines are "
+        "detected contacts.",
+    )
+
+
+def _draw_recording(
+    cell: list[Axes], recording: pd.DataFrame, samples: pd.DataFrame, contacts: pd.DataFrame
+) -> None:
+    first = recording["t"].iloc[0]
+    outliers = samples[samples["outlier"]]
+    for axes, (column, label) in zip(cell, DRAWN.items(), strict=True):
+        axes.set_axis_on()
+        for kind, time in zip(contacts["kind"], contacts["t"], strict=True):
+            axes.axvline(time - first, color=CONTACT_COLOURS[kind], lw=1.2)
+        axes.plot(recording["t"] - first, recording[column], ".", color=PALE, ms=2.5, mew=0)
+        axes.plot(samples["t"] - first, samples[column], ".", color=INK, ms=2.5, mew=0)
+        axes.plot(outliers["t"] - first, outliers[column], "x", ms=4, color=OUTLIER_COLOUR)
+        axes.set_ylabel(label, visible=False)
+        axes.locator_params(nbins=3)
+    cell[0].tick_params(labelbottom=False)
+
+
+def _legend() -> list[Line2D]:
+    lines = [Line2D([], [], color=colour, label=kind) for kind, colour in CONTACT_COLOURS.items()]
+    cross = Line2D([], [], color=OUTLIER_COLOUR, marker="x", ls="", label="outlier")
+    pale = Line2D([], [], color=PALE, marker=".", ls="", label="in no episode")
+    return [*lines, cross, pale]
+
+
+def splits_table(episodes: pd.DataFrame) -> ReportTable:
+    """Return the number of episodes and recordings of each source, group, split and replay set."""
+    keys = [episodes["source"], recording_groups(episodes["recording_id"]).rename("group")]
+    keys += [episodes["split"], episodes["replay_set"]]
+    counts = episodes.groupby(keys)["recording_id"].agg(episodes="size", recordings="nunique")
+    return ReportTable(
+        counts.reset_index(),
+        "splits",
+        title="Splits",
+        caption="Number of episodes and recordings in each split. A recording belongs to one "
+        "split as a whole. Not every episode of a replay recording is in a replay set.",
+    )

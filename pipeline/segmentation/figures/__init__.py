@@ -1,1 +1,0 @@
-"""Figures of segmentation, drawn from tables."""

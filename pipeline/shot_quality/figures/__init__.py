@@ -1,1 +1,0 @@
-"""Figures of shot quality: drawing alone, from tables that others have computed."""

@@ -1,1 +1,0 @@
-"""Figures of sources: drawing alone, from tables that others have computed."""

@@ -1,1 +1,0 @@
-"""Figures of transfer: drawing alone, from tables that others have computed."""

@@ -1,0 +1,184 @@
+"""Which attributes of a scene change, what stays, and what cannot be amended."""
+
+import re
+
+import numpy as np
+import pytest
+
+from rallygap.models.engines.mujoco.contact import table_contact
+from rallygap.pipeline.engines.export.scene.amendment import SceneFile
+from rallygap.pipeline.engines.load import load_scene
+from rallygap.pipeline.runtime.errors import InputError
+from tests.pipeline.engines.export.scenes import SCENE, amended, file_of, plain
+
+DRAG = {"drag": {"cd": 0.47}}
+WIND = {"wind": {"x": 0.5}}
+BALL_FILE = """<mujoco><worldbody><body name="ball"><freejoint/><geom type="sphere"
+size=".02" mass=".0027"/></body></worldbody></mujoco>"""
+
+
+def contact_of(scene):
+    return table_contact(scene.model, scene.ball, scene.frame)
+
+
+@pytest.mark.parametrize(
+    ("changes", "before", "after"),
+    [
+        (DRAG, "'.15 0 0 0 .55'", "'0.235 0 0 0 0.55'"),
+        ({"magnus": {"cm": 0.12}}, "'.15 0 0 0 .55'", "'0.15 0 0 0 0.62'"),
+        ({"gravity": {"g": 9.8}}, '"0 0 -9.81"', '"0 0 -9.8"'),
+        (WIND, 'gravity="0 0 -9.81"', 'wind="0 -.5 0"'),  # the table's length is along x
+    ],
+)
+def test_all_but_the_value_stays(tmp_path, changes, before, after):
+    found = amended(tmp_path, SCENE, changes)
+    expected = file_of(tmp_path, SCENE.replace(before, after))
+    assert len(found.changes) == 1
+    assert found.scene.content == expected.scene().content
+
+
+def test_nothing_changes_where_the_list_is_what_the_scene_does(tmp_path):
+    found = amended(tmp_path, SCENE, {})
+    assert found.changes == ()
+    assert found.scene.content == load_scene(str(tmp_path / "lab.xml")).content
+
+
+def test_the_written_scene_has_what_its_file_has(tmp_path):
+    (tmp_path / "base.xml").write_text('<mujoco><option wind="1 0 0" density="1"/></mujoco>')
+    (tmp_path / "shapes").mkdir()
+    (tmp_path / "shapes" / "post.obj").write_text(
+        "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    )
+    head = (
+        '<compiler meshdir="shapes" angle="degree"/><include file="base.xml"/>'
+        '<default><default class="soft"><geom solref=".03 1"/></default></default>'
+        '<asset><mesh name="post" file="post.obj"/></asset>'
+    )
+    more = '<geom class="soft" type="mesh" mesh="post" pos="3 0 0" euler="0 0 30"/>'
+    rest = f'<worldbody>{more}<replicate count="2" offset="1 0 0"><geom size=".1"/></replicate>'
+    text = plain(head=head, rest=f"{rest}</worldbody>")
+    found = amended(tmp_path, text, {})
+    assert found.scene.content == load_scene(str(tmp_path / "lab.xml")).content
+    assert 'euler="0 0 30"' in found.text and '<default class="soft">' in found.text
+    assert "<freejoint/>" in found.text
+
+
+def test_the_head_has_old_and_new_values_their_origin_and_the_file_s_comment(tmp_path):
+    origin = "drag.cd: 0.3 before; estimated 0.47 from lab (95 % 0.46 to 0.48)"
+    text = SCENE.replace("<option time", "<!-- our lab --><option time")
+    found = amended(tmp_path, text, DRAG, [origin, "wind.x: other"])
+    (said,) = found.sentences
+    assert said.endswith(f'was "0.15 0 0 0 0.55", is "0.235 0 0 0 0.55". {origin}')
+    (comment,) = re.findall("<!--(.*?)-->", found.text, re.DOTALL)
+    assert f"rallygap: {said}" in comment and "our lab" in comment
+
+
+@pytest.mark.parametrize(
+    "hostile", ['--> <option wind="9 0 0"/> <!--', "-----", "&lt; \x1b[2J \udcff", "--\n-->"]
+)
+def test_text_of_a_list_stays_in_the_comment(tmp_path, hostile):
+    found = amended(tmp_path, SCENE, DRAG, [f"drag.cd: {hostile}"])
+    (tmp_path / "out.xml").write_text(found.text, encoding="utf-8")
+    assert found.text.count("-->") == 1
+    assert load_scene(str(tmp_path / "out.xml")).content == found.scene.content
+
+
+def test_an_option_is_added_where_there_is_none(tmp_path):
+    found = amended(tmp_path, plain(), WIND | DRAG)
+    assert '<option wind="0.5 0 0" density="1.2"/>' in found.text
+    assert found.changes == ("wind", "density", "fluidshape", "fluidcoef")
+
+
+@pytest.mark.parametrize("place", ["head", "rest"])
+def test_options_of_included_files_are_amended(tmp_path, place):
+    (tmp_path / "base.xml").write_text('<mujoco><option wind="1 0 0" density="1"/></mujoco>')
+    found = amended(tmp_path, plain(**{place: '<include file="base.xml"/>'}), WIND | DRAG)
+    assert found.scene.model.opt.wind[0] == 0.5 and found.scene.model.opt.density == 1.0
+
+
+def test_a_ball_of_an_included_file_is_amended(tmp_path):
+    (tmp_path / "ball.xml").write_text(BALL_FILE)
+    text = '<mujoco><option density="1.2"/><include file="ball.xml"/></mujoco>'
+    found = amended(tmp_path, text, DRAG)
+    assert found.changes == ("fluidshape", "fluidcoef")
+
+
+def test_attributes_of_a_default_class_are_overridden_at_the_geom(tmp_path):
+    shared = 'mass=".0027" shellinertia="true" fluidshape="ellipsoid" fluidcoef=".5 1 0 1 .6"'
+    head = f'<option density="1.2"/><default><geom {shared}/></default>'
+    found = amended(tmp_path, plain("", head), DRAG)
+    assert found.changes == ("fluidcoef",)
+    model, ball = found.scene.model, found.scene.ball.geom
+    np.testing.assert_allclose(model.geom_fluid[ball, 1:6], [0.235, 1.0, 0.0, 1.0, 0.6])
+    assert model.geom_fluid[1 - ball, 1] == 0.5
+
+
+def test_bodies_and_geoms_without_names_are_found_by_their_place(tmp_path):
+    text = SCENE.replace(' name="ball"', "").replace(" name='ball'", "")
+    found = amended(tmp_path, text, DRAG)
+    assert found.scene.model.geom_fluid[found.scene.ball.geom, 1] == 0.235
+
+
+@pytest.mark.parametrize(
+    ("flag", "changes", "problem"),
+    [
+        ('gravity="disable"', {"gravity": {"g": 9.0}}, "switches gravity off"),
+        ('spring="disable" damper="disable"', DRAG, "switches all passive forces"),
+    ],
+)
+def test_what_a_flag_switches_off_is_refused(tmp_path, flag, changes, problem):
+    with pytest.raises(InputError, match=problem):
+        amended(tmp_path, plain(head=f"<option><flag {flag}/></option>"), changes)
+
+
+def test_a_solid_ball_becomes_a_shell_of_the_same_mass(tmp_path):
+    found = amended(tmp_path, plain('density="80.57" friction="0 0 0"'), {})
+    assert found.changes == ("shellinertia", "mass")
+    assert found.scene.ball.mass == pytest.approx(0.0027, rel=1e-4)
+    inertia = found.scene.model.body_inertia[found.scene.ball.body]
+    assert inertia == pytest.approx(2 / 3 * 0.0027 * 0.02**2, rel=1e-4)
+
+
+def test_a_contact_pair_is_amended_where_there_is_one(tmp_path):
+    rest = """<contact>
+    <pair geom1='table' geom2="ball" solref="-1000000 -17" friction="0 0 0 0 0"/></contact>"""
+    text = SCENE.replace("</worldbody>", f"</worldbody>{rest}")
+    found = amended(tmp_path, text, {"table_bounce": {"restitution": 0.9, "friction": 0.1}})
+    assert set(found.changes) == {"solref", "friction"}
+    contact = contact_of(found.scene)
+    assert contact.friction == (0.1, 0.1)
+    assert contact.restitution == pytest.approx(0.9, abs=0.02)
+    assert found.scene.model.pair_friction[0].tolist() == [0.1, 0.1, 0.0, 0.0, 0.0]
+
+
+def test_a_contact_loses_its_friction(tmp_path):
+    """MuJoCo keeps a friction of 1e-5, with which the change holds."""
+    text = SCENE.replace('friction="0 0 0"', 'friction=".2 .005 .0001"')
+    found = amended(tmp_path, text, {"table_bounce": {"friction": 0.0}})
+    assert found.changes == ("friction",)
+    assert contact_of(found.scene).friction[0] < 1e-4
+
+
+def test_the_table_is_amended_where_the_ball_alone_does_not_decide(tmp_path):
+    text = SCENE.replace('pos="1 2 .7475"', 'pos="1 2 .7475" solref="-1000000 -500"')
+    found = amended(tmp_path, text, {"table_bounce": {"restitution": 0.9}})
+    assert found.changes == ("solref",) and len(found.sentences) == 2
+    assert contact_of(found.scene).stiffness == 1e6
+
+
+def test_an_overridden_contact_is_refused(tmp_path):
+    head = '<option o_solref="-1000000 -60"><flag override="enable"/></option>'
+    with pytest.raises(InputError, match="neither the pair nor the geoms of ball and table"):
+        amended(tmp_path, plain(head=head), {"table_bounce": {"restitution": 0.95}})
+
+
+def test_a_name_that_is_not_in_utf_8_is_refused(tmp_path):
+    path = tmp_path / "lab.xml"
+    path.write_bytes(plain(head="<!-- Tisch für -->").encode("latin-1"))
+    with pytest.raises(InputError, match=r"lab\.xml: MuJoCo cannot read it: 'utf-8' codec"):
+        SceneFile.read(str(path))
+
+
+def test_air_that_comes_brings_no_wind_of_an_attribute_without_effect(tmp_path):
+    found = amended(tmp_path, plain(head='<option wind="3 0 0"/>'), DRAG)
+    assert not found.scene.model.opt.wind.any()

@@ -1,0 +1,167 @@
+"""Made-up forecasts, shots and report folders, as the stages would leave them."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from rallygap.pipeline.evaluation.example_shots import Forecast, Shot, read_shots, write_shots
+from rallygap.pipeline.paper.run_reports import Reports
+from rallygap.pipeline.report.forecast_error import forecast_error_figure
+from rallygap.pipeline.report.page import render_page
+from rallygap.pipeline.transfer.example_returns import (
+    Return,
+    TimedForecast,
+    read_returns,
+    write_returns,
+)
+from rallygap.pipeline.web.report_items import (
+    ReportAnimation,
+    ReportFigure,
+    ReportItem,
+    ReportTable,
+    Written,
+)
+
+Items = dict[str, list[Written]]  # by stage
+HORIZONS = range(100, 301, 5)
+WINDOWS = {"all": (1.0, 412), "with": (1.5, 168), "without": (0.6, 244)}
+OFFSETS = {"physics_c": (0.03, 0.04, 0.0), "physics_literature": (0.0, 0.0, 0.08)}  # m
+
+
+def forecast_errors(
+    quantities=("position", "velocity", "spin"), windows=("all", "with", "without")
+) -> pd.DataFrame:
+    """Errors that grow with the horizon, one row a predictor, quantity, window and horizon."""
+    rows = []
+    for factor, predictor in enumerate(OFFSETS, start=1):
+        for quantity in quantities:
+            for window in windows:
+                size, count = WINDOWS[window]
+                for horizon in HORIZONS:
+                    mean = factor * size * (horizon / 100) ** 2
+                    key = ("spindoe", predictor, quantity, horizon, window)
+                    rows.append((*key, mean, 0.6 * mean, count, 0.9 * mean, 1.1 * mean))
+    columns = "set predictor quantity horizon_ms bounce mean std n ci_low ci_high"
+    return pd.DataFrame(rows, columns=columns.split())
+
+
+def learning_curves() -> pd.DataFrame:
+    """Errors in mm of three predictors by the number of recordings."""
+    errors = {"amended_imperfect_c": 30.0, "transformer": 90.0, "oracle": 28.0}
+    rows = [
+        (name, recordings, 300, mean + 300 / recordings)
+        for name, mean in errors.items()
+        for recordings in (10, 300, 2000)
+    ]
+    return pd.DataFrame(rows, columns=["predictor", "recordings", "horizon_ms", "mean"])
+
+
+def bouncing_ball(times: np.ndarray) -> np.ndarray:
+    """Positions (T, 3) of a ball in vacuum that meets the table elastically at 0.02 m."""
+    fall = 0.30 + 1.0 * times - 9.81 / 2 * times**2
+    landing = (1.0 + np.sqrt(1 + 2 * 9.81 * 0.28)) / 9.81
+    after = times - landing
+    rise = 0.02 + (9.81 * landing - 1.0) * after - 9.81 / 2 * after**2
+    height = np.where(times < landing, fall, rise)
+    return np.column_stack([0.3 - 0.5 * times, 1.5 - 4.5 * times, height])
+
+
+def made_up_shots(names=("spindoe/000/00", "spindoe/001/00")) -> list[Shot]:
+    """Shots whose forecasts are off by a fixed distance: 50 mm and 80 mm."""
+    times = np.arange(0.0, 0.6, 0.005)
+    after = times[12:72]
+    forecasts = {
+        name: Forecast(t=after.tolist(), position=(bouncing_ball(after) + offset).tolist())
+        for name, offset in OFFSETS.items()
+    }
+    measured = {"t": times.tolist(), "measured": bouncing_ball(times).tolist()}
+    return [
+        Shot(episode_id=name, source="spindoe", anchor=times[11], forecasts=forecasts, **measured)
+        for name in names
+    ]
+
+
+def made_up_return(**changes) -> Return:
+    """A ball that the arm meets after 0.5 s and sends back; forecasts are 50 and 80 mm off."""
+    times = np.arange(0.0, 0.9001, 0.005)
+    coming = bouncing_ball(np.minimum(times, 0.5))
+    coming[:, 1] += 4.0 * np.maximum(times - 0.5, 0.0)
+    ball = Forecast(t=times.round(6).tolist(), position=coming.tolist())
+    before = times[times <= 0.5]
+    plain = {
+        "name": "stroke_pro 3",
+        "predictor": "physics",
+        "outcome": "returned",
+        "horizon": 0.12,
+        "hit": 0.5,
+        "measured": Forecast(t=before.tolist(), position=bouncing_ball(before).tolist()),
+        "ball": ball,
+        "frame": 0.02,
+        "joints": [(0.1 * s, 0.0, 0.2 * s, 0.0, 0.0, 0.1 * s) for s in np.linspace(0, 1, 46)],
+        "forecasts": {name: _timed(offset) for name, offset in OFFSETS.items()},
+    }
+    return Return(**{**plain, **changes})
+
+
+def _timed(offset: tuple[float, float, float]) -> list[TimedForecast]:
+    """Forecasts at 55, 95, ... ms."""
+    timed = []
+    for at in np.arange(0.055, 0.5, 0.04).round(6):
+        ahead = (at + np.arange(0.02, 0.301, 0.02)).round(6)
+        places = (bouncing_ball(ahead) + offset).tolist()
+        timed.append(TimedForecast(at=at, track=Forecast(t=ahead.tolist(), position=places)))
+    return timed
+
+
+def moving_dot() -> list[np.ndarray]:
+    """Pictures (40, 60, 3) of a white square that crosses them."""
+    frames = np.zeros((5, 40, 60, 3), dtype=np.uint8)
+    for step, frame in enumerate(frames):
+        frame[15:25, 10 * step : 10 * step + 10] = 255
+    return list(frames)
+
+
+def make_reports(root: Path, title: str = "Contacts", shot: str = "spindoe/000/00") -> Items:
+    """Fill ``root`` with the reports and artefacts that the page is made of; return the items."""
+    reports = root / "reports"
+    figure = forecast_error_figure(forecast_errors(["position"], ["all"]))
+    (reports / "learning_curves").mkdir(parents=True)
+    figure.savefig(reports / "learning_curves" / "errors.png")
+    learning_curves().to_csv(reports / "learning_curves" / "errors.csv", index=False)
+    contacts = pd.DataFrame({"recording": [title, "tt3d/003"], "speed_change": [12.3456, 0.5]})
+    caption = "Mean error and its interval from 100 to 300 ms, with and without a bounce."
+    items: dict[str, list[ReportItem]] = {
+        "ingest": [ReportTable(_sources(), "sources", "Sources", "Rows read and refused.")],
+        "segment": [ReportTable(contacts, "contacts", title, f"Contacts of {title}.")],
+        "evaluate_predictor": [
+            ReportFigure(figure, "spindoe", "Forecast error on spindoe", caption),
+            ReportAnimation(moving_dot(), "ball", "Ball", "A square crosses the picture."),
+        ],
+        "sim2real": [],
+    }
+    for stage, members in items.items():
+        for item in members:
+            item.write(reports / stage / item.file)
+    write_shots(
+        root / "artifacts" / "evaluate_predictor" / "shots.json",
+        made_up_shots((shot, "spindoe/001/00")),
+    )
+    returns = [made_up_return(), made_up_return(outcome="missed", hit=None)]
+    write_returns(root / "artifacts" / "sim2real" / "returns.json", returns)
+    return {
+        stage: [Written(item.kind, item.file, item.title, item.caption) for item in members]
+        for stage, members in items.items()
+    }
+
+
+def made_up_page(root: Path, items: Items) -> str:
+    """The page of a folder that ``make_reports`` filled with these items."""
+    shots = read_shots(root / "artifacts" / "evaluate_predictor" / "shots.json")
+    returns = read_returns(root / "artifacts" / "sim2real" / "returns.json")
+    return render_page(Reports(root / "reports", {}), items, shots, returns)
+
+
+def _sources() -> pd.DataFrame:
+    wide = {f"a_rather_long_column_{number}": np.arange(40) * number for number in range(12)}
+    return pd.DataFrame({"source": ["spindoe"] * 40, **wide})

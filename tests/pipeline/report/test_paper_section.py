@@ -1,0 +1,55 @@
+"""The page's section on the paper."""
+
+from pathlib import Path
+
+import pytest
+
+from rallygap.pipeline.paper.assessments import NOT_DIFFERENT, Interval
+from rallygap.pipeline.paper.comparison import Finding, Group, exhibits, groups
+from rallygap.pipeline.paper.run_reports import Reports, laptop_reports
+from rallygap.pipeline.paper.values import Value
+from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.report.paper import mark, paper_section
+
+ROOT = Path(__file__).parents[3]
+VALUE = Value("group", "id", "what", rule="more", value=50.0, ours="file")
+
+
+def group(axis):
+    return Group("id", "title", "about", axis)
+
+
+def test_values_are_drawn_inside_their_axis():
+    found = Finding(NOT_DIFFERENT, 0.0, Interval(0.0, -40.0, 150.0))
+    drawn = mark(group((-100.0, 100.0)), VALUE, found)
+    assert (drawn.zero, drawn.paper, drawn.ours) == (50.0, 75.0, 50.0)
+    assert (drawn.low, drawn.high) == (30.0, 100.0)
+
+
+@pytest.mark.parametrize(
+    ("ours", "place"),
+    [(50.0, 50.0), (5.0, 25.0), (5e-9, 0.0), (5e5, 100.0), ("half a cosine", None)],
+)
+def test_sizes_are_drawn_by_their_ratio(ours, place):
+    assert mark(group(None), VALUE, Finding(NOT_DIFFERENT, ours)).ours == place
+
+
+def test_every_value_is_shown_with_the_stage_that_it_is_from(tmp_path):
+    shown = paper_section(Reports(tmp_path, {}), {"sim2real"})
+    assert [len(one["rows"]) for one in shown["groups"]] == [len(one.values) for one in groups()]
+    stages = {stage for group in shown["groups"] for stage in group["stages"]}
+    assert {"sim2real", "sim2sim"} <= stages
+    assert not any(anchor for one in shown["exhibits"] for _, anchor in one["ours"])
+
+
+def test_the_files_of_every_figure_and_table_with_an_assessment_are_linked():
+    stages = read_yaml(ROOT / "dvc.yaml")["stages"]
+    outs = stages["report"]["outs"] + stages["report"]["plots"]
+    names = [out if isinstance(out, str) else next(iter(out)) for out in outs]
+    files = {name.removeprefix("reports/") for name in names}
+    folders = tuple(f"{name}/" for name in files if name.endswith("/figures"))
+    shown = paper_section(laptop_reports(ROOT), {*stages})["exhibits"]
+    for section, exhibit in zip(shown, exhibits(), strict=True):
+        assert section["name"] == exhibit.name
+        for file in exhibit.ours.split(", ") if exhibit.claims else []:
+            assert file in files or file.startswith(folders) or file in stages

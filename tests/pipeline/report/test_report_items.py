@@ -1,0 +1,38 @@
+"""Tables, figures and animations in their files."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from PIL import Image, ImageSequence
+
+from rallygap.pipeline.web.report_items import ReportAnimation, ReportFigure, ReportTable
+
+FRAMES = np.random.default_rng(0).integers(256, size=(4, 30, 40, 3), dtype=np.uint8)
+
+
+def test_an_animation_has_every_pixel_and_rests_on_its_last_frame(tmp_path):
+    item = ReportAnimation(FRAMES, "noise", title="Noise", caption="In motion.")
+    item.write(tmp_path / item.file)
+    with Image.open(tmp_path / "figures" / "noise.png") as animation:
+        frames = ImageSequence.Iterator(animation)
+        seen = [(np.asarray(frame), frame.info["duration"]) for frame in frames]
+        assert animation.info["loop"] == 0  # without end
+    np.testing.assert_array_equal([pixels for pixels, _ in seen], FRAMES)
+    assert [duration for _, duration in seen] == [40, 40, 40, 1000]
+
+
+def test_a_table_has_six_significant_digits(tmp_path):
+    item = ReportTable(pd.DataFrame({"value": [1 / 3, 2.0]}), "values", title="", caption="")
+    item.write(tmp_path / item.file)
+    assert (tmp_path / "values.csv").read_text() == "value\n0.333333\n2\n"
+
+
+def test_the_same_figure_gives_the_same_bytes(tmp_path):
+    contents = []
+    for _ in range(2):
+        figure = Figure()
+        figure.subplots().plot([1, 2])
+        item = ReportFigure(figure, "line", title="", caption="")
+        item.write(tmp_path / item.file)
+        contents.append((tmp_path / item.file).read_bytes())
+    assert contents[0] == contents[1]

@@ -1,0 +1,130 @@
+"""The report page as text: complete, escaped, accessible and the same every time."""
+
+import re
+from html.parser import HTMLParser
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from rallygap.pipeline.paper.comparison import groups
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.web.figure_style import CONTACT_COLOURS, predictor_colour
+from tests.pipeline.report.example_reports import OFFSETS, made_up_page, make_reports
+
+ROOT = Path(__file__).parents[3]
+PAGE = ROOT / "reports" / "index.html"  # of the last run, if there was one
+LIGHT, WHOLE = 1.5e6, 16e6  # bytes for a phone: all 3-D views, and the page with its pictures
+STYLES = ROOT / "pipeline" / "web" / "templates" / "page.css"
+HOSTILE = "</script><img src=x onerror=alert(1)>\"'&"
+
+
+class Tags(HTMLParser):
+    """The tags of a page in order, each with the names and values of its attributes."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.found = []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attributes):
+        self.found.append((tag, dict(attributes)))
+
+    def named(self, name):
+        return [attributes for tag, attributes in self.found if tag == name]
+
+
+def palettes():
+    """The page's colours by name, light and dark."""
+    light, dark = STYLES.read_text().split("@media screen", maxsplit=1)
+    pattern = r"--([a-z]+): (#[0-9a-f]{6})"
+    light = dict(re.findall(pattern, light))
+    return [light, {**light, **dict(re.findall(pattern, dark))}]
+
+
+def contrast(first, second):
+    """The contrast ratio of two colours as the Web Content Accessibility Guidelines define it."""
+    brighter, darker = sorted(map(luminance, (first, second)), reverse=True)
+    return (brighter + 0.05) / (darker + 0.05)
+
+
+def luminance(colour):
+    channels = [int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+    return sum(c * weight for c, weight in zip(linear, (0.2126, 0.7152, 0.0722), strict=True))
+
+
+def test_the_page_opens_with_the_results_that_the_reports_have(page):
+    main = page.split("<main>", maxsplit=1)[1]
+    first = main.split("</section>", maxsplit=1)[0]
+    assert "Stage <code>learning_curves</code>" in first
+    assert "amended by 300 recordings errs 31 mm, a transformer trained on 2,000 90 mm" in first
+    assert len(Tags(first).named("img")) == 1
+
+
+def test_every_item_names_the_stage_that_made_it(page):
+    for stage in ("segment", "evaluate_predictor", "sim2real"):
+        assert f"Produced by stage <code>{stage}</code>" in page
+
+
+@pytest.mark.skipif(not PAGE.exists(), reason="needs a run: make reproduce")
+def test_the_page_of_the_last_run_is_light_enough_for_a_phone():
+    page = PAGE.read_text(encoding="utf-8")
+    views = re.findall(r'<script type="application/json"[^>]*>(.*?)</script>', page, re.DOTALL)
+
+    assert views
+    assert sum(len(view.encode()) for view in views) < LIGHT
+    assert len(page.encode()) < WHOLE
+
+
+def test_names_from_the_data_cannot_become_markup(page, tmp_path):
+    items = make_reports(tmp_path, title=HOSTILE, shot=HOSTILE)
+
+    hostile = Tags(made_up_page(tmp_path, items))
+
+    assert [tag for tag, _ in hostile.found] == [tag for tag, _ in Tags(page).found]
+    assert all("onerror" not in attributes for _, attributes in hostile.found)
+
+
+def test_page_refers_to_nothing_outside_itself(page):
+    tags = Tags(page).found
+
+    links = [value for _, a in tags for key, value in a.items() if key in ("src", "href")]
+    assert links
+    assert all(link.startswith(("#", "data:")) for link in links)
+
+
+def test_headings_descend_one_level_at_a_time(page):
+    tags = Tags(page).found
+    levels = [int(tag[1]) for tag, _ in tags if re.fullmatch("h[1-6]", tag)]
+
+    assert levels[0] == 1 and levels.count(1) == 1
+    assert all(after - before <= 1 for before, after in pairwise(levels))
+
+
+def test_contents_link_to_every_item(page):
+    tags = Tags(page)
+    ids = [attributes["id"] for _, attributes in tags.found if "id" in attributes]
+
+    assert len(ids) == len(set(ids))
+    assert all(link["href"][1:] in ids for link in tags.named("a"))
+    assert len(tags.named("a")) == 1 + 4 + 4 + 2 + 1 + len(groups())
+
+
+@pytest.mark.parametrize("name", ["segment/contacts.csv", "evaluate_predictor/figures/spindoe.png"])
+def test_missing_file_is_named(tmp_path, name):
+    items = make_reports(tmp_path)
+    (tmp_path / "reports" / name).unlink()
+
+    with pytest.raises(InputError, match=f"{name}: cannot be read; run its stage again"):
+        made_up_page(tmp_path, items)
+
+
+@pytest.mark.parametrize("palette", palettes(), ids=["light", "dark"])
+def test_text_and_lines_stand_out_from_their_background(palette):
+    lines = [*map(predictor_colour, OFFSETS), *CONTACT_COLOURS.values()]
+    for background in (palette["page"], palette["card"]):
+        texts = [palette[name] for name in ("ink", "muted", "accent")]
+        lines += [palette[name] for name in ("good", "bad", "arm")]
+        assert min(contrast(text, background) for text in texts) >= 4.5
+        assert min(contrast(line, background) for line in lines) >= 3.0

@@ -1,0 +1,70 @@
+"""The results that the report page opens with are those that a run has."""
+
+import pandas as pd
+import pytest
+
+from rallygap.pipeline.io.artifacts import write_csv
+from rallygap.pipeline.paper.run_reports import Reports
+from rallygap.pipeline.report.results import RESULTS, results_section
+
+POLICIES = [
+    {
+        "observation": "intercept", "horizons_ms": "115-125", "predictor": predictor,
+        "protocol": protocol, "return_rate": rate, "return_rate_low": rate - 0.1,
+        "return_rate_high": rate + 0.1,
+    }
+    for predictor, rate in (("physics_c", 0.4), ("transformer", 0.5), ("amended", 0.6))
+    for protocol in ("first_window", "every_tick")
+]  # fmt: skip
+GAP = {"source": "arena", "simulator": "imperfect_c", "before_mm": 80.4, "after_mm": 30.2}
+FORECAST = {"set": "tt3d", "quantity": "position", "bounce": "all", "horizon_ms": 300}
+EXAM = {
+    "distinguishable_right": 7, "distinguishable": 8, "pairs_right": 2, "pairs": 3,
+    "false_alarms": 0, "clean_sets": 9,
+}  # fmt: skip
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Reports with a figure and numbers for every result but the learning curves."""
+    tables = {
+        "swap_study/readings_all.csv": POLICIES,
+        "exam/rates.csv": [{"rate": name, "rallygap": count} for name, count in EXAM.items()],
+        "close_gap/errors.csv": [{**GAP, "horizon_ms": 300, "floor_mm": 29.0}],
+        "real_forecasts/errors.csv": [
+            {**FORECAST, "predictor": "physics_literature", "mean": 100.2},
+            {**FORECAST, "predictor": "hybrid_ensemble", "mean": 60.1},
+        ],
+    }
+    for name, rows in tables.items():
+        write_csv(tmp_path / name, pd.DataFrame(rows))
+    return Reports(tmp_path, {})
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("swap", "Policies return 40, 50 and 60 % of replayed shots with one forecast"),
+        ("swap", "40, 50 and 60 % with a forecast at every control step (95 % intervals: at most"),
+        ("gap", "The prediction error of simulator C on held-out shots"),
+        ("gap", "is 80 mm before and 30 mm after it is amended"),
+        ("real", "tt3d 100 to 60 mm"),
+        ("exam", "7 of 8 distinguishable hidden effects of three detection limits are named"),
+    ],
+)
+def test_a_result_says_what_the_reports_have(run, key, words):
+    assert words in next(one for one in RESULTS if one.key == key).sentence(run)
+
+
+def test_results_that_lack_a_number_are_left_out(run):
+    figures = {one.figure for one in RESULTS}
+    for one in RESULTS:
+        (run.folder / one.figure).parent.mkdir(parents=True, exist_ok=True)
+        (run.folder / one.figure).write_bytes(b"\x89PNG\r\n\x1a\n")
+    write_csv(run.folder / "swap_study/readings_all.csv", pd.DataFrame(POLICIES[:2]))
+    write_csv(run.folder / "exam/rates.csv", pd.DataFrame([{"rate": "pairs", "rallygap": 3}]))
+    assert [one["key"] for one in results_section(run, figures)] == ["gap", "real"]
+
+
+def test_without_reports_there_is_no_result(tmp_path):
+    assert list(results_section(Reports(tmp_path, {}), set())) == []

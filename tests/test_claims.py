@@ -1,0 +1,167 @@
+"""What README and the results pages say in numbers, outside their tables, holds for the reports."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from rallygap.pipeline.arenas.scores import (
+    Share,
+    coverage,
+    found_by_size,
+    gap_closed,
+    made_up,
+    ratios,
+)
+
+from rallygap.pipeline.io.artifacts import read_json
+
+REPORTS = Path(__file__).parents[1] / "reports"
+MEASURED = ["isr_ball_prediction", "spindoe", "tt3d"]
+
+
+def table(name, query=""):
+    rows = pd.read_csv(REPORTS / f"{name}.csv")
+    return rows.query(query) if query else rows
+
+
+def returns(name, query=""):
+    """The least and largest difference in points, how many are significant, and of how many."""
+    rows = table(name, f"outcome == 'returns'{query and ' and ' + query}")
+    points = (100 * rows["difference"]).round()
+    return points.min(), points.max(), (rows["p_holm"] < 0.05).sum(), len(rows)
+
+
+def test_the_arena():
+    errors = table("close_gap/errors", "source == 'arena' and horizon_ms == 300").iloc[0]
+    assert errors[["before_mm", "after_mm"]].round().tolist() == [66, 24]
+    curves = table("learning_curves", "horizon_ms == 300")
+    means = curves.pivot(index="recordings", columns="predictor", values="mean")
+    assert (means.loc[300:, "amended_imperfect_c"].round() == 28).all()
+    assert (means["amended_imperfect_c"] < means["transformer"]).all()
+    assert (means["amended_imperfect_c"] < means["hybrid"]).loc[300:].all()
+    assert means["transformer"].iloc[-1].round() == 40
+    errors = table("evaluate_predictor/forecast_error", "set == 'arena' and against == 'measured'")
+    errors = errors.query("quantity == 'position' and bounce == 'all' and horizon_ms == 300")
+    with_net = errors.set_index("predictor").loc["physics_c_with_net", "mean"]
+    assert (means["transformer"] < with_net).loc[300:].all()
+    assert (means["hybrid"] < with_net).all()
+
+
+def test_twenty_arenas():
+    causes, errors = table("arenas/causes"), table("arenas/errors")
+    found = [(share.count, share.of) for _, share in found_by_size(causes)]
+    assert found == [(34, 73), (63, 64), (59, 59), (104, 104), (40, 40)]
+    assert made_up(causes) == Share(0, 300)
+    assert coverage(causes) == Share(268, 300)
+    rivals = ["imperfect_c", "imperfect_c_with_net", "transformer", "hybrid", "amended"]
+    medians = [round(ratios(errors, name, 300).median(), 2) for name in rivals]
+    assert medians == [2.64, 2.18, 1.33, 1.10, 0.98]
+    assert gap_closed(errors, 300).median() > 1
+
+
+def test_the_exam():
+    exam = read_json(REPORTS / "hidden_effects" / "exam.json")
+    names = ["trials", "distinguishable_right", "pairs_right", "false_alarms", "withheld_right"]
+    assert [exam[name] for name in names] == [1816, 147, 76, 3, 21]
+    names = ["distinguishable", "pairs", "clean_sets", "withheld"]
+    assert [exam[name] for name in names] == [152, 77, 500, 37]
+
+
+def test_measured_sets():
+    errors = table("real/close_gap/errors", "simulator == 'imperfect_c' and horizon_ms == 200")
+    means = errors.groupby("source")[["before_mm", "after_mm"]].mean().round().loc[MEASURED]
+    assert means.to_numpy().tolist() == [[31, 35], [130, 99], [81, 65]]
+    verdicts = table("real/close_gap/verdicts").set_index("source").loc[MEASURED]
+    changes = pd.DataFrame(
+        {"better": verdicts["reduction_low_mm"] > 0, "worse": verdicts["reduction_high_mm"] < 0}
+    )
+    assert changes.groupby(level=0).sum().to_numpy().tolist() == [[0, 2], [7, 0], [6, 0]]
+    leading = table("real/close_gap/causes", f"role == 'leading' and source in {MEASURED}")
+    splits = leading.groupby(["source", "simulator", "cause"]).size()
+    assert (int((splits == 3).sum()), len(splits)) == (21, 68)
+
+
+def test_planted_errors():
+    scores = pd.DataFrame(read_json(REPORTS / "real" / "known_answers.json")).T
+    names = ["leading", "questions", "unplanted_clean", "unplanted"]
+    assert scores[names].sum().tolist() == [97, 110, 1, 6]
+
+
+def test_scenes_of_other_engines():
+    scenes = read_json(REPORTS / "simulators" / "scenes.json")
+    counts = {
+        engine: (sum(case["named_right"] for case in cases.values()), len(cases))
+        for engine, cases in scenes.items()
+    }
+    assert counts == {"mujoco": (13, 14), "pybullet": (4, 4)}
+
+
+def test_forecasts_on_measured_sets():
+    rows = table("real/forecasts", "quantity == 'position' and bounce == 'all'")
+    means = rows.pivot(index=["set", "horizon_ms"], columns="predictor", values="mean")
+    best = means.idxmin(axis=1)
+    best = best.drop(("isr_ball_prediction", 100))
+    assert set(best) == {"hybrid_ensemble"}
+    assert means["hybrid_ensemble"].round().xs(200, level=1).loc[MEASURED].tolist() == [9, 69, 38]
+    covered = table("real/forecast_coverage", "level == 0.9 and horizon_ms == 200")["coverage"]
+    assert covered.between(0.887, 0.908).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "query", "expected"),
+    [
+        ("gains", "protocol == 'first_window' and predictor == 'transformer'", (-2, 2, 0, 4)),
+        ("gains", "protocol == 'first_window' and predictor == 'amended'", (8, 12, 3, 4)),
+        ("gains", "protocol == 'every_tick' and predictor == 'transformer'", (-1, 0, 0, 4)),
+        ("gains", "protocol == 'every_tick' and predictor == 'oracle'", (1, 1, 0, 4)),
+        ("gains_every_tick", "predictor == 'physics_c'", (15, 17, 4, 4)),
+        ("gains_retrained", "", (-2, 2, 0, 16)),
+    ],
+)
+def test_the_swap_study(name, query, expected):
+    assert returns(f"swap_study/{name}", query) == expected
+
+
+def test_returns_in_other_simulators_and_runs():
+    for run, gained in (("", 18), ("paper/", 12)):
+        gains = table(f"{run}sim2sim/difference")
+        first, again = (gains[gains["protocol"] == name] for name in ("first_state", "re_anchored"))
+        assert (first["p_holm"] < 0.05).all()
+        assert (100 * first["difference"]).min() >= gained
+        assert again["difference"].between(-0.031, 0.021).all()
+    query = "protocol == 'every_tick' and outcome == 'returns' and predictor != 'physics'"
+    assert (table("paper_physics/sim2real/difference", query)["p_holm"] > 0.05).all()
+    query = "predictor == 'transformer_fine_tuned' and not set.str.match('stroke|receive')"
+    measured = table("real/sim2real/difference", f"{query} and outcome == 'returns'")
+    assert (measured["p_holm"] > 0.05).all()
+    latent = table("swap_study/mechanism", "latency_ms == 100")
+    assert latent["return_rate"].max() < 0.045
+    query = "outcome == 'returns' and policy == 'filtered_with_spread'"
+    spread = table("spread_policies_differences", query)
+    assert ((spread["ci_low"] <= 0) & (spread["ci_high"] >= 0)).all()
+
+
+def test_the_papers_network():
+    query = "quantity == 'position' and bounce == 'all' and horizon_ms == 300"
+    means = table("paper_network", query).set_index("predictor")["mean"].round()
+    assert means[["paper_network", "transformer"]].tolist() == [37, 33]
+
+
+def test_what_it_costs():
+    minutes = read_json(REPORTS / "costs" / "reproduce.json")["seconds"] / 60
+    assert minutes == pytest.approx(19, abs=0.5)
+    sizes = read_json(REPORTS / "costs" / "scale.json")
+    gigabytes = [1e7 * sizes[name] / 1e9 for name in ("disk_bytes", "memory_bytes")]
+    assert gigabytes == pytest.approx([238, 337], abs=0.5)
+
+
+def test_the_papers_claims():
+    from rallygap.pipeline.paper.comparison import exhibits
+    from rallygap.pipeline.paper.page import compared_runs
+
+    runs = compared_runs(REPORTS.parent).values()
+    words = {figure.name: [figure.assessment(run) for run in runs] for figure in exhibits()}
+    assert words["Figure 3"][:2] == ["open", "holds"]
+    assert words["Figure 4"][:2] == ["holds", "holds"]
+    assert {*words["Table I, physics from the first window"]} == {"open"}
+    assert words["Figure 5"] == ["not comparable", "not comparable", "fails"]
