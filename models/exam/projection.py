@@ -15,5 +15,4 @@ def projected_out(rows: Floats, nuisance: Floats, precision: Floats) -> Floats:
     """
     transposed = np.swapaxes(nuisance, 1, 2)
     information = transposed @ nuisance + precision[:, :, None] * np.eye(nuisance.shape[2])
-    left: Floats = rows - nuisance @ np.linalg.solve(information, transposed @ rows)
-    return left
+    return rows - nuisance @ np.linalg.solve(information, transposed @ rows)

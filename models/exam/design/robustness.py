@@ -3,9 +3,9 @@
 One question in five of each group is clean: it has the group's errors and no physical cause.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from itertools import cycle, islice
+from itertools import cycle, islice, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -87,6 +87,13 @@ def _physical() -> list[Hypothesis]:
     return [hidden for hidden in hideable() if catalogue()[hidden.effect].acts != "sensor"]
 
 
+def _paired(
+    kinds: Sequence[Any], parameters: Sequence[Hypothesis], random: np.random.Generator
+) -> Iterator[tuple[Any, Hypothesis]]:
+    """Yield kinds and parameters, without end."""
+    return zip(cycle(kinds), in_turn(parameters, random), strict=False)
+
+
 def _label_kind(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
     """Errors of labels that are independent by row, or common to an arc, a shot or the session."""
     kinds = (
@@ -98,7 +105,7 @@ def _label_kind(nominal: Simulator, random: np.random.Generator) -> Iterator[Ses
     )
     # A label that all rows of an arc repeat contradicts a decay of the spin.
     shown = [hidden for hidden in _physical() if hidden.effect != "spin_decay"]
-    for (kind, of_rows, shared), hidden in zip(cycle(kinds), in_turn(shown, random), strict=False):
+    for (kind, of_rows, shared), hidden in _paired(kinds, shown, random):
         settings = {
             "cameras": replace(CAMERAS, spin_noise=of_rows),
             "errors": CameraErrors(labels=shared),
@@ -109,10 +116,8 @@ def _label_kind(nominal: Simulator, random: np.random.Generator) -> Iterator[Ses
 
 def _distortion(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
     """Smooth position errors, half of them Gaussian, with small and with large causes."""
-    shapes = cycle(SHAPES)
-    multiples = cycle((*[MULTIPLE] * len(SHAPES), *[LARGE] * len(SHAPES)))
-    hiding = in_turn(_physical(), random)
-    for shape, multiple, hidden in zip(shapes, multiples, hiding, strict=False):
+    kinds = list(product((MULTIPLE, LARGE), SHAPES))
+    for (multiple, shape), hidden in _paired(kinds, _physical(), random):
         size, length = random.uniform(*FIELD_SIZE), random.uniform(*FIELD_LENGTH)
         gaussian = shape == "gaussian"
         distortion = Distortion(shape, size, length) if gaussian else Distortion(shape, size)
@@ -122,8 +127,7 @@ def _distortion(nominal: Simulator, random: np.random.Generator) -> Iterator[Ses
 
 def _heavy_tails(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
     """Position errors, bounce scatter or both with t distributions."""
-    kinds = cycle(("positions", "bounces", "both"))
-    for kind, hidden in zip(kinds, in_turn(_physical(), random), strict=False):
+    for kind, hidden in _paired(("positions", "bounces", "both"), _physical(), random):
         degrees = random.uniform(*DEGREES)
         settings: dict[str, Any] = {}
         if kind != "bounces":
@@ -135,8 +139,7 @@ def _heavy_tails(nominal: Simulator, random: np.random.Generator) -> Iterator[Se
 
 def _time_stamps(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
     """Time stamps that are rounded, or jittered."""
-    kinds = cycle(("rounded", "jittered"))
-    for kind, hidden in zip(kinds, in_turn(_physical(), random), strict=False):
+    for kind, hidden in _paired(("rounded", "jittered"), _physical(), random):
         rounded = Stamps(rounding=float(random.choice(ROUNDINGS)))
         jittered = Stamps(jitter=random.uniform(*STAMP_JITTER))
         stamps = rounded if kind == "rounded" else jittered
@@ -145,7 +148,7 @@ def _time_stamps(nominal: Simulator, random: np.random.Generator) -> Iterator[Se
 
 def _frame_rate(nominal: Simulator, random: np.random.Generator) -> Iterator[Session]:
     """Cameras of other frame rates."""
-    for rate, hidden in zip(cycle(FRAME_RATES), in_turn(_physical(), random), strict=False):
+    for rate, hidden in _paired(FRAME_RATES, _physical(), random):
         cameras = replace(CAMERAS, interval=1.0 / rate)
         yield Session(f"{rate}Hz", (hidden,), {"cameras": cameras})
 

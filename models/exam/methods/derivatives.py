@@ -136,13 +136,11 @@ def _integrals(smoothed: SmoothedArcs) -> Floats:
     twice = legvander(samples, NODES + 1) @ legint(np.eye(NODES), 2)
     at_samples = twice @ np.linalg.inv(legvander(nodes, NODES - 1))
     high = np.swapaxes(smoothed.columns[:, :, SMOOTH:], 1, 2)
-    integrals: Floats = high @ at_samples * (smoothed.spans / 2)[:, None, None] ** 2
-    return integrals
+    return high @ at_samples * (smoothed.spans / 2)[:, None, None] ** 2
 
 
 def _integrated(integral: Floats, forces: Floats) -> Floats:
-    integrated: Floats = np.einsum("rdg,rg...->rd...", integral, forces)
-    return integrated
+    return np.einsum("rdg,rg...->rd...", integral, forces)
 
 
 def _bounces(smoothed: SmoothedArcs, simulator: Simulator, columns: tuple[Hypothesis, ...]) -> Rows:

@@ -110,8 +110,7 @@ def score_gram(regression: Regression) -> Floats:
     total = regression.total / np.outer(scale, scale)
     covariance = _covariance(regression.grams / np.outer(scale, scale), total)
     scores = total[:-1]
-    gram: Floats = scores.T @ np.linalg.solve(covariance, scores) * np.outer(scale, scale)
-    return gram
+    return scores.T @ np.linalg.solve(covariance, scores) * np.outer(scale, scale)
 
 
 def term_norms(regression: Regression) -> Floats:
@@ -133,5 +132,4 @@ def _covariance(grams: Floats, total: Floats) -> Floats:
     inflation = max(float(np.median(np.diag(spread))), 1.0)
     expected = inflation * inner + RIDGE * np.eye(len(inner))
     freedom = count + PRIOR_SHOTS - len(inner) - 1
-    covariance: Floats = (count * spread + PRIOR_SHOTS * expected) / freedom
-    return covariance
+    return (count * spread + PRIOR_SHOTS * expected) / freedom

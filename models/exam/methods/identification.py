@@ -111,10 +111,9 @@ def fitted_changes(
 
     @lru_cache(maxsize=1)  # residuals and slopes of the same values are asked for in turn
     def rows(*values: float) -> Floats:
-        changed = {
-            (one.effect, one.parameter): value for one, value in zip(columns, values, strict=True)
-        }
-        return trajectories.rows(nominal.with_values(changed), columns)
+        changed = zip(columns, values, strict=True)
+        simulator = nominal.with_values({(c.effect, c.parameter): v for c, v in changed})
+        return trajectories.rows(simulator, columns)
 
     def residuals(values: Floats) -> Floats:
         return rows(*values)[..., -1].ravel()

@@ -54,8 +54,7 @@ class Regression:
     @cached_property
     def total(self) -> Floats:
         """(K + 1, K + 1) Gram matrix of all shots."""
-        total: Floats = self.grams.sum(axis=0)
-        return total
+        return self.grams.sum(axis=0)
 
     def restricted(self, places: Places) -> "Regression":
         """Return the regression on the columns at ``places``."""

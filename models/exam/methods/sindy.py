@@ -16,6 +16,7 @@ from rallygap.models.ball.types import Floats
 from rallygap.models.exam.interface import Answer, Recording
 from rallygap.models.exam.methods.derivatives import derivative_regression
 from rallygap.models.exam.methods.regression import Places, Regression, answer
+from rallygap.models.support.bootstrap import resampled_counts
 
 # The thresholds of the largest mean accuracy on 24 clean sets of the exam's design (seed 1000), and
 # on these with effects added to first order at 3 detection limits (190 sets, 64 for ensembles).
@@ -46,8 +47,7 @@ def sindy_ensemble(
     correlated. Terms that enough models include are named.
     """
     regression = derivative_regression(recordings, nominal, withheld)
-    shots = len(recordings)
-    draws = np.random.default_rng(0).multinomial(shots, np.full(shots, 1 / shots), MODELS)
+    draws = resampled_counts(len(recordings), MODELS, np.random.default_rng(0))
     weights = draws.astype(np.float64)  # how often each model has each shot
     share = inclusion(regression, weights, ENSEMBLE_THRESHOLD)
     chosen = tuple(np.flatnonzero(share >= MINIMUM_INCLUSION).tolist())

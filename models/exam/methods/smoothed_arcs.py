@@ -101,14 +101,12 @@ class SmoothedArcs:
     @property
     def spans(self) -> Floats:
         """(R,) s from the first sample to the last."""
-        spans: Floats = np.ptp(self.arcs.shots.times, axis=1)
-        return spans
+        return np.ptp(self.arcs.shots.times, axis=1)
 
     def times(self, places: Floats) -> Floats:
         """Return (R, T) times on the sensor's clock at places between -1 and 1 along an arc."""
         first = self.arcs.shots.times[:, :1]
-        times: Floats = first + self.spans[:, None] * (places + 1.0) / 2.0
-        return times
+        return first + self.spans[:, None] * (places + 1.0) / 2.0
 
     def fitted(self, times: Floats) -> Floats:
         """Return the (R, T, 9) states of the fit at times on the sensor's clock."""
@@ -137,5 +135,4 @@ class SmoothedArcs:
 def scaled(shots: Shots, times: Floats) -> Floats:
     """Return (R, T) times on the sensor's clock, scaled to -1 to 1 along an arc."""
     first, last = shots.times[:, :1], shots.times[:, -1:]
-    places: Floats = 2.0 * (times - first) / (last - first) - 1.0
-    return places
+    return 2.0 * (times - first) / (last - first) - 1.0

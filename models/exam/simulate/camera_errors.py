@@ -72,15 +72,13 @@ class Distortion:
             phases = random.uniform(0.0, 2.0 * np.pi, FEATURES)
             weights = random.standard_normal((FEATURES, 3))
             angles = (positions / self.length) @ waves + phases
-            field: Floats = np.sqrt(2.0 / FEATURES) * np.cos(angles) @ weights
-            return self.size * field
+            return self.size * (np.sqrt(2.0 / FEATURES) * np.cos(angles) @ weights)
         if self.shape == "radial":
             away = positions - LENS_AXIS
             errors = random.choice([-1.0, 1.0]) * (away**2).sum(axis=-1, keepdims=True) * away
         else:
             errors = np.maximum(positions[..., 1:2], 0.0) * random.standard_normal(3)
-        scaled: Floats = self.size / np.sqrt((errors**2).mean()) * errors
-        return scaled
+        return self.size / np.sqrt((errors**2).mean()) * errors
 
 
 @dataclass(frozen=True)
@@ -135,8 +133,7 @@ def tail_factors(count: int, degrees: float, random: np.random.Generator) -> Flo
 
     Their mean square is one, so standard deviations stay the same.
     """
-    factors: Floats = np.sqrt((degrees - 2.0) / random.chisquare(degrees, count))
-    return factors
+    return np.sqrt((degrees - 2.0) / random.chisquare(degrees, count))
 
 
 def rising(stamps: Floats, kept: Bools) -> Bools:

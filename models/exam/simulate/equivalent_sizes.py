@@ -68,8 +68,7 @@ def equivalent_physics(trial: Trial, launches: Launches) -> Physics:
 
     def deviations(steps: Floats) -> Floats:
         residuals = measure(IndependentBall(constants(steps))) - expected
-        changes: Floats = np.einsum("pbr,br->p", fit.gain, residuals)
-        return changes / fit.errors
+        return np.einsum("pbr,br->p", fit.gain, residuals) / fit.errors
 
     solution = root(deviations, np.zeros(len(names)), options={"xtol": 1e-4, "eps": 1e-4})
     if not np.abs(solution.fun).max() < 0.1:
@@ -102,8 +101,7 @@ def _measure(trial: Trial, launches: Launches) -> Measure:
         rows = [paths[..., POSITION] / trial.cameras.position_noise]
         if trial.spin_labels == "per_row":
             rows.append(paths[..., SPIN] / sigma[:, None, None])
-        weighted: Floats = np.concatenate(rows, axis=2) * weight[..., None]
-        return weighted.reshape(len(states), -1)
+        return (np.concatenate(rows, axis=2) * weight[..., None]).reshape(len(states), -1)
 
     return measure
 
@@ -125,8 +123,7 @@ def _comparable(simulator: Simulator, states: Floats, times: Floats) -> Bools:
 def _label_error(trial: Trial, states: Floats) -> Floats:
     """Return (B,) standard deviations of a label's components in rad/s."""
     spins = np.linalg.norm(states[:, SPIN], axis=1)
-    error: Floats = trial.cameras.spin_noise * spins + MINIMUM_LABEL_ERROR
-    return error
+    return trial.cameras.spin_noise * spins + MINIMUM_LABEL_ERROR
 
 
 def _fitted_parameters(trial: Trial) -> tuple[Hypothesis, ...]:
@@ -149,8 +146,7 @@ def _slope(measure: Measure, simulator: Simulator, parameter: Hypothesis) -> Flo
     value, step = parameter.value(simulator), PARAMETER_STEP * (high - low)
     a, b = max(value - step, low), min(value + step, high)
     above, below = measure(parameter.at(simulator, b)), measure(parameter.at(simulator, a))
-    slope: Floats = (above - below) / (b - a)
-    return slope
+    return (above - below) / (b - a)
 
 
 def _nuisance(trial: Trial, states: Floats, measure: Measure) -> tuple[Floats, Floats]:

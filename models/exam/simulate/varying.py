@@ -36,8 +36,7 @@ class Variation:
             values = nominal + (value - nominal) * np.linspace(0.0, 2.0, shots)
         else:
             values = value * (1.0 + self.spread * random.standard_normal(shots))
-        within: Floats = np.clip(values, *self.parameter.declaration.bounds)
-        return within
+        return np.clip(values, *self.parameter.declaration.bounds)
 
 
 @dataclass(frozen=True)
