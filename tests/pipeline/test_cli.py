@@ -17,8 +17,8 @@ RALLYGAP = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main(
 
 
 VERBS = (
-    "diagnose audit export live simulators example check profile run-of ui real known-answers sweep "
-    "confirm keep page benchmark costs docs stale everything compare-commits"
+    "diagnose audit export live simulators example check profile run-of ui real known-answers "
+    "sweep confirm keep page benchmark costs docs stale everything compare-commits"
 )
 
 
