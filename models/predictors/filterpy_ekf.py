@@ -67,7 +67,7 @@ def filtered_by_filterpy(history: History, simulator: Simulator, tick: float = T
     )
 
 
-class _BallFilter(ExtendedKalmanFilter):  # type: ignore[misc]
+class _BallFilter(ExtendedKalmanFilter):
     """filterpy's filter of one ball with a simulator as its motion model, in the usual symbols."""
 
     def __init__(self, simulator: Simulator, tick: float, x: Floats, P: Floats) -> None:

@@ -111,7 +111,8 @@ def _check_workers(client: "Client") -> None:
         if threads != 1:
             problem = f"has {threads} threads; start it with --nthreads 1"
             raise InputError(CLUSTER, problem, field=worker)
-    client.register_worker_callbacks(hold_arithmetic)  # also of those that join later
+    # Also of those that join later.
+    client.register_worker_callbacks(hold_arithmetic)  # type: ignore[no-untyped-call]
     ours = code_digest()
     for worker, digest in client.run(code_digest).items():
         if digest != ours:
