@@ -105,11 +105,13 @@ def _train(
         for source, simulator in simulators.items()
         for _, trained in originals
     ]
-    results = train_policies([TrainingJob(one, run.scratch(one.name)) for one in descriptions])
-    for one in results:
-        name = one.description.name
-        save_policy(run.artifact(name), one.policy, one.description)
-        run.timings[name] = {"training_cpu_s": round(one.seconds, 1)}
+    results = train_policies(
+        [TrainingJob(description, run.scratch(description.name)) for description in descriptions]
+    )
+    for result in results:
+        name = result.description.name
+        save_policy(run.artifact(name), result.policy, result.description)
+        run.timings[name] = {"training_cpu_s": round(result.seconds, 1)}
     return results
 
 
@@ -137,21 +139,21 @@ def _replay(
     learned = read_learned(run.input("train_predictor", ""), settings.learned)
     replayed = {}
     for source, simulator in simulators.items():
-        own = [one for one in sets if source_of(one) == source]
+        own = [shots for shots in sets if source_of(shots) == source]
         if not own:
             problem = f"no shot of {source} can be replayed; see reports/sim2real/replayed.csv"
             raise InputError("params.yaml", problem, field="retrain_policy.sources")
         retrained = [
-            (one.policy, one.description)
-            for one in results
-            if one.description.simulator == amended_name(source)
+            (result.policy, result.description)
+            for result in results
+            if result.description.simulator == amended_name(source)
         ]
         trials = []
-        for one in own:
-            informed = informed_predictors(one, learned, simulator)
+        for shots in own:
+            informed = informed_predictors(shots, learned, simulator)
             forecasters = [Forecaster(*named) for named in informed.items()]
-            trials += replay_trials(one, forecasters, retrained, run.seed)
-        before = known[known["set"].isin([one.name for one in own])]
+            trials += replay_trials(shots, forecasters, retrained, run.seed)
+        before = known[known["set"].isin([shots.name for shots in own])]
         after = joined(run_trials([trial.run for trial in trials])).assign(policy=RETRAINED)
         replayed[source] = pd.concat([before, after], ignore_index=True)
     return replayed

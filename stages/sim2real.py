@@ -40,19 +40,19 @@ def sim2real(run: StageRun) -> None:
     policies = load_players(folder, settings)
     run.log_input(f"policies of {settings.group}", folder, len(policies))
     sets = read_replay_sets(run.root / "artifacts", settings, run.seed)
-    for one in sets:
-        run.log_input(one.name, run.input("segment", "episodes.parquet"), len(one))
+    for shots in sets:
+        run.log_input(shots.name, run.input("segment", "episodes.parquet"), len(shots))
     learned = read_learned(run.input("train_predictor", ""), settings.learned)
-    names = [one.name for one in learned]
-    trials = [trial for one in sets for trial in _trials(run, one, policies, learned)]
+    names = [predictor.name for predictor in learned]
+    trials = [trial for shots in sets for trial in _trials(run, shots, policies, learned)]
     results = run_trials([trial.run for trial in trials])
     played = joined(results)
     write_table(run.artifact("played.parquet"), played)
     pairs = list(zip(trials, results, strict=True))
     examples = [
         example
-        for one in sets
-        for example in example_returns([pair for pair in pairs if pair[0].shots is one], names)
+        for shots in sets
+        for example in example_returns([pair for pair in pairs if pair[0].shots is shots], names)
     ]
     write_returns(run.artifact("returns.json"), examples)
     write_json(run.artifact("settings.json"), settings.model_dump(mode="json"))
@@ -69,19 +69,19 @@ def sim2real(run: StageRun) -> None:
 
 
 def _trials(
-    run: StageRun, one: ReplaySet, policies: Policies, learned: list[NamedPredictor]
+    run: StageRun, shots: ReplaySet, policies: Policies, learned: list[NamedPredictor]
 ) -> list[ReplayTrial]:
     """Return the trials of a set: with physics, and with the predictors that know more."""
     simulator = run.params.sim2real.simulator
     physics = PhysicsPredictor(load_simulator(simulator))
-    amended = amended_by(run.input("close_gap", ""), source_of(one), simulator)
-    informed = informed_predictors(one, learned, amended)
+    amended = amended_by(run.input("close_gap", ""), source_of(shots), simulator)
+    informed = informed_predictors(shots, learned, amended)
     forecasters = [
         Forecaster(PHYSICS, physics, ONCE),
         *(Forecaster(*named) for named in {PHYSICS: physics, **informed}.items()),
     ]
     recorded = [PHYSICS, *(predictor.name for predictor in learned)]
-    return replay_trials(one, forecasters, policies, run.seed, recorded)
+    return replay_trials(shots, forecasters, policies, run.seed, recorded)
 
 
 def _rates(played: pd.DataFrame) -> pd.DataFrame:

@@ -40,7 +40,9 @@ def measure_costs(root: Path) -> pd.DataFrame:
     settings = load_params(root / "params.yaml").evaluate_predictor
     first = read_test_sets(root / "artifacts", settings.window_every_ms / 1000)[0]
     predictors = [
-        one for one in read_predictors(root / "artifacts", settings) if one.forecasts(first.name)
+        predictor
+        for predictor in read_predictors(root / "artifacts", settings)
+        if predictor.forecasts(first.name)
     ]
     errors = read_errors(root).query(
         "against == 'measured' and quantity == 'position' and bounce == 'all'"
@@ -58,10 +60,10 @@ def measure_costs(root: Path) -> pd.DataFrame:
     histories = [history[row : row + 1] for row in evenly]
     with one_core():
         latencies = {
-            one.name: latency(one.predictor, histories)
-            for one in progress(predictors, "latency", len(predictors))
+            named.name: latency(named.predictor, histories)
+            for named in progress(predictors, "latency", len(predictors))
         }
-    rows = [_row(one, position_errors, training, latencies[one.name]) for one in predictors]
+    rows = [_row(named, position_errors, training, latencies[named.name]) for named in predictors]
     return pd.DataFrame(rows).astype({"parameters": "Int64", "training_s": "Float64"})
 
 
@@ -83,14 +85,14 @@ def latency(predictor: Predictor, histories: list[History]) -> np.ndarray:
 
 
 def _row(
-    one: NamedPredictor, errors: pd.DataFrame, training: dict[str, float], times: np.ndarray
+    named: NamedPredictor, errors: pd.DataFrame, training: dict[str, float], times: np.ndarray
 ) -> dict[str, Any]:
-    known = errors.reindex(index=[one.name], columns=list(SHOWN_HORIZONS_MS)).to_numpy()[0]
+    known = errors.reindex(index=[named.name], columns=list(SHOWN_HORIZONS_MS)).to_numpy()[0]
     return {
-        "predictor": one.name,
-        "parameters": one.parameters,
+        "predictor": named.name,
+        "parameters": named.parameters,
         **dict(zip(ERROR_COLUMNS, known, strict=True)),
-        "training_s": training.get(one.name),
+        "training_s": training.get(named.name),
         "latency_ms_median": float(np.median(times)),
         "latency_ms_p99": float(np.quantile(times, 0.99)),
     }

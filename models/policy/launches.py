@@ -101,9 +101,9 @@ def is_playable(simulator: Simulator, launches: Floats) -> Bools:
     flight = simulator.fly(launches, FLIGHT_TIMES)
     between = playable(flight, FLIGHT_TIMES)
     passed = _over_net(flight.states) & np.isfinite(between[:, 0])
-    found = np.zeros(len(launches), dtype=bool)
-    found[passed] = _in_reach(flight.states[passed], between[passed])
-    return found
+    fair = np.zeros(len(launches), dtype=bool)
+    fair[passed] = _in_reach(flight.states[passed], between[passed])
+    return fair
 
 
 def _flat_slope(distance: Floats, rise: Floats, speed: Floats, topspin: Floats) -> Floats:

@@ -34,17 +34,17 @@ class StackedMuon(Muon):
     def _update_matrices(self, members: list[Tensor], group: dict[str, Any]) -> None:
         """Update matrices of one size, tall or wide."""
         directions = _orthogonal(
-            torch.stack([_wide(self._velocity(one, group["momentum"])) for one in members]),
+            torch.stack([_wide(self._velocity(matrix, group["momentum"])) for matrix in members]),
             group["ns_coefficients"],
             group["ns_steps"],
         )
-        for one, direction in zip(members, directions, strict=True):
-            rate = group["lr"] * max(1.0, one.shape[0] / one.shape[1]) ** 0.5
-            one.add_(direction if one.shape == direction.shape else direction.T, alpha=-rate)
+        for matrix, direction in zip(members, directions, strict=True):
+            rate = group["lr"] * max(1.0, matrix.shape[0] / matrix.shape[1]) ** 0.5
+            matrix.add_(direction if matrix.shape == direction.shape else direction.T, alpha=-rate)
 
-    def _velocity(self, one: Tensor, momentum: float) -> Tensor:
+    def _velocity(self, matrix: Tensor, momentum: float) -> Tensor:
         """Return the Nesterov momentum of a gradient."""
-        state, gradient = self.state[one], one.grad
+        state, gradient = self.state[matrix], matrix.grad
         if gradient is None:
             raise ValueError("a matrix without a gradient cannot be updated")
         if not state:

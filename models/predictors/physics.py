@@ -35,9 +35,11 @@ class PhysicsPredictor:
         """Forecast each ball; the (B, 60, 3, 3) covariances of positions, m^2, are the filter's."""
         now = self._now(history)
         ahead = FUTURE_TIMES / self._sensor.clock
-        flown, found = propagated(self.simulator, now.states, now.covariances, ahead, components=3)
+        flown, covariances = propagated(
+            self.simulator, now.states, now.covariances, ahead, components=3
+        )
         forecast = Forecast(self._sensor.measured_states(flown), history.spin_measured)
-        return forecast, found
+        return forecast, covariances
 
     def _now(self, history: History) -> Filtered:
         true, tick = self._sensor.true_history(history), TICK / self._sensor.clock

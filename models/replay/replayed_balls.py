@@ -174,8 +174,8 @@ def anchored(
         times, places = np.unique(wanted.round(9), return_inverse=True)
         rows = histories.latest[:, first]
         history = History(histories.history.states[rows], histories.history.mask[rows])
-        found = forecast_at(predictor, history, histories.age[:, first, None] + times)
-        states[:, served] = found[:, places.reshape(wanted.shape)]
+        forecast = forecast_at(predictor, history, histories.age[:, first, None] + times)
+        states[:, served] = forecast[:, places.reshape(wanted.shape)]
     return states
 
 

@@ -128,18 +128,18 @@ def coverage_rows(
 
 def errors_of(predictor: ProbabilisticPredictor, windows: Windows) -> Errors:
     """Return the errors at the horizons ``HORIZONS_MS``."""
-    return joined_errors([_errors_of_batch(predictor, one) for one in _batches(windows)])
+    return joined_errors([_errors_of_batch(predictor, batch) for batch in _batches(windows)])
 
 
 def joined_errors(parts: Sequence[Errors]) -> Errors:
     """Return the errors of several parts as one."""
-    away = np.concatenate([one.away for one in parts])
-    return Errors(away, np.concatenate([one.covariances for one in parts]))
+    away = np.concatenate([part.away for part in parts])
+    return Errors(away, np.concatenate([part.covariances for part in parts]))
 
 
 def _errors_of_batch(predictor: ProbabilisticPredictor, windows: Windows) -> Errors:
-    found = Errors.of(*predictor.predict_with_covariances(windows.history), windows)
-    return Errors(found.away[:, EVALUATED], found.covariances[:, EVALUATED])
+    errors = Errors.of(*predictor.predict_with_covariances(windows.history), windows)
+    return Errors(errors.away[:, EVALUATED], errors.covariances[:, EVALUATED])
 
 
 def _batches(windows: Windows) -> list[Windows]:

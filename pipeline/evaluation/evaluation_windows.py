@@ -72,11 +72,11 @@ def _cut(
     manifest: Manifest, episodes: list[MeasuredEpisode], every: float
 ) -> Iterator[MeasuredSet]:
     for name in sorted({episode.source for episode in episodes}):
-        members = [one for one in episodes if one.source == name and one.unbroken]
-        parts = [cut_windows(one.episode, every) for one in members]
+        members = [episode for episode in episodes if episode.source == name and episode.unbroken]
+        parts = [cut_windows(member.episode, every) for member in members]
         if not any(map(len, parts)):
             warn(f"{name} has no window to evaluate: {NO_WINDOW}")
             continue
-        ids = np.array([one.recording_id for one in members])
+        ids = np.array([member.recording_id for member in members])
         recordings = np.repeat(ids, [len(part) for part in parts])
         yield MeasuredSet(manifest.sources[name], concatenate_windows(parts), recordings, members)

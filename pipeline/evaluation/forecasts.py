@@ -29,8 +29,8 @@ def forecast_windows(
     history = measured.windows.history
     starts = range(0, len(history), BATCH)
     tasks = [
-        partial(one.predictor.predict, history[start : start + BATCH])
-        for one in predictors
+        partial(named.predictor.predict, history[start : start + BATCH])
+        for named in predictors
         for start in starts
     ]
     batches = list(parallel(tasks, f"forecasts on {measured.name}"))
@@ -82,8 +82,8 @@ def draw_shots(
     """
     generator = np.random.default_rng(seed)
     drawn = []
-    for one in sets:
-        cuts = [(episode, cut_windows(episode.episode, every=1.0)) for episode in one.episodes]
+    for measured in sets:
+        cuts = [(episode, cut_windows(episode.episode, every=1.0)) for episode in measured.episodes]
         usable = [(episode, cut) for episode, cut in cuts if len(cut)]
         some = [usable[k] for k in generator.permutation(len(usable))[:MOST_SHOTS]]
         shown = [(_shot(episode, cut, predictors), cut) for episode, cut in some]
@@ -103,7 +103,7 @@ def typical_first(shots: Sequence[Shot], cuts: Sequence[Windows]) -> list[Shot]:
     """
     if not shots:
         return []
-    errors = np.log([_last_errors(*one) for one in zip(shots, cuts, strict=True)])
+    errors = np.log([_last_errors(*pair) for pair in zip(shots, cuts, strict=True)])
     away = np.abs(errors - np.median(errors, axis=0)).sum(axis=1)
     first = int(away.argmin())
     return [shots[first], *shots[:first], *shots[first + 1 :]]
@@ -112,8 +112,10 @@ def typical_first(shots: Sequence[Shot], cuts: Sequence[Windows]) -> list[Shot]:
 def _last_errors(shot: Shot, cut: Windows) -> list[float]:
     """Return the error of each predictor at the last measured state of the first window."""
     last = int(np.flatnonzero(cut.measured[0, :, 0])[-1])
-    found = [one.position[last] - cut.future[0, last, :3] for one in shot.forecasts.values()]
-    return [max(float(np.linalg.norm(one)), SMALLEST) for one in found]
+    vectors = [
+        forecast.position[last] - cut.future[0, last, :3] for forecast in shot.forecasts.values()
+    ]
+    return [max(float(np.linalg.norm(vector)), SMALLEST) for vector in vectors]
 
 
 def _shot(measured: MeasuredEpisode, cut: Windows, predictors: Sequence[NamedPredictor]) -> Shot:
@@ -121,11 +123,11 @@ def _shot(measured: MeasuredEpisode, cut: Windows, predictors: Sequence[NamedPre
     anchor = float(cut.anchors[0])
     times = [round(anchor + time, 6) for time in FUTURE_TIMES]
     forecasts = {
-        one.name: ShownForecast(
-            t=times, position=_points(one.predictor.predict(cut.history).states[0, :, :3])
+        named.name: ShownForecast(
+            t=times, position=_points(named.predictor.predict(cut.history).states[0, :, :3])
         )
-        for one in predictors
-        if one.forecasts(measured.source)
+        for named in predictors
+        if named.forecasts(measured.source)
     }
     return Shot(
         episode_id=measured.episode_id,

@@ -44,12 +44,12 @@ def rates(played: pd.DataFrame, keys: Sequence[str]) -> pd.DataFrame:
         trials, recordings = trials_of(part)
         row = {**dict(zip(keys, values, strict=True)), "balls": len(recordings)}
         row["trainings"] = len(trials)
-        found = clustered_mean(trials, recordings)
+        means = clustered_mean(trials, recordings)
         for k, outcome in enumerate(OUTCOMES):
             row[outcome.counts] = trials[..., k].sum() / len(trials)
-            row[outcome.rate] = found.mean[k]
-            row[f"{outcome.rate}_low"] = max(found.low[k], 0.0)
-            row[f"{outcome.rate}_high"] = min(found.high[k], 1.0)
+            row[outcome.rate] = means.mean[k]
+            row[f"{outcome.rate}_low"] = max(means.low[k], 0.0)
+            row[f"{outcome.rate}_high"] = min(means.high[k], 1.0)
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -86,15 +86,15 @@ def _differences(part: pd.DataFrame, baseline: Mapping[str, str]) -> Iterator[di
     base, recordings = by_value.pop(tuple(baseline.values()))
     for value, (trials, _) in by_value.items():
         difference = trials - base
-        found, more = clustered_mean(difference, recordings), difference.sum(axis=0)
+        means, more = clustered_mean(difference, recordings), difference.sum(axis=0)
         for k, outcome in enumerate(OUTCOMES):
             yield {
                 **dict(zip(baseline, value, strict=True)),
                 "outcome": outcome.counts,
-                "difference": found.mean[k],
-                "ci_low": found.low[k],
-                "ci_high": found.high[k],
-                "p": found.p[k],
+                "difference": means.mean[k],
+                "ci_low": means.low[k],
+                "ci_high": means.high[k],
+                "p": means.p[k],
                 "gained": int((more[:, k] > 0).sum()),
                 "lost": int((more[:, k] < 0).sum()),
             }
@@ -110,7 +110,9 @@ def trials_of(part: pd.DataFrame) -> tuple[Floats, np.ndarray]:
         (R, B, K) whether a ball had an outcome in a training, 0 or 1; and the recordings.
     """
     shot = [name for name in ("set", "ball") if name in part]
-    tables = [part.pivot(index="repeat", columns=shot, values=one.column) for one in OUTCOMES]
+    tables = [
+        part.pivot(index="repeat", columns=shot, values=outcome.column) for outcome in OUTCOMES
+    ]
     outcomes = np.stack([table.to_numpy(dtype=np.float64) for table in tables], axis=2)
     if "recording" not in part:
         return outcomes, np.arange(outcomes.shape[1])

@@ -113,28 +113,28 @@ def read_replay_sets(artifacts: Path, settings: Sim2RealSettings, seed: int) -> 
     candidates = [*_measured(artifacts, manifest), *_launched(launches, settings, seed)]
     sets = [
         _replay_set(
-            one,
-            manifest.sources[one.source].spin,
+            candidate,
+            manifest.sources[candidate.source].spin,
             settings.noise,
-            np.random.default_rng([seed, *one.name.encode()]),
+            np.random.default_rng([seed, *candidate.name.encode()]),
         )
-        for one in candidates
+        for candidate in candidates
     ]
-    for one in sets:
-        if not len(one):
-            reasons = ", ".join(f"{count} {why}" for why, count in one.excluded.items())
-            warn(f"no shot of {one.name} can be replayed: {reasons}")
+    for replayed in sets:
+        if not len(replayed):
+            reasons = ", ".join(f"{count} {why}" for why, count in replayed.excluded.items())
+            warn(f"no shot of {replayed.name} can be replayed: {reasons}")
     if not any(map(len, sets)):
         problem = "no shot can be replayed; ingest more, or let segment.split.replay keep more"
         raise InputError(artifacts / "segment" / "episodes.parquet", problem)
-    return [one for one in sets if len(one)]
+    return [replayed for replayed in sets if len(replayed)]
 
 
 def _measured(artifacts: Path, manifest: Manifest) -> Iterator[_Candidates]:
     truth = read_truth(artifacts / "ingest" / "truth.json")
     contacts = artifacts / "ingest" / "true_contacts.parquet"
     for name, members in _episodes(artifacts / "segment", manifest.labelled_once).items():
-        source, recordings = members[0].source, [one.recording_id for one in members]
+        source, recordings = members[0].source, [member.recording_id for member in members]
         if source == ARENA and truth is not None:
             shots, rotated = _arena_shots(members, truth, contacts), np.zeros(len(members), bool)
             simulator = truth.simulator
@@ -143,10 +143,12 @@ def _measured(artifacts: Path, manifest: Manifest) -> Iterator[_Candidates]:
                 simulator = simulator.amended("racket_bounce", **racket)
             yield _Candidates(name, source, shots, recordings, rotated, simulator, truth.simulator)
         else:
-            measured = [from_launch(one.episode) for one in members]
-            away = np.array([flies_away(one) for one in measured])
-            facing = [half_turn(one) if flies_away(one) else one for one in measured]
-            shots = [Shot(one, *measured_path(one)) for one in facing]
+            measured = [from_launch(member.episode) for member in members]
+            away = np.array([flies_away(episode) for episode in measured])
+            facing = [
+                half_turn(episode) if flies_away(episode) else episode for episode in measured
+            ]
+            shots = [Shot(episode, *measured_path(episode)) for episode in facing]
             yield _Candidates(name, source, shots, recordings, away, LITERATURE, None)
 
 
@@ -156,19 +158,19 @@ def _episodes(folder: Path, labelled_once: set[str]) -> dict[str, list[MeasuredE
     table = read_checked(folder / "episodes.parquet", EPISODES)
     replay_set = dict(zip(table["episode_id"], table["replay_set"], strict=True))
     sets: dict[str, list[MeasuredEpisode]] = {name: [] for name in ARENA_SETS}
-    for one in episodes:
-        name = replay_set[one.episode_id] if one.source == ARENA else one.source
-        if one.unbroken and name != NOT_REPLAYED:
-            sets.setdefault(name, []).append(one)
+    for episode in episodes:
+        name = replay_set[episode.episode_id] if episode.source == ARENA else episode.source
+        if episode.unbroken and name != NOT_REPLAYED:
+            sets.setdefault(name, []).append(episode)
     return {name: members for name, members in sets.items() if members}
 
 
 def _arena_shots(members: list[MeasuredEpisode], truth: Truth, path: Path) -> list[Shot]:
-    contacts = read_contacts(path, np.array([one.recording_id for one in members]))
-    starts = [float(one.episode.times[0]) for one in members]
+    contacts = read_contacts(path, np.array([member.recording_id for member in members]))
+    starts = [float(member.episode.times[0]) for member in members]
     return [
-        Shot(from_launch(one.episode), *true_path(truth, contacts[one.recording_id], start))
-        for one, start in zip(members, starts, strict=True)
+        Shot(from_launch(member.episode), *true_path(truth, contacts[member.recording_id], start))
+        for member, start in zip(members, starts, strict=True)
     ]
 
 
@@ -178,7 +180,7 @@ def _launched(path: Path, settings: Sim2RealSettings, seed: int) -> Iterator[_Ca
         random = np.random.default_rng([seed, *str(source).encode()])
         drawn = random.permutation(len(rows))[: settings.launches]
         launches = rows[STATE_COLUMNS].to_numpy()[drawn]
-        ids = [str(one) for one in rows["launch_id"].to_numpy()[drawn]]
+        ids = [str(launch_id) for launch_id in rows["launch_id"].to_numpy()[drawn]]
         away = launches[:, 4] > 0
         launches[away] *= np.tile(HALF_TURN, 3)
         shots = _launched_shots(launches, settings.noise, random)

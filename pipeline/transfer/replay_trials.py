@@ -183,11 +183,11 @@ def informed_predictors(
 
     The learned ones, physics with the amended simulator, and the oracle, where available.
     """
-    found = {one.name: one.predictor for one in learned}
+    informed = {named.name: named.predictor for named in learned}
     for name, simulator in ((AMENDED, amended), (ORACLE, shots.oracle)):
         if simulator is not None:
-            found[name] = PhysicsPredictor(simulator)
-    return found
+            informed[name] = PhysicsPredictor(simulator)
+    return informed
 
 
 def source_of(shots: ReplaySet) -> str:

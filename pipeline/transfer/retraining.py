@@ -16,7 +16,7 @@ from rallygap.pipeline.transfer.transfer_table import PHYSICS, SETTING
 ORIGINAL, RETRAINED = "original", "retrained"
 BASELINE = {"policy": ORIGINAL, "predictor": PHYSICS}
 KEYS = [*SETTING, *BASELINE]  # of an experiment
-RETURNED = [one.column for one in OUTCOMES].index("returned")
+RETURNED = [outcome.column for outcome in OUTCOMES].index("returned")
 CLOSED = ["gap_closed", "closed_low", "closed_high"]
 
 
