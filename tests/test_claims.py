@@ -141,6 +141,18 @@ def test_returns_in_other_simulators_and_runs():
     assert ((spread["ci_low"] <= 0) & (spread["ci_high"] >= 0)).all()
 
 
+def test_forecasts_in_other_runs():
+    query = "set == 'arena' and against == 'measured' and quantity == 'position'"
+    expected = {
+        "paper": {"transformer": 33, "hybrid": 29, "amended_imperfect_c": 27},
+        "paper_physics": {"physics_c": 72, "amended_imperfect_c": 28, "transformer": 40},
+    }
+    for run, errors in expected.items():
+        rows = table(f"{run}/evaluate_predictor/forecast_error", query)
+        rows = rows.query("bounce == 'all' and horizon_ms == 300").set_index("predictor")
+        assert rows["mean"].round()[list(errors)].to_dict() == errors
+
+
 def test_the_papers_network():
     query = "quantity == 'position' and bounce == 'all' and horizon_ms == 300"
     means = table("paper_network", query).set_index("predictor")["mean"].round()
