@@ -1,10 +1,12 @@
 """What README and the results pages say in numbers, outside their tables, holds for the reports."""
 
+import re
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+from rallygap.models.ball import state
 from rallygap.pipeline.arenas.scores import (
     Share,
     coverage,
@@ -177,3 +179,11 @@ def test_the_papers_claims():
     assert words["Figure 4"][:2] == ["holds", "holds"]
     assert {*words["Table I, physics from the first window"]} == {"open"}
     assert words["Figure 5"] == ["not comparable", "not comparable", "fails"]
+
+
+def test_constants_of_the_ball_and_the_table():
+    page = (REPORTS.parent / "docs" / "ball-physics.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([A-Z_]+)` \|.*?\| ([\d.e-]+) \|", page, re.MULTILINE)
+    assert len(rows) == 11
+    for name, value in rows:
+        assert f"{getattr(state, name):.6g}" == value, name
