@@ -1,5 +1,6 @@
 """What README and the results pages say in numbers, outside their tables, holds for the reports."""
 
+import re
 from pathlib import Path
 
 import pandas as pd
@@ -13,6 +14,7 @@ from rallygap.pipeline.arenas.scores import (
     ratios,
 )
 
+from rallygap.models.ball import state
 from rallygap.pipeline.io.artifacts import read_json
 
 REPORTS = Path(__file__).parents[1] / "reports"
@@ -141,6 +143,18 @@ def test_returns_in_other_simulators_and_runs():
     assert ((spread["ci_low"] <= 0) & (spread["ci_high"] >= 0)).all()
 
 
+def test_forecasts_in_other_runs():
+    query = "set == 'arena' and against == 'measured' and quantity == 'position'"
+    expected = {
+        "paper": {"transformer": 33, "hybrid": 29, "amended_imperfect_c": 27},
+        "paper_physics": {"physics_c": 72, "amended_imperfect_c": 28, "transformer": 40},
+    }
+    for run, errors in expected.items():
+        rows = table(f"{run}/evaluate_predictor/forecast_error", query)
+        rows = rows.query("bounce == 'all' and horizon_ms == 300").set_index("predictor")
+        assert rows["mean"].round()[list(errors)].to_dict() == errors
+
+
 def test_the_papers_network():
     query = "quantity == 'position' and bounce == 'all' and horizon_ms == 300"
     means = table("paper_network", query).set_index("predictor")["mean"].round()
@@ -165,3 +179,11 @@ def test_the_papers_claims():
     assert words["Figure 4"][:2] == ["holds", "holds"]
     assert {*words["Table I, physics from the first window"]} == {"open"}
     assert words["Figure 5"] == ["not comparable", "not comparable", "fails"]
+
+
+def test_constants_of_the_ball_and_the_table():
+    page = (REPORTS.parent / "docs" / "ball-physics.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([A-Z_]+)` \|.*?\| ([\d.e-]+) \|", page, re.MULTILINE)
+    assert len(rows) == 11
+    for name, value in rows:
+        assert f"{getattr(state, name):.6g}" == value, name

@@ -1,7 +1,7 @@
 """How costs grow with the work, on one process and on two; minutes.
 
 Every work is measured once, then twice as large, then that on two processes. Writes
-``reports/costs/scale.csv`` and ``scale.json``, from which `rallygap docs` writes docs/scale.md. Run
+``reports/costs/scale.csv`` and ``scale.json``, whose table docs/scale.md shows. Run
 nothing else meanwhile.
 """
 

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from rallygap.models.ball import state
 from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.ball.effect import Effect, Parameter
 from rallygap.models.ball.quantities import QUANTITIES
@@ -35,21 +34,6 @@ PLACES = {
     "sensor": "In the measurement",
 }
 
-# Name in models/ball/state.py: symbol, meaning, unit, source.
-CONSTANTS = {
-    "BALL_MASS": ("m", "mass of the ball", "kg", "ITTF Law 2.3"),
-    "BALL_RADIUS": ("r", "radius of the ball", "m", "ITTF Law 2.3"),
-    "BALL_AREA": ("A", "cross-section of the ball", "m²", "π r²"),
-    "BALL_VOLUME": ("V", "volume of the ball", "m³", "4/3 π r³"),
-    "AIR_DENSITY": ("ρ", "density of air", "kg/m³", "20 °C, 1013 hPa"),
-    "DRAG_FACTOR": ("k_D / C_D", "factor of drag, ρ A / 2m", "1/m", "Nakashima 2010"),
-    "MAGNUS_FACTOR": ("k_M / C_M", "factor of lift, ρ V / m", "1", "Nakashima 2010"),
-    "TABLE_HALF_LENGTH": ("", "half of the table's length, along y", "m", "ITTF Law 2.1"),
-    "TABLE_HALF_WIDTH": ("", "half of the table's width, along x", "m", "ITTF Law 2.1"),
-    "NET_HEIGHT": ("", "height of the net", "m", "ITTF Law 2.2"),
-    "NET_OVERHANG": ("", "length of the net beyond each side line", "m", "ITTF Law 2.2"),
-}
-
 
 def command_page(_: Path) -> str:
     """Return the commands of ``rallygap`` with their arguments and options."""
@@ -70,18 +54,25 @@ def command_page(_: Path) -> str:
 
 
 def catalogue_page(_: Path) -> str:
-    """Return the effects by place, the quantities that they change, and the constants."""
+    """Return the effects by place, and the quantities that they change."""
     head = ["effect", "what happens", "exact form", "parameter", "neutral", "bounds", "observed"]
     parts = [EFFECTS]
     for place, title in PLACES.items():
         effects = (effect for effect in catalogue().values() if effect.acts == place)
         rows = [_effect_row(effect, param) for effect in effects for param in effect.parameters]
         parts.append(f"## {title}\n\n{markdown_table([*head, 'source'], rows)}\n")
-    parts += [
-        f"{QUANTITIES_HEAD}\n{_quantities_table()}\n",
-        f"## Constants\n\n{_constants_table()}",
+    rows = [
+        [
+            f"`{quantity.name}`",
+            quantity.acts,
+            quantity.meaning,
+            f"{quantity.start:g}",
+            quantity.size,
+        ]
+        for quantity in QUANTITIES
     ]
-    return "\n".join(parts)
+    names = ["quantity", "acts in", "meaning", "start", "components"]
+    return "\n".join([*parts, f"{QUANTITIES_HEAD}\n{markdown_table(names, rows)}"])
 
 
 def _effect_row(effect: Effect, parameter: Parameter) -> list[str]:
@@ -97,20 +88,3 @@ def _effect_row(effect: Effect, parameter: Parameter) -> list[str]:
         parameter.observed,
         parameter.source,
     ]
-
-
-def _constants_table() -> str:
-    """Return the constants of the ball and the table."""
-    rows = [
-        [f"`{name}`", symbol, meaning, f"{getattr(state, name):.6g}", unit, source]
-        for name, (symbol, meaning, unit, source) in CONSTANTS.items()
-    ]
-    return markdown_table(["name", "symbol", "meaning", "value", "unit", "source"], rows)
-
-
-def _quantities_table() -> str:
-    """Return the quantities that effects change."""
-    rows = [
-        [f"`{one.name}`", one.acts, one.meaning, f"{one.start:g}", one.size] for one in QUANTITIES
-    ]
-    return markdown_table(["quantity", "acts in", "meaning", "start", "components"], rows)
