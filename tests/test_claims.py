@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from rallygap.pipeline.arenas.scores import (
+from rallygap.pipeline.experiments.arenas.scores import (
     Share,
     coverage,
     found_by_size,
@@ -36,7 +36,7 @@ def returns(name, query=""):
 def test_the_arena():
     errors = table("close_gap/errors", "source == 'arena' and horizon_ms == 300").iloc[0]
     assert errors[["before_mm", "after_mm"]].round().tolist() == [66, 24]
-    curves = table("learning_curves", "horizon_ms == 300")
+    curves = table("learning_curves/errors", "horizon_ms == 300")
     means = curves.pivot(index="recordings", columns="predictor", values="mean")
     assert (means.loc[300:, "amended_imperfect_c"].round() == 28).all()
     assert (means["amended_imperfect_c"] < means["transformer"]).all()
@@ -62,7 +62,7 @@ def test_twenty_arenas():
 
 
 def test_the_exam():
-    exam = read_json(REPORTS / "hidden_effects" / "exam.json")
+    exam = read_json(REPORTS / "exam" / "exam.json")
     names = ["trials", "distinguishable_right", "pairs_right", "false_alarms", "withheld_right"]
     assert [exam[name] for name in names] == [1816, 147, 76, 3, 21]
     names = ["distinguishable", "pairs", "clean_sets", "withheld"]
@@ -84,7 +84,7 @@ def test_measured_sets():
 
 
 def test_planted_errors():
-    scores = pd.DataFrame(read_json(REPORTS / "real" / "known_answers.json")).T
+    scores = pd.DataFrame(read_json(REPORTS / "known_answers" / "scores.json")).T
     names = ["leading", "questions", "unplanted_clean", "unplanted"]
     assert scores[names].sum().tolist() == [97, 110, 1, 6]
 
@@ -99,13 +99,13 @@ def test_scenes_of_other_engines():
 
 
 def test_forecasts_on_measured_sets():
-    rows = table("real/forecasts", "quantity == 'position' and bounce == 'all'")
+    rows = table("real_forecasts/errors", "quantity == 'position' and bounce == 'all'")
     means = rows.pivot(index=["set", "horizon_ms"], columns="predictor", values="mean")
     best = means.idxmin(axis=1)
     best = best.drop(("isr_ball_prediction", 100))
     assert set(best) == {"hybrid_ensemble"}
     assert means["hybrid_ensemble"].round().xs(200, level=1).loc[MEASURED].tolist() == [9, 69, 38]
-    covered = table("real/forecast_coverage", "level == 0.9 and horizon_ms == 200")["coverage"]
+    covered = table("real_forecasts/coverage", "level == 0.9 and horizon_ms == 200")["coverage"]
     assert covered.between(0.887, 0.908).all()
 
 
