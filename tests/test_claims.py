@@ -79,6 +79,7 @@ def test_measured_sets():
     )
     assert changes.groupby(level=0).sum().to_numpy().tolist() == [[0, 2], [7, 0], [6, 0]]
     leading = table("real/close_gap/causes", f"role == 'leading' and source in {MEASURED}")
+    assert not leading["cause"].str.startswith("gravity").any()
     splits = leading.groupby(["source", "simulator", "cause"]).size()
     assert (int((splits == 3).sum()), len(splits)) == (21, 68)
 
