@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, TypeAdapter, ValidationError, model_validator
+from pydantic import Discriminator, Field, Tag, TypeAdapter, ValidationError, model_validator
 
 from rallygap.models.policy.settings import HorizonsMs
 from rallygap.pipeline.experiments.profiles import merged
@@ -57,7 +57,10 @@ class Range(Settings):
         return self
 
 
-Values = Range | Annotated[list[Value], Field(min_length=2)]
+Values = Annotated[
+    Annotated[Range, Tag("range")] | Annotated[list[Value], Field(min_length=2), Tag("choices")],
+    Discriminator(lambda values: "choices" if isinstance(values, list) else "range"),
+]
 """Of a searched parameter: a range, or the choices."""
 
 

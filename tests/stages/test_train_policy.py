@@ -143,10 +143,10 @@ def test_a_run_that_was_killed_is_taken_up_to_the_same_bytes(whole, tmp_path, mo
 
 
 def killed_in_a_second_leg(learn_iteration):
-    def killed(task, settings, seed, iteration, before, after):
+    def killed(task, settings, seed, iteration, *rest):
         if iteration == 1:
             raise RuntimeError("killed")
-        return learn_iteration(task, settings, seed, iteration, before, after)
+        return learn_iteration(task, settings, seed, iteration, *rest)
 
     return killed
 

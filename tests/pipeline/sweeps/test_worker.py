@@ -136,7 +136,7 @@ def test_workers_share_a_study_and_the_next_one_retries_the_trial_of_a_killed_on
         with start(sweep, 5) as late:
             assert late.stdout.readline() == "started\n"
             (tmp_path / "hold").unlink()
-            assert [other.wait(60), late.wait(60)] == [0, 0]
+            assert [other.wait(300), late.wait(300)] == [0, 0]
     study = open_study(sweep, None)
     assert ended(study) in (5, 6)  # both may begin a fifth
     (failed,) = [one for one in study.trials if one.state == TrialState.FAIL]
