@@ -84,7 +84,7 @@ def _docstring(text: str) -> str:
 
 def _constants(simulator: Simulator) -> dict[str, float]:
     """Return the numbers that the functions of the effects name."""
-    constants = {}
+    constants: dict[str, float] = {}
     for _, change in _changes(simulator):
         known = change.function.__globals__
         values = {name: known.get(name) for name in change.function.__code__.co_names}
