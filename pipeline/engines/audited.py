@@ -42,10 +42,10 @@ def audited(
     probes = bounce_probes()
     try:
         check_deterministic(engine, probes.states[:FEW], probes.times)
-        found = audit(engine, progress, patience)
+        made = audit(engine, progress, patience)
     except EngineError as error:
         raise InputError(engine.name, str(error).removeprefix(f"{engine.name} ")) from None
-    return replace(found, simulator=_rounded(found.simulator))
+    return replace(made, simulator=_rounded(made.simulator))
 
 
 def cached_audit(engine: Engine, progress: Callable[[float], None] = lambda share: None) -> Audit:
@@ -66,14 +66,14 @@ def cached_audit(engine: Engine, progress: Callable[[float], None] = lambda shar
         return audited(engine, progress)
     path = platformdirs.user_cache_path("rallygap") / "audits" / f"{_digest(content)}.pickle"
     with suppress(Exception):  # whatever a broken entry raises
-        found = pickle.loads(path.read_bytes())
-        if isinstance(found, Audit):
+        entry = pickle.loads(path.read_bytes())
+        if isinstance(entry, Audit):
             progress(1.0)
-            return found
-    found = audited(engine, progress)
+            return entry
+    made = audited(engine, progress)
     with suppress(OSError), replacing(path) as temporary:
-        temporary.write_bytes(pickle.dumps(found))
-    return found
+        temporary.write_bytes(pickle.dumps(made))
+    return made
 
 
 def _digest(content: bytes) -> str:
@@ -98,10 +98,10 @@ def effects_of(name: str, say: Callable[[str], None]) -> Simulator:
     engine = load_engine(name)
     if isinstance(engine, EffectsEngine):
         return engine.simulator
-    found = cached_audit(engine)
-    for line in outcome(name, found, traps(found)):
+    made = cached_audit(engine)
+    for line in outcome(name, made, traps(made)):
         say(line)
-    return found.simulator
+    return made.simulator
 
 
 def _rounded(simulator: Simulator) -> Simulator:

@@ -15,12 +15,12 @@ ROW, HEADROOM = 0.35, 1.0  # inch
 
 def worth_figure(audit: Audit) -> ReportFigure:
     """Draw what each effect is worth, that is not of every engine; there is at least one."""
-    shown = [one for one in audit.effects if np.isfinite(one.worth_mm)]
-    shown.sort(key=lambda one: one.worth_mm)
+    shown = [effect for effect in audit.effects if np.isfinite(effect.worth_mm)]
+    shown.sort(key=lambda effect: effect.worth_mm)
     figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW * len(shown)))
     axes = figure.subplots()
-    axes.barh([one.hypothesis.identity for one in shown], [one.worth_mm for one in shown], 0.6,
-              color=COLOUR)  # fmt: skip
+    names = [effect.hypothesis.identity for effect in shown]
+    axes.barh(names, [effect.worth_mm for effect in shown], 0.6, color=COLOUR)
     axes.set_xscale("symlog", linthresh=0.1)
     axes.set_xlim(left=0.0)
     axes.set_xlabel("distance without the effect (mm)")

@@ -65,8 +65,11 @@ def scene_errors(path: Path | str) -> Iterator[None]:
     """Raise errors of MuJoCo about a scene's file as ``InputError``, in one line each."""
     import mujoco
 
+    from rallygap.models.engines.mujoco.simulation import collected_warnings
+
     try:
-        yield
+        with collected_warnings():
+            yield
     except EngineError as error:
         raise InputError(path, str(error)) from None
     except (ValueError, mujoco.FatalError) as error:
@@ -89,11 +92,11 @@ def names_function(name: str) -> bool:
 
 
 def _function(name: str, module: ModuleType, function: str) -> Any:
-    found = getattr(module, function, None)
-    if not callable(found):
-        known = [one for one in vars(module) if not one.startswith("_")]
+    member = getattr(module, function, None)
+    if not callable(member):
+        known = [own for own in vars(module) if not own.startswith("_")]
         raise InputError(name, f"has no function {function!r}; {suggestion(function, known)}")
-    return found
+    return member
 
 
 def _module(place: str) -> ModuleType:

@@ -67,7 +67,7 @@ def body_name(model: mujoco.MjModel, body: int) -> str:
 def _named(model: mujoco.MjModel, name: str) -> Ball:
     body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
     if body < 0:
-        known = [model.body(one).name for one in range(1, model.nbody)]
+        known = [model.body(other).name for other in range(1, model.nbody)]
         hint = suggestion(name, filter(None, known))
         raise EngineError(f"there is no body called {name!r}; {hint}")
     flaw = _flaw(model, body)

@@ -101,9 +101,9 @@ def table_contact(model: mujoco.MjModel, ball: Ball, frame: TableFrame) -> Conta
     if not frame.found:
         return None
     data = _touching(model, ball, frame)
-    for found in data.contact[: data.ncon]:
-        if ball.geom in found.geom and set(found.geom.tolist()) & set(frame.geoms):
-            contact = _contact(model, found)
+    for touch in data.contact[: data.ncon]:
+        if ball.geom in touch.geom and set(touch.geom.tolist()) & set(frame.geoms):
+            contact = _contact(model, touch)
             return contact if contact.stiffness > 0.0 else None
     return None
 
@@ -119,23 +119,23 @@ def _touching(model: mujoco.MjModel, ball: Ball, frame: TableFrame) -> mujoco.Mj
     return data
 
 
-def _contact(model: mujoco.MjModel, found: mujoco.MjContact) -> Contact:
-    raised = _raised(model, found.solref)
-    stiffness, damping = _spring(model, found.solref)
+def _contact(model: mujoco.MjModel, touch: mujoco.MjContact) -> Contact:
+    raised = _raised(model, touch.solref)
+    stiffness, damping = _spring(model, touch.solref)
     elliptic = model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
-    own = elliptic and found.solreffriction.any()  # MuJoCo's rule
-    slip_damping = _spring(model, found.solreffriction)[1] if own else damping
-    friction = found.friction[:2] if found.dim > 1 else np.zeros(2)
+    own = elliptic and touch.solreffriction.any()  # MuJoCo's rule
+    slip_damping = _spring(model, touch.solreffriction)[1] if own else damping
+    friction = touch.friction[:2] if touch.dim > 1 else np.zeros(2)
     return Contact(
         stiffness=stiffness,
         damping=damping,
         slip_damping=slip_damping,
         friction=(float(friction[0]), float(friction[1])),
-        torsional=found.dim > 3,
+        torsional=touch.dim > 3,
         elliptic=bool(elliptic),
-        lift=float(found.includemargin),
-        default=tuple(found.solref.tolist()) == DEFAULT_SOLREF,
-        mixed=_is_mixed(found.solref),
+        lift=float(touch.includemargin),
+        default=tuple(touch.solref.tolist()) == DEFAULT_SOLREF,
+        mixed=_is_mixed(touch.solref),
         raised=raised,
     )
 

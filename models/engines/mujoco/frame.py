@@ -86,12 +86,12 @@ def find_frame(model: mujoco.MjModel, ball: Ball) -> TableFrame:
 
     Of several tables, the highest is taken.
     """
-    found = [
+    frames = [
         frame
         for plates in _surfaces(_plates(model, ball))
         if (frame := _frame(plates, up_axis(model))) is not None
     ]
-    return max(found, key=lambda frame: float(frame.origin @ up_axis(model)), default=WORLD)
+    return max(frames, key=lambda frame: float(frame.origin @ up_axis(model)), default=WORLD)
 
 
 def up_axis(model: mujoco.MjModel) -> Floats:
@@ -179,5 +179,5 @@ def _meets(model: mujoco.MjModel, geom: int, other: int) -> bool:
     low, high = sorted((int(model.geom_bodyid[geom]), int(model.geom_bodyid[other])))
     if (low << 16) + high in model.exclude_signature:
         return False
-    one, two = (model.geom_contype[[geom, other]], model.geom_conaffinity[[other, geom]])
-    return bool((one & two).any())
+    types, affinities = model.geom_contype[[geom, other]], model.geom_conaffinity[[other, geom]]
+    return bool((types & affinities).any())

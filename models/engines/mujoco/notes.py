@@ -245,8 +245,8 @@ def _grip_notes(contact: Contact) -> Iterator[str]:
 
 def _cone_notes(contact: Contact) -> Iterator[str]:
     if contact.friction[0] != contact.friction[1]:
-        one, other = contact.friction
-        yield f"friction differs with direction, {one:g} and {other:g}; here it is the first"
+        first, second = contact.friction
+        yield f"friction differs with direction, {first:g} and {second:g}; here it is the first"
     if contact.torsional:
         yield (
             "condim above 3: friction also acts against spin about the normal, and with 6 against "

@@ -56,8 +56,8 @@ class MujocoScene:
         Raises:
             EngineError: the scene has no ball, or several.
         """
-        found = find_ball(model, ball)
-        return cls(name, model, found, find_frame(model, found))
+        known = find_ball(model, ball)
+        return cls(name, model, known, find_frame(model, known))
 
     @property
     def content(self) -> bytes:

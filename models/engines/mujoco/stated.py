@@ -60,7 +60,7 @@ def gravity(model: mujoco.MjModel, frame: TableFrame) -> Floats:
 
 def _effect(name: str, parameters: Iterable[str], values: Iterable[float]) -> Effects:
     """Return an effect with its parameters, or nothing where all are zero."""
-    listed = {one: float(value) for one, value in zip(parameters, values, strict=True)}
+    listed = {key: float(value) for key, value in zip(parameters, values, strict=True)}
     return {name: listed} if max(map(abs, listed.values())) > TINY else {}
 
 

@@ -61,7 +61,7 @@ def _bends(simulator: Simulator, launches: Floats) -> Floats:
     """Return by how much lift moves each ball, m, after ``AHEAD`` in free flight."""
     air = simulator.without_surfaces()
     pair = air, air.amended("magnus", cm=0.0)
-    flown, straight = (one.fly(launches, [AHEAD]).states[:, 0, POSITION] for one in pair)
+    flown, straight = (law.fly(launches, [AHEAD]).states[:, 0, POSITION] for law in pair)
     bends: Floats = np.linalg.norm(flown - straight, axis=1)
     return bends
 
@@ -70,4 +70,4 @@ def _shares(log: EventLog) -> Mapping[str, float]:
     """Return how points end, as shares."""
     names, counts = np.unique(log.ended_by, return_counts=True)
     shares = counts / counts.sum()
-    return {str(name): round(float(one), 3) for name, one in zip(names, shares, strict=True)}
+    return {str(name): round(float(part), 3) for name, part in zip(names, shares, strict=True)}

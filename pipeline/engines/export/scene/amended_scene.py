@@ -68,8 +68,7 @@ def amended_scene(
         ]
         text = file.text([*(amendment.sentence for amendment in amendments), *about])
     except (EngineError, InputError) as error:
-        known = isinstance(error, InputError)
-        problem = error if known else InputError(file.path, str(error))
+        problem = error if isinstance(error, InputError) else InputError(file.path, str(error))
         sentences = (f"There is no amended {SCENE}: {problem}.", *checked)
         return AmendedScene(None, code, sentences, problem)
     return AmendedScene(text, code, (*about, *checked))

@@ -95,7 +95,7 @@ class SceneFile:
         kept = [f"rallygap: {line}" for line in lines] + self.comment.strip().splitlines()
         self.spec.comment = " " + "\n       ".join(map(_harmless, kept)) + "\n  "
         with scene_errors(self.path):
-            return self.spec.to_xml()
+            return str(self.spec.to_xml())
 
     def written(self) -> MujocoScene:
         """Return the scene that the text is, with assets of the file's folder.

@@ -18,7 +18,7 @@ from rallygap.pipeline.engines.export.scene.verification import (
 from rallygap.pipeline.web.numbers import number, with_unit
 
 # Effects that have attributes; those of "table_bounce" are a matter of the verification.
-SAID = {
+STATED = {
     "gravity", "frame_tilt", "buoyancy", "added_mass", "wind", "drag", "magnus", "linear_drag",
     "table_bounce",
 }  # fmt: skip
@@ -44,11 +44,10 @@ def unsupported(
         shots: over which a cost is the largest distance.
     """
     for effect in after.effects:
-        if effect in SAID or catalogue()[effect].acts == "sensor":
+        if effect in STATED or catalogue()[effect].acts == "sensor":
             continue
-        names = [one.name for one in catalogue()[effect].parameters]
-        found = [Hypothesis(effect, name) for name in names]
-        changed = [one for one in found if differs(one.value(before), one.value(after))]
+        parameters = [Hypothesis(effect, own.name) for own in catalogue()[effect].parameters]
+        changed = [own for own in parameters if differs(own.value(before), own.value(after))]
         cost = _cost(effect, after, shots) if changed else 0.0
         if cost > SMALLEST_MM or (changed and effect in ELSEWHERE):
             yield _sentence(changed, after, cost)
@@ -63,15 +62,15 @@ def unsupported(
 def _cost(effect: str, after: Simulator, shots: VerificationShots) -> float:
     """Return the largest distance, mm, that a list makes without an effect."""
     rest = {name: values for name, values in after.effects.items() if name != effect}
-    one, other = (EffectsEngine("list", simulator) for simulator in (after, Simulator(rest)))
+    full, reduced = (EffectsEngine("list", simulator) for simulator in (after, Simulator(rest)))
     if catalogue()[effect].acts == "flight":
-        return distances(one, other, shots.flights, FLIGHT).largest
-    return distances(one, other, shots.bounces, BEFORE + AFTER).largest
+        return distances(full, reduced, shots.flights, FLIGHT).largest
+    return distances(full, reduced, shots.bounces, BEFORE + AFTER).largest
 
 
 def _sentence(changed: list[Hypothesis], after: Simulator, cost: float) -> str:
     values = ", ".join(
-        f"{one.identity} {with_unit(one.value(after), one.declaration.unit)}" for one in changed
+        f"{own.identity} {with_unit(own.value(after), own.declaration.unit)}" for own in changed
     )
     effect = changed[0].effect
     hint = f" ({ELSEWHERE[effect]})" if effect in ELSEWHERE else ""
@@ -82,7 +81,7 @@ def _sentence(changed: list[Hypothesis], after: Simulator, cost: float) -> str:
 
 
 def _viscosity(scene: MujocoScene, before: Simulator, after: Simulator) -> Iterator[str]:
-    known, wanted = (Target.of(one.effects).linear for one in (before, after))
+    known, wanted = (Target.of(law.effects).linear for law in (before, after))
     if not differs(known, wanted):
         return
     damped = float(scene.model.dof_damping[scene.ball.velocity]) / scene.ball.mass

@@ -64,10 +64,12 @@ class Distances:
     Attributes:
         largest: mm.
         most: mm, which 95 % of the shots do not exceed.
+        shots: how many.
     """
 
     largest: float
     most: float
+    shots: int
 
 
 @dataclass(frozen=True)
@@ -77,44 +79,30 @@ class Agreement:
     Attributes:
         flight: after 0.6 s.
         bounce: 0.15 s after a contact with the table; None where the list or the scene has none.
-        shots: how many flights.
-        bounces: how many bounces.
     """
 
     flight: Distances
     bounce: Distances | None
-    shots: int
-    bounces: int
-
-    @property
-    def flight_met(self) -> bool:
-        """Whether flights are within their limit."""
-        return self.flight.largest <= FLIGHT_LIMIT
-
-    @property
-    def bounce_met(self) -> bool:
-        """Whether bounces are within their limit, where there are any."""
-        return self.bounce is None or self.bounce.largest <= BOUNCE_LIMIT
 
     def sentences(self, name: str) -> Iterator[str]:
         """Yield what is met and what is not, with its size."""
         place = f"after {FLIGHT:g} s of flight"
-        yield _sentence(name, self.shots, "shots", place, self.flight, FLIGHT_LIMIT)
+        yield _sentence(name, "shots", place, self.flight, FLIGHT_LIMIT)
         if self.bounce is not None:
             place = f"{AFTER:g} s after a bounce"
-            yield _sentence(name, self.bounces, "bounces", place, self.bounce, BOUNCE_LIMIT)
+            yield _sentence(name, "bounces", place, self.bounce, BOUNCE_LIMIT)
 
 
-def distances(one: Engine, other: Engine, states: Floats, time: float) -> Distances:
+def distances(engine: Engine, other: Engine, states: Floats, time: float) -> Distances:
     """Return the distances at a time (s) after the (B, 9) first states, of which there is one.
 
     Raises:
         EngineError: an engine fails.
     """
     times = np.array([time])
-    apart = (one.fly(states, times) - other.fly(states, times))[:, 0, POSITION]
+    apart = (engine.fly(states, times) - other.fly(states, times))[:, 0, POSITION]
     sizes = MM * np.linalg.norm(apart, axis=-1)
-    return Distances(float(sizes.max()), float(np.quantile(sizes, 0.95)))
+    return Distances(float(sizes.max()), float(np.quantile(sizes, 0.95)), len(states))
 
 
 def agreement(
@@ -137,7 +125,7 @@ def agreement(
     bounce = None
     if bounces and len(shots.bounces):
         bounce = distances(engine, known, shots.bounces, _multiple(BEFORE + AFTER, step))
-    return Agreement(flight, bounce, len(shots.flights), len(shots.bounces))
+    return Agreement(flight, bounce)
 
 
 def scene_sentences(
@@ -155,13 +143,13 @@ def scene_sentences(
         EngineError: the scene fails at its own time step.
     """
     contact = table_contact(scene.model, scene.ball, scene.frame)
-    found = agreement(scene, simulator, shots, _step(scene), contact is not None)
-    yield from found.sentences(f"{name}, {_variant(scene)}")
-    if not found.flight_met:
+    agreed = agreement(scene, simulator, shots, _step(scene), contact is not None)
+    yield from agreed.sentences(f"{name}, {_variant(scene)}")
+    if agreed.flight.largest > FLIGHT_LIMIT:
         yield _finer(scene, simulator, shots, name)
     if contact is None and "table_bounce" in simulator.effects:
         yield f"{name} has no contact of ball and table, so bounces are not compared."
-    elif contact is not None and not found.bounce_met:
+    elif contact and agreed.bounce and agreed.bounce.largest > BOUNCE_LIMIT:
         yield (
             f"In {name} a contact lasts {number(MS * contact.duration)} ms or "
             f"{number(contact.duration / _step(scene))} time steps, of which the list knows "
@@ -176,23 +164,23 @@ def _finer(scene: MujocoScene, simulator: Simulator, shots: VerificationShots, n
     for halvings in range(HALVINGS + 1):
         finer = scene.with_integrator(EXACT).with_step(_step(scene) / 2**halvings)
         try:
-            found = distances(finer, known, shots.flights, _multiple(FLIGHT, _step(finer)))
+            apart = distances(finer, known, shots.flights, _multiple(FLIGHT, _step(finer)))
         except EngineError:
             continue
-        if found.largest <= FLIGHT_LIMIT:
+        if apart.largest <= FLIGHT_LIMIT:
             return (
-                f"With {_variant(finer)}, {name} flies within {_mm(found.largest)}; integrator "
+                f"With {_variant(finer)}, {name} flies within {_mm(apart.largest)}; integrator "
                 "and time step are left to you."
             )
     return f"Neither does {name} with {EXACT} and time steps down to {MS * _step(finer):g} ms."
 
 
-def _sentence(name: str, count: int, what: str, place: str, found: Distances, limit: float) -> str:
-    excess = found.largest - limit
+def _sentence(name: str, what: str, place: str, apart: Distances, limit: float) -> str:
+    excess = apart.largest - limit
     verdict = "within" if excess <= 0.0 else f"{_mm(excess)} over"
     return (
-        f"{name}: {count} {what} differ from the list by at most {_mm(found.largest)} {place} "
-        f"(95 % by at most {_mm(found.most)}), {verdict} the limit of {limit:g} mm."
+        f"{name}: {apart.shots} {what} differ from the list by at most {_mm(apart.largest)} {place}"
+        f" (95 % by at most {_mm(apart.most)}), {verdict} the limit of {limit:g} mm."
     )
 
 
@@ -222,5 +210,4 @@ def _before_bounces(simulator: Simulator, launched: Floats) -> Floats:
     bounce = inside & (contacts.surface[:, 0] == TABLE) & (moments > 0.0)
     states = simulator.fly(launched[bounce], moments[bounce][:, None]).states[:, 0]
     alone = simulator.fly(states, [BEFORE + AFTER]).contacts.count == 1
-    once: Floats = states[alone]
-    return once
+    return np.asarray(states[alone])
