@@ -62,7 +62,7 @@ def test_twenty_arenas():
 
 
 def test_the_exam():
-    exam = read_json(REPORTS / "exam" / "exam.json")
+    exam = table("exam/rates").set_index("rate")["rallygap"]
     names = ["trials", "distinguishable_right", "pairs_right", "false_alarms", "withheld_right"]
     assert [exam[name] for name in names] == [1816, 147, 76, 3, 21]
     names = ["distinguishable", "pairs", "clean_sets", "withheld"]
@@ -140,7 +140,7 @@ def test_returns_in_other_simulators_and_runs():
     latent = table("swap_study/mechanism", "latency_ms == 100")
     assert latent["return_rate"].max() < 0.045
     query = "outcome == 'returns' and policy == 'filtered_with_spread'"
-    spread = table("spread_policies_differences", query)
+    spread = table("spread_policies/differences", query)
     assert ((spread["ci_low"] <= 0) & (spread["ci_high"] >= 0)).all()
 
 
@@ -158,7 +158,7 @@ def test_forecasts_in_other_runs():
 
 def test_the_papers_network():
     query = "quantity == 'position' and bounce == 'all' and horizon_ms == 300"
-    means = table("paper_network", query).set_index("predictor")["mean"].round()
+    means = table("paper_network/errors", query).set_index("predictor")["mean"].round()
     assert means[["paper_network", "transformer"]].tolist() == [37, 33]
 
 
