@@ -5,7 +5,7 @@ PYTHON ?= python3.11
 # libraries, so without a GPU of NVIDIA it is the one with CPU builds. Where it cannot be reached,
 # pip takes what other indices have. Empty: those alone.
 TORCH_INDEX ?= $(if $(filter Linux,$(shell uname)),$(if $(shell command -v nvidia-smi),,https://download.pytorch.org/whl/cpu))
-# The folder with the measured sets (spindoe, tt3d, ...), for `make real` and the tests marked `real`.
+# The folder with the measured sets (spindoe, tt3d, ...), for experiments and the tests marked `real`.
 DATA ?= $(RALLYGAP_DATA)
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
