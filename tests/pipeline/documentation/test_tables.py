@@ -2,12 +2,14 @@
 
 import json
 import re
+from itertools import chain, product
 from pathlib import Path
 
 import pytest
 
 from rallygap.pipeline.documentation.__main__ import PAGES, copied_figures, written_pages
 from rallygap.pipeline.documentation.tables import pages, shown_results, with_tables
+from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.runtime.errors import InputError
 from tests.clone import run
 
@@ -129,6 +131,30 @@ def test_every_result_that_a_page_shows_is_in_git():
     for shown in shown_results(ROOT):
         copy = f"docs/images/{Path(shown).parts[1]}/{Path(shown).name}"
         assert {shown, copy} & tracked, shown
+
+
+def outputs(pipeline):
+    """The files and folders that the stages of a pipeline write, those of a matrix one by one."""
+    for stage in read_yaml(pipeline)["stages"].values():
+        listed = chain(*(stage.get(kind, []) for kind in ("outs", "metrics", "plots")))
+        paths = [one if isinstance(one, str) else next(iter(one)) for one in listed]
+        matrix = stage.get("matrix", {})
+        for values in product(*matrix.values()):
+            for path in paths:
+                for key, value in zip(matrix, values, strict=True):
+                    path = path.replace(f"${{item.{key}}}", value)
+                yield path
+
+
+def test_every_result_that_a_page_shows_is_an_output_of_a_stage():
+    made = {*outputs(ROOT / "dvc.yaml"), *outputs(ROOT / "experiments" / "dvc.yaml")}
+    assert "reports/shots" in made
+    nobodys = {
+        shown: by
+        for shown, by in shown_results(ROOT).items()
+        if not made & {shown, *(folder.as_posix() for folder in Path(shown).parents)}
+    }
+    assert nobodys == {}
 
 
 def test_every_link_and_picture_leads_somewhere():
