@@ -8,14 +8,14 @@ from rallygap.pipeline.report.stages import PIPELINE, write_reports
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.transfer.example_returns import read_returns
 
-PICTURES = {  # of documentation pages, in docs/images: the figure that each is a copy of
-    "causes_arena.png": "close_gap/figures/causes_arena.png",
-    "errors_arena.png": "close_gap/figures/errors_arena.png",
-    "forecast_error_arena.png": "evaluate_predictor/figures/forecast_error_arena.png",
-    "coverage_arena.png": "evaluate_predictor/figures/coverage_arena.png",
-    "return_rate.png": "sim2sim/figures/return_rate.png",
-    "transfer.png": "sim2real/figures/transfer.png",
-}
+PICTURES = (  # (stage, figure): documentation pages show a copy of it in docs/images/STAGE
+    ("close_gap", "causes_arena.png"),
+    ("close_gap", "errors_arena.png"),
+    ("evaluate_predictor", "coverage_arena.png"),
+    ("evaluate_predictor", "forecast_error_arena.png"),
+    ("sim2real", "transfer.png"),
+    ("sim2sim", "return_rate.png"),
+)
 
 
 def report(run: StageRun) -> None:
@@ -28,9 +28,12 @@ def report(run: StageRun) -> None:
     shots = read_shots(run.input("evaluate_predictor", "shots.json"))[: settings.shots]
     returns = read_returns(run.input("sim2real", "returns.json"))[: settings.returns]
     write_page(run, "index.html", items, shots, returns)
-    for name, figure in PICTURES.items():
-        if (run.root / "reports" / figure).exists():
-            shutil.copyfile(run.root / "reports" / figure, run.root / "docs" / "images" / name)
+    for stage, name in PICTURES:
+        figure = run.root / "reports" / stage / "figures" / name
+        if figure.exists():
+            folder = run.root / "docs" / "images" / stage
+            folder.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(figure, folder / name)
 
 
 if __name__ == "__main__":

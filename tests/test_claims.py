@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+
+from rallygap.models.ball import state
 from rallygap.pipeline.experiments.arenas.scores import (
     Share,
     coverage,
@@ -13,8 +15,6 @@ from rallygap.pipeline.experiments.arenas.scores import (
     made_up,
     ratios,
 )
-
-from rallygap.models.ball import state
 from rallygap.pipeline.io.artifacts import read_json
 
 REPORTS = Path(__file__).parents[1] / "reports"

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rallygap.pipeline.documentation.code_pages import catalogue_page, command_page
-from rallygap.pipeline.documentation.tables import pages, shown_results, with_tables
+from rallygap.pipeline.documentation.tables import pages, with_tables
 from rallygap.pipeline.io.artifacts import write_text
 from rallygap.pipeline.paper.page import paper_page
 from rallygap.pipeline.runtime.paths import repository_root
@@ -26,22 +26,7 @@ def written_pages(root: Path) -> dict[Path, str]:
     return whole | {page: with_tables(page, root) for page in pages(root) if page not in whole}
 
 
-def copied_figures(root: Path) -> dict[Path, bytes]:
-    """Return the pictures of pages that are copies of figures of stages, from the last run.
-
-    A stage that has not run on this machine has no figures.
-    """
-    copies = {}
-    for file in map(Path, shown_results(root)):
-        picture = root / "docs" / "images" / file.parts[1] / file.name
-        if picture.exists() and (root / file).exists():
-            copies[picture] = (root / file).read_bytes()
-    return copies
-
-
 if __name__ == "__main__":
     repository = repository_root()
     for page, text in written_pages(repository).items():
         write_text(page, text)
-    for picture, content in copied_figures(repository).items():
-        picture.write_bytes(content)

@@ -67,7 +67,7 @@ def catalogue_page(_: Path) -> str:
             quantity.acts,
             quantity.meaning,
             f"{quantity.start:g}",
-            quantity.size,
+            str(quantity.size),
         ]
         for quantity in QUANTITIES
     ]

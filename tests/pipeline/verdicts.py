@@ -19,9 +19,9 @@ from rallygap.models.gap.verdict import (
     Worth,
 )
 from rallygap.models.predictors.ball_filter import ANY_BALL
-from rallygap.pipeline.gap.cases import Case, Diagnosed
 from rallygap.pipeline.gap.measured_shots import LabelCounts, MeasuredShots
 from rallygap.pipeline.gap.summary import Findings
+from rallygap.pipeline.report.close_gap import CaseVerdict
 
 TIMES = 0.01 * np.arange(20)
 PATH = np.column_stack([0 * TIMES, 1.3 - 5 * TIMES, 0.3 + 0 * TIMES])
@@ -156,10 +156,8 @@ def verdict(answer="named", causes=(WIND,), **changes):
 
 
 def diagnosed(found, simulator_name="mine", split=0):
-    """A verdict as one of a case."""
-    shots = Shots.from_arrays([TIMES] * 4, [PATH] * 4)
-    case = Case("lab", simulator_name, split, shipped("literature"), shots, no_nets(), 0.003)
-    return Diagnosed(case, found)
+    """A verdict as one of a case with four shots."""
+    return CaseVerdict("lab", simulator_name, split, 4, found)
 
 
 def no_nets():

@@ -127,7 +127,6 @@ def make_reports(root: Path, title: str = "Contacts", shot: str = "spindoe/000/0
     reports = root / "reports"
     figure = forecast_error_figure(forecast_errors(["position"], ["all"]))
     (reports / "learning_curves").mkdir(parents=True)
-    figure.savefig(reports / "learning_curves" / "errors.png")
     learning_curves().to_csv(reports / "learning_curves" / "errors.csv", index=False)
     contacts = pd.DataFrame({"recording": [title, "tt3d/003"], "speed_change": [12.3456, 0.5]})
     caption = "Mean error and its interval from 100 to 300 ms, with and without a bounce."
@@ -138,6 +137,7 @@ def make_reports(root: Path, title: str = "Contacts", shot: str = "spindoe/000/0
             ReportFigure(figure, "spindoe", "Forecast error on spindoe", caption),
             ReportAnimation(moving_dot(), "ball", "Ball", "A square crosses the picture."),
         ],
+        "learning_curves": [ReportFigure(figure, "errors", "Learning curves", caption)],
         "sim2real": [],
     }
     for stage, members in items.items():

@@ -2,12 +2,10 @@
 
 import pytest
 
+from rallygap.pipeline.exam.answers import answer_rows, methods_of
 from rallygap.pipeline.report.exam_tables import (
-    answer_rows,
-    different_answers,
     effect_table,
     group_table,
-    methods_of,
     not_posed_table,
     rate_table,
     robustness_table,
@@ -95,15 +93,3 @@ def test_questions_that_could_not_be_posed_have_a_reason(records):
 
     assert table["questions"].sum() == sum(one.not_posed is not None for one in records)
     assert set(table["reason"]) == {"not shown"}
-
-
-def test_answers_agree_if_they_differ_in_digits_only():
-    kept = record(hidden(), answers=RIGHT)
-    digits = record(hidden(), answers=answer("named", named(estimate=0.3001)))
-    other = record(hidden(), answers=answer("named", named("drag.cd")))
-
-    assert different_answers([digits], [kept]) == []
-    assert different_answers([other], [kept]) == [kept.name]
-    assert different_answers([digits], []) == [kept.name]
-    not_posed = record(hidden(), not_posed="not shown", answers={})
-    assert different_answers([kept], [not_posed]) == [kept.name]

@@ -3,14 +3,10 @@
 import numpy as np
 import pandas as pd
 import pytest
-from rallygap.pipeline.sources.figures.launches import (
-    launch_distributions,
-    launches_figure,
-    measured_launches,
-    simulated_launches,
-)
 
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
+from rallygap.pipeline.report.launches import launch_distributions, launches_figure
+from rallygap.pipeline.sources.launches import measured_launches, simulated_launches
 
 STATE_COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
 

@@ -108,7 +108,7 @@ def test_contents_link_to_every_item(page):
 
     assert len(ids) == len(set(ids))
     assert all(link["href"][1:] in ids for link in tags.named("a"))
-    assert len(tags.named("a")) == 1 + 4 + 4 + 2 + 1 + len(groups())
+    assert len(tags.named("a")) == 2 + 1 + len(groups()) + 2 + 5 + 5
 
 
 @pytest.mark.parametrize("name", ["segment/contacts.csv", "evaluate_predictor/figures/spindoe.png"])

@@ -8,15 +8,13 @@ import pytest
 from PIL import Image
 
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.web.report_items import ReportAnimation
 from rallygap.pipeline.web.report_manifest import (
     read_columns,
-    read_contents,
     read_figure,
     read_first_frame,
 )
-from tests.pipeline.report.example_reports import moving_dot, write_stage
+from tests.pipeline.report.example_reports import moving_dot
 
 
 def cells(path, text):
@@ -49,19 +47,6 @@ def test_tables_that_no_stage_writes_are_refused(tmp_path, text, problem):
         cells(tmp_path / "a.csv", text)
 
 
-def test_missing_contents_say_which_stage_to_run(tmp_path):
-    with pytest.raises(InputError, match=r"segment/contents\.json.*run `dvc repro segment` first"):
-        read_contents(tmp_path, "segment")
-
-
-def test_broken_contents_name_the_field(tmp_path):
-    items = [{"kind": "film", "file": "a.mp4", "title": "A", "caption": "B"}]
-    write_stage(tmp_path, "segment", items)
-
-    with pytest.raises(InputError, match=r"items\.0\.kind: .*'figure', 'animation' or 'table'"):
-        read_contents(tmp_path / "reports", "segment")
-
-
 def test_a_number_too_small_for_its_column_is_not_shown_as_zero(tmp_path):
     (tmp_path / "a.csv").write_text("p\n12.5\n0.00003\n0\n-0.004\n")
 
@@ -69,11 +54,9 @@ def test_a_number_too_small_for_its_column_is_not_shown_as_zero(tmp_path):
 
 
 def test_first_frame_of_an_animation_stands_still(tmp_path):
-    StageRun("segment", tmp_path, None).add(
-        ReportAnimation(moving_dot(), "ball", title="", caption="")
-    )
+    ReportAnimation(moving_dot(), "ball", title="", caption="").write(tmp_path / "ball.png")
 
-    shown = read_first_frame(tmp_path / "reports/segment/figures/ball.png")
+    shown = read_first_frame(tmp_path / "ball.png")
 
     still = Image.open(io.BytesIO(base64.b64decode(shown.partition("base64,")[2])))
     assert not still.is_animated

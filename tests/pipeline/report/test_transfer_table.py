@@ -2,8 +2,8 @@
 
 import pandas as pd
 
+from rallygap.pipeline.report.sim2real import PAPER_ROW, paper_form_table
 from rallygap.pipeline.transfer.rates import rates
-from rallygap.pipeline.transfer.transfer_table import PAPER_ROW, paper_form_table
 from tests.pipeline.played_trials import KEYS, everything, trials
 
 

@@ -6,7 +6,6 @@ import pytest
 from rallygap.pipeline.report.close_gap import (
     cause_table,
     error_table,
-    metrics,
     stability_table,
     verdict_table,
 )
@@ -58,10 +57,6 @@ def test_minor_structure_is_counted_and_no_cause_of_a_case():
     assert "spin_decay" not in row["causes"] and "camera_distortion" in row["causes"]
     assert (row["minor"], row["misfits"]) == (1, "prediction")
     assert stability_table([whole])["cause"].tolist() == ["wind.x"]
-    found = metrics([whole])["lab"]["mine"]["0"]
-    assert found["minor"] == 1
-    assert list(found["causes"]) == ["wind.x", "camera_distortion.amplitude"]
-    assert found["causes"]["wind.x"]["worth_mm"] == 5.3
 
 
 def test_errors_are_listed_from_100_to_300_ms():
