@@ -55,7 +55,7 @@ def evaluate_predictor(run: StageRun) -> None:
             )
     tables = {key: result.over_horizon() for key, result in results.items()}
     errors = concat_tables(tables, ["set", "against"])
-    run.write_metrics(_metrics(errors))
+    run.write_metrics(_metrics(errors, [one.name for one in predictors if one.trained_on]))
     run.keep(
         errors=errors,
         differences=_differences(results, predictors),
@@ -69,10 +69,14 @@ def evaluate_predictor(run: StageRun) -> None:
     write_shots(run.artifact("shots.json"), draw_shots(sets, predictors, run.seed))
 
 
-def _metrics(errors: pd.DataFrame) -> dict[str, Any]:
-    """Return ``{set: {predictor: mean position error (mm), 300 ms ahead}}`` over all windows."""
+def _metrics(errors: pd.DataFrame, trained: Sequence[str]) -> dict[str, Any]:
+    """Return ``{set: {predictor: mean position error (mm), 300 ms ahead}}`` over all windows.
+
+    Predictors without parameters from data are in the tables only.
+    """
     last = errors["horizon_ms"] == errors["horizon_ms"].max()
     chosen = last & (errors["bounce"] == "all") & (errors["quantity"] == "position")
+    chosen &= errors["predictor"].isin(trained)
     metrics: dict[str, Any] = {}
     for row in errors[chosen & (errors["against"] == MEASURED)].to_dict("records"):
         place(metrics, [row["set"]])[row["predictor"]] = rounded(row["mean"])

@@ -3,7 +3,6 @@
 import pandas as pd
 
 from rallygap.pipeline.io.artifacts import read_table, write_json
-from rallygap.pipeline.io.source_manifest import SourceRecord
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.sources.gather import gather
 from rallygap.pipeline.sources.launches import measured_launches, simulated_launches
@@ -19,19 +18,11 @@ def ingest(run: StageRun) -> None:
     for name, record in manifest.sources.items():
         folder = gathered.folders.get(name, run.artifact("recordings.parquet"))
         run.log_input(name, folder, record.rows_kept)
-    run.write_metrics({name: _metrics(record) for name, record in manifest.sources.items()})
+    read = manifest.sources.items()
+    run.write_metrics({name: {"recordings": record.recordings} for name, record in read})
     simulated = simulated_launches(read_table(run.artifact("true_contacts.parquet")))
     measured = measured_launches(read_table(run.artifact("launches.parquet")))
     run.keep(launches=pd.concat([simulated, measured], ignore_index=True))
-
-
-def _metrics(record: SourceRecord) -> dict[str, int]:
-    return {
-        "recordings": record.recordings,
-        "launches": record.launches,
-        "rows_kept": record.rows_kept,
-        "rows_refused": sum(record.refused_counts.values()),
-    }
 
 
 if __name__ == "__main__":

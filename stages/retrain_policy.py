@@ -10,7 +10,7 @@ from rallygap.pipeline.evaluation.predictors import ARENA, read_learned
 from rallygap.pipeline.io.amended_simulators import amended_by, verdict_path
 from rallygap.pipeline.io.artifacts import read_as, read_table, write_table
 from rallygap.pipeline.io.ground_truth import read_truth
-from rallygap.pipeline.io.metrics import place, rounded
+from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.params import Sim2RealSettings
 from rallygap.pipeline.policies.storage import save_policy
@@ -80,12 +80,9 @@ def _numbers(run: StageRun, nominal: str, simulators: Mapping[str, Simulator]) -
 
 
 def _metrics(returns: pd.DataFrame) -> dict[str, Any]:
-    """Return ``{policy: {predictor: return rate}}``, means over sources and horizons."""
-    metrics: dict[str, Any] = {}
-    means = returns.groupby(["policy", "predictor"], sort=False)["return_rate"].mean()
-    for row in means.reset_index().to_dict("records"):
-        place(metrics, [row["policy"]])[row["predictor"]] = rounded(row["return_rate"])
-    return metrics
+    """Return ``{policy: return rate}``, means over sources, horizons and predictors."""
+    means = returns.groupby("policy", sort=False)["return_rate"].mean()
+    return {str(policy): {"return_rate": rounded(rate)} for policy, rate in means.items()}
 
 
 def _amended(run: StageRun, source: str, nominal: str) -> Simulator:

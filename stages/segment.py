@@ -2,12 +2,9 @@
 
 import pandas as pd
 
-from rallygap.models.segmentation.settings import SegmentSettings
-from rallygap.pipeline.io.source_manifest import SourceRecord, read_manifest
 from rallygap.pipeline.runtime.console import warn
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.segmentation.cut_recordings import (
-    CutRecordings,
     count_samples,
     draw_recordings,
 )
@@ -17,7 +14,6 @@ from rallygap.pipeline.segmentation.episode_tables import write_episodes
 def segment(run: StageRun) -> None:
     """Cut every recording, assign the recordings to splits, and report on each source."""
     settings = run.params.segment
-    manifest = read_manifest(run.input("ingest", "manifest.json"))
     recordings = run.input("ingest", "recordings.parquet")
     counts = count_samples(recordings)
     run.log_input("recordings", recordings, int(counts.sum()))
@@ -28,9 +24,7 @@ def segment(run: StageRun) -> None:
     for shortage in shortages:
         warn(shortage)
 
-    run.write_metrics(
-        {source: _metrics(manifest.sources[source], cut, episodes, settings) for source in drawn}
-    )
+    run.write_metrics({source: _metrics(episodes, source) for source in drawn})
     contacts = cut.segmented.contacts
     run.keep(
         drawn_recordings=cut.measured,
@@ -39,29 +33,11 @@ def segment(run: StageRun) -> None:
     )
 
 
-def _metrics(
-    record: SourceRecord, cut: CutRecordings, episodes: pd.DataFrame, settings: SegmentSettings
-) -> dict[str, float]:
-    """Return counts of a source's episodes, contacts and gaps, and how well paths fit."""
-    prefix = f"{record.name}/"
-    contacts = cut.segmented.contacts
-    contacts = contacts[contacts["recording_id"].str.startswith(prefix)]
-    episodes = episodes[episodes["source"] == record.name]
-    metrics = {
-        "recordings": record.recordings,
-        "episodes": len(episodes),
-        "contacts": len(contacts),
-        "gaps": int(cut.gaps.str.startswith(prefix).sum()),
-        "samples_in_episodes": int(episodes["samples"].sum()),
-        "unbroken_residual_mm": round(1e3 * settings.unbroken_residual, 2),
-    }
-    if episodes.empty:
-        return metrics
-    return metrics | {
-        "outlier_share": round(episodes["outliers"].sum() / episodes["samples"].sum(), 5),
-        "median_residual_mm": round(1e3 * episodes["residual"].median(), 3),
-        "unbroken_share": round(episodes["unbroken"].mean(), 4),
-    }
+def _metrics(episodes: pd.DataFrame, source: str) -> dict[str, float]:
+    """Return the number of a source's episodes, and how well paths fit them."""
+    residuals = episodes.loc[episodes["source"] == source, "residual"]
+    fit = {"median_residual_mm": round(1e3 * residuals.median(), 3)} if len(residuals) else {}
+    return {"episodes": len(residuals), **fit}
 
 
 if __name__ == "__main__":

@@ -16,7 +16,6 @@ from rallygap.pipeline.shot_quality.receivers import (
     receiver_forests,
 )
 from rallygap.pipeline.shot_quality.returns import (
-    METRICS,
     experiments,
     out_of_range_table,
     quality_table,
@@ -75,7 +74,6 @@ def shot_quality(run: StageRun) -> None:
         {
             "returns": len(returns),
             "forest_roc_auc": {str(name): rounded(auc) for name, auc in forest_scores.items()},
-            "medians": {name: rounded(returns[name].median()) for name in METRICS},
         }
     )
 

@@ -9,7 +9,7 @@ from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_learned
 from rallygap.pipeline.io.amended_simulators import amended_by
 from rallygap.pipeline.io.artifacts import write_json, write_table
-from rallygap.pipeline.io.metrics import place, rounded
+from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.transfer.example_returns import write_returns
@@ -109,12 +109,9 @@ def _replayed(sets: Sequence[ReplaySet]) -> pd.DataFrame:
 
 
 def _metrics(table: pd.DataFrame) -> dict[str, Any]:
-    """Return ``{predictor: {protocol: return rate}}``, means over sets and horizons."""
-    metrics: dict[str, Any] = {}
-    means = table.groupby(["predictor", "protocol"], sort=False)["return_rate"].mean()
-    for row in means.reset_index().to_dict("records"):
-        place(metrics, [row["predictor"]])[row["protocol"]] = rounded(row["return_rate"])
-    return metrics
+    """Return ``{predictor: return rate}``, means over sets, horizons and protocols."""
+    means = table.groupby("predictor", sort=False)["return_rate"].mean()
+    return {str(name): {"return_rate": rounded(rate)} for name, rate in means.items()}
 
 
 if __name__ == "__main__":

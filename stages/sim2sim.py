@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from rallygap.pipeline.io.metrics import place, rounded
+from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.policies.storage import load_policies
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.transfer.rates import differences, rates
@@ -44,12 +44,9 @@ def _rates(played: pd.DataFrame) -> pd.DataFrame:
 
 
 def _metrics(gains: pd.DataFrame) -> dict[str, Any]:
-    """Return ``{protocol: {simulator: {horizons: gain of the return rate}}}``."""
-    metrics: dict[str, Any] = {}
-    for row in gains.to_dict("records"):
-        *keys, last = (row[key] for key in SETTING)
-        place(metrics, keys)[last] = rounded(row["difference"])
-    return metrics
+    """Return ``{protocol: gain of the return rate}``, means over simulators and horizons."""
+    means = gains.groupby("protocol", sort=False)["difference"].mean()
+    return {str(protocol): {"gain": rounded(gain)} for protocol, gain in means.items()}
 
 
 if __name__ == "__main__":

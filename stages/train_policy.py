@@ -7,7 +7,7 @@ import pandas as pd
 
 from rallygap.models.policy.trial import TrialResult
 from rallygap.pipeline.io.artifacts import replacing, write_table
-from rallygap.pipeline.io.metrics import place, rounded
+from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.policies.descriptions import described_policies
 from rallygap.pipeline.policies.storage import save_policy
 from rallygap.pipeline.policies.training import (
@@ -54,13 +54,9 @@ def _write_motion(run: StageRun, name: str, test: TrialResult) -> None:
 
 
 def _metrics(policies: pd.DataFrame) -> dict[str, Any]:
-    """Return ``{group: {simulator: {return_rate, hit_rate}}}``, means over its policies."""
-    metrics: dict[str, Any] = {}
-    rates = policies.groupby(["group", "simulator"], sort=False)[["return_rate", "hit_rate"]]
-    for row in rates.mean().reset_index().to_dict("records"):
-        values = place(metrics, [row["group"], row["simulator"]])
-        values.update({name: rounded(row[name]) for name in ("return_rate", "hit_rate")})
-    return metrics
+    """Return ``{group: {return_rate}}``, means over its policies."""
+    means = policies.groupby("group", sort=False)["return_rate"].mean()
+    return {str(group): {"return_rate": rounded(rate)} for group, rate in means.items()}
 
 
 if __name__ == "__main__":

@@ -55,18 +55,9 @@ def contacts_table(scored: Scored) -> pd.DataFrame:
 
 
 def contact_metrics(table: pd.DataFrame) -> dict[str, Any]:
-    """Return precision, recall, time error and count of each kind, over all levels."""
-    columns = {
-        "precision": "precision",
-        "recall": "recall",
-        "time error rms (ms)": "time_error_rms_ms",
-        "contacts": "contacts",
-    }
-    overall = table[table["level"] == ALL].set_index("kind")[list(columns)]
-    return {
-        str(kind): {columns[str(name)]: round(value, 4) for name, value in row.dropna().items()}
-        for kind, row in overall.iterrows()
-    }
+    """Return the recall of each kind, over all levels."""
+    overall = table[table["level"] == ALL].set_index("kind")["recall"]
+    return {str(kind): {"recall": round(recall, 4)} for kind, recall in overall.dropna().items()}
 
 
 def _rows(scored: Scored) -> Iterator[dict[str, Any]]:

@@ -45,12 +45,9 @@ def test_tables_keep_their_contracts(run):
 
 def test_metrics_agree_with_the_tables(run):
     metrics = read_json(run.report("metrics.json"))["arena"]
-    contacts = read_table(run.artifact("contacts.parquet"))
-    episodes = read_table(run.artifact("episodes.parquet"))
-    assert metrics["recordings"] == metrics["episodes"] == ARENA.cannon_shots
-    assert metrics["contacts"] == len(contacts)
-    assert metrics["unbroken_share"] == pytest.approx(episodes["unbroken"].mean(), abs=1e-4)
-    assert metrics["gaps"] == 0
+    residual = read_table(run.artifact("episodes.parquet"))["residual"].median()
+    assert metrics["episodes"] == ARENA.cannon_shots
+    assert metrics["median_residual_mm"] == pytest.approx(1e3 * residual, abs=1e-3)
 
 
 def test_each_source_has_its_figure_and_splits_a_table(run):
@@ -103,7 +100,8 @@ def test_missing_input_names_what_to_run(tmp_path):
 @pytest.mark.real
 def test_real_rallies(tmp_path, real_data):
     run_ingest(tmp_path, real_data, ["tt3d"])
-    metrics = read_json(run_segment(tmp_path).report("metrics.json"))["tt3d"]
-    assert metrics["recordings"] == metrics["episodes"] == 70
-    assert metrics["contacts"] == 71
-    assert metrics["unbroken_share"] > 0.9
+    run = run_segment(tmp_path)
+    episodes = read_table(run.artifact("episodes.parquet"))
+    assert len(episodes) == 70
+    assert len(read_table(run.artifact("contacts.parquet"))) == 71
+    assert episodes["unbroken"].mean() > 0.9
