@@ -15,23 +15,28 @@ import yaml
 from rallygap.pipeline.experiments.profiles import profile_params
 from rallygap.pipeline.io.artifacts import write_json, write_text
 from rallygap.pipeline.report.stages import PIPELINE
+from rallygap.pipeline.runtime.console import refuse
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.git import git
-from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 
 # Figures that documentation pages show, by profile: of these stages.
 SHOWN = {"real": ["close_gap"], "shots": ["shot_quality", "train_policy"]}
 
 
-def profile(run: StageRun) -> None:
-    """Run the pipeline with the profile that the command line names, and copy what it reports.
+def profile(root: Path, name: str) -> None:
+    """Run the pipeline with a profile in ``scratch/profile/NAME``, and copy what it reports.
+
+    The runs of its stages are those of the copy, so this has none of its own.
+
+    Args:
+        root: the repository.
+        name: of the profile.
 
     Raises:
         InputError: there is no such profile, or a stage fails.
     """
-    name = sys.argv[1]
-    params = profile_params(run.root, name).model_dump(mode="json")
-    copy = _copied(run.root, run.scratch(name))
+    params = profile_params(root, name).model_dump(mode="json")
+    copy = _copied(root, root / "scratch" / "profile" / name)
     write_text(copy / "params.yaml", str(yaml.safe_dump(params, sort_keys=False)))
     environment = {key: value for key, value in os.environ.items() if not key.startswith("DVC_")}
     command = [sys.executable, "-m", "dvc", "repro"]
@@ -39,12 +44,12 @@ def profile(run: StageRun) -> None:
         raise InputError(f"profile {name}", "has failed; run it again, finished stages are kept")
     for stage in PIPELINE:
         for table in (copy / "reports" / stage).glob("*.csv"):
-            _copy(table, run.root / "reports" / name / stage / table.name)
+            _copy(table, root / "reports" / name / stage / table.name)
     for stage in SHOWN.get(name, ()):
         for figure in (copy / "reports" / stage / "figures").glob("*.png"):
-            _copy(figure, run.root / "reports" / name / stage / "figures" / figure.name)
-    write_json(run.root / "reports" / name / "params.json", params)
-    trained = run.root / "artifacts" / "profiles" / name / "train_predictor"
+            _copy(figure, root / "reports" / name / stage / "figures" / figure.name)
+    write_json(root / "reports" / name / "params.json", params)
+    trained = root / "artifacts" / "profiles" / name / "train_predictor"
     shutil.copytree(copy / "artifacts" / "train_predictor", trained, dirs_exist_ok=True)
 
 
@@ -68,4 +73,7 @@ def _copy(source: Path, target: Path) -> None:
 
 
 if __name__ == "__main__":
-    run_stage(profile)
+    try:
+        profile(Path.cwd(), sys.argv[1])
+    except InputError as error:
+        refuse(error)

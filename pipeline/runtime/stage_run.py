@@ -123,7 +123,7 @@ class StageRun:
 
 
 def run_stage(stage: Callable[[StageRun], None]) -> None:
-    """Run a stage from the working directory, as ``python -m stages.<name>`` does.
+    """Run a stage from the working directory, as ``python -m rallygap.stages.<name>`` does.
 
     A user's input error ends the process with one line and status 2.
     """

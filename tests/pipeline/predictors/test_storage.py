@@ -145,9 +145,3 @@ def test_saving_that_fails_leaves_the_former_predictor_and_nothing_else(folder, 
         save_predictor(folder, network(seed=1), Spread(), description(name="other"))
     after = {path: path.read_bytes() for path in folder.parent.rglob("*") if path.is_file()}
     assert after == before
-
-
-def test_a_kept_predictor_is_read_under_todays_names_of_settings():
-    described = read_description(ROOT / "reports" / "paper" / "predictors" / "transformer")
-    assert described.network.states_per_row == 10
-    assert described.learning.settings.windows_per_episode == 1

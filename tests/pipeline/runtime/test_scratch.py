@@ -4,9 +4,11 @@ import shutil
 import threading
 
 import pytest
+import yaml
 
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.provenance import provenance
 from rallygap.pipeline.runtime.scratch import keep_timings, kept_timings, scratch_kept
 from rallygap.pipeline.runtime.stage_run import StageRun
 
@@ -78,23 +80,26 @@ def test_in_the_repository_itself_nothing_is_linked(home, monkeypatch):
         assert list(home.iterdir()) == []
 
 
-def test_timings_are_those_of_the_run_that_made_the_present_outputs(home):
-    keep_timings("segment", FINGERPRINT, {"net": {"training_s": 3}})
+@pytest.fixture
+def fingerprint(home):
+    """That of the stage `segment` with its present inputs."""
+    stage = {"cmd": "a", "deps": [], "params": ["gap"]}
+    (home / "dvc.yaml").write_text(yaml.safe_dump({"stages": {"segment": stage}}))
+    (home / "params.yaml").write_text("gap: 0.1\n")
+    return provenance(home, "segment").fingerprint
+
+
+def test_timings_are_those_of_a_run_with_the_present_inputs(home, fingerprint):
     keep_timings("segment", OTHER, {"net": {"training_s": 5}})
-    report = home / "reports" / "segment"
-    assert kept_timings(home, report) == {}
-    contents = {"stage": "segment", "command": "a", "fingerprint": FINGERPRINT[:12], "items": []}
-    write_json(report / "contents.json", contents)
-    assert kept_timings(home, report) == {"net": {"training_s": 3}}
+    assert kept_timings(home, "segment") == {}
+    keep_timings("segment", fingerprint, {"net": {"training_s": 3}})
+    assert kept_timings(home, "segment") == {"net": {"training_s": 3}}
 
 
 @pytest.mark.parametrize("content", [7, [], {"net": "long"}, {"net": {"training_s": None}}])
-def test_broken_timings_are_one_error(home, content):
-    report = home / "reports" / "segment"
-    contents = {"stage": "segment", "command": "a", "fingerprint": FINGERPRINT[:12], "items": []}
-    write_json(report / "contents.json", contents)
-    keep_timings("segment", FINGERPRINT, {"net": 3.0})
+def test_broken_timings_are_one_error(home, fingerprint, content):
+    keep_timings("segment", fingerprint, {"net": 3.0})
     (file,) = home.glob("timings/segment/*.json")
     write_json(file, content)
     with pytest.raises(InputError, match=file.name):
-        kept_timings(home, report)
+        kept_timings(home, "segment")
