@@ -16,9 +16,7 @@ ROOT = Path(__file__).parents[2]
 RALLYGAP = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main()"]
 
 
-VERBS = (
-    "diagnose audit export live simulators example check profile ui sweep confirm benchmark docs"
-)
+VERBS = "diagnose audit export live simulators example check profile ui sweep confirm benchmark"
 
 
 def rallygap(*words, cwd=ROOT):
@@ -50,15 +48,6 @@ def test_help_names_every_verb_without_loading_the_libraries():
     assert "loaded set()" in shown.stdout
 
 
-def test_help_takes_less_than_half_a_second_of_the_processor():
-    def seconds():
-        before = sum(os.times()[2:4])  # of child processes
-        assert rallygap("--help").returncode == 0
-        return sum(os.times()[2:4]) - before
-
-    assert min(seconds() for _ in range(3)) < 0.5
-
-
 def test_the_example_recordings_are_written_into_a_new_folder_only(tmp_path):
     assert rallygap("example", "recordings", cwd=tmp_path).returncode == 0
     assert len(list((tmp_path / "recordings").glob("*.csv"))) == 30
@@ -85,17 +74,7 @@ def test_check_accepts_what_is_right_and_names_what_is_not(elsewhere):
     assert len(refused.stderr.splitlines()) == 1
 
 
-@pytest.mark.parametrize(
-    ("words", "says"), [(["none"], "is not a folder"), ([], "say where the measured sets are")]
-)
-def test_a_missing_folder_of_measured_sets_is_refused(elsewhere, words, says):
-    refused = rallygap("real", *words, cwd=elsewhere)
-    assert refused.returncode == 2
-    assert says in refused.stderr
-    assert len(refused.stderr.splitlines()) == 1
-
-
-@pytest.mark.parametrize("words", ["keep one", "sweep quick", "ui"])
+@pytest.mark.parametrize("words", ["sweep quick", "ui"])
 def test_outside_a_clone_one_line_says_so_and_nothing_is_left(tmp_path, words):
     refused = rallygap(*words.split(), cwd=tmp_path)
     assert refused.returncode == 2
@@ -104,9 +83,8 @@ def test_outside_a_clone_one_line_says_so_and_nothing_is_left(tmp_path, words):
     assert list(tmp_path.glob("[!.]*")) == []  # libraries keep caches in this home
 
 
-@pytest.mark.parametrize("words", [["costs"], ["benchmark", "export", "windows"]])
-def test_where_nothing_has_run_what_needs_a_run_says_how_to_run(elsewhere, words):
-    refused = rallygap(*words, cwd=elsewhere)
+def test_where_nothing_has_run_what_needs_a_run_says_how_to_run(elsewhere):
+    refused = rallygap("benchmark", "export", "windows", cwd=elsewhere)
     assert refused.returncode == 2
     assert "artifacts: is missing, because nothing has run here" in refused.stderr
     assert len(refused.stderr.splitlines()) == 1
