@@ -77,9 +77,9 @@ def _goal_figures(run: StageRun) -> Iterator[ReportFigure]:
     for name, group in run.params.train_policy.groups.items():
         if group.goals.speed is None and group.goals.topspin is None:
             continue
-        returns = trials[trials["returned"] & (trials["group"] == name)]
+        own = trials[trials["group"] == name].dropna(axis="columns", how="all")
         yield ReportFigure(
-            achieved_figure(returns.dropna(axis="columns", how="all")),
+            achieved_figure(own[own["returned"]]),
             f"achieved_{name}",
             title=f"Achieved values over goals: {name.replace('_', ' ')}",
             caption="Returns of test shots by all policies of the group: one dot per return, the "

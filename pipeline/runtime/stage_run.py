@@ -38,6 +38,7 @@ class StageRun:
         timings: name to seconds. They differ from run to run, so they go to MLflow and to
             ``timings/``, which neither DVC nor git keeps.
         figures: paths of the figures that MLflow records.
+        tables: paths of the tables that are published.
     """
 
     def __init__(self, stage: str, root: Path, params: Params, fingerprint: str = "") -> None:
@@ -46,6 +47,7 @@ class StageRun:
         self.timings: dict[str, Any] = {}
         self.metrics: dict[str, Any] = {}
         self.figures: list[Path] = []
+        self.tables: list[Path] = []
         self.inputs: list[InputData] = []
         self.models: list[TrainedModel] = []
 
@@ -90,7 +92,8 @@ class StageRun:
         For stages whose results are in git, because they take hours; ``report`` publishes others.
         """
         for name, table in tables.items():
-            write_csv(self.report(f"{name}.csv"), table, digits)
+            self.tables.append(self.report(f"{name}.csv"))
+            write_csv(self.tables[-1], table, digits)
 
     def published(self, stage: str, name: str) -> pd.DataFrame:
         """Return a table that a stage has published.
@@ -110,7 +113,8 @@ class StageRun:
     def clear(self) -> None:
         """Remove the outputs of an earlier run of this stage, whole or broken off."""
         shutil.rmtree(self.artifact("."), ignore_errors=True)
-        self.report("metrics.json").unlink(missing_ok=True)
+        for path in (self.report("metrics.json"), *self.tables):
+            path.unlink(missing_ok=True)
 
     def clear_scratch(self) -> None:
         """Remove what only an unfinished run needs."""

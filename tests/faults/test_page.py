@@ -11,7 +11,7 @@ from tests.reliability import REPORT
 def test_enough_kills_hit_every_stage_and_left_nothing():
     kills = pd.read_csv(REPORT / "kills.csv")
     hits = kills[kills["hit"]].groupby("stage").size()
-    assert set(hits.index) == set(stages())
+    assert set(hits.index) >= set(stages())
     assert hits.min() >= A_STAGE and hits.sum() >= IN_ALL
     assert kills["same_hashes"].all()
     assert (kills["half_written"] == 0).all()

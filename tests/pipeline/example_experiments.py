@@ -7,7 +7,7 @@ from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.params import read_yaml
 from tests.clone import cloned, commit, run
 
-TARGET, CHANGED = "score_segmentation", "segment.outlier_cost"
+TARGET, CHANGED = "train_predictor", "segment.outlier_cost"
 
 
 @pytest.fixture(scope="session")
@@ -19,9 +19,16 @@ def experiments(tmp_path_factory):
     )
     (folder / "params.yaml").write_text(yaml.safe_dump(small, sort_keys=False))
     commit(folder, "small")
-    run(folder, "dvc", "exp", "run", "--name", "base", TARGET)
+    run(folder, "dvc", "exp", "run", "--name", "base", "score_segmentation", TARGET)
     commit(folder, "run")
     command = ["dvc", "exp", "run", "--temp", "--name", "strict", "-S"]
     changed = f"../params.yaml:{CHANGED}=4.0"  # DVC knows params.yaml only where it is
-    run(folder, *command, changed, f"../dvc.yaml:{TARGET}", below="docs")
+    run(
+        folder,
+        *command,
+        changed,
+        "../dvc.yaml:score_segmentation",
+        f"../dvc.yaml:{TARGET}",
+        below="docs",
+    )
     return folder

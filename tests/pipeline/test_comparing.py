@@ -12,7 +12,7 @@ from tests.pipeline.runs import runs
 
 pytestmark = pytest.mark.slow
 
-SCORES = "reports/score_segmentation/metrics.json"
+SCORES = "reports/segment/metrics.json"
 
 anywhere = pytest.mark.parametrize("below", [".", "docs"])
 
@@ -51,9 +51,7 @@ def test_figures_stand_side_by_side(experiments, below, tmp_path):
     page = tmp_path / "plots"
     run(experiments, "dvc", "plots", "diff", "HEAD", "strict", "--out", str(page), below=below)
     text = (page / "index.html").read_text()
-    pictures = {path.name.split("_")[0] for path in (page / "static").iterdir()}
-    assert pictures == {"HEAD", "strict"}
-    assert all(path.name in text for path in (page / "static").iterdir())
+    assert "losses.csv" in text and "HEAD" in text and "strict" in text
 
 
 @anywhere

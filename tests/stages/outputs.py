@@ -18,7 +18,7 @@ def table(run, name, *keys):
 
 
 def written(run):
-    """The content of every file of a stage's artefacts and report, by path."""
-    folders = (run.artifact("."), run.report("."))
-    files = (path for folder in folders for path in folder.rglob("*") if path.is_file())
+    """The content of every file that a stage writes itself, by path."""
+    files = [path for path in run.artifact(".").rglob("*") if path.is_file()]
+    files.append(run.report("metrics.json"))
     return {str(path.relative_to(run.root)): path.read_bytes() for path in files}

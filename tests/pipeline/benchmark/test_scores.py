@@ -18,6 +18,7 @@ from rallygap.models.predictors.windows import cut_windows
 from rallygap.pipeline.benchmark.scores import score, score_tables, write_scores
 from rallygap.pipeline.benchmark.windows import export_windows, run_sets, window_table
 from rallygap.pipeline.evaluation.predictors import read_predictors
+from rallygap.pipeline.report.stages import write_report
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.stages.evaluate_predictor import evaluate_predictor
@@ -58,7 +59,9 @@ def test_scores_equal_evaluate_predictor_where_a_flight_has_one_window(tmp_path)
     write_inputs(tmp_path)
     settings = params().evaluate_predictor.model_copy(update={"window_every_ms": 1000})
     one_window = params(evaluate_predictor=settings)
-    evaluate_predictor(StageRun("evaluate_predictor", tmp_path, one_window))
+    run = StageRun("evaluate_predictor", tmp_path, one_window)
+    evaluate_predictor(run)
+    write_report(run, "evaluate_predictor")
     path = tmp_path / "mine.parquet"
     table = window_table(run_sets(tmp_path, one_window))
     forecasts_of(ZeroPredictor(), table).to_parquet(path, index=False)

@@ -33,9 +33,9 @@ def stage(tmp_path, monkeypatch):
 def test_a_killed_run_resumes_and_publishes_rates(stage, monkeypatch):
     learned, train = [], training._train
 
-    def noted(job, iteration, before):
+    def noted(job, iteration, *others):
         learned.append((job.description.group, iteration))
-        train(job, iteration, before)
+        train(job, iteration, *others)
 
     monkeypatch.setattr(training, "_train", noted)
     kill_at(run, "_played", run.spread_policies, stage)
