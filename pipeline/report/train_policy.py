@@ -77,7 +77,9 @@ def _goal_figures(run: StageRun) -> Iterator[ReportFigure]:
     for name, group in run.params.train_policy.groups.items():
         if group.goals.speed is None and group.goals.topspin is None:
             continue
-        own = trials[trials["group"] == name].dropna(axis="columns", how="all")
+        own = trials[trials["group"] == name]
+        goals = own.filter(like="goal_")
+        own = own.drop(columns=goals.columns[goals.isna().all()])
         yield ReportFigure(
             achieved_figure(own[own["returned"]]),
             f"achieved_{name}",

@@ -1,6 +1,7 @@
 """The ingest stage, from files to artefacts and report."""
 
 import json
+import re
 
 import pytest
 
@@ -72,7 +73,8 @@ def test_metrics_say_what_was_read_and_refused(tmp_path, everything):
 
     assert read_json(run.report("metrics.json"))["tt3d"] == {"recordings": 1}
     row = table(run, "sources", "source").loc["tt3d"]
-    assert row[["launches", "rows kept", "rows refused"]].tolist() == [0, 4, 2]
+    assert row["rows"] == 4
+    assert sum(int(count) for count in re.findall(r"\d+", row["refused"])) == 2
 
 
 def test_the_report_shows_every_source(tmp_path, everything):
