@@ -85,7 +85,7 @@ def report(benchmark: str, comparisons: Sequence[Comparison], **details: float) 
 
 
 def write_measured(name: str, table: pd.DataFrame, **details: Any) -> None:
-    """Write a table to ``reports/costs`` and print it; machine and details are a JSON beside it."""
+    """Write a table to ``reports/costs`` and print it; a JSON file has machine and details."""
     write_csv(COSTS / f"{name}.csv", table, digits=4)
     write_json(COSTS / f"{name}.json", {**machine(), **_rounded(details)})
     Console().print((COSTS / f"{name}.csv").read_text(), details)

@@ -32,12 +32,3 @@ def nested(table: pd.DataFrame, keys: Sequence[str]) -> dict[str, Any]:
         finite = {name: rounded(value) for name, value in values.items() if np.isfinite(value)}
         place(metrics, [row[key] for key in keys]).update(finite)
     return metrics
-
-
-def over_seeds(values: Sequence[float]) -> dict[str, Any]:
-    """Return mean, standard deviation and each of the values of what differs in its seed alone."""
-    return {
-        "mean": rounded(float(np.mean(values))),
-        "std": rounded(float(np.std(values))),
-        "per_seed": [rounded(value) for value in values],
-    }

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -53,16 +52,6 @@ def stage_entries(root: Path) -> dict[str, Any]:
 def short(fingerprint: str) -> str:
     """The first characters of a fingerprint, enough for a name."""
     return fingerprint[:SHOWN]
-
-
-def combined_hash(root: Path, names: Sequence[str]) -> str:
-    """SHA-256 over the contents of several files and folders of a repository.
-
-    Raises:
-        InputError: as ``content_hash`` does.
-    """
-    hashes = [content_hash(root / name) for name in names]
-    return hashlib.sha256(json.dumps(hashes).encode()).hexdigest()
 
 
 def content_hash(path: Path) -> str:

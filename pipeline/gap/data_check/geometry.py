@@ -131,7 +131,7 @@ def height_doubts(measured: Measured) -> Iterator[Doubt]:
 
 
 def origin_doubts(measured: Measured) -> Iterator[Doubt]:
-    """Yield whether bounces are beside the table."""
+    """Yield whether bounces are off the table."""
     places = measured.bounces
     if len(places) >= FEWEST_PLACED and _share_on_table(places) < 0.5:
         x, y = np.median(places[:, :2], axis=0)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rallygap.pipeline.io.metrics import over_seeds, place, rounded
+from rallygap.pipeline.io.metrics import place, rounded
 
 
 @pytest.mark.parametrize(
@@ -18,10 +18,3 @@ def test_a_place_is_made_once_and_found_again():
     place(metrics, ["set", 100]).update(std=2.0)
     place(metrics, ["set", 200]).update(mean=3.0)
     assert metrics == {"set": {"100": {"mean": 1.0, "std": 2.0}, "200": {"mean": 3.0}}}
-
-
-def test_the_spread_over_seeds_is_that_of_just_these():
-    assert over_seeds([0.0, 1 / 3, 1.0]) == {
-        "mean": 0.444444, "std": 0.41574, "per_seed": [0.0, 0.333333, 1.0]
-    }  # fmt: skip
-    assert over_seeds([0.7])["std"] == 0.0
