@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -11,8 +12,10 @@ from pathlib import Path
 import mlflow
 import numpy as np
 import pytest
+import yaml
 
 from rallygap.models.predictors.protocol import History
+from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.predictors.storage import load_predictor
 from tests.clone import cloned, rallygap, run
@@ -93,6 +96,40 @@ def test_a_forced_reproduction_gives_the_same_bytes(reproduced):
     before = digests(reproduced)
     run(reproduced, "dvc", "repro", "--force")
     assert digests(reproduced) == before
+
+
+def stages_run(output):
+    return re.findall(r"Running stage '(\w+)'", output)
+
+
+def test_a_parameter_that_is_changed_back_takes_its_results_from_the_cache(reproduced):
+    before = digests(reproduced)
+    params = reproduced / "params.yaml"
+    original = read_yaml(params)
+    params.write_text(
+        yaml.safe_dump(merged(original, {"train_predictor": {"training": {"epochs": 1}}}))
+    )
+    assert stages_run(run(reproduced, "dvc", "repro", "train_predictor")) == ["train_predictor"]
+    assert digests(reproduced) != before
+    params.write_text(yaml.safe_dump(original))
+    assert stages_run(run(reproduced, "dvc", "repro")) == []
+    assert digests(reproduced) == before
+
+
+@pytest.mark.parametrize(
+    ("file", "rerun"),
+    [
+        ("pipeline/report/train_predictor.py", ["report"]),
+        ("pipeline/web/figure_style.py", ["report"]),
+        ("docs/results.md", []),
+    ],
+    ids=["caption", "colour", "page"],
+)
+def test_no_result_depends_on_how_it_is_shown(reproduced, file, rerun):
+    before = (reproduced / file).read_bytes()
+    (reproduced / file).write_bytes(before + b"\n# edited\n")
+    assert stages_run(run(reproduced, "dvc", "repro", "--dry")) == rerun
+    (reproduced / file).write_bytes(before)
 
 
 def test_a_killed_training_goes_on_to_the_same_bytes(reproduced):
