@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from rallygap.models.ball.types import Bools, Floats
-from rallygap.models.shot_quality.cross_validation import (
+from rallygap.models.shot_quality.forest import (
     Fold,
     bootstrap_score,
     brier,

@@ -15,7 +15,7 @@ from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.policy.incoming_balls import FLOOR, MAX_DURATION, PATH_TIMES, REACH_LIMIT
 from rallygap.models.policy.outcome import with_net
 from rallygap.models.policy.settings import SensorNoise
-from rallygap.models.replay.measured_path import measured_path
+from rallygap.models.replay.paths import measured_path, true_path
 from rallygap.models.replay.replayed_balls import fly_on, measured_in_time, reachable
 from rallygap.models.replay.shots import (
     HALF_TURN,
@@ -26,7 +26,6 @@ from rallygap.models.replay.shots import (
     from_launch,
     half_turn,
 )
-from rallygap.models.replay.true_path import true_path
 from rallygap.models.segmentation.split import NOT_REPLAYED, REPLAY_SETS
 from rallygap.pipeline.evaluation.predictors import ARENA
 from rallygap.pipeline.io.episodes import MeasuredEpisode, read_episodes

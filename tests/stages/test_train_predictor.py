@@ -97,12 +97,6 @@ def test_fine_tuning_starts_from_the_trained_weights(whole):
     assert not any(moved[name] for name in moved if name.startswith("normaliser."))
 
 
-def test_without_sources_there_is_no_fine_tuned_predictor(tmp_path):
-    run = trained(tmp_path)
-    assert "small" in run.timings
-    assert not list(run.artifact(".").glob("*_fine_tuned"))
-
-
 def test_the_report_has_the_losses_of_every_epoch_and_metrics_of_the_last(whole):
     names = [*NETWORKS, *(f"{name}_fine_tuned" for name in NETWORKS)]
     losses = pd.read_csv(whole.report("losses.csv")).set_index(["predictor", "epoch"])
@@ -118,21 +112,9 @@ def test_the_report_has_the_losses_of_every_epoch_and_metrics_of_the_last(whole)
         epoch = losses.loc[row["predictor"], row["epoch"]]
         assert epoch.to_dict() == {key: row[key] for key in ("training", "validation")}
     assert shown == ["figures/training.png", "training.csv"]
-
-
-def test_every_predictor_is_a_model_with_its_loss(whole):
-    metrics = read_json(whole.report("metrics.json"))
     scores = {model.folder.name: model.score for model in whole.models}
     assert scores == pytest.approx(metrics)
     assert len({model.name for model in whole.models}) == len(scores)
-
-
-def test_the_same_inputs_give_the_same_bytes(whole, tmp_path, monkeypatch):
-    clock = SimpleNamespace(monotonic=count().__next__)  # a second at every look
-    monkeypatch.setattr("rallygap.models.predictors.training.time", clock)
-    again = trained(tmp_path, fine_tuning=["labelled"], networks=NETWORKS)
-    assert again.timings["small"] == {"training_s": BRIEF.epochs}
-    assert written(again) == written(whole)
 
 
 def test_parallel_training_gives_the_same_bytes(whole, tmp_path, monkeypatch, capfd):
@@ -148,6 +130,7 @@ def test_test_episodes_and_other_sources_do_not_affect_training(whole, tmp_path)
     write_inputs(tmp_path, shots=shots("arena/club"), sources=("arena",))
     run = StageRun("train_predictor", tmp_path, prepared(tmp_path / "settings").params)
     train_predictor(run)
+    assert not list(run.artifact(".").glob("*_fine_tuned"))  # no sources for it
     alone, whole_run = (load_network(one.artifact("small")).state_dict() for one in (run, whole))
     assert all(torch.equal(alone[name], whole_run[name]) for name in alone)
 
@@ -167,8 +150,11 @@ def test_a_resumed_run_gives_the_same_bytes(whole, tmp_path, monkeypatch):
         patch.setattr(ForecastTraining, "on_train_epoch_start", killed_in_the_last_epoch)
         train_predictor(run)
     assert (run.scratch("small") / "last.ckpt").is_file()
+    clock = SimpleNamespace(monotonic=count().__next__)  # a second at every look
+    monkeypatch.setattr("rallygap.models.predictors.training.time", clock)
     again = StageRun("train_predictor", tmp_path, run.params, run.fingerprint)
     train_predictor(again)
+    assert again.timings["wide"] == {"training_s": BRIEF.epochs}
     assert written(again) == written(whole)
 
 

@@ -38,8 +38,3 @@ def test_at_most_the_last_shot_of_a_point_wins_it(nominal):
 )
 def test_a_worse_receiver_loses_more_points(nominal, receiver, more):
     assert against(receiver).wins.mean() > nominal.wins.mean() + more
-
-
-def test_the_same_seed_plays_the_same_points(nominal):
-    repeated = against(RECEIVERS[0])
-    assert (repeated.features == nominal.features).all() and (repeated.wins == nominal.wins).all()

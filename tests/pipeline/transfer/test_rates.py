@@ -11,16 +11,13 @@ SETTING = KEYS[:2]
 BASELINE = {"predictor": "physics", "protocol": "every_tick"}
 
 
-def test_counts_are_means_over_policies_and_rates_over_all_trials():
+def test_rates_and_differences_are_those_of_hand_made_trials():
     table = rates(everything(), KEYS).set_index(KEYS)
     row = table.loc[("stroke_pro", "115-125", "physics", "every_tick")]
     assert (row["balls"], row["hits"], row["returns"]) == (4, 2.5, 1.5)
     assert (row["hit_rate"], row["return_rate"]) == (5 / 8, 3 / 8)
     assert row["return_rate_low"] < 3 / 8 < row["return_rate_high"]
     assert len(table) == 6
-
-
-def test_differences_are_those_to_the_baseline_on_the_same_balls():
     table = differences(everything(), SETTING, BASELINE)
     found = table.query("horizons_ms == '170-180' and outcome == 'returns'")
     assert list(zip(found["predictor"], found["protocol"], strict=True)) == [
@@ -53,19 +50,10 @@ def of_trainings(share, predictor, seed, shots=60):
 
 def test_intervals_cover_a_known_rate():
     inside = [
-        rates(of_trainings(0.6, "physics", seed, 150), ["predictor"]).iloc[0] for seed in range(40)
+        rates(of_trainings(0.6, "physics", seed, 150), ["predictor"]).iloc[0] for seed in range(25)
     ]
     covered = [row["return_rate_low"] <= 0.6 <= row["return_rate_high"] for row in inside]
     assert 0.85 <= np.mean(covered) <= 1.0
-
-
-def test_trainings_that_differ_widen_the_interval():
-    parts = [trials(np.arange(200) % 10 < share, k) for k, share in enumerate((3, 6, 9))]
-    row = rates(pd.concat(parts), KEYS).iloc[0]
-    assert (row["trainings"], row["balls"]) == (3, 200)
-    # With three trainings an interval is wider than from the worst to the best of them.
-    assert row["return_rate_low"] < 0.3
-    assert row["return_rate_high"] > 0.9
 
 
 def test_a_predictor_that_returns_more_is_told_from_one_that_does_not():

@@ -56,9 +56,6 @@ def test_without_an_oracle_the_gap_is_to_the_rate_in_the_own_simulator():
     closed = table(more_balls(played(oracle=False)))["gap_closed"]
     assert closed["original", "amended"] == pytest.approx(0.25 / 0.5)
     assert closed["retrained", "amended"] == pytest.approx(1)
-
-
-def test_where_there_is_no_gap_nothing_closes():
     rows = table(played(oracle=False), own={"115-125": 0.25})
     assert rows["gap_closed"].isna().all()
 
