@@ -68,11 +68,11 @@ def _played(
     by_set = {one.name: _trials(root, one, trained, params) for one in arena}
     tables = {}
     for experiment in EXPERIMENTS:
-        tasks = {
-            (path := scratch / experiment / f"{name}-{number}.parquet"): partial(_write, path, *one)
-            for name, trials in by_set.items()
-            for number, one in enumerate(trials[experiment])
-        }
+        tasks = {}
+        for name, trials in by_set.items():
+            for number, trial in enumerate(trials[experiment]):
+                path = scratch / experiment / f"{name}-{number}.parquet"
+                tasks[path] = partial(_write, path, *trial)
         make_missing(tasks, experiment)
         tables[experiment] = pd.concat([read_table(path) for path in tasks], ignore_index=True)
     return tables

@@ -144,23 +144,27 @@ class MeasuredScene:
         """
         after, scene = amended(self.nominal, verdict), self.model.build()
         assert isinstance(scene, MujocoScene)
-        fit = _read(self.shots[self.part != number], lambda shots: _refit(shots, after))
+        settings = DEFAULTS.fit
+        fit = _read(self.shots[self.part != number], lambda read: refit(read, after, (), settings))
         noise = fit.noise_estimate.noise
-        fits = (_refit(fit.linear.shots, self.nominal), fit)
+        fits = (refit(fit.linear.shots, self.nominal, (), settings), fit)
         spins = [result.typical_spin(DEFAULTS.name.min_spin) for result in fits]
         step = float(scene.model.opt.timestep)
         code = CodeEngine(scene.name, ball_effects(after, scene.name, [], "mujoco"), scene)
         as_it_is = FlownPredictions(scene, step, self.nominal, noise, spins[0])
         coded = FlownPredictions(code, step, after, noise, spins[1])
         shots = self.shots[self.part == number]
-        held_fit = _read(shots, lambda read: fit_nuisance(read, after, noise, DEFAULTS.fit))
+        held_fit = _read(shots, lambda read: fit_nuisance(read, after, noise, settings))
         held = HeldOut.of(held_fit, shots, noise, DEFAULTS)
         flown = [engine.distances(held.shots, held.usable) for engine in (as_it_is, coded)]
-        return np.stack([*flown, _floor(coded, held)])
-
-
-def _refit(shots: Shots, simulator: Simulator) -> RefitResult:
-    return refit(shots, simulator, (), DEFAULTS.fit)
+        random, count = np.random.default_rng(0), DEFAULTS.verify.replicates
+        kicks = DEFAULTS.fit.max_kicks
+        replicates = [
+            simulate_replicate(held.shots, after, held.states, held.noise, kicks, random)
+            for _ in range(count)
+        ]
+        tries = [coded.distances(replicate, held.usable) for replicate in replicates]
+        return np.stack([*flown, np.stack(tries).mean(axis=0)])
 
 
 def _read(shots: Shots, fit: Callable[[Shots], RefitResult]) -> RefitResult:
@@ -168,15 +172,3 @@ def _read(shots: Shots, fit: Callable[[Shots], RefitResult]) -> RefitResult:
     result = fit(shots)
     readings = read_labels(shots, result, DEFAULTS)
     return fit(readings.corrected(shots)) if readings.doubtful else result
-
-
-def _floor(predictions: FlownPredictions, held: HeldOut) -> Floats:
-    """Return (B, 3) m, the errors on replicates that the list of effects simulates."""
-    simulator, random = predictions.simulator, np.random.default_rng(0)
-    kicks, count = DEFAULTS.fit.max_kicks, DEFAULTS.verify.replicates
-    replicates = [
-        simulate_replicate(held.shots, simulator, held.states, held.noise, kicks, random)
-        for _ in range(count)
-    ]
-    tries = [predictions.distances(replicate, held.usable) for replicate in replicates]
-    return np.asarray(np.stack(tries).mean(axis=0))

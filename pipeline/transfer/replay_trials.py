@@ -97,20 +97,16 @@ class ReplayTrial:
         shots = self.shots
         with one_thread():
             forecasts = self.forecaster.forecasts(self.histories)
-        played = []
+        played, tables = [], []
         for number, (policy, trained) in enumerate(self.policies):
             forecast = forecasts(trained.horizons)
             incoming = IncomingBalls(shots.path, shots.playable, FIRST_WINDOW, *forecast)
             recorded = len(shots) if self.record and not number else 0
-            played.append(
-                play_policy(
-                    policy, trained, shots.simulator, incoming, self.goals, recorded, self.latency
-                )
+            result = play_policy(
+                policy, trained, shots.simulator, incoming, self.goals, recorded, self.latency
             )
-        tables = [
-            with_states(result.table, result.after_racket, result.before_landing)
-            for result in played
-        ]
+            played.append(result)
+            tables.append(with_states(result.table, result.after_racket, result.before_landing))
         table = pd.concat(tables, ignore_index=True).assign(
             set=shots.name,
             recording=np.tile(np.asarray(shots.recordings), len(played)),

@@ -17,7 +17,7 @@ from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.stages.train_policy import train_policy
 from tests.models.policy.schooling import BRIEF, GOALS
-from tests.stages.outputs import items, written
+from tests.stages.outputs import items
 
 TRIALS = 12
 GROUP = PolicyGroupSettings(
@@ -117,17 +117,17 @@ def test_the_report_scores_each_policy_on_unseen_balls_of_its_own_simulator(whol
 
 def test_a_run_that_was_killed_is_taken_up_to_the_same_bytes(whole, tmp_path, monkeypatch):
     in_one_process(monkeypatch)
+    styled = {"styled": GROUPS["styled"]}
     clock = SimpleNamespace(process_time=count().__next__)  # a second at every look
     monkeypatch.setattr(policy_training, "time", clock)
     with monkeypatch.context() as patch, pytest.raises(RuntimeError, match="killed"):
         patch.setattr(learning, "learn_iteration", killed_in_a_second_leg(learning.learn_iteration))
-        train_policy(prepared(tmp_path))
-    again = prepared(tmp_path)
-
+        train_policy(prepared(tmp_path, styled))
+    again = prepared(tmp_path, styled)
     train_policy(again)
-
-    assert again.timings[NAMES[-1]] == {"training_cpu_s": 2}
-    assert written(again) == written(whole)
+    assert again.timings == {NAMES[-1]: {"training_cpu_s": 2}}
+    for path in whole.artifact(NAMES[-1]).iterdir():
+        assert path.read_bytes() == again.artifact(f"{NAMES[-1]}/{path.name}").read_bytes()
 
 
 def killed_in_a_second_leg(learn_iteration):

@@ -128,15 +128,6 @@ def inputs_until(one, k):
     return np.concatenate([history.ravel(), found.age[0, : k + 1]])
 
 
-def test_forecasts_are_of_the_horizons_after_the_tick():
-    found = measurement_histories([shot(), shot()])
-    forecasts = every_step(predict_all(Numbers(), found.history), found, HORIZONS)
-    steps = np.arange(10)
-    for ball in range(2):
-        expected = 1000.0 * found.latest[ball, steps, None] + np.array(HORIZONS) / 5
-        np.testing.assert_allclose(forecasts[ball, :10, :, 0], expected)
-
-
 def test_a_ball_that_is_lost_is_forecast_further_ahead_until_the_forecast_ends():
     found = measurement_histories([shot(sampled(until=0.098))])
     forecasts = every_step(predict_all(Numbers(), found.history), found, HORIZONS)[0, :, 0, 0]

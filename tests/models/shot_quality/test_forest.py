@@ -1,9 +1,10 @@
-"""Cross-validation: matches stay whole, noise is not learned, a known rule is, scores are right."""
+"""The forest, its cross-validation by whole matches, and bootstrap intervals."""
 
 import numpy as np
 import pytest
 from sklearn.metrics import brier_score_loss, roc_auc_score
 
+from rallygap.models.shot_quality.bootstrap import Estimate, resampled_median, weighted_medians
 from rallygap.models.shot_quality.forest import (
     Forest,
     bootstrap_score,
@@ -57,13 +58,6 @@ def test_too_few_matches_or_outcomes_are_refused():
         cross_validate(CLASSIFIERS["base_rate"], features, wins | True, matches, 2)
 
 
-def test_roc_auc_counts_pairs_and_ties_half():
-    wins, probabilities = np.array([True, False, True, False]), np.array([0.9, 0.5, 0.5, 0.1])
-    weights = np.array([[1, 1, 1, 1], [1, 1, 0, 1], [1, 0, 1, 0]])
-    found = roc_auc(wins, probabilities, weights)
-    assert found == pytest.approx([(1 + 1 + 0.5 + 1) / 4, 1, np.nan], nan_ok=True)
-
-
 def test_scores_are_those_of_scikit_learn():
     random = np.random.default_rng(0)
     wins, probabilities = random.random(60) < 0.4, random.integers(0, 20, 60) / 20
@@ -73,6 +67,7 @@ def test_scores_are_those_of_scikit_learn():
         assert area == pytest.approx(roc_auc_score(wins, probabilities, sample_weight=weight))
         loss = brier_score_loss(wins, probabilities, sample_weight=weight)
         assert error == pytest.approx(loss)
+    assert np.isnan(roc_auc(wins, probabilities, wins[None].astype(int)))  # without a loss
 
 
 def test_intervals_contain_the_score_and_resample_whole_matches():
@@ -127,3 +122,48 @@ def test_out_of_range_is_what_lies_beyond_all_training_shots(forest):
     beyond = features[:1].copy()
     beyond[0, 2] = features[:, 2].max() + 1e-9
     assert np.flatnonzero(forest.out_of_range(beyond)).tolist() == [2]
+
+
+@pytest.mark.parametrize("size", [1, 9, 10])
+def test_medians_of_resamples_are_numpy_s(size):
+    random = np.random.default_rng(size)
+    values, counts = random.normal(size=size).round(1), random.integers(4, size=(200, size))
+    expected = [np.median(np.repeat(values, row)) if row.any() else np.nan for row in counts]
+    assert weighted_medians(values, counts).tolist() == pytest.approx(expected, nan_ok=True)
+
+
+def test_the_interval_is_that_of_resampled_balls():
+    random = np.random.default_rng(1)
+    balls = np.repeat(np.arange(30), 2)[random.random(60) < 0.7]
+    values = random.normal(size=len(balls))
+    draws = np.random.default_rng(5).integers(30, size=(1000, 30))
+    medians = [np.median(np.concatenate([values[balls == one] for one in draw])) for draw in draws]
+    median, low, high = resampled_median(values, balls, 30, 4000, 7).interval()
+    assert median == np.median(values)
+    assert [low, high] == pytest.approx(np.quantile(medians, [0.025, 0.975]), abs=0.05)
+
+
+def test_without_returns_there_is_no_median_and_without_resamples_no_interval():
+    assert np.isnan(resampled_median([], [], 5, 100, 0).interval()).all()
+    assert resampled_median([3.0, 1.0], [0, 1], 5, 0, 0).interval() == (2.0, 2.0, 2.0)
+
+
+def test_a_ratio_s_interval_covers_and_is_narrower_for_the_same_balls():
+    """Of medians of the same 40 balls, one twice the other, drawn 150 times."""
+    random, balls, covered, widths = np.random.default_rng(3), np.arange(40), [], []
+    for _ in range(150):
+        hard = random.normal(10, 2, 40)
+        one, other = 2 * hard * random.normal(1, 0.02, 40), hard * random.normal(1, 0.02, 40)
+        below = resampled_median(other, balls, 40, 200, 0)
+        _, low, high = resampled_median(one, balls, 40, 200, 0).ratio(below).interval()
+        _, wide_low, wide_high = resampled_median(one, balls, 40, 200, 1).ratio(below).interval()
+        covered.append(low <= 2 <= high)
+        widths.append((high - low) / (wide_high - wide_low))
+    assert np.mean(covered) > 0.93
+    assert np.mean(widths) < 0.5
+
+
+def test_a_ratio_needs_a_positive_denominator():
+    ratio = Estimate(2.0, np.full(3, 2.0)).ratio(Estimate(-1.0, np.array([0.0, 1.0, np.nan])))
+    assert np.isnan(ratio.value)
+    assert ratio.resampled.tolist() == pytest.approx([np.nan, 2, np.nan], nan_ok=True)
