@@ -7,13 +7,13 @@ next to the oracle.
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
-from rallygap.pipeline.experiments.arenas.world import arena_result
-from rallygap.pipeline.io.artifacts import read_json, write_json
+from rallygap.pipeline.experiments.arenas import arena_result
+from rallygap.pipeline.experiments.resumed import json_results
 from rallygap.pipeline.params import Params
-from rallygap.pipeline.runtime.parallel import make_missing
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 
 SEEDS = [*range(101, 121)]
@@ -21,24 +21,25 @@ SEEDS = [*range(101, 121)]
 
 def arenas(run: StageRun) -> None:
     """Write causes and errors of all arenas."""
-    paths = {seed: run.scratch(f"{seed}.json") for seed in SEEDS}
-    tasks = {path: partial(_write, run.params, seed, path) for seed, path in paths.items()}
-    make_missing(tasks, "arenas")
-    results = {seed: read_json(path) for seed, path in paths.items()}
-    causes, errors = (_joined(results, name) for name in ("causes", "errors"))
-    run.publish({"causes": causes, "errors": errors}, digits=6)
+    scratch = run.scratch(".")
+    tasks = {
+        scratch / f"{seed}.json": partial(_content, run.params, seed, scratch) for seed in SEEDS
+    }
+    results = dict(zip(SEEDS, json_results(tasks, "arenas"), strict=True))
+    tables = {}
+    for name in ("causes", "errors"):
+        parts = {seed: pd.DataFrame(result[name]) for seed, result in results.items()}
+        joined = pd.concat(parts, names=["seed"]).reset_index("seed")
+        tables[name] = joined.infer_objects()
+    run.publish(tables, digits=6)
 
 
-def _write(params: Params, seed: int, path: Path) -> None:
-    found = arena_result(params, seed, path.parent)
-    # JSON has no NaN.
-    known = {name: one.astype(object).where(one.notna(), None) for name, one in found.items()}
-    write_json(path, {name: table.to_dict("list") for name, table in known.items()})
-
-
-def _joined(results: dict[int, dict[str, dict[str, list[object]]]], name: str) -> pd.DataFrame:
-    parts = {seed: pd.DataFrame(one[name]) for seed, one in results.items()}
-    return pd.concat(parts, names=["seed"]).reset_index("seed").infer_objects()
+def _content(params: Params, seed: int, scratch: Path) -> dict[str, Any]:
+    """Return the tables of an arena as lists; JSON has no NaN."""
+    return {
+        name: table.astype(object).where(table.notna(), None).to_dict("list")
+        for name, table in arena_result(params, seed, scratch).items()
+    }
 
 
 if __name__ == "__main__":

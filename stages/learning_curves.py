@@ -18,8 +18,13 @@ from rallygap.models.predictors.protocol import ProbabilisticPredictor
 from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet, read_test_sets
 from rallygap.pipeline.evaluation.forecasts import forecast_windows
 from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
-from rallygap.pipeline.experiments.learning_curves.curves import Errors, curve_rows
-from rallygap.pipeline.experiments.learning_curves.subsets import Learner, Subset, subsets
+from rallygap.pipeline.experiments.learning_curves import (
+    Errors,
+    Learner,
+    Subset,
+    curve_rows,
+    subsets,
+)
 from rallygap.pipeline.gap.amended_files import amended_simulators
 from rallygap.pipeline.io.amended_simulators import AMENDED
 from rallygap.pipeline.io.ground_truth import read_truth

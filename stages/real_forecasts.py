@@ -8,11 +8,9 @@ fine-tuned. Needs the measured sets in RALLYGAP_DATA.
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.predictors.ensemble import EnsemblePredictor
@@ -20,20 +18,20 @@ from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS, concat_tabl
 from rallygap.models.predictors.learned import LearnedPredictor
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import ProbabilisticPredictor
-from rallygap.pipeline.experiments.real_forecasts.adapted import (
+from rallygap.pipeline.experiments.real_forecasts import (
     HYBRID,
     OTHER,
     TRANSFORMER,
     FineTuning,
+    Fold,
+    Tested,
     amended_by,
 )
-from rallygap.pipeline.experiments.real_forecasts.tested import Fold, Tested
 from rallygap.pipeline.gap.amended_files import amended_simulators
 from rallygap.pipeline.gap.expected_balls import expected_balls
 from rallygap.pipeline.gap.folds import fold_numbers
 from rallygap.pipeline.gap.measured_shots import read_measured_episodes
 from rallygap.pipeline.gap.shots import shots_of, source_shots
-from rallygap.pipeline.io.episodes import MeasuredEpisode
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.params import EvaluatePredictorSettings, Params
 from rallygap.pipeline.predictors.parallel_training import TrainingResult, train_networks
@@ -89,12 +87,13 @@ def _shown(parts: Mapping[tuple[str], pd.DataFrame]) -> pd.DataFrame:
 
 def _folds(folder: Path, name: str) -> list[Fold]:
     episodes = read_measured_episodes(folder, name)
-    of_episodes = fold_numbers(name, _recordings(episodes), FOLDS)
+    recordings = np.array([one.recording_id for one in episodes])
+    parts = list(zip(episodes, fold_numbers(name, recordings, FOLDS), strict=True))
     return [
         Fold(
             f"{name}-{number}",
-            [one for one, k in zip(episodes, of_episodes, strict=True) if k == number],
-            [one for one, k in zip(episodes, of_episodes, strict=True) if k != number],
+            [one for one, part in parts if part == number],
+            [one for one, part in parts if part != number],
         )
         for number in range(FOLDS)
     ]
@@ -149,17 +148,9 @@ def _fine_tuned(
         settings.training.model_copy(update=settings.fine_tuning.model_dump(exclude={"sources"})),
         params.seed,
     )
-    jobs = [
-        job
-        for fold in folds
-        for job in tuning.jobs(fold.others, physics[fold.name], fold.name, scratch)
-    ]
+    jobs = [job for fold in folds for job in tuning.jobs(fold, physics[fold.name], scratch)]
     results: list[TrainingResult] = train_networks(jobs)
     return {one.name: LearnedPredictor(one.network, one.spread) for one in results}
-
-
-def _recordings(episodes: list[MeasuredEpisode]) -> NDArray[Any]:
-    return np.array([one.recording_id for one in episodes])
 
 
 if __name__ == "__main__":

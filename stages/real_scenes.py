@@ -19,9 +19,9 @@ from rallygap.models.gap.settings import DEFAULTS
 from rallygap.models.gap.verdict import Verdict
 from rallygap.models.gap.verify.bootstrap import drawn_shots, interval
 from rallygap.pipeline.engines.audited import audited
-from rallygap.pipeline.experiments.known_answers.answers import verdicts
-from rallygap.pipeline.experiments.simulators.measured import HORIZONS, MeasuredScene
-from rallygap.pipeline.experiments.simulators.published import PUBLISHED
+from rallygap.pipeline.experiments.measured_scenes import HORIZONS, MeasuredScene
+from rallygap.pipeline.experiments.resumed import verdicts
+from rallygap.pipeline.experiments.simulators import PUBLISHED
 from rallygap.pipeline.gap.folds import fold_numbers
 from rallygap.pipeline.gap.measured_shots import read_shots
 from rallygap.pipeline.io.artifacts import write_json

@@ -27,7 +27,6 @@ from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.transfer.rates import rates
 from rallygap.pipeline.transfer.replay_sets import read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import (
-    EVERY_STEP,
     Forecaster,
     Policies,
     informed_predictors,
@@ -43,6 +42,7 @@ from rallygap.pipeline.transfer.retraining import (
     pooled,
     retraining_table,
 )
+from rallygap.pipeline.transfer.returns import EVERY_STEP
 from rallygap.pipeline.transfer.trials import joined, run_trials
 from rallygap.pipeline.transfer.truth_comparison import NamedCauses, number_table
 

@@ -10,15 +10,13 @@ from rallygap.pipeline.runtime.console import warn
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.shot_quality.professionals import read_professionals
-from rallygap.pipeline.shot_quality.receivers import (
-    median_win_probabilities,
-    order_agreement,
-    receiver_forests,
-)
 from rallygap.pipeline.shot_quality.returns import (
     experiments,
+    median_win_probabilities,
+    order_agreement,
     out_of_range_table,
     quality_table,
+    receiver_forests,
     return_features,
     returns_table,
     swap_table,

@@ -12,12 +12,10 @@ from rallygap.pipeline.io.artifacts import write_json, write_table
 from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
-from rallygap.pipeline.transfer.example_returns import write_returns
+from rallygap.pipeline.transfer.example_returns import example_returns, write_returns
 from rallygap.pipeline.transfer.rates import differences, rates
-from rallygap.pipeline.transfer.recorded_returns import example_returns
 from rallygap.pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import (
-    ONCE,
     Forecaster,
     Policies,
     ReplayTrial,
@@ -25,9 +23,9 @@ from rallygap.pipeline.transfer.replay_trials import (
     load_players,
     replay_trials,
     source_of,
+    tolerance_trials,
 )
-from rallygap.pipeline.transfer.tolerance import tolerance_trials
-from rallygap.pipeline.transfer.transfer_table import BASELINE, PHYSICS, SETTING
+from rallygap.pipeline.transfer.returns import BASELINE, ONCE, PHYSICS, SETTING
 from rallygap.pipeline.transfer.trials import joined, run_trials
 
 FIRST_BASELINE = {"predictor": PHYSICS, "protocol": ONCE}

@@ -9,8 +9,7 @@ from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.policies.storage import load_policies
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.transfer.rates import differences, rates
-from rallygap.pipeline.transfer.sim2sim_trials import IMPERFECT, sim2sim_trials
-from rallygap.pipeline.transfer.trials import joined, run_trials
+from rallygap.pipeline.transfer.trials import IMPERFECT, joined, run_trials, sim2sim_trials
 
 SETTING = ["protocol", "simulator", "horizons_ms"]  # of a comparison
 BASELINE = {"predictor": IMPERFECT}

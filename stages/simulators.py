@@ -24,11 +24,15 @@ from rallygap.models.gap.amend.simulator import amended
 from rallygap.models.gap.diagnose import diagnose
 from rallygap.pipeline.engines.audit_text import audit_content
 from rallygap.pipeline.engines.audited import audited
-from rallygap.pipeline.experiments.simulators.larger_spins import larger_spins
-from rallygap.pipeline.experiments.simulators.published import PUBLISHED
-from rallygap.pipeline.experiments.simulators.scenes import TRUTH, HiddenScene, scenes
-from rallygap.pipeline.io.artifacts import read_json, write_json
-from rallygap.pipeline.runtime.parallel import make_missing
+from rallygap.pipeline.experiments.resumed import json_results
+from rallygap.pipeline.experiments.simulators import (
+    PUBLISHED,
+    TRUTH,
+    HiddenScene,
+    larger_spins,
+    scenes,
+)
+from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 
 SHOTS, TESTED = 100, 40  # to diagnose on, and to fly
@@ -54,16 +58,14 @@ def simulator_scenes(scratch: Path) -> dict[str, dict[str, Any]]:
     Args:
         scratch: folder of what a killed run leaves to the next one.
     """
-    places = {scratch / f"{scene.engine}-{scene.name}.json": scene for scene in scenes()}
-    make_missing({path: partial(_write, path, scene) for path, scene in places.items()}, "scenes")
+    chosen = list(scenes())
+    files = [scratch / f"{scene.engine}-{scene.name}.json" for scene in chosen]
+    tasks = [partial(scene_result, scene) for scene in chosen]
+    results = json_results(dict(zip(files, tasks, strict=True)), "scenes")
     content: dict[str, dict[str, Any]] = {}
-    for path, scene in places.items():
-        content.setdefault(scene.engine, {})[scene.name] = read_json(path)
+    for scene, result in zip(chosen, results, strict=True):
+        content.setdefault(scene.engine, {})[scene.name] = result
     return content
-
-
-def _write(path: Path, scene: HiddenScene) -> None:
-    write_json(path, scene_result(scene))
 
 
 def published_models() -> dict[str, dict[str, Any]]:

@@ -30,7 +30,7 @@ from rallygap.pipeline.transfer.replay_trials import (
     replay_trials,
     source_of,
 )
-from rallygap.pipeline.transfer.transfer_table import PHYSICS
+from rallygap.pipeline.transfer.returns import PHYSICS
 from rallygap.pipeline.transfer.trials import joined, run_trials
 
 REPEATS, HORIZONS = 3, (115, 120, 125)

@@ -6,7 +6,6 @@ the paper's Table I; and with four of them in all settings of the mechanism. Tho
 features are also trained in the amended simulator.
 """
 
-from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 
@@ -15,13 +14,16 @@ import pandas as pd
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.pipeline.evaluation.predictors import ARENA, read_trained
 from rallygap.pipeline.experiments.profiles import profile_params
-from rallygap.pipeline.experiments.swap_study.policies import amended_simulator, trained_policies
-from rallygap.pipeline.experiments.swap_study.tables import EXPERIMENTS, PHYSICS, study_tables
-from rallygap.pipeline.experiments.swap_study.trials import (
+from rallygap.pipeline.experiments.swap_study import (
+    EXPERIMENTS,
+    PHYSICS,
     Predictors,
+    amended_simulator,
     mechanism_trials,
     played,
     reading_trials,
+    study_tables,
+    trained_policies,
 )
 from rallygap.pipeline.io.artifacts import read_table, write_table
 from rallygap.pipeline.io.simulators import load_simulator
@@ -63,47 +65,40 @@ def _played(
     arena = [one for one in sets if source_of(one) == ARENA]
     if not arena:
         raise InputError("params.yaml", "names no arena to replay", field="ingest.sources")
-    tasks: dict[str, dict[Path, Callable[[], None]]] = {name: {} for name in EXPERIMENTS}
-    for shots in arena:
-        trials = _trials(shots, _predictors(root, params, shots), trained, params)
-        for experiment, found in trials.items():
-            for number, (columns, trial) in enumerate(found):
-                path = scratch / experiment / f"{shots.name}-{number}.parquet"
-                tasks[experiment][path] = partial(_write, path, trial, columns)
-    for experiment, some in tasks.items():
-        make_missing(some, experiment)
-    return {
-        experiment: pd.concat([read_table(path) for path in some], ignore_index=True)
-        for experiment, some in tasks.items()
-    }
-
-
-Trials = Iterable[tuple[dict[str, str | float], ReplayTrial]]
+    by_set = {one.name: _trials(root, one, trained, params) for one in arena}
+    tables = {}
+    for experiment in EXPERIMENTS:
+        tasks = {}
+        for name, trials in by_set.items():
+            for number, trial in enumerate(trials[experiment]):
+                path = scratch / experiment / f"{name}-{number}.parquet"
+                tasks[path] = partial(_write, path, *trial)
+        make_missing(tasks, experiment)
+        tables[experiment] = pd.concat([read_table(path) for path in tasks], ignore_index=True)
+    return tables
 
 
 def _trials(
-    shots: ReplaySet, predictors: Predictors, trained: list[TrainingResult], params: Params
-) -> dict[str, Trials]:
+    root: Path, shots: ReplaySet, trained: list[TrainingResult], params: Params
+) -> dict[str, list[tuple[ReplayTrial, dict[str, str | float]]]]:
     """Return the trials of a set with their columns in tables, by experiment."""
-    own = params.sim2real.simulator
+    own, seed, predictors = params.sim2real.simulator, params.seed, _predictors(root, params, shots)
     original, again = (
         [
             (one.policy, one.description)
             for one in trained
-            if (one.description.simulator == own) is it
+            if (one.description.simulator == own) is is_original
         ]
-        for it in (True, False)
+        for is_original in (True, False)
     )
-    seed = params.seed
     every_step = [Forecaster(*named) for named in predictors.items()]
-    plain: dict[str, str | float] = {}
     return {
-        "readings": [(plain, one) for one in reading_trials(shots, predictors, original, seed)],
+        "readings": [(one, {}) for one in reading_trials(shots, predictors, original, seed)],
         "mechanism": [
-            (setting.columns, one)
+            (one, setting.columns)
             for setting, one in mechanism_trials(shots, predictors, original, seed)
         ],
-        "retrained": [(plain, one) for one in replay_trials(shots, every_step, again, seed)],
+        "retrained": [(one, {}) for one in replay_trials(shots, every_step, again, seed)],
     }
 
 

@@ -5,8 +5,6 @@ The peers simulate the same physics and the same shots: a simulation vectorised 
 tolerance of 1e-12, from which the errors of both are measured.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -36,9 +34,6 @@ def shots(count: int) -> np.ndarray:
     ball[:, 5] = ball[:, 2] / (ball[:, 1] + 0.6) * ball[:, 4] + 1.5
     ball[:, 6:] = generator.normal(0, 200, (count, 3))
     return ball
-
-
-SINGLE = shots(1)[0]
 
 
 def derivative(s: np.ndarray) -> np.ndarray:
@@ -105,15 +100,7 @@ def with_numpy(balls: np.ndarray) -> np.ndarray:
     return states.transpose(2, 0, 1)
 
 
-def with_rallygap(balls: np.ndarray) -> np.ndarray:
-    return SIMULATOR.fly(balls, TIMES).states
-
-
-def with_scipy(balls: np.ndarray) -> np.ndarray:
-    return np.stack([one_with_scipy(ball) for ball in balls])
-
-
-def one_with_scipy(state: np.ndarray) -> np.ndarray:
+def with_scipy(state: np.ndarray) -> np.ndarray:
     """Return (T, 9) states of one ball, by DOP853 with contacts as events."""
 
     def slope(_time: float, s: np.ndarray) -> np.ndarray:
@@ -135,18 +122,6 @@ def one_with_scipy(state: np.ndarray) -> np.ndarray:
     return np.array(states)
 
 
-def simulated(method: Callable[[np.ndarray], np.ndarray], count: int) -> Callable[[], int]:
-    """Return work that simulates some shots with a method."""
-    initial = shots(count)
-    return lambda: len(method(initial))
-
-
-def single_shot() -> int:
-    """Simulate one shot of 0.3 s."""
-    SIMULATOR.fly(SINGLE, TIMES[:60])
-    return 1
-
-
 def error(states: np.ndarray, true: np.ndarray) -> float:
     """Return the largest position error (m) while the ball is above the table."""
     over = np.logical_and.accumulate(
@@ -158,19 +133,19 @@ def error(states: np.ndarray, true: np.ndarray) -> float:
 
 def main() -> None:
     """Measure shots per second and errors."""
-    initial = shots(40)
-    true = with_scipy(initial)
+    initial, few, many = shots(40), shots(5), shots(1000)
+    true = np.stack([with_scipy(ball) for ball in initial])
     with one_core():
-        ours = rate(simulated(with_rallygap, 1000))
+        ours = rate(lambda: len(SIMULATOR.fly(many, TIMES).states))
         peers = {
-            "numpy, vectorised": rate(simulated(with_numpy, 1000)),
-            "scipy DOP853, tolerance 1e-12": rate(simulated(with_scipy, 5)),
+            "numpy, vectorised": rate(lambda: len(with_numpy(many))),
+            "scipy DOP853, tolerance 1e-12": rate(lambda: len([with_scipy(ball) for ball in few])),
         }
-        calls = rate(single_shot)
+        calls = rate(lambda: len(SIMULATOR.fly(few[0], TIMES[:60]).states))
     report(
         "ball_simulator",
         [faster("shots of 0.8 s at 200 Hz per second", ours, *peer) for peer in peers.items()],
-        largest_error_m=error(with_rallygap(initial), true),
+        largest_error_m=error(SIMULATOR.fly(initial, TIMES).states, true),
         largest_error_of_numpy_m=error(with_numpy(initial), true),
         one_shot_of_300_ms_us=1e6 / calls,
     )

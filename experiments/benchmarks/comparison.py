@@ -15,7 +15,6 @@ import pandas as pd
 import psutil
 import torch
 from rich.console import Console
-from rich.table import Table
 
 from rallygap.pipeline.io.artifacts import read_json, write_csv, write_json
 from rallygap.pipeline.runtime.torch_threads import one_thread
@@ -37,7 +36,7 @@ class Comparison:
         peer: the name of the other program.
         peer_value: its value.
         ratio: how many times better rallygap is; None if it did not reach the goal.
-        lower_bound: the peer did not reach the goal, so that the ratio is a lower bound.
+        lower_bound: of the ratio, where the peer did not reach the goal.
     """
 
     measure: str
@@ -54,13 +53,7 @@ def faster(measure: str, rallygap: float, peer: str, peer_value: float) -> Compa
 
 
 def rate(work: Callable[[], int]) -> float:
-    """Return units of work per second of CPU time, of the fastest repeat after a warm-up.
-
-    CPU time depends little on what else the machine does.
-
-    Args:
-        work: does some units and returns how many.
-    """
+    """Return units of work per second of CPU time, of the fastest repeat after a warm-up."""
     work()
     rates = []
     for _ in range(REPEATS):
@@ -74,14 +67,10 @@ def rate(work: Callable[[], int]) -> float:
 def report(benchmark: str, comparisons: Sequence[Comparison], **details: float) -> None:
     """Print comparisons and details, and write them into the committed report."""
     reports = read_json(REPORT) if REPORT.is_file() else {}
-    rows = [_rounded(asdict(comparison)) for comparison in comparisons]
-    numbers = _rounded(details)
+    rows, numbers = [_rounded(asdict(one)) for one in comparisons], _rounded(details)
     reports[benchmark] = {**machine(), "comparisons": rows, "details": numbers}
     write_json(REPORT, dict(sorted(reports.items())))
-    console = Console()
-    console.print(comparison_table(comparisons))
-    for name, value in numbers.items():
-        console.print(f"{name.replace('_', ' ')}: {value}")
+    Console().print(pd.DataFrame(rows).to_string(index=False), numbers)
 
 
 def write_measured(name: str, table: pd.DataFrame, **details: Any) -> None:
@@ -93,17 +82,6 @@ def write_measured(name: str, table: pd.DataFrame, **details: Any) -> None:
 
 def _rounded(values: dict[str, Any]) -> dict[str, Any]:
     return {k: float(f"{v:.4g}") if isinstance(v, float) else v for k, v in values.items()}
-
-
-def comparison_table(comparisons: Sequence[Comparison]) -> Table:
-    """Return comparisons as a table for the terminal."""
-    table = Table("measure", "rallygap", "peer", "peer's value", "ratio")
-    for row in comparisons:
-        ratio = "not reached" if row.ratio is None else f"{row.ratio:,.1f}"
-        bound = "more than " if row.lower_bound and row.ratio is not None else ""
-        values = (f"{row.rallygap:,.4g}", row.peer, f"{row.peer_value:,.4g}", f"{bound}{ratio}")
-        table.add_row(row.measure, *values)
-    return table
 
 
 @contextmanager
@@ -123,15 +101,11 @@ def one_core() -> Iterator[None]:
 
 def machine() -> dict[str, Any]:
     """Return the machine of the measurement."""
-    return {
-        "cpu": _cpu_model(),
-        "cores": psutil.cpu_count(logical=False) or psutil.cpu_count(),
-        "torch": torch.__version__,
-    }
-
-
-def _cpu_model() -> str:
     path = Path("/proc/cpuinfo")
     lines = path.read_text().splitlines() if path.exists() else []
     models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return models[0] if models else platform.processor()
+    return {
+        "cpu": models[0] if models else platform.processor(),
+        "cores": psutil.cpu_count(logical=False) or psutil.cpu_count(),
+        "torch": torch.__version__,
+    }

@@ -13,29 +13,24 @@ import pandas as pd
 from experiments.benchmarks.comparison import ROOT, one_core, write_measured
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
 from rallygap.models.predictors.protocol import History, Predictor
-from rallygap.pipeline.evaluation.error_table import read_errors
 from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_predictors
+from rallygap.pipeline.io.artifacts import read_table
 from rallygap.pipeline.params import load_params
 from rallygap.pipeline.runtime.progress import progress
 from rallygap.pipeline.runtime.scratch import kept_timings
 
 CALLS, WARM_UP = 500, 50
+ERRORS = "artifacts/evaluate_predictor/report/errors.parquet"
 ERROR_COLUMNS = [f"position_error_mm_{horizon}ms" for horizon in SHOWN_HORIZONS_MS]
 
 
 def measure_costs(root: Path) -> pd.DataFrame:
-    """Measure every predictor on the first set of the stage evaluate_predictor.
-
-    Args:
-        root: of the repository, with the artefacts and reports of a finished run.
+    """Measure every predictor on the first set of a finished run in a repository.
 
     Returns:
-        One row a predictor: its parameters, position errors (mm) as reported, seconds of training,
-        median and 99th percentile (ms) of the time of one forecast.
-
-    Raises:
-        InputError: an artefact or a report is missing or invalid.
+        One row a predictor: its parameters, position errors (mm), seconds of training, median and
+        99th percentile (ms) of the time of one forecast.
     """
     settings = load_params(root / "params.yaml").evaluate_predictor
     first = read_test_sets(root / "artifacts", settings.window_every_ms / 1000)[0]
@@ -44,11 +39,11 @@ def measure_costs(root: Path) -> pd.DataFrame:
         for predictor in read_predictors(root / "artifacts", settings)
         if predictor.forecasts(first.name)
     ]
-    errors = read_errors(root).query(
+    errors = read_table(root / ERRORS)
+    errors = errors[errors["set"] == first.name].query(
         "against == 'measured' and quantity == 'position' and bounce == 'all'"
     )
-    of_set = errors[errors["set"] == first.name]
-    position_errors = of_set.pivot_table("mean", "predictor", "horizon_ms")
+    position_errors = errors.pivot_table("mean", "predictor", "horizon_ms")
     timings = kept_timings(root, "train_predictor")
     training = {
         name: one["training_s"]
@@ -68,12 +63,7 @@ def measure_costs(root: Path) -> pd.DataFrame:
 
 
 def latency(predictor: Predictor, histories: list[History]) -> np.ndarray:
-    """Return the duration (ms) of each forecast, after a warm-up.
-
-    Args:
-        predictor: forecasts.
-        histories: one ball each.
-    """
+    """Return the duration (ms) of the forecast of each history, after a warm-up."""
     for history in histories[:WARM_UP]:
         predictor.predict(history)
     times = []

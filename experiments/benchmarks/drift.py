@@ -6,9 +6,8 @@ two cores; writes ``reports/live/drift.json`` and its figure.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -43,8 +42,7 @@ CAUSES = {
 REPORT = ROOT / "reports" / "live" / "drift.json"
 
 
-@dataclass(frozen=True)
-class Session:
+class Session(NamedTuple):
     """A session; its cause has a value after the reference, or there is none."""
 
     number: int

@@ -9,9 +9,7 @@ The paper's size of the transformer has random weights, which take as long as tr
 
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
 from itertools import islice
-from pathlib import Path
 
 import numpy as np
 import torch
@@ -42,34 +40,15 @@ PAPER = "transformer_paper_size"
 REPORT = ROOT / "reports" / "live" / "latency.json"
 
 
-def frames(root: Path) -> list[Measurement]:
-    """Return the first frames of the last run's recordings."""
-    rows = read_table(root / "artifacts" / "ingest" / "recordings.parquet")
-    first = list(islice(measurements([rows]), FRAMES))
-    if len(first) < FRAMES:
-        raise ValueError(f"{len(first)} frames are too few; ingest {FRAMES}")
-    return first
+def measure(
+    predictor: ProbabilisticPredictor, rows: Sequence[Measurement]
+) -> dict[str, float | None]:
+    """Return the latency of a predictor; simulators forecast from all measurements of a ball.
 
-
-@dataclass(frozen=True)
-class Latency:
-    """What one predictor takes.
-
-    Attributes:
-        p50_ms: of a frame, the median.
-        p99_ms: of a frame, which one in a hundred exceeds.
-        eager_ms: of the predictor's own call, the median.
-        max_change_mm: the largest distance between the live forecast and that of this call.
+    Returns:
+        Median and 99th percentile of a frame; the median of the predictor's own call, ``eager_ms``;
+        and the largest distance between the live forecast and that of this call.
     """
-
-    p50_ms: float
-    p99_ms: float
-    eager_ms: float
-    max_change_mm: float | None
-
-
-def measure(predictor: ProbabilisticPredictor, rows: Sequence[Measurement]) -> Latency:
-    """Return the latency of a predictor; simulators forecast from all measurements of a ball."""
     if isinstance(predictor, PhysicsPredictor):
         forecaster = Forecaster(predictor.simulator)
     else:
@@ -85,8 +64,12 @@ def measure(predictor: ProbabilisticPredictor, rows: Sequence[Measurement]) -> L
         taken.append(time.perf_counter() - start)
     eager, change = _compared(forecaster, predictor, rows)
     p50, p99 = np.percentile(taken, [50, 99])
-    shown = _rounded(change) if forecaster.predictor else None
-    return Latency(_rounded(p50), _rounded(p99), _rounded(eager), shown)
+    return {
+        "p50_ms": _rounded(p50),
+        "p99_ms": _rounded(p99),
+        "eager_ms": _rounded(eager),
+        "max_change_mm": _rounded(change) if forecaster.predictor else None,
+    }
 
 
 def _compared(
@@ -111,10 +94,9 @@ def _compared(
 
 def _paper_size(trained: LearnedPredictor) -> LearnedPredictor:
     """Return the transformer of the paper's size with the normaliser of the laptop's."""
-    paper = read_yaml(ROOT / "experiments" / "profiles" / "paper_network.yaml")["train_predictor"][
-        "networks"
-    ]
-    settings = TransformerSettings(kind="transformer", **paper["transformer"])
+    paper = read_yaml(ROOT / "experiments" / "profiles" / "paper_network.yaml")
+    described = paper["train_predictor"]["networks"]["transformer"]
+    settings = TransformerSettings(kind="transformer", **described)
     torch.manual_seed(0)
     network = build_network(settings)
     network.normaliser = trained.network.normaliser
@@ -135,7 +117,9 @@ def _rounded(thousandths: float) -> float:
 def main() -> None:
     """Measure, write, print."""
     settings = load_params(ROOT / "params.yaml").evaluate_predictor
-    rows = frames(ROOT)
+    recorded = read_table(ROOT / "artifacts" / "ingest" / "recordings.parquet")
+    rows = list(islice(measurements([recorded]), FRAMES))
+    assert len(rows) == FRAMES, "ingest more"
     predictors = {
         named.name: named.predictor
         for named in read_predictors(ROOT / "artifacts", settings)
@@ -146,7 +130,7 @@ def main() -> None:
     predictors[PAPER] = _paper_size(trained)
     with one_core():
         measured = {
-            name: asdict(measure(predictor, rows))
+            name: measure(predictor, rows)
             for name, predictor in progress(predictors.items(), "latency", len(predictors))
         }
     write_json(REPORT, measured)

@@ -9,7 +9,6 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -52,16 +51,6 @@ EPOCHS = 4
 SETTINGS = ((1, 1), (1, 2), (2, 2))  # processes, multiple of the work
 
 
-@dataclass(frozen=True)
-class Work:
-    """Independent tasks: the unit that they count, their number, and the function of one."""
-
-    name: str
-    unit: str
-    tasks: int
-    do: Callable[[int], int]
-
-
 def answer_question(number: int, withheld: Sequence[str] = ()) -> int:
     """Let rallygap answer a question of the exam."""
     trial = Trial(
@@ -71,11 +60,6 @@ def answer_question(number: int, withheld: Sequence[str] = ()) -> int:
     return 1
 
 
-def answer_with_half_the_effects(number: int) -> int:
-    """Let it answer with every other effect of its catalogue withheld."""
-    return answer_question(number, NOT_NOMINAL[::2])
-
-
 def learn(seed: int) -> int:
     """Train a policy for a short training iteration; return its control steps."""
     with tempfile.TemporaryDirectory() as folder:
@@ -83,15 +67,16 @@ def learn(seed: int) -> int:
     return SHORT.steps_per_iteration
 
 
-WORKS = (
-    Work(f"verdicts on {SHOTS} shots", "questions of the exam", 2, answer_question),
-    Work(
+# Independent tasks: their name, the unit that they count, their number, and one of them.
+WORKS: tuple[tuple[str, str, int, Callable[[int], int]], ...] = (
+    (f"verdicts on {SHOTS} shots", "questions of the exam", 2, answer_question),
+    (
         "verdicts with half the effects",
         "questions of the exam, half the effects",
         2,
-        answer_with_half_the_effects,
+        partial(answer_question, withheld=NOT_NOMINAL[::2]),
     ),
-    Work("train policies", "control steps", 1, learn),
+    ("train policies", "control steps", 1, learn),
 )
 
 
@@ -102,29 +87,42 @@ def set_processes(processes: int) -> None:
     get_reusable_executor().shutdown()
 
 
-def measure(work: Work, processes: int, times: int) -> dict[str, Any]:
-    """Measure a multiple of a work on some processes; return a row of the table."""
+def measure(
+    work: str, unit: str, processes: int, do: Callable[[], int], warm_up: Callable[[], object]
+) -> dict[str, Any]:
+    """Measure a work on some processes, after a warm-up; return a row of the table."""
     set_processes(processes)
-    list(parallel([partial(work.do, 0)] * processes))  # warm-up: start, import, compile
+    warm_up()  # start, import, compile
     start = time.monotonic()
-    done = sum(parallel([partial(work.do, SEED + k) for k in range(times * work.tasks)]))
-    return row(work.name, work.unit, processes, done, time.monotonic() - start)
+    done = do()
+    return row(work, unit, processes, done, time.monotonic() - start)
 
 
-def measure_arena(processes: int, times: int) -> dict[str, Any]:
-    """Measure ingest and segment of an arena with a multiple of the shots."""
-    set_processes(processes)
-    segment_arena(1)  # warm-up: start, import, compile
-    start = time.monotonic()
-    done = segment_arena(times)
-    work = "simulate, write and segment episodes"
-    return row(work, "episodes", processes, done, time.monotonic() - start)
+def measure_tasks(
+    name: str, unit: str, count: int, do: Callable[[int], int], processes: int, times: int
+) -> dict[str, Any]:
+    """Measure a multiple of independent tasks."""
+    tasks = [partial(do, SEED + k) for k in range(times * count)]
+    return measure(
+        name,
+        unit,
+        processes,
+        lambda: sum(parallel(tasks)),
+        lambda: list(parallel([partial(do, 0)] * processes)),
+    )
 
 
 def segment_arena(times: int) -> int:
     """Ingest and segment an arena; return the number of episodes."""
     with tempfile.TemporaryDirectory() as root:
         return len(segmented(Path(root), times).episodes)
+
+
+def measure_arena(processes: int, times: int) -> dict[str, Any]:
+    """Measure ingest and segment of an arena with a multiple of the shots."""
+    work = "simulate, write and segment episodes"
+    do, warm_up = partial(segment_arena, times), partial(segment_arena, 1)
+    return measure(work, "episodes", processes, do, warm_up)
 
 
 def segmented(root: Path, times: int = 1) -> Segmented:
@@ -187,7 +185,7 @@ def main() -> None:
     episodes, disk = arena_episodes()
     rows = [measure_training(episodes, *setting) for setting in SETTINGS]
     rows += [measure_arena(*setting) for setting in SETTINGS]
-    rows += [measure(work, *setting) for work in WORKS for setting in SETTINGS]
+    rows += [measure_tasks(*work, *setting) for work in WORKS for setting in SETTINGS]
     memory = memory_of(episodes)
     write_measured("scale", pd.DataFrame(rows), disk_bytes=disk, memory_bytes=memory)
 

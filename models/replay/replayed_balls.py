@@ -17,7 +17,7 @@ import numpy as np
 
 from rallygap.models.ball.contact_laws import NONE, TABLE
 from rallygap.models.ball.simulator import Contacts, Flight, Simulator
-from rallygap.models.ball.state import POSITION, STATE_SIZE
+from rallygap.models.ball.state import POSITION, SPIN, STATE_SIZE
 from rallygap.models.ball.types import Bools, Floats, Integers
 from rallygap.models.policy.incoming_balls import (
     FIRST_WINDOW,
@@ -226,3 +226,25 @@ def _near_contacts(path: Floats, bounces: Sequence[Floats]) -> Contacts:
         before[row, :count], after[row, :count] = path[row, steps[kept]], path[row, steps[kept] + 1]
     there = ~np.isnan(time)
     return Contacts(there.sum(axis=1), time, np.where(there, TABLE, NONE), before, after)
+
+
+def perturbed(forecasts: Floats, error: str, size: float, random: np.random.Generator) -> Floats:
+    """Return forecasts with a deliberate error, to measure which errors a policy tolerates.
+
+    Args:
+        forecasts: (B, T, H, 9) as in ``IncomingBalls``.
+        error: ``bias``, in one random direction per ball; ``noise``, independent per control step,
+            whose horizons share one measurement window; or ``no_spin``.
+        size: m, of a bias, or root mean square of the noise.
+        random: of the directions, uniform on the sphere, and of the noise.
+    """
+    changed = forecasts.copy()
+    if error == "no_spin":
+        changed[..., SPIN] = 0.0
+    elif error == "bias":
+        drawn = random.standard_normal((len(forecasts), 1, 1, 3))
+        changed[..., POSITION] += size * drawn / np.linalg.norm(drawn, axis=-1, keepdims=True)
+    else:
+        drawn = random.standard_normal((*forecasts.shape[:2], 1, 3))
+        changed[..., POSITION] += size / np.sqrt(3) * drawn
+    return changed

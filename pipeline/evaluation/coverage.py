@@ -39,21 +39,20 @@ class Coverage:
     @classmethod
     def of(cls, calibration: Calibration, errors: Errors) -> "Coverage":
         """Return the coverage of forecasts by their errors."""
-        sizes, scores = calibration.sizes(errors), crps(errors, calibration)
-        return cls(calibration.covered(errors), sizes, scores)
+        covered, sizes = calibration.covered(errors), calibration.sizes(errors)
+        return cls(covered, sizes, crps(errors, calibration))
 
     @classmethod
     def crossed(cls, parts: Sequence[Errors]) -> "Coverage":
         """Return the coverage of all parts, each with regions that the other parts calibrate."""
         others = [joined_errors([*parts[:k], *parts[k + 1 :]]) for k in range(len(parts))]
-        crossed = [
-            cls.of(Calibration.of(rest), part) for rest, part in zip(others, parts, strict=True)
-        ]
-        return cls(
-            np.concatenate([part.covered for part in crossed], axis=1),
-            np.concatenate([part.sizes for part in crossed], axis=1),
-            np.concatenate([part.scores for part in crossed]),
+        pairs = zip(others, parts, strict=True)
+        crossed = [cls.of(Calibration.of(rest), part) for rest, part in pairs]
+        covered, sizes, scores = (
+            np.concatenate([getattr(part, name) for part in crossed], axis=-2)
+            for name in ("covered", "sizes", "scores")
         )
+        return cls(covered, sizes, scores)
 
     def table(self, recordings: np.ndarray, resamples: int, seed: int) -> pd.DataFrame:
         """Return one row a level and horizon, with intervals by a bootstrap over recordings.
@@ -66,27 +65,22 @@ class Coverage:
         Returns:
             Columns level, horizon_ms, coverage with ci_low and ci_high, size_mm, crps_mm, n.
         """
-        levels = {
-            (level,): self._rows(number, recordings, resamples, seed)
-            for number, level in enumerate(LEVELS)
-        }
-        return concat_tables(levels, ["level"])
-
-    def _rows(self, number: int, recordings: np.ndarray, resamples: int, seed: int) -> pd.DataFrame:
-        """Return the rows of one level, by its number."""
-        covered = self.covered[number]
-        shares = error_statistics(covered, recordings, resamples, np.random.default_rng(seed))
-        known = np.isfinite(covered)
-        columns = (
-            HORIZONS_MS,
-            shares.mean,
-            shares.low,
-            shares.high,
-            MM * _mean(self.sizes[number], known),
-            MM * _mean(self.scores, known),
-            shares.count,
-        )
-        return pd.DataFrame(dict(zip(COLUMNS, columns, strict=True)))[shares.count > 0]
+        frames = {}
+        for level, covered, sizes in zip(LEVELS, self.covered, self.sizes, strict=True):
+            generator = np.random.default_rng(seed)
+            shares = error_statistics(covered, recordings, resamples, generator)
+            known = np.isfinite(covered)
+            columns = {
+                "horizon_ms": HORIZONS_MS,
+                "coverage": shares.mean,
+                "ci_low": shares.low,
+                "ci_high": shares.high,
+                "size_mm": MM * _mean(sizes, known),
+                "crps_mm": MM * _mean(self.scores, known),
+                "n": shares.count,
+            }
+            frames[level,] = pd.DataFrame(columns)[shares.count > 0]
+        return concat_tables(frames, ["level"])
 
 
 def coverage_rows(
@@ -106,9 +100,6 @@ def coverage_rows(
         predictors: with covariances.
         resamples: of recordings, for the 95 % intervals.
         seed: of these.
-
-    Returns:
-        Columns predictor, level, horizon_ms, coverage with ci_low and ci_high, size_mm, crps_mm, n.
     """
     batches = [_batches(part.windows) for part in (validation, test)]
     tasks = [

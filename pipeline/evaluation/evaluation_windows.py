@@ -1,6 +1,5 @@
 """The test episodes of every set of measured balls, cut into windows."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,7 +7,7 @@ import numpy as np
 
 from rallygap.models.predictors.windows import Windows, concatenate_windows, cut_windows
 from rallygap.pipeline.io.episodes import MeasuredEpisode, read_episodes
-from rallygap.pipeline.io.source_manifest import Manifest, SourceRecord, read_manifest
+from rallygap.pipeline.io.source_manifest import SourceRecord, read_manifest
 from rallygap.pipeline.runtime.console import warn
 from rallygap.pipeline.runtime.errors import InputError
 
@@ -65,12 +64,7 @@ def read_sets(artifacts: Path, every: float, split: str) -> list[MeasuredSet]:
     """
     manifest = read_manifest(artifacts / "ingest" / "manifest.json")
     episodes = read_episodes(artifacts / "segment", manifest.labelled_once, splits=(split,))
-    return list(_cut(manifest, episodes, every))
-
-
-def _cut(
-    manifest: Manifest, episodes: list[MeasuredEpisode], every: float
-) -> Iterator[MeasuredSet]:
+    sets = []
     for name in sorted({episode.source for episode in episodes}):
         members = [episode for episode in episodes if episode.source == name and episode.unbroken]
         parts = [cut_windows(member.episode, every) for member in members]
@@ -79,4 +73,6 @@ def _cut(
             continue
         ids = np.array([member.recording_id for member in members])
         recordings = np.repeat(ids, [len(part) for part in parts])
-        yield MeasuredSet(manifest.sources[name], concatenate_windows(parts), recordings, members)
+        source, windows = manifest.sources[name], concatenate_windows(parts)
+        sets.append(MeasuredSet(source, windows, recordings, members))
+    return sets

@@ -30,15 +30,15 @@ class Forecast(BaseModel):
 
 
 class Shot(BaseModel):
-    """One measured shot and its forecasts.
+    """One measured shot of an episode and its forecasts.
 
     Attributes:
-        episode_id: the episode it was measured in.
-        source: the data set the episode comes from.
+        episode_id: of the episode.
+        source: of the episode.
         t: times of the measured samples (s, the recording's clock).
         measured: measured positions (m, table frame), one for each time.
         anchor: time of the last sample in the history (s).
-        forecasts: predictor name -> its forecast after the anchor.
+        forecasts: after the anchor, by predictor.
     """
 
     model_config = ConfigDict(extra="forbid")

@@ -112,10 +112,9 @@ def typical_first(shots: Sequence[Shot], cuts: Sequence[Windows]) -> list[Shot]:
 def _last_errors(shot: Shot, cut: Windows) -> list[float]:
     """Return the error of each predictor at the last measured state of the first window."""
     last = int(np.flatnonzero(cut.measured[0, :, 0])[-1])
-    vectors = [
-        forecast.position[last] - cut.future[0, last, :3] for forecast in shot.forecasts.values()
-    ]
-    return [max(float(np.linalg.norm(vector)), SMALLEST) for vector in vectors]
+    true = cut.future[0, last, :3]
+    away = [np.linalg.norm(one.position[last] - true) for one in shot.forecasts.values()]
+    return [max(float(size), SMALLEST) for size in away]
 
 
 def _shot(measured: MeasuredEpisode, cut: Windows, predictors: Sequence[NamedPredictor]) -> Shot:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from rallygap.pipeline.experiments.arenas.scores import PREDICTORS, found_by_size, ratios
+from rallygap.pipeline.experiments.arena_scores import PREDICTORS, found_by_size, ratios
 from rallygap.pipeline.paper.assessments import rate
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, INK, predictor_colour
@@ -63,11 +63,11 @@ def _draw_ratios(axes: Axes, errors: pd.DataFrame) -> None:
 
 def _draw_found(axes: Axes, causes: pd.DataFrame) -> None:
     names = []
-    for place, (name, share) in enumerate(found_by_size(causes)):
-        names.append(f"{name}\nn = {share.of}")
-        if not share.of:
+    for place, (name, named, hidden) in enumerate(found_by_size(causes)):
+        names.append(f"{name}\nn = {hidden}")
+        if not hidden:
             continue
-        found = rate(share.count, share.of).times(100)
+        found = rate(named, hidden).times(100)
         axes.plot([place, place], [found.low, found.high], color=MARKED)
         axes.plot(place, found.value, color=MARKED, marker="o", markersize=5)
     axes.set_xticks(range(len(names)), names)

@@ -15,8 +15,7 @@ from rallygap.pipeline.paper.values import printed_transfer
 from rallygap.pipeline.report.sample import sample, trainings
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.transfer.rates import OUTCOMES
-from rallygap.pipeline.transfer.replay_trials import EVERY_STEP
-from rallygap.pipeline.transfer.transfer_table import PHYSICS, PROTOCOLS
+from rallygap.pipeline.transfer.returns import EVERY_STEP, PHYSICS, PROTOCOLS
 from rallygap.pipeline.web.figure_style import (
     FIGURE_WIDTH,
     INK,

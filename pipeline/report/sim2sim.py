@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from rallygap.pipeline.report.sample import sample
 from rallygap.pipeline.runtime.stage_run import StageRun
-from rallygap.pipeline.transfer.sim2sim_trials import GROUND_TRUTH, IMPERFECT
+from rallygap.pipeline.transfer.trials import GROUND_TRUTH, IMPERFECT
 from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, INK
 from rallygap.pipeline.web.labels import simulator_label
 from rallygap.pipeline.web.report_items import ReportFigure, ReportItem, ReportTable

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from rallygap.pipeline.report.sample import sample
 from rallygap.pipeline.runtime.stage_run import StageRun
-from rallygap.pipeline.transfer.transfer_table import PROTOCOLS
+from rallygap.pipeline.transfer.returns import PROTOCOLS
 from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, INK, predictor_colour, predictor_order
 from rallygap.pipeline.web.labels import predictor_label
 from rallygap.pipeline.web.report_items import ReportFigure, ReportItem

@@ -6,8 +6,14 @@ import numpy as np
 import pandas as pd
 
 from rallygap.models.arena.sides import SIDES
-from rallygap.models.shot_quality.measured_landings import has_first_arc, landing, stroke_direction
-from rallygap.models.shot_quality.shots import Shots, clearance, shot_features
+from rallygap.models.shot_quality.shots import (
+    Shots,
+    clearance,
+    has_first_arc,
+    measured_landing,
+    shot_features,
+    stroke_direction,
+)
 from rallygap.pipeline.io.episodes import MeasuredEpisode, read_episodes
 from rallygap.pipeline.io.schemas import EPISODES, POINTS, read_checked
 from rallygap.pipeline.runtime.errors import InputError
@@ -29,7 +35,7 @@ def read_professionals(artifacts: Path) -> Shots:
     played = _within_points(strokes, points[points["recording_id"].str.startswith(GROUP)])
     rows, landings, heights = [], [], []
     for row in played.index.to_numpy():
-        landed = landing(strokes[row].episode)
+        landed = measured_landing(strokes[row].episode)
         if landed is not None and strokes[row].unbroken:
             rows.append(row)
             landings.append(landed[0])

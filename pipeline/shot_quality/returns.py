@@ -1,16 +1,21 @@
-"""Tables of the returns of sim2real: medians of four metrics, and how the swap changes them."""
+"""Tables of the returns of sim2real: medians, and how the swap and other receivers change them."""
 
 from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import asdict
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from rallygap.models.arena.truth import draw_truth
 from rallygap.models.ball.types import Floats
 from rallygap.models.shot_quality.bootstrap import Estimate, resampled_median
 from rallygap.models.shot_quality.forest import Forest
+from rallygap.models.shot_quality.receivers import RECEIVERS, play_against
 from rallygap.models.shot_quality.shots import FEATURES, clearance, shot_features
 from rallygap.pipeline.io.schemas import SPIN_COLUMNS
+from rallygap.pipeline.params import ShotQualitySettings
 from rallygap.pipeline.transfer.returns import LANDED
 
 KEYS = ["set", "horizons_ms", "predictor", "protocol"]  # of an experiment
@@ -22,6 +27,8 @@ METRICS = {  # column: label in figures
     "win_probability": "winning probability",
 }
 OUT_OF_RANGE = {f"out_of_range_{name}": name for name in FEATURES}  # column: feature
+OTHER_ARENA = 1  # added to the seed: the truth of the run's own arena stays sealed
+NOMINAL = RECEIVERS[0].name
 
 
 def returns_table(played: pd.DataFrame, forest: Forest) -> pd.DataFrame:
@@ -133,3 +140,42 @@ def _intervals(estimates: Mapping[str, Estimate]) -> dict[str, float]:
         for name, estimate in estimates.items()
         for suffix, end in zip(("", "_low", "_high"), estimate.interval(), strict=True)
     }
+
+
+def receiver_forests(
+    settings: ShotQualitySettings, seed: int
+) -> tuple[pd.DataFrame, dict[str, Forest]]:
+    """Simulate points against every receiver and train a forest on each.
+
+    Returns:
+        One row a receiver, ``win_rate`` the share of the shots that won; and receiver to forest.
+    """
+    truth = draw_truth(seed + OTHER_ARENA)
+    rows, forests = [], {}
+    for receiver in RECEIVERS:
+        random = np.random.default_rng([seed, *b"receivers", receiver.draw])
+        shots = play_against(receiver, truth, settings.points, random)
+        forests[receiver.name] = Forest(shots.features, shots.wins, settings.forest, seed)
+        rows.append({**asdict(receiver), "shots": len(shots), "win_rate": shots.wins.mean()})
+    return pd.DataFrame(rows).rename(columns={"name": "receiver"}), forests
+
+
+def median_win_probabilities(
+    returns: pd.DataFrame, features: Floats, forests: Mapping[str, Forest]
+) -> pd.DataFrame:
+    """Return the median winning probability of every experiment, one column a forest."""
+    probabilities = {name: forest.probabilities(features) for name, forest in forests.items()}
+    return returns[KEYS].assign(**probabilities).groupby(KEYS, sort=False)[list(forests)].median()
+
+
+def order_agreement(medians: pd.DataFrame, forest: str, reference: str = NOMINAL) -> float:
+    """Return the share of pairs of experiments that two forests put in the same order.
+
+    Pairs are on the same set and horizons. A tie agrees with a tie alone. NaN without any pair.
+    """
+    agreements = []
+    for _, group in medians.groupby(KEYS[:2], sort=False):
+        for experiment, other in combinations(group.index, 2):
+            difference = group.loc[experiment] - group.loc[other]
+            agreements.append(np.sign(difference[forest]) == np.sign(difference[reference]))
+    return float(np.mean(agreements)) if agreements else np.nan

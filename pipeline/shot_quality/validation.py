@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from rallygap.models.ball.types import Bools, Floats
-from rallygap.models.shot_quality.cross_validation import (
+from rallygap.models.shot_quality.forest import (
     Fold,
     bootstrap_score,
     brier,
@@ -25,13 +25,7 @@ BINS = 8  # of the calibration
 
 
 class Validation(NamedTuple):
-    """The cross-validation of a classifier for one outcome of the shots.
-
-    Attributes:
-        outcome: (B,) of the shots.
-        folds: with the trained classifiers.
-        probabilities: (B,) of the held-out shots.
-    """
+    """The cross-validation of a classifier for a (B,) outcome: (B,) held-out probabilities."""
 
     outcome: Bools
     folds: list[Fold]
@@ -96,13 +90,12 @@ def importance_table(shots: Shots, validation: Validation, seed: int) -> pd.Data
     correlation = pd.DataFrame(shots.features).corr("spearman").fillna(0.0).to_numpy(copy=True)
     np.fill_diagonal(correlation, 0.0)
     partner = np.abs(correlation).argmax(axis=1)
-    table = pd.DataFrame(
-        {
-            "feature": FEATURES,
-            "roc_auc_decrease": decrease.mean(axis=0),
-            "std": decrease.std(axis=0),
-            "most_correlated": [FEATURES[column] for column in partner],
-            "correlation": correlation[np.arange(len(partner)), partner],
-        }
-    )
+    columns = {
+        "feature": FEATURES,
+        "roc_auc_decrease": decrease.mean(axis=0),
+        "std": decrease.std(axis=0),
+        "most_correlated": [FEATURES[column] for column in partner],
+        "correlation": correlation[np.arange(len(partner)), partner],
+    }
+    table = pd.DataFrame(columns)
     return table.sort_values("roc_auc_decrease", ascending=False, kind="stable")

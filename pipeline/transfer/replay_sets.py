@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from rallygap.models.arena.truth import Truth
 from rallygap.models.ball.contact_laws import TABLE
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.simulators import shipped
@@ -15,7 +14,7 @@ from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.policy.incoming_balls import FLOOR, MAX_DURATION, PATH_TIMES, REACH_LIMIT
 from rallygap.models.policy.outcome import with_net
 from rallygap.models.policy.settings import SensorNoise
-from rallygap.models.replay.measured_path import measured_path
+from rallygap.models.replay.paths import measured_path, true_path
 from rallygap.models.replay.replayed_balls import fly_on, measured_in_time, reachable
 from rallygap.models.replay.shots import (
     HALF_TURN,
@@ -26,7 +25,6 @@ from rallygap.models.replay.shots import (
     from_launch,
     half_turn,
 )
-from rallygap.models.replay.true_path import true_path
 from rallygap.models.segmentation.split import NOT_REPLAYED, REPLAY_SETS
 from rallygap.pipeline.evaluation.predictors import ARENA
 from rallygap.pipeline.io.episodes import MeasuredEpisode, read_episodes
@@ -136,7 +134,15 @@ def _measured(artifacts: Path, manifest: Manifest) -> Iterator[_Candidates]:
     for name, members in _episodes(artifacts / "segment", manifest.labelled_once).items():
         source, recordings = members[0].source, [member.recording_id for member in members]
         if source == ARENA and truth is not None:
-            shots, rotated = _arena_shots(members, truth, contacts), np.zeros(len(members), bool)
+            known = read_contacts(contacts, np.array(recordings))
+            shots = [
+                Shot(
+                    from_launch(one.episode),
+                    *true_path(truth, known[one.recording_id], float(one.episode.times[0])),
+                )
+                for one in members
+            ]
+            rotated = np.zeros(len(members), bool)
             simulator = truth.simulator
             if "racket_bounce" not in simulator.effects:
                 racket = LITERATURE.effects["racket_bounce"]
@@ -145,9 +151,8 @@ def _measured(artifacts: Path, manifest: Manifest) -> Iterator[_Candidates]:
         else:
             measured = [from_launch(member.episode) for member in members]
             away = np.array([flies_away(episode) for episode in measured])
-            facing = [
-                half_turn(episode) if flies_away(episode) else episode for episode in measured
-            ]
+            pairs = zip(measured, away, strict=True)
+            facing = [half_turn(episode) if turned else episode for episode, turned in pairs]
             shots = [Shot(episode, *measured_path(episode)) for episode in facing]
             yield _Candidates(name, source, shots, recordings, away, LITERATURE, None)
 
@@ -163,15 +168,6 @@ def _episodes(folder: Path, labelled_once: set[str]) -> dict[str, list[MeasuredE
         if episode.unbroken and name != NOT_REPLAYED:
             sets.setdefault(name, []).append(episode)
     return {name: members for name, members in sets.items() if members}
-
-
-def _arena_shots(members: list[MeasuredEpisode], truth: Truth, path: Path) -> list[Shot]:
-    contacts = read_contacts(path, np.array([member.recording_id for member in members]))
-    starts = [float(member.episode.times[0]) for member in members]
-    return [
-        Shot(from_launch(member.episode), *true_path(truth, contacts[member.recording_id], start))
-        for member, start in zip(members, starts, strict=True)
-    ]
 
 
 def _launched(path: Path, settings: Sim2RealSettings, seed: int) -> Iterator[_Candidates]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import cast
 
@@ -21,6 +22,7 @@ from rallygap.models.replay.replayed_balls import (
     anchored,
     every_step,
     measurement_histories,
+    perturbed,
     predict_all,
     predict_all_with_spreads,
 )
@@ -29,18 +31,16 @@ from rallygap.pipeline.io.amended_simulators import AMENDED
 from rallygap.pipeline.params import Sim2RealSettings
 from rallygap.pipeline.policies.storage import TrainedPolicy, load_policies
 from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.runtime.torch_threads import one_thread
 from rallygap.pipeline.transfer.replay_sets import ARENA_SETS, ReplaySet
-from rallygap.pipeline.transfer.returns import with_states
+from rallygap.pipeline.transfer.returns import EVERY_STEP, with_states
 from rallygap.pipeline.transfer.trials import Played, play_policy
 
 Policies = Sequence[tuple[Policy, TrainedPolicy]]
 Forecasts = Callable[[HorizonsMs], tuple[Floats, Floats | None]]
 """Forecasts of some shots at the horizons of a policy, and their spreads, as ``IncomingBalls`` has
 them."""
-
-# When a predictor forecasts: at every control step; from the first window alone; every few steps.
-EVERY_STEP, ONCE, EVERY_STEPS = "every_tick", "first_window", "every_steps"
 
 
 @dataclass(frozen=True)
@@ -50,24 +50,21 @@ class Forecaster:
     Attributes:
         name: of the predictor.
         predictor: forecasts.
-        mode: when it does; ``protocol`` in tables.
-        spreads: whether it also says how sure it is; at every control step alone.
-        steps: from one forecast to the next, with ``EVERY_STEPS``.
+        mode: when it does: ``EVERY_STEP`` or ``ONCE``, or the number of control steps from one
+            forecast to the next; ``protocol`` in tables.
+        spreads: whether it also says how sure it is; with ``EVERY_STEP`` alone.
     """
 
     name: str
     predictor: Predictor
-    mode: str = EVERY_STEP
+    mode: str | int = EVERY_STEP
     spreads: bool = False
-    steps: int | None = None
 
     def forecasts(self, histories: Histories) -> Forecasts:
         """Forecast shots from their measurement histories."""
         if self.mode != EVERY_STEP:
-            return lambda horizons: (
-                anchored(self.predictor, histories, horizons, self.steps),
-                None,
-            )
+            every = self.mode if isinstance(self.mode, int) else None
+            return lambda horizons: (anchored(self.predictor, histories, horizons, every), None)
         if self.spreads:
             predictor = cast(ProbabilisticPredictor, self.predictor)
             means, spreads = predict_all_with_spreads(predictor, histories.history)
@@ -100,25 +97,21 @@ class ReplayTrial:
         shots = self.shots
         with one_thread():
             forecasts = self.forecaster.forecasts(self.histories)
-        played = []
+        played, tables = [], []
         for number, (policy, trained) in enumerate(self.policies):
             forecast = forecasts(trained.horizons)
             incoming = IncomingBalls(shots.path, shots.playable, FIRST_WINDOW, *forecast)
             recorded = len(shots) if self.record and not number else 0
-            played.append(
-                play_policy(
-                    policy, trained, shots.simulator, incoming, self.goals, recorded, self.latency
-                )
+            result = play_policy(
+                policy, trained, shots.simulator, incoming, self.goals, recorded, self.latency
             )
-        tables = [
-            with_states(result.table, result.after_racket, result.before_landing)
-            for result in played
-        ]
+            played.append(result)
+            tables.append(with_states(result.table, result.after_racket, result.before_landing))
         table = pd.concat(tables, ignore_index=True).assign(
             set=shots.name,
             recording=np.tile(np.asarray(shots.recordings), len(played)),
             predictor=self.forecaster.name,
-            protocol=self.forecaster.mode,
+            protocol=str(self.forecaster.mode),
         )
         return Played(table, played[0] if self.record else None)
 
@@ -198,3 +191,35 @@ def source_of(shots: ReplaySet) -> str:
 def trial_seed(seed: int) -> list[int]:
     """Return the seed of sim2real's random draws, which no training uses."""
     return [seed, *b"sim2real"]
+
+
+def tolerance_trials(run: StageRun, policies: Policies) -> list[Callable[[], Played]]:
+    """Return the trials of all policies with all errors.
+
+    Policies play shots of their own simulators. All trials of a policy have the same shots; errors
+    of all sizes have the same directions.
+    """
+    settings = run.params.sim2real.tolerance
+    errors = [(kind, size / 100) for kind in ("bias", "noise") for size in settings.errors_cm]
+    return [
+        partial(_play, policy, trained, error, size, settings.shots, trial_seed(run.seed))
+        for policy, trained in policies
+        for error, size in [*errors, ("no_spin", 0.0)]
+    ]
+
+
+def _play(
+    policy: Policy,
+    trained: TrainedPolicy,
+    error: str,
+    size: float,
+    shots: int,
+    seed: Sequence[int],
+) -> Played:
+    """Return how shots end with an error of ``perturbed``, of a size in m."""
+    task, random = trained.task, np.random.default_rng(seed)
+    balls, goals = task.draw(shots, random)
+    forecasts = perturbed(balls.forecasts, error, size, random)
+    incoming = IncomingBalls(balls.path, balls.playable, balls.start, forecasts)
+    table = play_policy(policy, trained, task.simulator, incoming, goals).table
+    return Played(table.assign(error=error, size_cm=100 * size))

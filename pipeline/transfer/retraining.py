@@ -11,7 +11,7 @@ from rallygap.models.support.clustered_means import clustered_mean
 from rallygap.pipeline.evaluation.predictors import ORACLE
 from rallygap.pipeline.policies.storage import TrainedPolicy
 from rallygap.pipeline.transfer.rates import OUTCOMES, differences, rates, trials_of
-from rallygap.pipeline.transfer.transfer_table import PHYSICS, SETTING
+from rallygap.pipeline.transfer.returns import PHYSICS, SETTING
 
 ORIGINAL, RETRAINED = "original", "retrained"
 BASELINE = {"policy": ORIGINAL, "predictor": PHYSICS}

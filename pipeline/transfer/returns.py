@@ -9,6 +9,13 @@ import pandera.pandas as pa
 from rallygap.models.ball.types import Floats
 from rallygap.pipeline.io.schemas import STATE_COLUMNS, read_checked
 
+# When a predictor forecasts: at every control step, or from the first window alone.
+EVERY_STEP, ONCE = "every_tick", "first_window"
+PROTOCOLS = {ONCE: "first window", EVERY_STEP: "every control step"}
+PHYSICS = "physics"  # the predictor that the others are compared with
+SETTING = ["set", "horizons_ms"]  # of a comparison
+BASELINE = {"predictor": PHYSICS, "protocol": EVERY_STEP}  # of gains
+
 AFTER = [f"after_{name}" for name in STATE_COLUMNS]  # just after the racket
 LANDED = [f"landed_{name}" for name in STATE_COLUMNS]  # just before the landing
 KNOWN = ["speed", "net_height", *AFTER, *LANDED]  # of every return

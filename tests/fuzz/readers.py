@@ -13,8 +13,6 @@ import numpy as np
 from rallygap.models.policy.observation import observation_size
 from rallygap.pipeline.benchmark.forecasts import read_forecasts
 from rallygap.pipeline.benchmark.windows import run_sets, window_table
-from rallygap.pipeline.evaluation.error_table import REPORT as FORECAST_ERRORS
-from rallygap.pipeline.evaluation.error_table import read_errors
 from rallygap.pipeline.evaluation.example_shots import read_shots
 from rallygap.pipeline.exam.records import read_records, write_records
 from rallygap.pipeline.experiments.profiles import profile_flags
@@ -278,12 +276,6 @@ def _read_forecasts(folder: Path) -> int:
     return 0
 
 
-def _read_errors(folder: Path) -> int:
-    errors = read_errors(folder)
-    assert np.isfinite(errors.select_dtypes("number").to_numpy()).all()
-    return 0
-
-
 def _write_table(stage: str, name: str) -> Callable[[Path], Path]:
     def write(folder: Path) -> Path:
         write_inputs(folder, sources=("arena",))
@@ -374,7 +366,6 @@ READERS = [
     Reader("truth.json", _write_truth, _read_truth, JSON),
     Reader("shots.json", _write_shots, _read_shots, JSON),
     Reader("report, tables", _write_columns, _read_columns, SEPARATED),
-    Reader("forecast_error.csv", _copied(str(FORECAST_ERRORS)), _read_errors, SEPARATED),
     Reader(
         "profile's run, params.json", _copied("reports/paper/params.json"), _read_kept_run, JSON
     ),

@@ -11,8 +11,9 @@ def items(run):
 
 
 def table(run, name, *keys):
-    """A table of the report, indexed by ``keys``."""
-    items(run)
+    """A table of the report, indexed by ``keys``; the report is written once, for its figures."""
+    if not run.report(f"{name}.csv").exists():
+        items(run)
     rows = pd.read_csv(run.report(f"{name}.csv"))
     return rows.set_index(list(keys)) if keys else rows
 

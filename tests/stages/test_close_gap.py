@@ -25,7 +25,7 @@ SIMULATORS = {
 SETTINGS = CloseGapSettings(simulators=SIMULATORS, splits=2, shots=5, level=0.003)
 
 
-def prepared(root, shots=4, split="train", **changes):
+def prepared(root, shots=4, split="train"):
     """A run on shots of a source with labels and of one without."""
     drawn = [
         shot_tables(source, 3 + number, split=split)
@@ -33,7 +33,7 @@ def prepared(root, shots=4, split="train", **changes):
         for number in range(shots)
     ]
     write_inputs(root, shots=drawn, sources=("labelled", "plain"))
-    return StageRun("close_gap", root, params(close_gap=SETTINGS.model_copy(update=changes)))
+    return StageRun("close_gap", root, params(close_gap=SETTINGS))
 
 
 def windy(shots, simulator, settings, nets):
@@ -69,6 +69,10 @@ def test_every_case_leaves_its_verdict_and_its_amended_simulator(whole):
     found = Verdict.load(whole.artifact("plain-c-1.json"))
     assert amended_by(whole.artifact(""), "plain", "c") == amended(shipped("imperfect_c"), found)
     assert "magnus" not in amended_by(whole.artifact(""), "plain", "bare").effects
+    origin = Verdict.load(whole.artifact("plain-bare-1.json")).made_from
+    assert (origin.data, origin.folder, origin.simulator) == ("plain", None, "bare")
+    assert (origin.recordings, origin.shots, origin.settings) == (4, 4, {"level": 0.003})
+    assert "magnus" not in origin.effects
 
 
 def test_the_report_has_a_row_a_case_and_a_figure_a_source(whole):
@@ -81,16 +85,6 @@ def test_the_report_has_a_row_a_case_and_a_figure_a_source(whole):
     assert [item.file for item in written_items] == files
     again = pd.read_csv(whole.report("stability.csv"))
     assert (again["found"] == again["splits"]).all()
-
-
-def test_verdicts_say_what_they_were_made_from(whole):
-    origin = Verdict.load(whole.artifact("plain-bare-1.json")).made_from
-    assert (origin.data, origin.folder, origin.simulator) == ("plain", None, "bare")
-    assert (origin.recordings, origin.shots, origin.settings) == (4, 4, {"level": 0.003})
-    assert "magnus" not in origin.effects
-
-
-def test_metrics_are_means_over_splits(whole):
     metrics = json.loads(whole.report("metrics.json").read_text())
     assert set(metrics) == {"labelled", "plain"}
     assert metrics["labelled"]["c"] == {"causes": 1.0, "removable_closed": 0.9}
@@ -102,15 +96,13 @@ def test_the_same_inputs_give_the_same_bytes(whole, tmp_path):
     assert written(again) == written(whole)
 
 
-def test_a_source_with_too_few_shots_is_left_out_with_a_warning(tmp_path, capsys):
-    run = prepared(tmp_path, shots=2)
+@pytest.mark.parametrize(
+    ("split", "left"),
+    [("train", "labelled has 2 unbroken training shots; give at least 3"), ("test", "")],
+)
+def test_too_few_shots_and_shots_that_are_for_tests_name_nothing(tmp_path, capsys, split, left):
+    run = prepared(tmp_path, shots=2 if left else 4, split=split)
     with pytest.raises(InputError, match="no source has 3 unbroken shots"):
         close(run)
-    assert "labelled has 2 unbroken training shots; give at least 3" in capsys.readouterr().err
+    assert left in capsys.readouterr().err
     assert not run.report(".").exists()
-
-
-@pytest.mark.parametrize("split", ["test", "replay", "validation"])
-def test_balls_that_are_for_tests_name_nothing(tmp_path, split):
-    with pytest.raises(InputError, match="no source has"):
-        close(prepared(tmp_path, split=split))

@@ -58,21 +58,21 @@ def whole(tmp_path_factory):
     return evaluated(tmp_path_factory.mktemp("whole"))
 
 
-def test_the_true_simulator_forecasts_best_where_the_spin_is_labelled(whole):
-    _, metrics = whole
-    true, wrong = (
-        metrics["labelled"][name]["position"]["200"] for name in ("physics_true", "physics_c")
-    )
-    assert true["mean"] < wrong["mean"]
-    assert true["n"] == wrong["n"] > 0
-
-
-def test_the_oracle_forecasts_on_the_arena_alone_and_knows_its_physics(whole):
+def test_the_oracle_forecasts_on_the_arena_alone_and_spins_where_they_are_labelled(whole):
     _, metrics = whole
     trained = {"physics_true", "physics_c", "tiny"}
     assert set(metrics["labelled"]) == set(metrics["plain"]) == trained
     assert set(metrics["arena"]) == {*trained, "oracle"}
     assert metrics["arena"]["oracle"] == metrics["arena"]["physics_true"]  # the same simulator
+    true, wrong = (
+        metrics["labelled"][name]["position"]["200"] for name in ("physics_true", "physics_c")
+    )
+    assert true["mean"] < wrong["mean"]
+    assert true["n"] == wrong["n"] > 0
+    assert "spin" not in metrics["plain"]["physics_true"]
+    labelled = metrics["labelled"]["physics_true"]
+    assert labelled["spin"]["100"]["mean"] < 1.0  # a stale label would be off by the bounce's spin
+    assert labelled["spin"]["100"]["n"] < labelled["position"]["100"]["n"]
 
 
 def test_errors_against_the_truth_lack_the_measurement_noise(whole):
@@ -87,27 +87,23 @@ def test_errors_against_the_truth_lack_the_measurement_noise(whole):
     assert squares[0] - squares[1] == pytest.approx(3 * (1000 * NOISE) ** 2, rel=0.3)
 
 
-def test_every_predictor_that_was_trained_is_evaluated(tmp_path):
+def test_an_amended_simulator_is_evaluated_on_its_own_source_and_a_tuned_network_as_well(tmp_path):
     write_trained(tmp_path, "tiny_fine_tuned", sources=["plain"], starts_from="tiny")
-    run, metrics = evaluated(tmp_path, sources=("plain",))
-    assert set(metrics["plain"]) == {"physics_true", "physics_c", "tiny", "tiny_fine_tuned"}
-    tuned = table(run, "predictors").set_index("predictor").loc["tiny_fine_tuned"]
-    assert (tuned["starts from"], tuned["trained on"]) == ("tiny", "plain")
-    assert tuned["parameters"] > 1000
-
-
-def test_an_amended_simulator_is_evaluated_on_its_own_source(tmp_path):
     folder = tmp_path / "artifacts" / "close_gap"
     for source in ("plain", "elsewhere"):
         write_amended(folder, source, "imperfect_c", {"drag": {"cd": 0.54}})
     run, metrics = evaluated(tmp_path, sources=("plain",))
-    assert set(metrics["plain"]) == {"physics_true", "physics_c", "tiny", "amended_imperfect_c"}
+    own = {"tiny_fine_tuned", "amended_imperfect_c"}
+    assert set(metrics["plain"]) == {"physics_true", "physics_c", "tiny", *own}
     errors = {name: found["velocity"]["300"]["mean"] for name, found in metrics["plain"].items()}
     assert errors["amended_imperfect_c"] < errors["physics_c"]
     rows = table(run, "forecast_error_difference").query("set == 'plain'")
     assert ("amended_imperfect_c", "physics_c") in set(zip(rows.predictor, rows.other, strict=True))
-    learned = table(run, "predictors").query("predictor == 'amended_imperfect_c'")
-    assert learned["trained on"].tolist() == ["elsewhere", "plain"]
+    rows = table(run, "predictors", "predictor")
+    assert rows.loc["amended_imperfect_c", "trained on"].tolist() == ["elsewhere", "plain"]
+    tuned = rows.loc["tiny_fine_tuned"]
+    assert (tuned["starts from"], tuned["trained on"]) == ("tiny", "plain")
+    assert tuned["parameters"] > 1000
 
 
 def test_sets_are_calibrated_by_validation_windows(whole, tmp_path):
@@ -128,11 +124,17 @@ def test_sets_are_calibrated_by_validation_windows(whole, tmp_path):
     assert "figures/coverage_arena.png" in {item.file for item in items(run)}
 
 
-def test_without_a_trained_predictor_the_stage_to_run_is_named(tmp_path):
+def test_without_a_window_or_a_trained_predictor_there_is_one_error_and_no_metrics(tmp_path):
     write_inputs(tmp_path, sources=("plain",))
+    run = StageRun("evaluate_predictor", tmp_path, params())
+    path = tmp_path / "artifacts" / "segment" / "episodes.parquet"
+    write_table(path, read_table(path).assign(unbroken=False))
+    with pytest.raises(InputError, match="no unbroken test episode has a window"):
+        evaluate_predictor(run)
     shutil.rmtree(tmp_path / "artifacts" / "train_predictor")
     with pytest.raises(InputError, match="dvc repro train_predictor"):
-        evaluate_predictor(StageRun("evaluate_predictor", tmp_path, params()))
+        evaluate_predictor(run)
+    assert not run.report("metrics.json").exists()
 
 
 def test_differences_are_paired_on_the_same_windows(whole):
@@ -148,7 +150,7 @@ def test_differences_are_paired_on_the_same_windows(whole):
     assert row.ci_low <= row["mean"] <= row.ci_high
 
 
-def test_errors_by_group_of_recordings(whole):
+def test_errors_by_group_of_recordings_and_by_net_contact(whole):
     run, metrics = whole
     rows = table(run, "forecast_error_by_group")
     assert set(rows[rows.set == "arena"].group) == {"cannon", "pro"}
@@ -156,41 +158,18 @@ def test_errors_by_group_of_recordings(whole):
     oracle = rows.query("set == 'arena' and predictor == 'oracle'")
     mean = np.average(oracle["mean"], weights=oracle["n"])
     assert mean == pytest.approx(metrics["arena"]["oracle"]["position"]["300"]["mean"], rel=1e-4)
-
-
-def test_errors_of_windows_without_net_contact(whole):
-    run, metrics = whole
     rows = table(run, "forecast_error_by_net")
     assert set(rows["set"]) == {"arena"} and set(rows["net"]) == {"without"}
     mean = rows.set_index("predictor")["mean"]["oracle"]
     assert mean == pytest.approx(metrics["arena"]["oracle"]["position"]["300"]["mean"], rel=1e-4)
 
 
-def test_unlabelled_spin_is_not_evaluated_and_a_label_ends_at_the_bounce(whole):
-    _, metrics = whole
-    assert "spin" not in metrics["plain"]["physics_true"]
-    labelled = metrics["labelled"]["physics_true"]
-    assert labelled["spin"]["100"]["mean"] < 1.0  # a stale label would be off by the bounce's spin
-    assert labelled["spin"]["100"]["n"] < labelled["position"]["100"]["n"]
-
-
-@pytest.mark.parametrize("change", [{"unbroken": False}, {"split": "train"}])
-def test_episodes_that_are_broken_or_not_for_testing_are_left_out(tmp_path, change):
-    _, alone = evaluated(tmp_path / "a", sources=("plain",))
-    more = shot_tables("plain", 3, **change)
-    more[0]["px"] += 3.0
-    _, metrics = evaluated(tmp_path / "b", sources=("plain",), shots=[more])
-    assert metrics == alone
-
-
-def test_episodes_without_a_window_are_one_error_and_no_metrics(tmp_path):
-    write_inputs(tmp_path)
-    path = tmp_path / "artifacts" / "segment" / "episodes.parquet"
-    write_table(path, read_table(path).assign(unbroken=False))
-    run = StageRun("evaluate_predictor", tmp_path, params())
-    with pytest.raises(InputError, match="no unbroken test episode has a window"):
-        evaluate_predictor(run)
-    assert not run.report("metrics.json").exists()
+def test_episodes_that_are_broken_or_not_for_testing_are_left_out(tmp_path, whole):
+    more = [shot_tables("plain", 3, unbroken=False), shot_tables("plain", 4, split="train")]
+    for one in more:
+        one[0]["px"] += 3.0
+    _, metrics = evaluated(tmp_path, sources=("plain",), shots=more)
+    assert metrics["plain"] == whole[1]["plain"]
 
 
 def test_the_same_inputs_give_the_same_bytes_on_one_and_two_processes(tmp_path, whole):
@@ -203,15 +182,3 @@ def test_example_shots_alternate_between_the_sets(whole):
     shots = read_shots(run.artifact("shots.json"))
     assert [shot.source for shot in shots][:6] == ["arena", "labelled", "plain"] * 2
     assert set(shots[0].forecasts) - set(shots[1].forecasts) == {"oracle"}
-
-
-def test_a_bounce_makes_forecasting_harder_for_the_wrong_table(whole):
-    run, _ = whole
-    rows = table(run, "forecast_error").query("set == 'labelled' and quantity == 'velocity'")
-    rows = rows[rows.horizon_ms == 100].set_index(["predictor", "bounce"])
-    error, count = rows["mean"], rows["n"]["physics_c"]
-    assert error["physics_c", "with"] > 1.5 * error["physics_c", "without"]
-    assert error["physics_true"].max() < 1e-4  # m/s
-    parts = error["physics_c"][["with", "without"]]
-    mean = np.average(parts, weights=count[["with", "without"]])
-    assert error["physics_c", "all"] == pytest.approx(mean, rel=1e-5)

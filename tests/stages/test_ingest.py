@@ -14,97 +14,74 @@ from tests.stages.outputs import items, table, written
 from tests.stages.small_runs import run_ingest
 
 
-@pytest.fixture
-def everything(tmp_path):
+@pytest.fixture(scope="module")
+def everything(tmp_path_factory):
     """A folder with every source."""
+    folder = tmp_path_factory.mktemp("data")
     for write in WRITERS.values():
-        write(tmp_path / "data")
-    return tmp_path / "data"
+        write(folder)
+    return folder
 
 
-def test_tables_and_manifest_are_left_for_the_next_stages(tmp_path, everything):
-    run = run_ingest(tmp_path / "run", everything, WRITERS)
+@pytest.fixture(scope="module")
+def whole(everything, tmp_path_factory):
+    """A run on all sources; not to be changed."""
+    return run_ingest(tmp_path_factory.mktemp("run"), everything, ["arena", *WRITERS])
 
-    recordings = checked(read_table(run.artifact("recordings.parquet")), RECORDINGS)
-    launches = checked(read_table(run.artifact("launches.parquet")), LAUNCHES)
-    manifest = read_manifest(run.artifact("manifest.json"))
+
+def test_tables_and_manifest_are_left_for_the_next_stages_and_truth_apart(whole):
+    recordings = checked(read_table(whole.artifact("recordings.parquet")), RECORDINGS)
+    launches = checked(read_table(whole.artifact("launches.parquet")), LAUNCHES)
+    manifest = read_manifest(whole.artifact("manifest.json"))
     assert len(recordings) + len(launches) == sum(s.rows_kept for s in manifest.sources.values())
-    assert list(manifest.sources) == list(WRITERS)
+    assert list(manifest.sources) == ["arena", *WRITERS]
+    contacts = checked(read_table(whole.artifact("true_contacts.parquet")), TRUE_CONTACTS)
+    checked(read_table(whole.artifact("points.parquet")), POINTS)
+    simulated = recordings["recording_id"].str.startswith("arena/")
+    assert set(contacts["recording_id"]) == set(recordings.loc[simulated, "recording_id"])
+    assert read_json(whole.artifact("truth.json"))["seed"] == 0
 
 
-def test_the_truth_of_simulated_balls_is_left_apart(tmp_path):
-    run = run_ingest(tmp_path)
-
-    recordings = checked(read_table(run.artifact("recordings.parquet")), RECORDINGS)
-    contacts = checked(read_table(run.artifact("true_contacts.parquet")), TRUE_CONTACTS)
-    checked(read_table(run.artifact("points.parquet")), POINTS)
-    assert set(contacts["recording_id"]) == set(recordings["recording_id"])
-    assert read_json(run.artifact("truth.json"))["seed"] == 0
-
-
-def test_simulated_and_measured_launches_are_in_one_table(tmp_path, everything):
-    run = run_ingest(tmp_path / "run", everything, ["arena", "competitive_robot_table_tennis"])
-
-    launches = table(run, "launch_distributions")
-    speeds = launches[launches["quantity"] == "speed (m/s)"].set_index(["stroke", "group"])[
-        "launches"
+def test_the_report_shows_every_source_and_all_launches(whole):
+    sources = table(whole, "sources", "source")
+    assert list(sources.index) == ["arena", *WRITERS]
+    assert sources.loc["tt3d", "licence"] == "not stated upstream"
+    assert [item.file for item in items(whole)] == [
+        "figures/measured_balls.png",
+        "sources.csv",
+        "figures/launches.png",
+        "launch_distributions.csv",
     ]
-    assert speeds.to_dict() == {
+    launches = table(whole, "launch_distributions", "quantity").loc["speed (m/s)"]
+    assert launches.set_index(["stroke", "group"])["launches"].to_dict() == {
         ("cannon", "cannon"): ARENA.cannon_shots,
         ("rally", "measured"): 2,
         ("serve", "measured"): 1,
     }
 
 
-def test_measured_balls_leave_an_empty_truth(tmp_path, everything):
-    run = run_ingest(tmp_path / "run", everything, ["tt3d"])
-
+def test_measured_balls_leave_an_empty_truth_and_metrics_say_what_was_read_and_refused(tmp_path):
+    write_tt3d(tmp_path)
+    with (tmp_path / "tt3d" / "003.csv").open("a") as file:
+        file.write("15.021,0,0,0.3\n15.030,0,0,zero\n")
+    run = run_ingest(tmp_path / "run", tmp_path, ["tt3d"])
     assert read_json(run.artifact("truth.json")) is None
     assert read_table(run.artifact("true_contacts.parquet")).empty
     assert read_table(run.artifact("points.parquet")).empty
     assert len(table(run, "launch_distributions")) == 0
-
-
-def test_metrics_say_what_was_read_and_refused(tmp_path, everything):
-    with (everything / "tt3d" / "003.csv").open("a") as file:
-        file.write("15.021,0,0,0.3\n15.030,0,0,zero\n")
-
-    run = run_ingest(tmp_path / "run", everything, ["tt3d", "competitive_robot_table_tennis"])
-
     assert read_json(run.report("metrics.json"))["tt3d"] == {"recordings": 1}
     row = table(run, "sources", "source").loc["tt3d"]
     assert row["rows"] == 4
     assert sum(int(count) for count in re.findall(r"\d+", row["refused"])) == 2
 
 
-def test_the_report_shows_every_source(tmp_path, everything):
-    run = run_ingest(tmp_path / "run", everything, WRITERS)
-
-    sources = table(run, "sources", "source")
-    assert list(sources.index) == list(WRITERS)
-    assert sources.loc["tt3d", "licence"] == "not stated upstream"
-    assert [item.file for item in items(run)] == [
-        "figures/measured_balls.png",
-        "sources.csv",
-        "figures/launches.png",
-        "launch_distributions.csv",
-    ]
-
-
-def test_running_twice_writes_the_same_bytes(tmp_path, everything):
-    one, two = (
-        written(run_ingest(tmp_path / name, everything, ["arena", *WRITERS]))
-        for name in ("one", "two")
-    )
-
-    assert one == two
-    assert len(one) == 8
-
-
-def test_nothing_tells_where_the_data_lay(tmp_path, everything):
-    files = written(run_ingest(tmp_path / "run", everything, WRITERS))
-
-    assert not [name for name, content in files.items() if str(tmp_path).encode() in content]
+def test_running_twice_writes_the_same_bytes_which_do_not_tell_where_the_data_lay(
+    tmp_path, everything, whole
+):
+    again = written(run_ingest(tmp_path, everything, ["arena", *WRITERS]))
+    assert again == written(whole)
+    assert len(again) == 8
+    assert not [name for name, content in again.items() if str(everything).encode() in content]
 
 
 def test_a_bad_file_among_good_ones_stops_it_before_anything_is_written(tmp_path):

@@ -1,20 +1,15 @@
-"""The stage report: it is what writes tables and figures, and depends on all other stages."""
+"""The stage report needs all other stages."""
 
 from pathlib import Path
 
 import pytest
 
-from rallygap.pipeline.params import load_params, read_yaml
+from rallygap.pipeline.params import load_params
 from rallygap.pipeline.report.stages import PIPELINE, write_report
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
 
 REPOSITORY = Path(__file__).parents[2]
-STAGES = read_yaml(REPOSITORY / "dvc.yaml")["stages"]
-
-
-def test_every_stage_is_reported_in_the_order_of_the_pipeline():
-    assert set(PIPELINE) == set(STAGES) - {"report"}
 
 
 @pytest.mark.parametrize("stage", PIPELINE)

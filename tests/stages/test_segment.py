@@ -41,9 +41,6 @@ def test_tables_keep_their_contracts(run):
     }
     assert set(tables["episodes"]["starts_with"]) == {"launch"}
     assert len(tables["episodes"]) == ARENA.cannon_shots
-
-
-def test_metrics_agree_with_the_tables(run):
     metrics = read_json(run.report("metrics.json"))["arena"]
     residual = read_table(run.artifact("episodes.parquet"))["residual"].median()
     assert metrics["episodes"] == ARENA.cannon_shots
@@ -89,11 +86,6 @@ def test_no_recording_is_an_input_error(ingested, tmp_path):
     path = copied(ingested, tmp_path) / "artifacts/ingest/recordings.parquet"
     write_table(path, read_table(path).iloc[:0])
     with pytest.raises(InputError, match="holds no recording"):
-        run_segment(tmp_path)
-
-
-def test_missing_input_names_what_to_run(tmp_path):
-    with pytest.raises(InputError, match="run the stage that writes it"):
         run_segment(tmp_path)
 
 

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from rallygap.pipeline.io.artifacts import read_as, read_table
@@ -17,17 +18,17 @@ from tests.pipeline.amendments import write_amended
 from tests.pipeline.measured_shots import params
 from tests.pipeline.replayed import LAUNCH, SETTINGS, SOURCE, launched, replayed, write_replays
 from tests.pipeline.trained_policies import chaser, description
-from tests.stages.outputs import table, written
+from tests.stages.outputs import table
 
 PHYSICS, ORACLE = ("physics", "every_tick"), ("oracle", "every_tick")
 
 
-def transferred(root, repeats=(0, 1), horizons=((115, 120, 125),), **changes):
+def transferred(root, horizons=((115, 120, 125),), **changes):
     """The run and its metrics, on few shots."""
     shots = [replayed("arena/pro", number) for number in (4, 5)]
     states = LAUNCH + 0.02 * np.random.default_rng(0).normal(size=(SETTINGS.launches, 9))
     write_replays(root, shots, sources=("arena", "plain"), launches=launched(*states))
-    for repeat in repeats:
+    for repeat in (0, 1):
         for ahead in horizons:
             trained = description(repeat=repeat, horizons=ahead)
             save_policy(root / "artifacts" / "train_policy" / trained.name, chaser(), trained)
@@ -56,24 +57,8 @@ def test_the_physics_that_flew_the_balls_forecasts_them_best(whole):
     for name in ("stroke_pro", SOURCE):
         assert errors[name, *ORACLE] < errors[name, *PHYSICS] < errors[name, "tiny", "every_tick"]
         assert errors[name, *PHYSICS] < errors[name, "physics", "first_window"]
-
-
-def test_the_amended_simulator_forecasts_its_source_better_than_the_one_it_was(whole):
-    errors = table(whole[0], "rates", "set", "predictor", "protocol")["forecast_error_cm"]
     amended = errors["stroke_pro", "amended", "every_tick"]
     assert errors["stroke_pro", *ORACLE] < amended < errors["stroke_pro", *PHYSICS]
-
-
-def test_the_settings_are_kept_for_those_who_play_the_same_balls(whole):
-    path = whole[0].artifact("settings.json")
-    assert read_as(path, Sim2RealSettings, "sim2real") == SETTINGS
-
-
-def test_better_forecasts_give_more_hits(whole):
-    rates = table(whole[0], "rates", "set", "predictor", "protocol")
-    hits = rates.loc[SOURCE]["hits"]
-    assert hits[ORACLE] > hits["tiny", "every_tick"]
-    assert (rates["balls"].loc[SOURCE] == SETTINGS.launches).all()
 
 
 def test_differences_are_between_the_rates_on_the_same_shots(whole):
@@ -84,9 +69,6 @@ def test_differences_are_between_the_rates_on_the_same_shots(whole):
         gain = rows["difference"][name, "tiny", "every_tick", "hits"]
         rates = [found[one]["every_tick"]["hit_rate"] for one in ("tiny", "physics")]
         assert gain == pytest.approx(rates[0] - rates[1], abs=1e-5)
-
-
-def test_the_difference_to_physics_from_the_first_window_is_between_the_rates(whole):
     rates = table(whole[0], "rates", "set", "predictor", "protocol")["hit_rate"]
     rows = table(whole[0], "difference_first_window", "set", "predictor", "protocol", "outcome")
     for name in ("physics", "tiny"):
@@ -94,6 +76,14 @@ def test_the_difference_to_physics_from_the_first_window_is_between_the_rates(wh
         row = rows.loc["plain", name, "every_tick", "hits"]
         assert row["difference"] == pytest.approx(gain, abs=1e-5)
         assert row["ci_low"] <= row["difference"] <= row["ci_high"]
+
+
+def test_a_policy_meets_the_same_shots_whoever_else_plays_to_the_same_end(whole, tmp_path):
+    again, _ = transferred(tmp_path, ((115, 120, 125), (170, 175, 180)))
+    played, before = (read_table(run.artifact("played.parquet")) for run in (again, whole[0]))
+    assert set(played["horizons_ms"]) == {"115-125", "170-180"}
+    alike = played[played["horizons_ms"] == "115-125"].reset_index(drop=True)
+    pd.testing.assert_frame_equal(alike, before)
 
 
 def test_every_trial_of_every_policy_is_kept(whole):
@@ -104,6 +94,8 @@ def test_every_trial_of_every_policy_is_kept(whole):
     assert set(played["repeat"]) == {0, 1}
     same = played.groupby(["set", "predictor", "protocol", "ball"])["hit"].nunique()
     assert (same == 1).all()  # the policies are alike
+    path = whole[0].artifact("settings.json")
+    assert read_as(path, Sim2RealSettings, "sim2real") == SETTINGS
 
 
 def test_ours_and_the_paper_s_counts_stand_side_by_side(whole):
@@ -112,9 +104,6 @@ def test_ours_and_the_paper_s_counts_stand_side_by_side(whole):
         ("stroke_pro", "tiny"), ("stroke_pro", "the paper's"), ("plain", "tiny"), (SOURCE, "tiny")
     ]  # fmt: skip
     assert rows["115-125 ms: learned returns"]["stroke_pro", "the paper's"] == 117
-
-
-def test_sets_tell_what_was_done_to_their_shots(whole):
     rows = table(whole[0], "replayed", "set")
     assert rows["replayed"].to_dict() == {"stroke_pro": 2, "plain": 3, SOURCE: SETTINGS.launches}
     assert rows["spin"]["plain"] == "none" and rows["physics"]["plain"] == "literature"
@@ -127,26 +116,16 @@ def test_a_forecast_that_is_far_off_costs_hits(whole):
     assert len(hits) == 5
 
 
-def test_a_policy_meets_the_same_shots_whoever_else_plays(whole, tmp_path):
-    _, metrics = transferred(tmp_path, (0, 1), ((115, 120, 125), (170, 175, 180)))
-    for name, sets in whole[1].items():
-        assert metrics[name]["115-125"] == sets["115-125"]
-        assert set(metrics[name]) == {"115-125", "170-180"}
-
-
-def test_the_same_inputs_give_the_same_bytes(tmp_path, whole):
-    again, _ = transferred(tmp_path)
-    assert written(again) == written(whole[0])
-
-
-def test_a_predictor_that_was_not_trained_is_an_error_that_names_those_that_were(tmp_path):
-    with pytest.raises(InputError, match="no predictor gru_tae was trained; there are tiny"):
-        transferred(tmp_path, learned=["tiny", "gru_tae"])
-
-
-def test_without_a_policy_from_the_simulator_there_is_one_error_and_no_metrics(tmp_path):
-    with pytest.raises(InputError, match="no policy of small that was trained in imperfect_a"):
-        transferred(tmp_path, simulator="imperfect_a")
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"learned": ["tiny", "gru_tae"]}, "no predictor gru_tae was trained; there are tiny"),
+        ({"simulator": "imperfect_a"}, "no policy of small that was trained in imperfect_a"),
+    ],
+)
+def test_what_was_not_trained_is_one_error_and_there_are_no_metrics(tmp_path, change, message):
+    with pytest.raises(InputError, match=message):
+        transferred(tmp_path, **change)
     assert not (tmp_path / "reports").exists()
 
 

@@ -17,7 +17,7 @@ from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.stages.train_policy import train_policy
 from tests.models.policy.schooling import BRIEF, GOALS
-from tests.stages.outputs import items, written
+from tests.stages.outputs import items
 
 TRIALS = 12
 GROUP = PolicyGroupSettings(
@@ -77,14 +77,20 @@ def test_there_is_a_policy_for_each_simulator_horizons_and_repeat(whole):
         assert described.horizons == group.horizons_ms[0]
         assert (described.observation, described.goals) == (group.observation, group.goals)
         assert described.learning == group.learning
-
-
-def test_a_repeat_has_the_same_seed_everywhere_and_another_than_the_next(whole):
     seeds = {name: described.seed for name, (_, described) in policies(whole).items()}
 
     assert seeds["plain-imperfect_c-115ms-0"] != seeds["plain-imperfect_c-115ms-1"]
     for repeat in "01":
         assert len({seed for name, seed in seeds.items() if name.endswith(repeat)}) == 1
+    files = [
+        "figures/learning.png",
+        "figures/return.png",
+        "figures/achieved_styled.png",
+        "policies.csv",
+    ]
+
+    assert [item.file for item in items(whole)] == files
+    assert set(whole.timings) == set(NAMES)
 
 
 def test_the_report_scores_each_policy_on_unseen_balls_of_its_own_simulator(whole):
@@ -103,41 +109,25 @@ def test_the_report_scores_each_policy_on_unseen_balls_of_its_own_simulator(whol
         assert unseen.loc[own, "returned"].mean() == expected["return_rate"]
         assert (row["simulator"], row["repeat"]) == (described.simulator, described.repeat)
         assert row["control_steps"] == described.learning.iterations * BRIEF.steps_per_iteration
-
-
-def test_metrics_are_mean_return_rates_by_group(whole):
-    table = whole.kept("train_policy", "policies")
     metrics = read_json(whole.report("metrics.json"))
     found = {name: one["return_rate"] for name, one in metrics.items()}
     rates = table.groupby("group")["return_rate"].mean()
     assert found == pytest.approx(rates.to_dict(), rel=1e-5)
 
 
-def test_only_a_group_asked_for_speed_or_topspin_has_a_figure_of_it(whole):
-    files = [
-        "figures/learning.png",
-        "figures/return.png",
-        "figures/achieved_styled.png",
-        "policies.csv",
-    ]
-
-    assert [item.file for item in items(whole)] == files
-    assert set(whole.timings) == set(NAMES)
-
-
 def test_a_run_that_was_killed_is_taken_up_to_the_same_bytes(whole, tmp_path, monkeypatch):
     in_one_process(monkeypatch)
+    styled = {"styled": GROUPS["styled"]}
     clock = SimpleNamespace(process_time=count().__next__)  # a second at every look
     monkeypatch.setattr(policy_training, "time", clock)
     with monkeypatch.context() as patch, pytest.raises(RuntimeError, match="killed"):
         patch.setattr(learning, "learn_iteration", killed_in_a_second_leg(learning.learn_iteration))
-        train_policy(prepared(tmp_path))
-    again = prepared(tmp_path)
-
+        train_policy(prepared(tmp_path, styled))
+    again = prepared(tmp_path, styled)
     train_policy(again)
-
-    assert again.timings[NAMES[-1]] == {"training_cpu_s": 2}
-    assert written(again) == written(whole)
+    assert again.timings == {NAMES[-1]: {"training_cpu_s": 2}}
+    for path in whole.artifact(NAMES[-1]).iterdir():
+        assert path.read_bytes() == again.artifact(f"{NAMES[-1]}/{path.name}").read_bytes()
 
 
 def killed_in_a_second_leg(learn_iteration):

@@ -56,6 +56,8 @@ def test_a_ball_is_measured_on_after_its_last_sample(rate):
     path = PATH[0, np.rint(seen.times[count:] / 0.001).astype(int)]
     np.testing.assert_allclose(seen.positions[count:], path[:, :3], atol=1e-9)
     np.testing.assert_allclose(seen.spins[count:], path[:, 6:], atol=1e-9)
+    hidden = replace(own, spins=np.full_like(own.spins, np.nan))
+    assert np.isnan(measured_on(shot(hidden, known=310)).spins).all()
 
 
 def test_samples_beyond_the_known_path_make_way_for_those_of_the_replayed_flight():
@@ -63,12 +65,6 @@ def test_samples_beyond_the_known_path_make_way_for_those_of_the_replayed_flight
     moved = replace(other, positions=np.where(other.times[:, None] > 0.3, 9.0, other.positions))
     seen = measured_on(shot(moved, known=301))
     np.testing.assert_allclose(seen.positions, PATH[0, : 5 * len(seen.times) : 5, :3], atol=1e-9)
-
-
-def test_a_ball_without_spin_is_measured_on_without_spin():
-    own = sampled(until=0.3)
-    hidden = replace(own, spins=np.full_like(own.spins, np.nan))
-    assert np.isnan(measured_on(shot(hidden, known=310)).spins).all()
 
 
 def test_a_ball_that_was_not_measured_is_measured_from_its_launch_on():

@@ -11,7 +11,7 @@ from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.shot_quality.professionals import read_professionals
 from tests.pipeline.professional_games import TRUTH, played_games, write_games
 
-MATCHES = 4
+MATCHES = 3
 
 
 @pytest.fixture(scope="module")

@@ -7,11 +7,11 @@ import pytest
 from rallygap.models.shot_quality.forest import Forest
 from rallygap.models.shot_quality.shots import FEATURES, Shots
 from rallygap.pipeline.params import ShotQualitySettings
-from rallygap.pipeline.shot_quality.receivers import median_win_probabilities, order_agreement
 from rallygap.pipeline.shot_quality.returns import (
     KEYS,
     METRICS,
     experiments,
+    order_agreement,
     out_of_range_table,
     quality_table,
     return_features,
@@ -83,13 +83,6 @@ def test_a_swap_for_the_same_returns_changes_nothing_on_any_resample(returns):
     assert (swap_table(results).drop(columns=KEYS) == 1).all(axis=None)
 
 
-def test_an_experiment_without_returns_has_no_medians(returns):
-    alone = PLAYED[PLAYED["set"] == "receive"].assign(set="nothing", returned=False)
-    table = quality_table(experiments(pd.concat([PLAYED, alone]), returns, 10, 0))
-    row = table[table["set"] == "nothing"].iloc[0]
-    assert row["returns"] == 0 and np.isnan(row["speed"]) and np.isnan(row["out_of_range"])
-
-
 def test_returns_faster_than_all_training_shots_are_out_of_range(returns):
     shares = out_of_range_table(returns)
     counts = returns.groupby(KEYS, sort=False).size().to_numpy()
@@ -106,15 +99,6 @@ def test_orders_agree_where_the_same_predictor_leads():
     assert order_agreement(medians, "same") == 1
     assert order_agreement(medians, "other") == pytest.approx(2 / 3)
     assert np.isnan(order_agreement(medians.iloc[:1], "same"))
-
-
-def test_every_forest_has_its_own_medians(returns, forest):
-    features = return_features(RETURNED)
-    table = median_win_probabilities(returns, features, {"one": forest, "two": forest})
-    quality = quality_table(experiments(PLAYED, returns, 0, 0)).set_index(KEYS)
-    expected = quality["win_probability"].loc[table.index].to_numpy()
-    assert table["one"].to_numpy() == pytest.approx(expected)
-    assert (table["one"] == table["two"]).all()
 
 
 def test_scores_calibration_and_importance_are_of_held_out_shots():

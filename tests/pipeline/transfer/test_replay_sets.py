@@ -56,28 +56,22 @@ def test_the_arena_s_replay_sets_come_first_then_test_shots_then_launches(sets):
         ("stroke_pro", 2), ("receive", 1), ("labelled", 3), ("plain", 3), (SOURCE, 4)
     ]  # fmt: skip
     assert [one.spin for one in sets.values()][1:4] == ["per_sample", "per_recording", "none"]
+    known = {name: one.oracle for name, one in sets.items() if one.oracle is not None}
+    assert list(known) == ["stroke_pro", "receive", SOURCE]
+    assert all(one.simulator == shipped("literature") for one in sets.values())
 
 
-def test_a_replayed_shot_of_the_arena_is_where_it_truly_was(sets):
+def test_a_replayed_shot_is_where_it_truly_was_and_a_measured_one_where_it_was_measured(sets):
     for row, number in enumerate((5, 6)):
         flight = flown(number)
         np.testing.assert_allclose(sets["stroke_pro"].path[row], flight.states[0], atol=1e-5)
         bounce = sets["stroke_pro"].playable[row, 0]
         assert bounce == pytest.approx(flight.contacts.time[0, 0])
-
-
-def test_a_measured_shot_is_where_it_was_measured(sets):
     count = round(TIMES[-1] / 0.001)
     for row, path in enumerate(sets["labelled"].path):
         off = path[:count] - flown(row).states[0, :count]
         assert np.linalg.norm(off[:, :3], axis=1).max() < 0.004
         assert np.linalg.norm(off[:, 6:], axis=1).max() < 10.0  # its label ends at the bounce
-
-
-def test_only_where_the_physics_is_known_there_is_an_oracle(sets):
-    known = {name: one.oracle for name, one in sets.items() if one.oracle is not None}
-    assert list(known) == ["stroke_pro", "receive", SOURCE]
-    assert all(one.simulator == shipped("literature") for one in sets.values())
 
 
 def test_predictors_get_the_samples_that_were_measured_and_more_where_these_end(sets):

@@ -1,4 +1,4 @@
-"""Trials run on all cores; each is labelled with its policy and its forecast error."""
+"""Trials of policies: their labels and files, how often balls are returned, and what is gained."""
 
 from dataclasses import replace
 
@@ -7,8 +7,14 @@ import pandas as pd
 import pytest
 
 from rallygap.models.policy.trial import play
+from rallygap.pipeline.io.artifacts import write_table
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.transfer.rates import differences, holm, rates
+from rallygap.pipeline.transfer.returns import AFTER, LANDED, read_played
 from rallygap.pipeline.transfer.trials import play_policy
 from tests.models.policy.schooling import drawn_policy
+from tests.pipeline.played_trials import KEYS, everything, trials
+from tests.pipeline.returned import trials as returned_trials
 from tests.pipeline.trained_policies import chaser, description
 
 
@@ -34,3 +40,108 @@ def test_a_policy_observes_how_sure_its_predictor_is():
         play_policy(policy, trained, task.simulator, one, goals).table for one in (balls, surer)
     ]
     assert (tables[0]["nearest"] != tables[1]["nearest"]).any()
+
+
+PLAYED = returned_trials()
+
+
+def test_returns_and_they_alone_have_states():
+    known = PLAYED[[*AFTER, *LANDED]].notna()
+    assert PLAYED["returned"].any() and not PLAYED["returned"].all()
+    assert (known.all(axis=1) == PLAYED["returned"]).all()
+    assert (known.any(axis=1) == PLAYED["returned"]).all()
+    back = PLAYED[PLAYED["returned"]]
+    speeds = np.linalg.norm(back[AFTER[3:6]], axis=1)
+    assert speeds == pytest.approx(back["speed"].to_numpy())
+
+
+def test_trials_come_back_from_a_file(tmp_path):
+    write_table(tmp_path / "played.parquet", PLAYED)
+    assert read_played(tmp_path / "played.parquet").equals(PLAYED)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda table: table.drop(columns="landed_vz"), "landed_vz.*is missing"),
+        (lambda table: table.assign(after_wx=np.nan), "a return lacks a value"),
+        (lambda table: table.assign(ball=-1), "row 1.*ball"),
+    ],
+)
+def test_a_broken_table_is_one_error(tmp_path, change, message):
+    write_table(tmp_path / "played.parquet", change(PLAYED))
+    with pytest.raises(InputError, match=message):
+        read_played(tmp_path / "played.parquet")
+
+
+SETTING = KEYS[:2]
+BASELINE = {"predictor": "physics", "protocol": "every_tick"}
+
+
+def test_rates_and_differences_are_those_of_hand_made_trials():
+    table = rates(everything(), KEYS).set_index(KEYS)
+    row = table.loc[("stroke_pro", "115-125", "physics", "every_tick")]
+    assert (row["balls"], row["hits"], row["returns"]) == (4, 2.5, 1.5)
+    assert (row["hit_rate"], row["return_rate"]) == (5 / 8, 3 / 8)
+    assert row["return_rate_low"] < 3 / 8 < row["return_rate_high"]
+    assert len(table) == 6
+    table = differences(everything(), SETTING, BASELINE)
+    found = table.query("horizons_ms == '170-180' and outcome == 'returns'")
+    assert list(zip(found["predictor"], found["protocol"], strict=True)) == [
+        ("transformer", "every_tick"), ("physics", "first_window")
+    ]  # fmt: skip
+    gain = found.iloc[0]
+    assert gain["difference"] == pytest.approx(2 / 8)
+    assert (gain["gained"], gain["lost"]) == (1, 0)  # a ball gained once and lost once is neither
+    assert gain["ci_low"] <= gain["difference"] <= gain["ci_high"]
+
+
+def test_the_interval_of_a_difference_is_that_of_paired_balls():
+    random = np.random.default_rng(0)
+    one, other = random.random(900) < 0.8, random.random(900) < 0.7
+    other[450:] = one[450:]  # half of the balls end alike
+    played = pd.concat([trials(other), trials(one, predictor="transformer")])
+    found = differences(played, SETTING, BASELINE).query("outcome == 'returns'").iloc[0]
+    margin = 1.96 * np.std(one.astype(float) - other) / np.sqrt(900)
+    assert found["ci_high"] - found["difference"] == pytest.approx(margin, rel=0.1)
+    assert found["difference"] - found["ci_low"] == pytest.approx(margin, rel=0.1)
+
+
+def of_trainings(share, predictor, seed, shots=60):
+    """Trials of three trainings that return a share of the shots; a recording has three."""
+    random = np.random.default_rng(seed)
+    parts = [trials(random.random(shots) < share, repeat, predictor) for repeat in range(3)]
+    table = pd.concat(parts, ignore_index=True)
+    return table.assign(recording=table["ball"] // 3)
+
+
+def test_intervals_cover_a_known_rate():
+    inside = [
+        rates(of_trainings(0.6, "physics", seed, 150), ["predictor"]).iloc[0] for seed in range(25)
+    ]
+    covered = [row["return_rate_low"] <= 0.6 <= row["return_rate_high"] for row in inside]
+    assert 0.85 <= np.mean(covered) <= 1.0
+
+
+def test_a_predictor_that_returns_more_is_told_from_one_that_does_not():
+    three = [
+        of_trainings(0.4, "physics", 0),
+        of_trainings(0.9, "oracle", 1),
+        of_trainings(0.4, "transformer", 2),
+    ]
+    gains = differences(pd.concat(three), ["set"], {"predictor": "physics"})
+    returns = gains[gains["outcome"] == "returns"].set_index("predictor")
+    expected = three[1]["returned"].mean() - three[0]["returned"].mean()
+    assert returns.loc["oracle", "difference"] == pytest.approx(expected)
+    assert returns.loc["oracle", "p_holm"] < 0.01
+    assert returns.loc["oracle", "ci_low"] > 0
+    assert returns.loc["transformer", "p_holm"] > 0.05
+
+
+def test_the_correction_is_that_of_holm():
+    # Holm 1979: in order, times the number of those left, and never falling.
+    p = pd.Series([0.01, 0.04, 0.03, 0.005], index=list("abcd"))
+    adjusted = holm(p)
+    assert adjusted.index.tolist() == list("abcd")
+    np.testing.assert_allclose(adjusted, [0.03, 0.06, 0.06, 0.02])
+    assert holm(pd.Series([0.6, 0.9])).tolist() == [1.0, 1.0]

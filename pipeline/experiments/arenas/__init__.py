@@ -1,1 +1,0 @@
-"""Fresh arenas: the gap workflow on worlds that its development has not looked at."""

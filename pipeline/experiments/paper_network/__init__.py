@@ -1,1 +1,0 @@
-"""The paper's network, trained on a GPU."""
