@@ -33,7 +33,7 @@ from rallygap.pipeline.runtime.provenance import provenance, short
 from rallygap.pipeline.runtime.scratch import kept_timings
 from rallygap.pipeline.sweeps.confirm import compared_params
 from rallygap.pipeline.sweeps.report import BEST
-from rallygap.pipeline.sweeps.settings import load_sweep
+from rallygap.pipeline.sweeps.settings import Sweep
 from rallygap.pipeline.transfer.truth_comparison import NamedCauses
 from rallygap.pipeline.web.report_manifest import read_columns
 from tests.fuzz import hostile
@@ -129,7 +129,7 @@ def _read_simulator(folder: Path) -> int:
 
 
 def _read_sweep(folder: Path) -> int:
-    load_sweep(folder, "predictor")
+    Sweep(folder, "predictor")
     return 0
 
 
@@ -142,7 +142,7 @@ def _write_best(folder: Path) -> Path:
 
 
 def _read_best(folder: Path) -> int:
-    compared_params(load_sweep(folder, "predictor"))
+    compared_params(Sweep(folder, "predictor"))
     return 0
 
 

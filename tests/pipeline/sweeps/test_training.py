@@ -18,13 +18,12 @@ from rallygap.pipeline.params import load_params
 from rallygap.pipeline.policies import training as policy_training
 from rallygap.pipeline.policies.training import TrainingJob, train_policies
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.sweeps.comparison import Comparison
+from rallygap.pipeline.sweeps.comparison import comparison
 from rallygap.pipeline.sweeps.confirm import compared_params, run_confirm
 from rallygap.pipeline.sweeps.policy import described
 from rallygap.pipeline.sweeps.predictor import PredictorTraining
-from rallygap.pipeline.sweeps.settings import load_sweep
-from rallygap.pipeline.sweeps.study import open_study
-from rallygap.pipeline.sweeps.trial import training_of
+from rallygap.pipeline.sweeps.settings import Sweep
+from rallygap.pipeline.sweeps.study import open_study, training_of
 from tests.models.policy.schooling import BRIEF
 from tests.pipeline.measured_shots import shot_tables, write_inputs
 from tests.pipeline.sweeps.small_sweeps import RATE, ROOT, SETTINGS, small_sweep, write_yaml
@@ -101,9 +100,9 @@ def test_a_policy_is_scored_by_its_return_rate_after_every_iteration(tmp_path):
 
 
 def compared(params, found, smaller=True):
-    measured = np.array([params, found], dtype=float)[..., None]
-    groups = np.tile(np.arange(measured.shape[2]), (measured.shape[1], 1))
-    return Comparison(["error"], smaller, measured[0], measured[1], groups).table(seed=0).iloc[0]
+    results = np.concatenate([params, found])[..., None]
+    groups = np.tile(np.arange(params.shape[1]), (len(params), 1))
+    return comparison(["error"], smaller, results, groups, seed=0).iloc[0]
 
 
 def test_a_difference_on_every_shot_and_with_every_seed_holds():
@@ -159,7 +158,7 @@ def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
     # At its first step the learning rate is zero.
     network = {"transformer": {"width": 16}}
     small(tmp_path, train_predictor={"training": {"epochs": 3}, "networks": network})
-    sweep = load_sweep(tmp_path, "tiny")
+    sweep = Sweep(tmp_path, "tiny")
     table = confirmed(sweep, {"train_predictor": {"training": {"learning_rate": 0.02}}})
     assert table["measure"].tolist()[:2] == [
         "position error, 100 to 300 ms (mm)",
@@ -179,7 +178,7 @@ def test_policies_are_confirmed_on_unseen_shots_with_three_seeds(tmp_path):
     policy_sweep(tmp_path)
     groups = {"sim2sim": {"learning": BRIEF.model_copy(update={"iterations": 1}).model_dump()}}
     small(tmp_path, train_policy={"groups": groups, "trials": 10})
-    sweep = load_sweep(tmp_path, "tiny")
+    sweep = Sweep(tmp_path, "tiny")
     group = {"sim2sim": {"learning": {"discount": 0.9}}}
     table = confirmed(sweep, {"train_policy": {"groups": group}})
     assert table["measure"].tolist() == ["return rate", "hit rate"]
@@ -252,7 +251,7 @@ def test_a_sweep_in_postgresql_records_every_trial_and_leaves_the_password_nowhe
     tmp_path, postgres_url
 ):
     predictor_sweep(tmp_path)
-    open_study(load_sweep(tmp_path, "tiny"), postgres_url)  # two cannot make the tables at once
+    open_study(Sweep(tmp_path, "tiny"), postgres_url)  # two cannot make the tables at once
     message = sweep_with_two_workers(tmp_path, RALLYGAP_STUDY=postgres_url)
     assert_recorded(tmp_path)
     kept = [path for path in tmp_path.rglob("*") if path.is_file()]

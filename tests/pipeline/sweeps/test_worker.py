@@ -9,13 +9,13 @@ from functools import partial
 
 import pandas as pd
 import pytest
+from filelock import FileLock, Timeout
 from optuna.trial import TrialState
 
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sweeps import study as study_module
-from rallygap.pipeline.sweeps.study import ended, open_study, retry_lost
-from rallygap.pipeline.sweeps.worker import run_sweep
-from tests.pipeline.sweeps.small_sweeps import HEADS, ROOT, run, small_sweep
+from rallygap.pipeline.sweeps.study import PROCESS, ended, open_study, retry_lost, run_sweep
+from tests.pipeline.sweeps.small_sweeps import HEADS, ROOT, run, small_sweep, valley
 
 # A worker on the repository argv[1] until argv[2] trials; a trial says so and waits while the file
 # "hold" exists.
@@ -23,8 +23,8 @@ SCRIPT = """
 import os, sys, time
 from contextlib import nullcontext
 from pathlib import Path
-from rallygap.pipeline.sweeps import study, trial, worker
-from rallygap.pipeline.sweeps.settings import load_sweep
+from rallygap.pipeline.sweeps import study
+from rallygap.pipeline.sweeps.settings import Sweep
 from tests.pipeline.sweeps.small_sweeps import valley
 
 root = Path(sys.argv[1])
@@ -35,10 +35,10 @@ def held(params, folder, report):
         time.sleep(0.05)
     return valley(params, folder, report)
 
-trial.recording = lambda *_: nullcontext()
-worker.training_of = lambda sweep: held
+study.recording = lambda *_: nullcontext()
+study.training_of = lambda sweep: held
 study.HEARTBEAT, study.GRACE = 1, 3
-worker.run_sweep(load_sweep(root, "tiny"), os.environ.get("RALLYGAP_STUDY"), int(sys.argv[2]))
+study.run_sweep(Sweep(root, "tiny"), os.environ.get("RALLYGAP_STUDY"), int(sys.argv[2]))
 """
 
 
@@ -63,23 +63,28 @@ def states(study):
     return [one.state for one in study.trials]
 
 
-def test_one_worker_tries_the_same_from_the_same_seed_and_finds_the_minimum(tmp_path):
-    studies = [run(small_sweep(tmp_path / name), 20) for name in ("one", "other")]
-    assert table(studies[0]) == table(studies[1])
-    assert studies[0].trials[0].params == small_sweep(tmp_path / "one").defaults()
-    assert studies[0].best_value < 0.34 < studies[0].trials[0].value
-
-
 def test_a_resumed_study_tries_the_same_as_one_without_a_break(tmp_path):
+    sweep = small_sweep(tmp_path / "resumed")
     for wanted in (2, 7, 12):
-        resumed = run(small_sweep(tmp_path / "resumed"), wanted)
-        assert ended(resumed) == wanted
-    assert table(resumed) == table(run(small_sweep(tmp_path / "whole"), 12))
+        assert ended(run(sweep, wanted)) == wanted
+    whole = run(small_sweep(tmp_path / "whole"), 20)
+    assert table(run(sweep, 20)) == table(whole)
+    assert whole.trials[0].params == sweep.defaults()
+    assert whole.best_value < 0.34 < whole.trials[0].value
 
 
-def test_a_space_without_the_values_of_params_yaml_starts_with_a_draw(tmp_path):
-    study = run(small_sweep(tmp_path, space={HEADS: [2, 8]}), 1)
-    assert study.trials[0].params[HEADS] in (2, 8)
+@pytest.mark.parametrize("score", [float("nan"), float("inf")])
+def test_trials_whose_score_is_not_finite_are_pruned_and_without_others_there_is_no_report(
+    tmp_path, monkeypatch, score
+):
+    sweep = small_sweep(tmp_path, space={HEADS: [2, 8]})  # without the value of params.yaml
+    monkeypatch.setattr(
+        study_module, "training_of", lambda sweep: lambda params, folder, report: report(1, score)
+    )
+    with pytest.raises(InputError, match="no trial was completed"):
+        run_sweep(sweep, None, 2)
+    assert states(open_study(sweep, None)) == [TrialState.PRUNED] * 2
+    assert not sweep.report.exists()
 
 
 @pytest.mark.parametrize("first_steps", [0, 1])
@@ -91,14 +96,6 @@ def test_trials_worse_than_the_median_are_pruned_after_the_first_steps(tmp_path,
     assert all(first_steps < one.last_step < 3 for one in pruned)
     assert min(one.intermediate_values[1] for one in pruned) > study.best_value
     assert ended(study) == 15
-
-
-def diverging(params, folder, report):
-    report(1, float("nan"))
-
-
-def test_a_trial_whose_score_is_not_finite_is_pruned(tmp_path):
-    assert states(run(small_sweep(tmp_path), 2, diverging)) == [TrialState.PRUNED] * 2
 
 
 def test_values_that_are_invalid_together_are_pruned(tmp_path):
@@ -139,10 +136,37 @@ def test_workers_share_a_study_and_the_next_one_retries_the_trial_of_a_killed_on
             assert [other.wait(300), late.wait(300)] == [0, 0]
     study = open_study(sweep, None)
     assert ended(study) in (5, 6)  # both may begin a fifth
+    assert_retried(study)
+    assert len(pd.read_csv(sweep.report / "trials.csv")) == ended(study)
+
+
+def assert_retried(study):
+    """One trial was lost, and its parameters were tried again."""
     (failed,) = [one for one in study.trials if one.state == TrialState.FAIL]
     again = [one for one in study.trials if one.system_attrs.get("failed_trial") == failed.number]
     assert [one.params for one in again] == [failed.params]
-    assert len(pd.read_csv(sweep.report / "trials.csv")) == ended(study)
+
+
+def test_the_report_is_written_by_one_worker_at_a_time(tmp_path, monkeypatch):
+    sweep = small_sweep(tmp_path)
+
+    def reported(sweep, study):
+        with pytest.raises(Timeout):
+            FileLock(sweep.scratch / "lock").acquire(timeout=0)
+        return ["reported"]
+
+    monkeypatch.setattr(study_module, "training_of", lambda sweep: valley)
+    monkeypatch.setattr(study_module, "write_report", reported)
+    assert run_sweep(sweep, None, 1) == ["reported"]
+
+
+def test_a_trial_of_a_worker_on_another_machine_is_left_to_it(tmp_path, monkeypatch):
+    sweep, url = small_sweep(tmp_path), f"sqlite:///{tmp_path / 'studies.db'}"
+    other = open_study(sweep, url).ask()
+    other.set_user_attr(PROCESS, "999999-1")
+    monkeypatch.setattr(study_module, "training_of", lambda sweep: valley)
+    run_sweep(sweep, url, 1)
+    assert states(open_study(sweep, url)) == [TrialState.RUNNING, TrialState.COMPLETE]
 
 
 @pytest.mark.parametrize(
@@ -182,9 +206,6 @@ def test_two_machines_start_one_study_in_postgresql_and_one_is_killed(tmp_path, 
         time.sleep(4)  # until its heartbeat is stale
         (tmp_path / "hold").unlink()
         assert other.wait(120) == 0
-    assert states(study).count(TrialState.FAIL) == 1
     assert ended(study) == 8
-    failed = next(one for one in study.trials if one.state == TrialState.FAIL)
-    again = [one for one in study.trials if one.system_attrs.get("failed_trial") == failed.number]
-    assert [one.params for one in again] == [failed.params]
+    assert_retried(study)
     assert len({str(one.params) for one in study.trials}) == len(study.trials) - 1
