@@ -45,12 +45,7 @@ def described(sweep: PolicySweep, params: Params, repeat: int = 0) -> TrainedPol
 def compare_policies(sweep: PolicySweep, settings: Sequence[Params], folder: Path) -> pd.DataFrame:
     """Train the policy with two parameter sets and every seed; compare it on unseen shots.
 
-    Policies of one seed play the same shots.
-
-    Args:
-        sweep: names the group, the simulator and the forecast horizons.
-        settings: the two parameter sets.
-        folder: for checkpoints.
+    Policies of one seed play the same shots. Checkpoints go into the folder.
     """
     jobs = [
         TrainingJob(described(sweep, params, repeat), folder / f"{number}-{repeat}")

@@ -32,12 +32,7 @@ MEASURES = [
 
 
 class PredictorTraining:
-    """Trains a network on the training recordings and validates it as the stage does.
-
-    Args:
-        root: the repository, with the artefacts of ingest and segment.
-        sweep: names the network.
-        params: name the sources.
+    """Trains a network on the recordings of a repository and validates it as the stage does.
 
     Raises:
         InputError: there are no training or validation episodes.
@@ -75,11 +70,7 @@ def compare_predictors(
 ) -> pd.DataFrame:
     """Train the network with two parameter sets and every seed; compare its test errors.
 
-    Args:
-        root: the repository, with the artefacts of ingest and segment.
-        sweep: names the network.
-        settings: the two parameter sets.
-        folder: for checkpoints.
+    The repository ``root`` has the artefacts of ingest and segment; checkpoints go into ``folder``.
     """
     training, first = PredictorTraining(root, sweep, settings[0]), settings[0]
     every = first.evaluate_predictor.window_every_ms / 1000

@@ -130,18 +130,9 @@ SETTINGS: TypeAdapter[PredictorSweep | PolicySweep] = TypeAdapter(
 
 
 class Sweep:
-    """A sweep: its settings and the parameters that it changes.
+    """A sweep: the settings in its file, and the content of params.yaml, which it changes.
 
-    Args:
-        root: the repository, with params.yaml.
-        name: of the file ``experiments/profiles/sweeps/NAME.yaml``.
-
-    Attributes:
-        path: the file of the settings.
-        settings: its content.
-        params: the content of params.yaml.
-        report: the folder of the report.
-        scratch: the folder of the study's file and of checkpoints.
+    Its report has a folder, and ``scratch`` has the study's file and checkpoints.
 
     Raises:
         InputError: there is no such file, or its content is invalid.

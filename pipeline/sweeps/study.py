@@ -104,11 +104,6 @@ def run_trials(study: optuna.Study, sweep: Sweep, train: Train, wanted: int) -> 
 def run_trial(sweep: Sweep, train: Train, trial: optuna.Trial) -> float:
     """Run a trial and return its score.
 
-    Args:
-        sweep: the sweep.
-        train: the training.
-        trial: Optuna's.
-
     Raises:
         TrialPruned: the score is not finite or worse than the median of the other trials, or the
             suggested values are invalid together.
@@ -169,9 +164,7 @@ class NumberedSampler(TPESampler):
 def open_study(sweep: Sweep, url: str | None) -> optuna.Study:
     """Open the study of a sweep; create it if missing, with params.yaml as its first trial.
 
-    Args:
-        sweep: the sweep.
-        url: of a database; None keeps the study in a file under ``scratch``.
+    Without the URL of a database it is kept in a file under ``scratch``.
 
     Raises:
         InputError: the database cannot be used, or the data are missing.

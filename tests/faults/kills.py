@@ -99,11 +99,11 @@ def killed_group(repository: Repository, stage: str, after: float) -> tuple[bool
     dvc = repository.start("dvc", "repro", stage)
     running = awaited_stage(dvc)
     started = time.monotonic()
-    assert running is not None and running.stage == stage, repository.printed()
+    assert running is not None and running[0] == stage, repository.printed()
     time.sleep(after)
     # What is stopped cannot end between the question and the kill.
     os.killpg(dvc.pid, signal.SIGSTOP)
-    hit, seconds = _halted(running.process), time.monotonic() - started
+    hit, seconds = _halted(running[1]), time.monotonic() - started
     os.killpg(dvc.pid, signal.SIGKILL)
     dvc.wait()
     return hit, seconds

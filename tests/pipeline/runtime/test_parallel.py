@@ -87,11 +87,15 @@ def test_an_address_without_a_scheduler_is_one_error(monkeypatch, address):
 
 
 @pytest.mark.slow
-def test_a_cluster_does_all_tasks_though_a_worker_is_killed(tmp_path, on_cluster):
+def test_a_cluster_on_loopback_does_all_tasks_though_workers_are_killed(tmp_path, on_cluster):
+    for process in (on_cluster.scheduler, *on_cluster.workers):
+        assert listening(process.pid) == {"127.0.0.1"}
+    with pytest.raises(ZeroDivisionError, match="in the task"):
+        list(parallel([threads, failing]))
+    assert list(parallel([threads])) == [{1}]
     found = parallel(tasks(tmp_path))
     first = next(found)
     on_cluster.workers[0].kill()
-
     assert [first, *found] == list(range(40))
     assert {worker.pid for worker in on_cluster.workers} == processes(tmp_path)
 
@@ -100,19 +104,6 @@ def test_a_cluster_does_all_tasks_though_a_worker_is_killed(tmp_path, on_cluster
 def test_the_task_that_a_worker_died_of_is_done_by_another(tmp_path, on_cluster):
     assert list(parallel([partial(killing, tmp_path)])) == ["done by another"]
     assert sum(worker.poll() == -signal.SIGKILL for worker in on_cluster.workers) == 1
-
-
-@pytest.mark.slow
-def test_an_error_in_a_task_on_a_cluster_is_the_caller_s(on_cluster):
-    with pytest.raises(ZeroDivisionError, match="in the task"):
-        list(parallel([threads, failing]))
-    assert list(parallel([threads])) == [{1}]
-
-
-@pytest.mark.slow
-def test_a_cluster_listens_on_loopback_alone(on_cluster):
-    for process in (on_cluster.scheduler, *on_cluster.workers):
-        assert listening(process.pid) == {"127.0.0.1"}
 
 
 @pytest.mark.slow

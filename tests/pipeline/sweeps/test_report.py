@@ -57,15 +57,13 @@ def test_the_report_is_written_again_with_the_same_bytes(swept):
     assert {path.name: path.read_bytes() for path in sweep.report.iterdir()} == files
 
 
-@pytest.mark.parametrize(("trials", "panels"), [(19, 1), (20, 2)])
-def test_the_figure_has_the_importance_once_enough_trials_were_completed(
-    tmp_path, monkeypatch, trials, panels
-):
+def test_the_figure_has_the_importance_once_enough_trials_were_completed(tmp_path, monkeypatch):
     drawn = []
     monkeypatch.setattr(report, "save_figure", lambda _, figure: drawn.append(figure))
     sweep = small_sweep(tmp_path, pruning={"first_trials": 20, "first_steps": 1})
-    write_report(sweep, run(sweep, trials))
-    assert [len(figure.axes) for figure in drawn] == [panels]
+    for count in (19, 20):
+        write_report(sweep, run(sweep, count))
+    assert [len(figure.axes) for figure in drawn] == [1, 2]
 
 
 def test_the_figure_has_every_trial_and_the_score_of_params():
@@ -122,17 +120,14 @@ def test_trials_are_nested_mlflow_runs_and_a_failed_one_does_not_fail_the_parent
 
 
 @pytest.mark.parametrize("name", ["predictor", "policy"])
-def test_the_committed_sweep_has_all_its_trials_and_is_confirmed_if_one_is_better(name):
+def test_the_committed_sweep_is_whole_and_confirmed_if_a_trial_is_better(name):
     sweep = Sweep(ROOT, name)
     summary = read_json(sweep.report / "sweep.json")
     assert sum(summary["trials"].values()) == sweep.settings.trials
     best = merged(sweep.params, read_yaml(sweep.report / "best_params.yaml"))
     assert (sweep.report / "confirmed.json").exists() == (best != sweep.params)
-
-
-@pytest.mark.parametrize("path", sorted((ROOT / "reports" / "sweeps").glob("*/confirmed.json")))
-def test_a_committed_confirmation_holds_only_with_all_seeds(path):
-    summary, confirmed = read_json(path.with_name("sweep.json")), read_json(path)
-    smaller = summary["direction"] == "minimize"
-    differences = [*confirmed["per_seed"], confirmed["ci_low"], confirmed["ci_high"]]
-    assert confirmed["holds"] == all(one < 0 if smaller else one > 0 for one in differences)
+    if best != sweep.params:
+        confirmed = read_json(sweep.report / "confirmed.json")
+        sign = -1 if summary["direction"] == "minimize" else 1
+        differences = [*confirmed["per_seed"], confirmed["ci_low"], confirmed["ci_high"]]
+        assert confirmed["holds"] == all(sign * difference > 0 for difference in differences)

@@ -1,8 +1,6 @@
 """Workers share a study; it survives the death of any of them."""
 
-import os
-import subprocess
-import sys
+import multiprocessing
 import time
 from contextlib import contextmanager
 from functools import partial
@@ -15,44 +13,36 @@ from optuna.trial import TrialState
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sweeps import study as study_module
 from rallygap.pipeline.sweeps.study import PROCESS, ended, open_study, retry_lost, run_sweep
-from tests.pipeline.sweeps.small_sweeps import HEADS, ROOT, run, small_sweep, valley
+from tests.pipeline.sweeps.small_sweeps import HEADS, run, small_sweep, valley
 
-# A worker on the repository argv[1] until argv[2] trials; a trial says so and waits while the file
-# "hold" exists.
-SCRIPT = """
-import os, sys, time
-from contextlib import nullcontext
-from pathlib import Path
-from rallygap.pipeline.sweeps import study
-from rallygap.pipeline.sweeps.settings import Sweep
-from tests.pipeline.sweeps.small_sweeps import valley
 
-root = Path(sys.argv[1])
+def work(sweep, wanted, url, started):
+    """Be a worker; a trial says so and waits while the file "hold" exists."""
 
-def held(params, folder, report):
-    print("started", flush=True)
-    while (root / "hold").exists():
-        time.sleep(0.05)
-    return valley(params, folder, report)
+    def held(params, folder, report):
+        started.set()
+        while (sweep.root / "hold").exists():
+            time.sleep(0.05)
+        return valley(params, folder, report)
 
-study.recording = lambda *_: nullcontext()
-study.training_of = lambda sweep: held
-study.HEARTBEAT, study.GRACE = 1, 3
-study.run_sweep(Sweep(root, "tiny"), os.environ.get("RALLYGAP_STUDY"), int(sys.argv[2]))
-"""
+    study_module.training_of = lambda sweep: held
+    study_module.HEARTBEAT, study_module.GRACE = 1, 3
+    run_sweep(sweep, url, wanted)
 
 
 @contextmanager
 def start(sweep, wanted, url=None):
-    """A worker of a sweep, killed at the end of the block."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)} | ({"RALLYGAP_STUDY": url} if url else {})
-    command = [sys.executable, "-c", SCRIPT, sweep.root, str(wanted)]
-    options = {"stdout": subprocess.PIPE, "text": True, "env": environment, "cwd": ROOT}
-    with subprocess.Popen(command, **options) as process:
-        try:
-            yield process
-        finally:
-            process.kill()
+    """A worker of a sweep that is at a trial, killed at the end of the block."""
+    context = multiprocessing.get_context("fork")
+    started = context.Event()
+    process = context.Process(target=work, args=[sweep, wanted, url, started])
+    process.start()
+    try:
+        assert started.wait(300)
+        yield process
+    finally:
+        process.kill()
+        process.join()
 
 
 def table(study):
@@ -127,13 +117,13 @@ def test_workers_share_a_study_and_the_next_one_retries_the_trial_of_a_killed_on
     sweep = small_sweep(tmp_path)
     (tmp_path / "hold").touch()
     with start(sweep, 5) as lost, start(sweep, 5) as other:
-        assert lost.stdout.readline() == other.stdout.readline() == "started\n"
         lost.kill()
-        lost.wait()
+        lost.join()
         with start(sweep, 5) as late:
-            assert late.stdout.readline() == "started\n"
             (tmp_path / "hold").unlink()
-            assert [other.wait(300), late.wait(300)] == [0, 0]
+            other.join()
+            late.join()
+            assert (other.exitcode, late.exitcode) == (0, 0)
     study = open_study(sweep, None)
     assert ended(study) in (5, 6)  # both may begin a fifth
     assert_retried(study)
@@ -199,13 +189,13 @@ def test_two_machines_start_one_study_in_postgresql_and_one_is_killed(tmp_path, 
     machine = partial(start, sweep, 8, postgres_url)
     open_study(sweep, postgres_url)  # two cannot make the tables at once
     with machine() as lost, machine() as other:
-        assert lost.stdout.readline() == other.stdout.readline() == "started\n"
         study = open_study(sweep, postgres_url)
         assert states(study) == [TrialState.RUNNING] * 2
         lost.kill()
         time.sleep(4)  # until its heartbeat is stale
         (tmp_path / "hold").unlink()
-        assert other.wait(120) == 0
+        other.join()
+        assert other.exitcode == 0
     assert ended(study) == 8
     assert_retried(study)
     assert len({str(one.params) for one in study.trials}) == len(study.trials) - 1
