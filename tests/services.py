@@ -59,6 +59,16 @@ def await_answer(url):
 
 
 @pytest.fixture(scope="session")
+def empty_store(tmp_path_factory):
+    """A store of runs that MLflow made, to be copied: that takes seconds."""
+    from mlflow import MlflowClient
+
+    path = tmp_path_factory.mktemp("store") / "mlflow.db"
+    MlflowClient(f"sqlite:///{path}").search_experiments()
+    return path
+
+
+@pytest.fixture(scope="session")
 def postgres_server():
     """The URL of a PostgreSQL server on loopback that asks for a password; without a database."""
     initdb, pg_ctl = program("initdb"), program("pg_ctl")

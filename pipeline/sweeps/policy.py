@@ -8,8 +8,7 @@ import pandas as pd
 
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.params import Params
-from rallygap.pipeline.policies.descriptions import described_policy
-from rallygap.pipeline.policies.storage import TrainedPolicy
+from rallygap.pipeline.policies.storage import TrainedPolicy, described_policy
 from rallygap.pipeline.policies.training import (
     RECORD,
     TrainingJob,

@@ -1,7 +1,6 @@
 """The report of a sweep: best parameters as params.yaml takes them, all trials, a figure."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import optuna
 import pandas as pd
@@ -51,13 +50,25 @@ def write_report(sweep: Sweep, study: optuna.Study) -> list[str]:
             (sweep.report / name).unlink(missing_ok=True)
     write_text(path, text)
     write_csv(sweep.report / TRIALS, trials)
-    write_json(sweep.report / SUMMARY, _summary(sweep, study, trials))
+    params_score = _params_score(sweep, trials)
+    summary = {
+        "sweep": sweep.name,
+        "study": study.study_name,
+        "score": sweep.settings.score,
+        "direction": sweep.settings.direction,
+        "trials": {str(name): int(n) for name, n in trials["outcome"].value_counts().items()},
+        "best_trial": study.best_trial.number,
+        "best_score": rounded(study.best_value),
+        "params_score": params_score,
+        "settings": sweep.settings.model_dump(mode="json"),
+    }
+    write_json(sweep.report / SUMMARY, summary)
     completed = study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))
     importance = {}
     if len(completed) >= MIN_COMPLETED:
         importance = get_param_importances(study, evaluator=PedAnovaImportanceEvaluator())
-    score, default = sweep.settings.score, _params_score(sweep, trials)
-    save_figure(sweep.report / FIGURE, sweep_figure(trials, importance, score, default))
+    figure = sweep_figure(trials, importance, sweep.settings.score, params_score)
+    save_figure(sweep.report / FIGURE, figure)
     return flags(sweep.params, merged(sweep.params, best))
 
 
@@ -78,20 +89,6 @@ def trials_table(sweep: Sweep, study: optuna.Study) -> pd.DataFrame:
         for trial in study.get_trials(deepcopy=False, states=tuple(OUTCOMES))
     ]
     return pd.DataFrame(rows, columns=["trial", "outcome", "steps", "score", *sweep.settings.space])
-
-
-def _summary(sweep: Sweep, study: optuna.Study, trials: pd.DataFrame) -> dict[str, Any]:
-    return {
-        "sweep": sweep.name,
-        "study": study.study_name,
-        "score": sweep.settings.score,
-        "direction": sweep.settings.direction,
-        "trials": {str(name): int(n) for name, n in trials["outcome"].value_counts().items()},
-        "best_trial": study.best_trial.number,
-        "best_score": rounded(study.best_value),
-        "params_score": _params_score(sweep, trials),
-        "settings": sweep.settings.model_dump(mode="json"),
-    }
 
 
 def _params_score(sweep: Sweep, trials: pd.DataFrame) -> float | None:

@@ -28,6 +28,7 @@ from optuna.trial import FrozenTrial, TrialState
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 
+from rallygap.pipeline.params import Params
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.git import git_commit
 from rallygap.pipeline.sweeps.report import write_report
@@ -122,15 +123,7 @@ def run_trial(sweep: Sweep, train: Train, trial: optuna.Trial) -> float:
         params = sweep.trial_params(sweep.suggest(trial))
     except InputError as error:
         raise TrialPruned(str(error)) from None
-    # A run of MLflow, nested in the run of the sweep.
-    command = f"rallygap sweep {sweep.name}"
-    shared = {"mlflow.source.name": command}
-    if commit := git_commit(sweep.root):
-        shared["mlflow.source.git.commit"] = commit
-    parent = ParentRun(trial.study.study_name, command, shared)
-    own = {"rallygap.study": parent.key, "rallygap.trial": str(trial.number)}
-    used = params.model_dump(mode="json", include={"seed", settings.stage})
-    start = RunStart(f"trial {trial.number}", used, {**shared, **own}, parent)
+    start = _run_start(sweep, trial, params)
     metric = settings.score.replace(" ", "_")
     with recording(start, lambda: Results({metric: scores})), TemporaryDirectory() as checkpoints:
         try:
@@ -144,6 +137,18 @@ def run_trial(sweep: Sweep, train: Train, trial: optuna.Trial) -> float:
         raise result
     typer.echo(f"trial {trial.number}: {settings.score} {result:.4g}")
     return result
+
+
+def _run_start(sweep: Sweep, trial: optuna.Trial, params: Params) -> RunStart:
+    """Describe a trial's MLflow run, nested in the run of the sweep."""
+    command = f"rallygap sweep {sweep.name}"
+    shared = {"mlflow.source.name": command}
+    if commit := git_commit(sweep.root):
+        shared["mlflow.source.git.commit"] = commit
+    parent = ParentRun(trial.study.study_name, command, shared)
+    own = {"rallygap.study": parent.key, "rallygap.trial": str(trial.number)}
+    used = params.model_dump(mode="json", include={"seed", sweep.settings.stage})
+    return RunStart(f"trial {trial.number}", used, {**shared, **own}, parent)
 
 
 class NumberedSampler(TPESampler):

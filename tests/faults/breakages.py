@@ -30,52 +30,31 @@ Strike = Callable[[Repository, str], Ended]
 
 @dataclass(frozen=True)
 class Fault:
-    """Something that goes wrong while a stage runs.
-
-    Args:
-        name: what it is.
-        stage: that it strikes.
-        strike: runs ``dvc repro`` with it.
-        says: what the run must say, so that a fault that never struck is not taken for borne.
-        borne: whether that ends well all the same.
-        needs_root: whether it mounts disks.
-        damages: a file of DVC's that it may damage, which is then repaired; "" if none.
-    """
+    """Something that goes wrong while a stage runs."""
 
     name: str
     stage: str
-    strike: Strike
-    says: str = ""
-    borne: bool = False
-    needs_root: bool = False
-    damages: str = ""
+    strike: Strike  # runs `dvc repro` with it
+    says: str = (
+        ""  # what the run must say, so that a fault that never struck is not taken for borne
+    )
+    borne: bool = False  # whether the run ends well all the same
+    needs_root: bool = False  # to mount disks
+    damages: str = ""  # a file of DVC's that it may damage, which is then repaired
 
 
 @dataclass(frozen=True)
 class Suffered:
-    """A fault and what came of it.
-
-    Args:
-        fault: its name.
-        stage: that it struck.
-        happened: how ``dvc repro`` ended.
-        as_expected: whether it ended well exactly where it should, said what it should, and damaged
-            no file of DVC's but the one that it may.
-        message: what it said.
-        half_written: how many outputs stood under their name and were not whole.
-        same_hashes: whether ``dvc repro``, run again without the fault, ended with the undisturbed
-            run's bytes and lock, and nothing besides.
-        differences: the files that say otherwise.
-    """
+    """A fault and what came of it."""
 
     fault: str
     stage: str
-    happened: str
-    as_expected: bool
+    happened: str  # how `dvc repro` ended
+    as_expected: bool  # as it should, saying what it should, no other file of DVC's damaged
     message: str
-    half_written: int
-    same_hashes: bool
-    differences: str
+    half_written: int  # outputs that stood under their name and were not whole
+    same_hashes: bool  # of `dvc repro` without the fault: the undisturbed run's bytes and lock
+    differences: str  # the files that say otherwise
 
 
 def suffer(repository: Repository, fault: Fault) -> Suffered:

@@ -58,17 +58,11 @@ class Ended:
 
 @dataclass(frozen=True)
 class Repository:
-    """The copy, what an undisturbed run of it left, and how long its stages took.
-
-    Args:
-        folder: where it runs.
-        spare: a copy of it after the undisturbed run.
-        seconds: stage to how long it took.
-    """
+    """The copy, what an undisturbed run of it left, and how long its stages took."""
 
     folder: Path
-    spare: Path
-    seconds: dict[str, float]
+    spare: Path  # the copy after the undisturbed run
+    seconds: dict[str, float]  # by stage
 
     @contextmanager
     def without(self, stage: str) -> Iterator[None]:
@@ -118,8 +112,8 @@ class Repository:
     def recover(self) -> tuple[Ended, str]:
         """Run ``dvc repro``; where DVC refuses a file of its own, repair that and run it again.
 
-        Returns:
-            How it ended, and the file that was repaired, as docs/reliability.md says; "" if none.
+        Returns how it ended, and the file that was repaired, as docs/reliability.md says; "" if
+        none.
         """
         ended = self.reproduce()
         for name, refusal in REFUSALS.items():

@@ -6,7 +6,7 @@ from rallygap.models.ball.simulator import Simulator
 from rallygap.pipeline.evaluation.predictors import ARENA
 from rallygap.pipeline.io.amended_simulators import amended_by
 from rallygap.pipeline.params import Params
-from rallygap.pipeline.policies.descriptions import described_policies
+from rallygap.pipeline.policies.storage import described_policies
 from rallygap.pipeline.policies.training import TrainingJob, TrainingResult, train_policies
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.transfer.retraining import in_simulator

@@ -1,5 +1,6 @@
 """The report of a sweep: parameters that params.yaml accepts, and the same bytes every time."""
 
+import shutil
 import sqlite3
 from functools import partial
 
@@ -94,8 +95,9 @@ def failing_once(params, folder, report):
 
 
 def test_trials_are_nested_mlflow_runs_and_a_failed_one_does_not_fail_the_parent(
-    tmp_path, monkeypatch
+    tmp_path, monkeypatch, empty_store
 ):
+    shutil.copy(empty_store, tmp_path)
     monkeypatch.setattr(trials, "recording", tracking.recording)
     monkeypatch.setenv("DVC_ROOT", str(tmp_path))
     monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)

@@ -1,5 +1,6 @@
 """Trained models in MLflow load and predict again, and the best one is the champion."""
 
+import shutil
 from pathlib import Path
 
 import mlflow
@@ -46,19 +47,18 @@ def predictor(folder, loss, balls):
 
 
 @pytest.fixture(scope="module")
-def store(tmp_path_factory):
+def store(tmp_path_factory, empty_store):
     """A store with versions of losses 3 and 2 on the same balls, and 1 on others."""
     folder = tmp_path_factory.mktemp("store")
-    uri = f"sqlite:///{folder / 'mlflow.db'}"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        mlflow.set_tracking_uri(uri)
-        mlflow.set_experiment(experiment_id="0")  # other tests leave theirs
-        with mlflow.start_run():
-            for seed, (loss, balls) in enumerate([(3.0, "a"), (2.0, "a"), (1.0, "b")]):
-                register_model(predictor(trained(folder, seed), loss, balls))
-        yield mlflow.MlflowClient(uri), uri, folder
-        mlflow.set_tracking_uri(None)
+    uri = f"sqlite:///{shutil.copy(empty_store, folder)}"
+    mlflow.set_tracking_uri(uri)
+    mlflow.create_experiment("models", artifact_location=(folder / "mlruns").as_uri())
+    mlflow.set_experiment("models")
+    with mlflow.start_run():
+        for seed, (loss, balls) in enumerate([(3.0, "a"), (2.0, "a"), (1.0, "b")]):
+            register_model(predictor(trained(folder, seed), loss, balls))
+    yield mlflow.MlflowClient(uri), uri, folder
+    mlflow.set_tracking_uri(None)
 
 
 def version_of(client, alias, name="predictor-small-arena"):
@@ -89,7 +89,8 @@ def test_a_model_predicts_the_same_again_and_nothing_in_it_is_pickled(store):
     assert not {name for name in files if name.endswith((".pkl", ".pickle", ".pt", ".pth"))}
 
 
-def test_a_stage_registers_its_policies_without_a_word(tmp_path, monkeypatch, capfd):
+def test_a_stage_registers_its_policies_without_a_word(tmp_path, monkeypatch, capfd, empty_store):
+    shutil.copy(empty_store, tmp_path)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("DVC_ROOT", str(tmp_path))
     monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)

@@ -29,14 +29,6 @@ ROOT = Path(__file__).parents[3]
 ORIGIN = Provenance("python -m rallygap.stages.segment", "f" * 64)
 
 
-@pytest.fixture(scope="session")
-def empty_store(tmp_path_factory):
-    """A store that MLflow made, which takes seconds."""
-    path = tmp_path_factory.mktemp("store") / "mlflow.db"
-    mlflow.MlflowClient(f"sqlite:///{path}").search_experiments()
-    return path
-
-
 @pytest.fixture
 def new_store(tmp_path, monkeypatch):
     """Where a store will be: in a repository with a space in its name."""
