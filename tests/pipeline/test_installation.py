@@ -85,6 +85,13 @@ def recordings(tmp_path):
     return folder
 
 
+def test_the_base_installation_imports_what_its_commands_and_the_public_names_need(base_only):
+    commands = ("gap.diagnose_folder", "engines.audit_folder", "engines.export.command")
+    modules = ", ".join(f"rallygap.pipeline.{name}" for name in (*commands, "live.command"))
+    ended = base_only(code=f"import {modules}; from rallygap import *")
+    assert ended.returncode == 0, ended.stderr
+
+
 @pytest.mark.slow
 def test_the_base_installation_diagnoses_a_folder(base_only, recordings, tmp_path):
     ended = base_only(
@@ -95,6 +102,7 @@ def test_the_base_installation_diagnoses_a_folder(base_only, recordings, tmp_pat
     assert verdict["verdict"] != "no_gap"
 
 
+@pytest.mark.slow
 def test_the_code_of_the_python_api_page_runs_as_pasted(base_only, recordings):
     page = (ROOT / "docs" / "python-api.md").read_text()
     code = "\n".join(re.findall(r"```python\n(.*?)```", page, re.DOTALL))
